@@ -1,9 +1,39 @@
 //! The reaction-wheel pendulum: motion, physical effects, sensors, experiments.
 //!
-//! One generic right-hand side serves simulation, the fit's sensitivities and linearisation.
+//! One generic right-hand side ([`Plant::derivative`]) serves simulation, the sensitivities of the
+//! fit (with [`Dual`] numbers) and linearisation. Experiments are constraints on the same model
+//! ([`Kind`]); sensors are part of the model but not of the motion.
+//!
+//! | file | job |
+//! |---|---|
+//! | `scalar` | numbers with and without derivatives |
+//! | `effect` | what an effect is |
+//! | `effects/` | the library, one file an effect |
+//! | `model` | which effects a model has; the layout of its parameter vector |
+//! | `plant` | the motion and its integration |
+//! | `input` | the recorded current as a function of time |
+//! | `linear` | the linear model about upright |
+//! | `experiment` | the kinds of experiment |
 
+mod effect;
+mod effects;
 mod experiment;
+mod input;
 mod linear;
+mod model;
+mod plant;
+mod scalar;
 
+pub use effect::{
+    Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Reading, Role,
+    Smoothing,
+};
+pub use effects::EffectId;
 pub use experiment::Kind;
-pub use linear::LinearModel;
+pub use input::{Hold, Input};
+pub use linear::{LinearModel, LinearisationError, linearise};
+pub use model::{
+    BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
+};
+pub use plant::{Drive, Plant, State};
+pub use scalar::{Dual, Scalar};

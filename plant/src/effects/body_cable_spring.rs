@@ -1,0 +1,48 @@
+//! A cable that pulls the body like a spring.
+
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::{Kind, Scalar};
+
+/// κ (α − α₀)
+#[derive(Clone, Copy, Debug)]
+pub struct BodyCableSpring;
+
+impl Effect for BodyCableSpring {
+    const INFO: EffectInfo = EffectInfo {
+        name: "body-cable-spring",
+        equation: "κ (α − α₀)",
+        meaning: "the supply or sensor cable bends as the body turns",
+        source: "contract",
+        fingerprint: "the rest position and the balance point are shifted, and the period changes",
+        role: Role::Body,
+        parameters: &[ParameterInfo {
+            name: "cable_stiffness",
+            unit: "N m/rad",
+            meaning: "bending stiffness of the cable",
+            plausible: (1e-4, 5e-2),
+            bounds: (0.0, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+        },
+        ParameterInfo {
+            name: "cable_rest_angle",
+            unit: "rad",
+            meaning: "angle at which the cable exerts no torque",
+            plausible: (-1.5, 1.5),
+            bounds: (-6.3, 6.3),
+            is_torque: false,
+            logarithmic: false,
+        }],
+        starts: &[&[1e-3, 0.0], &[1e-3, 1.0], &[1e-3, -1.0]],
+        absent: Some(&[0.0, 0.0]),
+        replaces: &[],
+        shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
+        has_kink: false,
+        linearised: Linearised::Exactly,
+    };
+
+    #[inline(always)]
+    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+        p[0] * (at.angle_rad - p[1])
+    }
+}

@@ -1,0 +1,39 @@
+//! Coulomb (dry) friction of the pivot.
+
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::{Kind, Scalar};
+
+/// μ tanh(α̇/v₀)
+#[derive(Clone, Copy, Debug)]
+pub struct BodyCoulombFriction;
+
+impl Effect for BodyCoulombFriction {
+    const INFO: EffectInfo = EffectInfo {
+        name: "body-coulomb-friction",
+        equation: "μ tanh(α̇/v₀)",
+        meaning: "dry rubbing in the pivot bearing",
+        source: "thesis 3.10",
+        fingerprint: "the amplitude falls by the same amount in every cycle, so that the swing ends at a finite time",
+        role: Role::Body,
+        parameters: &[ParameterInfo {
+            name: "body_coulomb_torque",
+            unit: "N m",
+            meaning: "sliding friction torque of the pivot",
+            plausible: (1e-5, 1e-2),
+            bounds: (0.0, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+        }],
+        starts: &[&[1e-4]],
+        absent: Some(&[0.0]),
+        replaces: &[],
+        shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
+        has_kink: true,
+        linearised: Linearised::AsDryFriction,
+    };
+
+    #[inline(always)]
+    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, v0: &Smoothing) -> S {
+        p[0] * (at.rate_rad_s * (1.0 / v0.body_rad_s)).tanh()
+    }
+}

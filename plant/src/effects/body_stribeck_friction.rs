@@ -1,0 +1,59 @@
+//! Stribeck friction of the pivot: more friction at low speed than at high speed.
+
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::{Kind, Scalar};
+
+/// (μ + (μ_s − μ) exp(−(α̇/v_s)²)) tanh(α̇/v₀)
+#[derive(Clone, Copy, Debug)]
+pub struct BodyStribeckFriction;
+
+impl Effect for BodyStribeckFriction {
+    const INFO: EffectInfo = EffectInfo {
+        name: "body-stribeck-friction",
+        equation: "(μ + (μ_s − μ) exp(−(α̇/v_s)²)) tanh(α̇/v₀)",
+        meaning: "boundary lubrication that gives way to sliding",
+        source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30 (1994), eq. 6",
+        fingerprint: "dry friction that is larger at the turning points of small swings than at high speed",
+        role: Role::Body,
+        parameters: &[ParameterInfo {
+            name: "body_coulomb_torque",
+            unit: "N m",
+            meaning: "sliding friction torque of the pivot",
+            plausible: (1e-5, 1e-2),
+            bounds: (0.0, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+        },
+        ParameterInfo {
+            name: "body_breakaway_torque",
+            unit: "N m",
+            meaning: "friction torque as the speed goes to zero",
+            plausible: (1e-5, 2e-2),
+            bounds: (0.0, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+        },
+        ParameterInfo {
+            name: "body_stribeck_speed",
+            unit: "rad/s",
+            meaning: "speed at which the extra friction has fallen to 1/e",
+            plausible: (0.02, 2.0),
+            bounds: (0.005, 20.0),
+            is_torque: false,
+            logarithmic: true,
+        }],
+        starts: &[&[1e-4, 2e-4, 0.1], &[1e-4, 2e-4, 0.5], &[1e-4, 2e-4, 2.0]],
+        absent: Some(&[0.0, 0.0, 0.1]),
+        replaces: &["body-coulomb-friction"],
+        shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
+        has_kink: true,
+        linearised: Linearised::AsDryFriction,
+    };
+
+    #[inline(always)]
+    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, v0: &Smoothing) -> S {
+        let ratio = at.rate_rad_s / p[2];
+        let level = p[0] + (p[1] - p[0]) * (-(ratio * ratio)).exp();
+        level * (at.rate_rad_s * (1.0 / v0.body_rad_s)).tanh()
+    }
+}

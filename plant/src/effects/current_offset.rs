@@ -1,0 +1,44 @@
+//! A constant current that nobody asked for.
+
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::{Kind, Scalar};
+
+/// torque = τ (i + i₀)
+#[derive(Clone, Copy, Debug)]
+pub struct CurrentOffset;
+
+impl Effect for CurrentOffset {
+    const INFO: EffectInfo = EffectInfo {
+        name: "current-offset",
+        equation: "torque = τ (i + i₀)",
+        meaning: "offset of the analogue set point of the drive",
+        source: "contract",
+        fingerprint: "the wheel creeps at zero command; forward and reversed runs are not mirror images",
+        role: Role::Motor,
+        parameters: &[ParameterInfo {
+            name: "current_offset",
+            unit: "A",
+            meaning: "current at zero command",
+            plausible: (-0.2, 0.2),
+            bounds: (-10.0, 10.0),
+            is_torque: false,
+            logarithmic: false,
+        }],
+        starts: &[&[0.0]],
+        absent: Some(&[0.0]),
+        replaces: &[],
+        shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        has_kink: false,
+        linearised: Linearised::LeftOut,
+    };
+
+    #[inline(always)]
+    fn current<S: Scalar>(
+        p: &[S; MAX_PARAMETERS],
+        current_a: S,
+        _at: &Instant<S>,
+        _torque_constant: S,
+    ) -> S {
+        current_a + p[0]
+    }
+}

@@ -1,0 +1,39 @@
+//! The current follows its command with a lag.
+
+use crate::effect::{Effect, EffectInfo, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::{Kind, Scalar};
+
+/// T di/dt = u − i
+#[derive(Clone, Copy, Debug)]
+pub struct MotorLag;
+
+impl Effect for MotorLag {
+    const INFO: EffectInfo = EffectInfo {
+        name: "motor-lag",
+        equation: "T di/dt = u − i",
+        meaning: "winding inductance and the bandwidth of the current drive",
+        source: "contract",
+        fingerprint: "after a step of the command the acceleration rises gradually; while balancing, the loop rings",
+        role: Role::Motor,
+        parameters: &[ParameterInfo {
+            name: "motor_lag",
+            unit: "s",
+            meaning: "time constant",
+            plausible: (2e-4, 0.1),
+            bounds: (0.0, 10.0),
+            is_torque: false,
+            logarithmic: false,
+        }],
+        starts: &[&[1e-3], &[2e-2]],
+        absent: Some(&[0.0]),
+        replaces: &[],
+        shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        has_kink: false,
+        linearised: Linearised::LeftOut,
+    };
+
+    #[inline(always)]
+    fn lag_s<S: Scalar>(p: &[S; MAX_PARAMETERS]) -> Option<S> {
+        Some(p[0])
+    }
+}

@@ -1,0 +1,57 @@
+//! Cogging of the motor.
+
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::{Kind, Scalar};
+
+/// a sin(n φ + ψ)
+#[derive(Clone, Copy, Debug)]
+pub struct WheelCogging;
+
+impl Effect for WheelCogging {
+    const INFO: EffectInfo = EffectInfo {
+        name: "wheel-cogging",
+        equation: "a sin(n φ + ψ)",
+        meaning: "the magnets of the rotor prefer certain positions of the stator",
+        source: "Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 10",
+        fingerprint: "a slow wheel speeds up and slows down n times in every turn",
+        role: Role::Wheel,
+        parameters: &[ParameterInfo {
+            name: "cogging_torque",
+            unit: "N m",
+            meaning: "amplitude",
+            plausible: (1e-5, 1e-2),
+            bounds: (0.0, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+        },
+        ParameterInfo {
+            name: "cogging_order",
+            unit: "1",
+            meaning: "periods in one turn of the wheel",
+            plausible: (1.0, 60.0),
+            bounds: (0.5, 500.0),
+            is_torque: false,
+            logarithmic: false,
+        },
+        ParameterInfo {
+            name: "cogging_phase",
+            unit: "rad",
+            meaning: "phase where a log starts",
+            plausible: (-3.1416, 3.1416),
+            bounds: (f64::NEG_INFINITY, f64::INFINITY),
+            is_torque: false,
+            logarithmic: false,
+        }],
+        starts: &[&[1e-4, 1.0, 0.0]],
+        absent: Some(&[0.0, 1.0, 0.0]),
+        replaces: &[],
+        shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        has_kink: false,
+        linearised: Linearised::LeftOut,
+    };
+
+    #[inline(always)]
+    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+        p[0] * (p[1] * at.wheel_angle_rad + p[2]).sin()
+    }
+}

@@ -1,0 +1,39 @@
+//! Coulomb (dry) friction of the wheel.
+
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::{Kind, Scalar};
+
+/// μ_w tanh(φ̇/v₀)
+#[derive(Clone, Copy, Debug)]
+pub struct WheelCoulombFriction;
+
+impl Effect for WheelCoulombFriction {
+    const INFO: EffectInfo = EffectInfo {
+        name: "wheel-coulomb-friction",
+        equation: "μ_w tanh(φ̇/v₀)",
+        meaning: "dry rubbing in the bearings of wheel and motor",
+        source: "thesis 3.10, on the wheel",
+        fingerprint: "a coasting wheel slows down along a straight line and stops; a reversed current gives the mirror image",
+        role: Role::Wheel,
+        parameters: &[ParameterInfo {
+            name: "wheel_coulomb_torque",
+            unit: "N m",
+            meaning: "sliding friction torque of the wheel",
+            plausible: (1e-5, 1e-2),
+            bounds: (0.0, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+        }],
+        starts: &[&[1e-4]],
+        absent: Some(&[0.0]),
+        replaces: &[],
+        shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        has_kink: true,
+        linearised: Linearised::LeftOut,
+    };
+
+    #[inline(always)]
+    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, v0: &Smoothing) -> S {
+        p[0] * (at.wheel_speed_rad_s * (1.0 / v0.wheel_rad_s)).tanh()
+    }
+}

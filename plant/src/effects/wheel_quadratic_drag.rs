@@ -1,0 +1,39 @@
+//! Quadratic (air) drag of the wheel.
+
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::{Kind, Scalar};
+
+/// c_w φ̇ |φ̇|
+#[derive(Clone, Copy, Debug)]
+pub struct WheelQuadraticDrag;
+
+impl Effect for WheelQuadraticDrag {
+    const INFO: EffectInfo = EffectInfo {
+        name: "wheel-quadratic-drag",
+        equation: "c_w φ̇ |φ̇|",
+        meaning: "air moved by the spinning wheel",
+        source: "Nelson & Olsson, Am. J. Phys. 54 (1986) 112, eq. 3, on the wheel",
+        fingerprint: "a fast wheel loses a larger fraction of its speed in a second than a slow one",
+        role: Role::Wheel,
+        parameters: &[ParameterInfo {
+            name: "wheel_quadratic_drag",
+            unit: "N m s2/rad2",
+            meaning: "torque per squared wheel speed",
+            plausible: (1e-9, 1e-6),
+            bounds: (0.0, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+        }],
+        starts: &[&[1e-8]],
+        absent: Some(&[0.0]),
+        replaces: &[],
+        shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        has_kink: false,
+        linearised: Linearised::Exactly,
+    };
+
+    #[inline(always)]
+    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+        p[0] * at.wheel_speed_rad_s * at.wheel_speed_rad_s.abs()
+    }
+}

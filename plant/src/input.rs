@@ -1,0 +1,125 @@
+//! The current that a log records, as a function of time.
+
+use crate::Scalar;
+
+/// How the current runs between two samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// A command: held until the next sample.
+    Zero,
+    /// A measured current: a straight line between samples.
+    Linear,
+}
+
+/// A sampled current with its running integral, so that its mean over any interval is exact.
+///
+/// Over an integration step the current enters as its mean: exact where the step lies between two
+/// samples of a held command, and a continuous function of the delay everywhere, so that a delay
+/// has a derivative although the command has steps.
+#[derive(Clone, Debug)]
+pub struct Input {
+    time_s: Vec<f64>,
+    current_a: Vec<f64>,
+    charge_as: Vec<f64>,
+    hold: Hold,
+}
+
+impl Input {
+    /// `time_s` must increase; a NaN sample takes the value of the one before it (of the first
+    /// valid one at the start, and 0 if there is none).
+    pub fn new(time_s: &[f64], current_a: &[f64], hold: Hold) -> Input {
+        let mut last = current_a
+            .iter()
+            .copied()
+            .find(|current| current.is_finite())
+            .unwrap_or(0.0);
+        let current_a: Vec<f64> = current_a
+            .iter()
+            .map(|&current| {
+                if current.is_finite() {
+                    last = current;
+                }
+                last
+            })
+            .collect();
+        let mut charge_as = vec![0.0; time_s.len()];
+        for k in 1..time_s.len() {
+            let mean = match hold {
+                Hold::Zero => current_a[k - 1],
+                Hold::Linear => 0.5 * (current_a[k - 1] + current_a[k]),
+            };
+            charge_as[k] = charge_as[k - 1] + mean * (time_s[k] - time_s[k - 1]);
+        }
+        Input {
+            time_s: time_s.to_vec(),
+            current_a,
+            charge_as,
+            hold,
+        }
+    }
+
+    /// The index of the last sample at or before `time_s`, looked for near `hint`.
+    fn index(&self, time_s: f64, hint: usize) -> usize {
+        let near = |k: usize| {
+            k < self.time_s.len()
+                && self.time_s[k] <= time_s
+                && self.time_s.get(k + 1).is_none_or(|&next| time_s < next)
+        };
+        for k in [hint, hint + 1, hint.wrapping_sub(1)] {
+            if near(k) {
+                return k;
+            }
+        }
+        self.time_s
+            .partition_point(|&t| t <= time_s)
+            .saturating_sub(1)
+    }
+
+    /// ∫ i dt up to `time_s` and i there; before the first sample the first value holds.
+    fn charge(&self, time_s: f64, hint: usize) -> (f64, f64) {
+        let (Some(&first_s), Some(&first_a)) = (self.time_s.first(), self.current_a.first()) else {
+            return (0.0, 0.0);
+        };
+        if time_s <= first_s {
+            return (first_a * (time_s - first_s), first_a);
+        }
+        let k = self.index(time_s, hint);
+        let since = time_s - self.time_s[k];
+        let current = match (self.hold, self.current_a.get(k + 1)) {
+            (Hold::Linear, Some(&next)) => {
+                let span = self.time_s[k + 1] - self.time_s[k];
+                self.current_a[k] + (next - self.current_a[k]) * since / span
+            }
+            _ => self.current_a[k],
+        };
+        let mean = match self.hold {
+            Hold::Zero => current,
+            Hold::Linear => 0.5 * (self.current_a[k] + current),
+        };
+        (self.charge_as[k] + mean * since, current)
+    }
+
+    /// Mean of i(t − delay) over [from_s, to_s], in A; `hint` is the index of a sample nearby.
+    #[inline]
+    pub fn mean<S: Scalar>(&self, from_s: f64, to_s: f64, delay_s: Option<S>, hint: usize) -> S {
+        let span = to_s - from_s;
+        match delay_s {
+            None => {
+                if self.hold == Hold::Zero
+                    && self.time_s[hint] <= from_s
+                    && self.time_s.get(hint + 1).is_none_or(|&next| to_s <= next)
+                {
+                    return S::constant(self.current_a[hint]);
+                }
+                let (before, _) = self.charge(from_s, hint);
+                let (after, _) = self.charge(to_s, hint);
+                S::constant((after - before) / span)
+            }
+            Some(delay) => {
+                let (before, start) = self.charge(from_s - delay.value(), hint);
+                let (after, end) = self.charge(to_s - delay.value(), hint);
+                delay.chain((after - before) / span, -(end - start) / span)
+            }
+        }
+    }
+}

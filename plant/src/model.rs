@@ -1,0 +1,217 @@
+//! The structure of a model: the base parameters and the effects that it has.
+
+use crate::EffectId;
+use crate::effect::ParameterInfo;
+
+/// Position of Θ in a parameter vector.
+pub const TOTAL_INERTIA: usize = 0;
+/// Position of j_w in a parameter vector.
+pub const WHEEL_INERTIA: usize = 1;
+/// Position of G in a parameter vector.
+pub const GRAVITY_TORQUE: usize = 2;
+/// Position of τ in a parameter vector.
+pub const TORQUE_CONSTANT: usize = 3;
+
+/// The parameters that every model has, ahead of those of its effects.
+pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
+    ParameterInfo {
+        name: "total_inertia",
+        unit: "kg m2",
+        meaning: "Θ, moment of inertia of body and wheel about the pivot",
+        plausible: (1e-4, 1.0),
+        bounds: (1e-9, 1e3),
+        is_torque: true,
+        logarithmic: false,
+    },
+    ParameterInfo {
+        name: "wheel_inertia",
+        unit: "kg m2",
+        meaning: "j_w, moment of inertia of wheel and rotor about their axis",
+        plausible: (1e-6, 1e-1),
+        bounds: (1e-12, 1e3),
+        is_torque: true,
+        logarithmic: false,
+    },
+    ParameterInfo {
+        name: "gravity_torque",
+        unit: "N m",
+        meaning: "G = g (k m_w + l m_b)",
+        plausible: (1e-3, 20.0),
+        bounds: (1e-9, 1e4),
+        is_torque: true,
+        logarithmic: false,
+    },
+    ParameterInfo {
+        name: "torque_constant",
+        unit: "N m/A",
+        meaning: "τ, torque of the motor per ampere",
+        plausible: (1e-3, 1.0),
+        bounds: (1e-9, 1e3),
+        is_torque: true,
+        logarithmic: false,
+    },
+];
+
+/// Which effects a model has. The parameter vector that goes with it holds the base parameters
+/// followed by those of each effect, in this order; the functions here are the only place that
+/// knows the layout.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Model {
+    effects: Vec<EffectId>,
+}
+
+impl Model {
+    /// Viscous friction on pivot and wheel, nothing else.
+    pub fn base() -> Model {
+        Model {
+            effects: vec![
+                EffectId::BodyViscousFriction,
+                EffectId::WheelViscousFriction,
+            ],
+        }
+    }
+
+    /// A model with exactly these effects, in the order of the library; of an effect and one that
+    /// contains it, the containing one stays.
+    pub fn with_effects(effects: &[EffectId]) -> Model {
+        effects
+            .iter()
+            .fold(Model { effects: vec![] }, |model, &effect| {
+                model.with(effect)
+            })
+    }
+
+    /// The effects, in the order of the library.
+    pub fn effects(&self) -> &[EffectId] {
+        &self.effects
+    }
+
+    /// Whether the model has the effect.
+    pub fn has(&self, effect: EffectId) -> bool {
+        self.effects.contains(&effect)
+    }
+
+    /// This model and `effect`. Effects that it contains are replaced; a model that already has an
+    /// effect which contains it is returned as it is.
+    pub fn with(&self, effect: EffectId) -> Model {
+        let contained = self
+            .effects
+            .iter()
+            .any(|present| present.info().replaces.contains(&effect.name()));
+        if contained || self.has(effect) {
+            return self.clone();
+        }
+        let mut effects: Vec<EffectId> = self
+            .effects
+            .iter()
+            .copied()
+            .filter(|present| !effect.info().replaces.contains(&present.name()))
+            .collect();
+        effects.push(effect);
+        effects.sort();
+        Model { effects }
+    }
+
+    /// This model without `effect`.
+    pub fn without(&self, effect: EffectId) -> Model {
+        let mut effects = self.effects.clone();
+        effects.retain(|&present| present != effect);
+        Model { effects }
+    }
+
+    /// The parameters in the order of the parameter vector.
+    pub fn parameters(&self) -> Vec<&'static ParameterInfo> {
+        BASE_PARAMETERS
+            .iter()
+            .chain(
+                self.effects
+                    .iter()
+                    .flat_map(|effect| effect.info().parameters),
+            )
+            .collect()
+    }
+
+    /// The number of parameters.
+    pub fn parameter_count(&self) -> usize {
+        let own: usize = self
+            .effects
+            .iter()
+            .map(|effect| effect.info().parameters.len())
+            .sum();
+        BASE_PARAMETERS.len() + own
+    }
+
+    /// Where the parameters of `effect` start in the parameter vector, if the model has it.
+    pub fn position(&self, effect: EffectId) -> Option<usize> {
+        let mut position = BASE_PARAMETERS.len();
+        for &present in &self.effects {
+            if present == effect {
+                return Some(position);
+            }
+            position += present.info().parameters.len();
+        }
+        None
+    }
+
+    /// The position of the parameter with this name, if the model has it.
+    pub fn position_of(&self, parameter: &str) -> Option<usize> {
+        self.parameters()
+            .iter()
+            .position(|info| info.name == parameter)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_that_contains_another_replaces_it() {
+        let coulomb = Model::base().with(EffectId::BodyCoulombFriction);
+        let dahl = coulomb.with(EffectId::BodyPreslidingFriction);
+        assert!(!dahl.has(EffectId::BodyCoulombFriction));
+        assert_eq!(dahl.with(EffectId::BodyCoulombFriction), dahl);
+        assert_eq!(dahl.parameter_count(), dahl.parameters().len());
+    }
+
+    #[test]
+    fn parameter_names_are_unique_in_every_model_of_two_effects() {
+        for &a in EffectId::ALL {
+            for &b in EffectId::ALL {
+                let model = Model::base().with(a).with(b);
+                let mut names: Vec<_> = model.parameters().iter().map(|info| info.name).collect();
+                names.sort_unstable();
+                let before = names.len();
+                names.dedup();
+                // Stribeck and Dahl friction are two theories of one torque; they exclude each other.
+                let rivals = [
+                    EffectId::BodyStribeckFriction,
+                    EffectId::BodyPreslidingFriction,
+                ];
+                if !(a != b && rivals.contains(&a) && rivals.contains(&b)) {
+                    assert_eq!(before, names.len(), "{a:?} {b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_effect_describes_itself_completely() {
+        for &effect in EffectId::ALL {
+            let info = effect.info();
+            assert_eq!(EffectId::from_name(info.name), Some(effect));
+            assert!(!info.shows_in.is_empty() && !info.starts.is_empty());
+            assert!(info.parameters.len() <= crate::effect::MAX_PARAMETERS);
+            for start in info.starts.iter().chain(info.absent.iter()) {
+                assert_eq!(start.len(), info.parameters.len(), "{}", info.name);
+            }
+            for (index, parameter) in info.parameters.iter().enumerate() {
+                let (low, high) = parameter.bounds;
+                assert!(low <= parameter.plausible.0 && parameter.plausible.1 <= high);
+                for start in info.starts {
+                    assert!((low..=high).contains(&start[index]), "{}", parameter.name);
+                }
+            }
+        }
+    }
+}
