@@ -1,0 +1,77 @@
+//! From raw counts to the attitude: calibration, lever arm, rule for unusable measurements and
+//! Madgwick's step joined, as the emitted filter joins them.
+
+use crate::{AttitudeSpec, GRAVITY_SHARE_MIN, LeverArm, Madgwick, is_saturated, pivot_angle};
+use nalgebra::{Quaternion, Vector3};
+
+/// The reference filter on raw counts.
+#[derive(Clone, Copy, Debug)]
+pub struct RawFilter {
+    spec: AttitudeSpec,
+    filter: Madgwick,
+    lever_arm: LeverArm,
+}
+
+impl RawFilter {
+    /// Starts with the sensor frame on the earth frame.
+    pub fn new(spec: &AttitudeSpec) -> Self {
+        RawFilter {
+            spec: *spec,
+            filter: Madgwick::new(spec.beta_rad_s, spec.sample_time_s),
+            lever_arm: LeverArm::new(spec.lever_arm_m, spec.sample_time_s),
+        }
+    }
+
+    /// Sets the attitude by the accelerometer alone, if its reading can be used; returns
+    /// whether it could.
+    pub fn align(&mut self, accel: [i16; 3]) -> bool {
+        let up = self.spec.accel.apply(accel);
+        let usable = self.gravity_usable(accel, &up);
+        if usable {
+            self.filter.align(&up);
+        }
+        usable
+    }
+
+    /// One step with gyroscope and accelerometer.
+    pub fn update_imu(&mut self, gyro: [i16; 3], accel: [i16; 3]) {
+        let rate = self.spec.gyro.apply(gyro);
+        match self.gravity(accel, rate.z) {
+            Some(up) => self.filter.step_imu(&rate, &up),
+            None => self.filter.step_gyro(&rate),
+        }
+    }
+
+    /// One step with gyroscope, accelerometer and magnetometer.
+    pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
+        let rate = self.spec.gyro.apply(gyro);
+        let field = self.spec.mag.apply(mag);
+        let field_usable = !is_saturated(mag) && field.norm() >= self.spec.field_min_ut;
+        match self.gravity(accel, rate.z) {
+            Some(up) if field_usable => self.filter.step_marg(&rate, &up, &field),
+            Some(up) => self.filter.step_imu(&rate, &up),
+            None => self.filter.step_gyro(&rate),
+        }
+    }
+
+    /// The attitude, a unit quaternion.
+    pub fn quaternion(&self) -> Quaternion<f64> {
+        self.filter.quaternion()
+    }
+
+    /// The body angle relative to upright, rad in [−π, π).
+    pub fn angle_rad(&self) -> f64 {
+        pivot_angle(&self.filter.quaternion(), self.spec.mounting_angle_rad)
+    }
+
+    /// Gravity's reaction at the sensor, or `None` by the rule of `measurement`.
+    fn gravity(&mut self, accel: [i16; 3], rate_rad_s: f64) -> Option<Vector3<f64>> {
+        let reading = self.spec.accel.apply(accel);
+        let up = self.lever_arm.correct(reading, rate_rad_s);
+        self.gravity_usable(accel, &up).then_some(up)
+    }
+
+    fn gravity_usable(&self, accel: [i16; 3], up: &Vector3<f64>) -> bool {
+        !is_saturated(accel) && up.norm() >= GRAVITY_SHARE_MIN * self.spec.gravity_m_s2
+    }
+}

@@ -1,0 +1,73 @@
+//! What a filter must know about the sensor and how it is mounted, as plain data.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// The line from raw counts of a three-axis sensor to SI units:
+/// value = `matrix` · (counts − `bias_counts`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorLine {
+    /// Reading at zero input, in counts.
+    pub bias_counts: Vector3<f64>,
+    /// Scale, cross-axis terms and alignment in one matrix, in SI units per count.
+    pub matrix: Matrix3<f64>,
+}
+
+impl SensorLine {
+    /// A sensor without bias or cross-axis error: `scale` SI units per count on each axis.
+    pub fn ideal(scale: f64) -> Self {
+        SensorLine {
+            bias_counts: Vector3::zeros(),
+            matrix: Matrix3::from_diagonal_element(scale),
+        }
+    }
+
+    /// The measured vector in SI units.
+    pub fn apply(&self, raw: [i16; 3]) -> Vector3<f64> {
+        let counts = Vector3::new(f64::from(raw[0]), f64::from(raw[1]), f64::from(raw[2]));
+        self.matrix * (counts - self.bias_counts)
+    }
+}
+
+/// Everything that fixes the attitude filter, in f64 and in fixed point alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttitudeSpec {
+    /// Time between two steps, s.
+    pub sample_time_s: f64,
+    /// Madgwick's β, rad/s (see [`crate::beta_from_gyro_noise`]).
+    pub beta_rad_s: f64,
+    /// Gyroscope, rad/s per count.
+    pub gyro: SensorLine,
+    /// Accelerometer, m/s² per count. At rest it reads +g upwards.
+    pub accel: SensorLine,
+    /// Magnetometer, µT per count.
+    pub mag: SensorLine,
+    /// Field below which the magnetometer is not believed, µT.
+    pub field_min_ut: f64,
+    /// Gravity at the bench, m/s².
+    pub gravity_m_s2: f64,
+    /// Angle about the pivot axis from the body's axis (pivot to centre of mass) to the
+    /// sensor's x axis, rad.
+    pub mounting_angle_rad: f64,
+    /// Position of the accelerometer from the pivot axis in the sensor's x and y, m.
+    /// Zero switches the correction off.
+    pub lever_arm_m: [f64; 2],
+}
+
+impl AttitudeSpec {
+    /// The thesis' sensors by their data sheets: FXAS21002 at ±2000 °/s (62.5 m°/s per count),
+    /// FXOS8700 at ±8 g (4096 counts/g) and 0.1 µT per count; 1 kHz; β = 0.033 rad/s, the best
+    /// six-axis value of Madgwick's report. The thesis states no lever arm, so it is zero.
+    pub fn thesis() -> Self {
+        AttitudeSpec {
+            sample_time_s: 1e-3,
+            beta_rad_s: 0.033,
+            gyro: SensorLine::ideal(62.5e-3_f64.to_radians()),
+            accel: SensorLine::ideal(crate::STANDARD_GRAVITY / 4096.0),
+            mag: SensorLine::ideal(0.1),
+            field_min_ut: 10.0,
+            gravity_m_s2: crate::STANDARD_GRAVITY,
+            mounting_angle_rad: 0.0,
+            lever_arm_m: [0.0, 0.0],
+        }
+    }
+}
