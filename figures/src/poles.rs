@@ -1,0 +1,312 @@
+//! Poles of the open and the closed loop with their uncertainty.
+
+use crate::axis::{Axis, extent};
+use crate::frame::{self, Frame};
+use crate::page::{self, Key, Mark, Page};
+use crate::style::{self, Role};
+use crate::svg::{Path, Stroke, Text};
+use crate::{FigureError, Quantity};
+
+/// Which plane the poles lie in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Plane {
+    /// z-plane: stable within the unit circle.
+    #[default]
+    Discrete,
+    /// s-plane, in 1/s: stable left of the imaginary axis.
+    Continuous,
+}
+
+/// A figure of poles.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Poles<'a> {
+    /// What is seen, as a sentence.
+    pub title: &'a str,
+    /// More about it; may be empty.
+    pub subtitle: &'a str,
+    /// z-plane or s-plane.
+    pub plane: Plane,
+    /// The sets of poles, such as open and closed loop.
+    pub sets: &'a [PoleSet<'a>],
+}
+
+/// The poles of one loop.
+#[derive(Debug, Clone, Copy)]
+pub struct PoleSet<'a> {
+    /// Name in the legend.
+    pub name: &'a str,
+    /// Gives the colour.
+    pub role: Role,
+    /// Poles as (real, imaginary) part.
+    pub poles: &'a [(f64, f64)],
+    /// Poles for parameters drawn from their uncertainty; may be empty.
+    pub cloud: &'a [(f64, f64)],
+}
+
+/// Draws all poles on the left and the crowded part, enlarged, on the right:
+/// around z = 1 or around the slow poles.
+///
+/// # Errors
+/// None at present; the result has the shape of the other figures.
+pub fn poles(figure: &Poles) -> Result<String, FigureError> {
+    let mut page = Page::new(figure.title, figure.subtitle);
+    let mut keys = Vec::new();
+    for set in figure.sets {
+        let color = set.role.color();
+        keys.push(Key::new(Mark::Cross { color }, set.name));
+        if !set.cloud.is_empty() {
+            let name = format!("{}, parameters within their uncertainty", set.name);
+            keys.push(Key::new(
+                Mark::Dot {
+                    color: pale(set.role),
+                },
+                name,
+            ));
+        }
+    }
+    let stability = match figure.plane {
+        Plane::Discrete => "unstable: outside the unit circle",
+        Plane::Continuous => "unstable: right of the imaginary axis",
+    };
+    let color = style::REGION;
+    keys.push(Key::new(Mark::Patch { color }, stability));
+    page.legend(&keys);
+
+    let all: Vec<(f64, f64)> = figure
+        .sets
+        .iter()
+        .flat_map(|set| set.poles.iter().chain(set.cloud))
+        .copied()
+        .filter(|p| p.0.is_finite() && p.1.is_finite())
+        .collect();
+    let crowd = crowded(&all, figure.plane);
+    let full = style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN;
+    let panels = 1 + usize::from(crowd.is_some());
+    let width = if panels == 2 {
+        (full - 24.0) / 2.0
+    } else {
+        full * 0.6
+    };
+    let top = page.y + 26.0;
+    let left = style::PAGE_MARGIN;
+    let bottom = panel(&mut page, figure, &all, "all poles", left, top, width);
+    if let Some(crowd) = crowd {
+        let left = left + width + 24.0;
+        let name = match figure.plane {
+            Plane::Discrete => "the poles enlarged",
+            Plane::Continuous => "the slow poles enlarged",
+        };
+        zoom_panel(&mut page, figure, &crowd, name, left, top, width);
+    }
+    page.y = bottom + 38.0;
+    Ok(page.finish())
+}
+
+/// A pale version of the role's colour, for clouds.
+fn pale(role: Role) -> &'static str {
+    match role {
+        Role::Measurement => "#CFCFCF",
+        Role::Model => "#A8CBE5",
+        Role::Residual => "#F4C4A1",
+        Role::FixedPoint => "#A3CFC2",
+        Role::Float => "#EBCADB",
+        Role::Other(_) => "#D5CFC0",
+    }
+}
+
+/// The poles that a panel of all of them would show as one heap.
+fn crowded(all: &[(f64, f64)], plane: Plane) -> Option<Vec<(f64, f64)>> {
+    match plane {
+        Plane::Discrete => {
+            let (lo, hi) = extent(all.iter().map(|p| p.0))?;
+            let (_, im) = extent(all.iter().map(|p| p.1.abs()))?;
+            (hi - lo < 0.8 && im < 0.4).then(|| all.to_vec())
+        }
+        Plane::Continuous => {
+            // Distances from zero, and the widest gap between neighbours.
+            let mut sizes: Vec<f64> = all.iter().map(|p| p.0.hypot(p.1)).collect();
+            sizes.sort_by(f64::total_cmp);
+            let largest = *sizes.last()?;
+            let small = largest * 1e-3;
+            let gap = sizes
+                .windows(2)
+                .map(|w| (w[1].max(small) / w[0].max(small), w[0]))
+                .max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let slow = all.iter().filter(|p| p.0.hypot(p.1) <= gap.1);
+            (gap.0 > 3.0).then(|| slow.copied().collect())
+        }
+    }
+}
+
+fn panel(
+    page: &mut Page,
+    figure: &Poles,
+    all: &[(f64, f64)],
+    name: &str,
+    left: f64,
+    top: f64,
+    width: f64,
+) -> f64 {
+    let points = match figure.plane {
+        // The whole circle, and whatever lies outside it.
+        Plane::Discrete => [all, &[(-1.1, -1.1), (1.1, 1.1)]].concat(),
+        Plane::Continuous => [all, &[(0.0, 0.0)]].concat(),
+    };
+    zoom_panel(page, figure, &points, name, left, top, width)
+}
+
+/// Draws a panel that shows at least `points`; returns its lower end.
+fn zoom_panel(
+    page: &mut Page,
+    figure: &Poles,
+    points: &[(f64, f64)],
+    name: &str,
+    left: f64,
+    top: f64,
+    width: f64,
+) -> f64 {
+    // The widest labels are unknown before the axes are; 62 pixels hold
+    // "0.9985" and "−1200".
+    let gutter = 62.0;
+    let (plot_width, height) = (width - gutter, width - gutter);
+    let (x, y) = axes(figure.plane, points, plot_width, height);
+    let frame = Frame {
+        left: left + gutter,
+        top,
+        width: plot_width,
+        height,
+        x,
+        y,
+    };
+    background(page, figure.plane, &frame);
+    frame.grid(&mut page.svg, true);
+    frame.zero_line(&mut page.svg);
+    boundary(page, figure.plane, &frame);
+    frame.begin_clip(&mut page.svg);
+    for set in figure.sets {
+        let cloud = set.cloud.iter().copied();
+        page.svg.begin_series("cloud", set.name);
+        frame.dots(&mut page.svg, cloud, 2.6, pale(set.role));
+        page.svg.end();
+    }
+    for set in figure.sets {
+        page.svg.begin_series(set.role.class(), set.name);
+        for pole in set.poles {
+            if let Some(at) = frame.at(pole.0, pole.1) {
+                let path = page::cross(at, 5.0);
+                page.svg.path(&path, Stroke::solid("#FFFFFF", 4.4));
+                page.svg.path(&path, Stroke::solid(set.role.color(), 2.0));
+            }
+        }
+        page.svg.end();
+    }
+    page.svg.end();
+    frame.border(&mut page.svg);
+    frame.y_labels(&mut page.svg);
+    frame.x_labels(&mut page.svg);
+    let unit = match figure.plane {
+        Plane::Discrete => "",
+        Plane::Continuous => "1/s",
+    };
+    let imaginary = Quantity {
+        name: "imaginary part",
+        unit,
+    };
+    let real = Quantity {
+        name: "real part",
+        unit,
+    };
+    let taken = frame.y_caption(&mut page.svg, left, imaginary);
+    let room = frame.right() - left - taken - 12.0;
+    page::right_note(&mut page.svg, frame.right(), top - 7.0, room, name);
+    frame.x_caption(&mut page.svg, real);
+    frame.bottom()
+}
+
+/// Equal scales in the z-plane, so that the circle is one; in the s-plane
+/// each axis takes the range of its data.
+fn axes(plane: Plane, points: &[(f64, f64)], width: f64, height: f64) -> (Axis, Axis) {
+    let real = extent(points.iter().map(|p| p.0)).unwrap_or((-1.0, 1.0));
+    let imaginary = extent(points.iter().map(|p| p.1)).unwrap_or((-1.0, 1.0));
+    let reach = imaginary.0.abs().max(imaginary.1.abs());
+    let (real, reach) = match plane {
+        Plane::Discrete => {
+            let half = ((real.1 - real.0) / 2.0).max(reach).max(1e-6) * 1.12;
+            let middle = (real.0 + real.1) / 2.0;
+            ((middle - half, middle + half), half)
+        }
+        Plane::Continuous => {
+            let span = (real.1 - real.0).max(reach).max(1e-6);
+            let reach = (reach * 1.25).max(0.1 * span);
+            ((real.0 - 0.12 * span, real.1 + 0.12 * span), reach)
+        }
+    };
+    let x = Axis::linear(Some(real), 0.0, frame::x_ticks(width));
+    let y = Axis::linear(Some((-reach, reach)), 0.0, frame::y_ticks(height));
+    (x, y)
+}
+
+/// Colours the unstable part of the plane.
+fn background(page: &mut Page, plane: Plane, frame: &Frame) {
+    match plane {
+        Plane::Discrete => {
+            let (left, top) = (frame.left, frame.top);
+            page.svg
+                .rect(left, top, frame.width, frame.height, style::REGION);
+            page.svg.begin_clip(left, top, frame.width, frame.height);
+            let circle = unit_circle(frame);
+            page.svg.area(&circle, "#FFFFFF");
+            page.svg.end();
+        }
+        Plane::Continuous => {
+            frame.stripe(&mut page.svg, 0.0, frame.x.hi.max(0.0), style::REGION);
+        }
+    }
+}
+
+fn boundary(page: &mut Page, plane: Plane, frame: &Frame) {
+    let stroke = Stroke::solid(style::AXIS, 1.2);
+    frame.begin_clip(&mut page.svg);
+    match plane {
+        Plane::Discrete => page.svg.path(&unit_circle(frame), stroke),
+        Plane::Continuous => {
+            if let Some(x) = frame.at_x(0.0) {
+                page.svg.line((x, frame.top), (x, frame.bottom()), stroke);
+            }
+        }
+    }
+    page.svg.end();
+    if plane == Plane::Discrete {
+        if let Some((x, y)) = frame.at(0.0, -1.0) {
+            let inside = (frame.left..frame.right() - 70.0).contains(&x) && y < frame.bottom();
+            if inside {
+                let at = Text::new(x - 30.0, y - 6.0, style::NOTE_SIZE, style::TEXT_MUTED);
+                page.svg.text(at, "unit circle");
+            }
+        }
+    }
+}
+
+/// The unit circle in pixels: coarse where it is off the panel, fine within.
+fn unit_circle(frame: &Frame) -> Path {
+    let mut path = Path::default();
+    // A part of the circle that fills the panel needs finer steps the more
+    // the panel is enlarged: up to a tenth of a pixel between chord and arc.
+    let radius = frame.width / (frame.x.hi - frame.x.lo);
+    let step = (0.8 / radius).sqrt().clamp(1e-3, 0.05);
+    let corners = (std::f64::consts::TAU / step).ceil();
+    let mut first = true;
+    for i in 0..corners as usize {
+        let angle = i as f64 / corners * std::f64::consts::TAU;
+        if let Some((x, y)) = frame.at(angle.cos(), angle.sin()) {
+            if first {
+                path.move_to(x, y);
+                first = false;
+            } else {
+                path.line_to(x, y);
+            }
+        }
+    }
+    path.close();
+    path
+}

@@ -1,0 +1,101 @@
+//! How wide a text will be, and shortening and wrapping to a width.
+//!
+//! The font is known only where the figure is read, so widths are estimates
+//! with the advances of DejaVu Sans, the widest of the fonts asked for: a text
+//! that fits by this estimate fits with the narrower ones too.
+
+/// Estimated width of `text` in pixels at the font size `size`.
+pub(crate) fn width(text: &str, size: f64) -> f64 {
+    text.chars().map(advance).sum::<f64>() * size
+}
+
+fn advance(c: char) -> f64 {
+    match c {
+        'i' | 'l' | 'j' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' | ' ' => 0.33,
+        'I' | 'f' | 't' | 'r' | '(' | ')' | '[' | ']' | '-' | '/' | '"' | '·' => 0.40,
+        'm' | 'M' | 'w' | 'W' | '@' | '%' | '…' | 'Q' => 0.98,
+        '⁰' | '¹' | '²' | '³' | '⁴' | '⁵' | '⁶' | '⁷' | '⁸' | '⁹' | '⁻' => 0.42,
+        'A'..='Z' => 0.72,
+        '+' | '×' | '±' | '=' | '<' | '>' | '≤' | '−' => 0.84,
+        '\u{300}'..='\u{36f}' => 0.0,
+        c if c < '\u{2E80}' => 0.63,
+        _ => 1.0,
+    }
+}
+
+/// `text` if it fits into `max_width` pixels, otherwise its beginning and "…".
+pub(crate) fn shorten(text: &str, size: f64, max_width: f64) -> String {
+    if width(text, size) <= max_width {
+        return text.to_owned();
+    }
+    let mut used = advance('…') * size;
+    let mut short = String::new();
+    for c in text.chars() {
+        used += advance(c) * size;
+        if used > max_width {
+            break;
+        }
+        short.push(c);
+    }
+    short.truncate(short.trim_end().len());
+    short.push('…');
+    short
+}
+
+/// `text` in lines of at most `max_width` pixels and at most `max_lines`
+/// lines; breaks at spaces and after hyphens, and shortens what is too long.
+pub(crate) fn wrap(text: &str, size: f64, max_width: f64, max_lines: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    let mut rest = text.trim();
+    while !rest.is_empty() {
+        if lines.len() + 1 >= max_lines {
+            lines.push(shorten(rest, size, max_width));
+            break;
+        }
+        let end = line_end(rest, size, max_width);
+        lines.push(rest[..end].trim_end().to_owned());
+        rest = rest[end..].trim_start();
+    }
+    lines
+}
+
+/// Byte index at which the first line of `text` ends.
+fn line_end(text: &str, size: f64, max_width: f64) -> usize {
+    let mut used = 0.0;
+    let mut last_break = None;
+    for (index, c) in text.char_indices() {
+        used += advance(c) * size;
+        if used > max_width && index > 0 {
+            return last_break.unwrap_or(index);
+        }
+        let after = index + c.len_utf8();
+        if c == ' ' || (c == '-' && index > 0 && !text[..index].ends_with(' ')) {
+            last_break = Some(after);
+        }
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn wrapped_lines_fit_and_lose_nothing(text in "[a-z é-]{0,80}", columns in 8usize..40) {
+            let max_width = columns as f64 * 7.0;
+            let lines = wrap(&text, 10.0, max_width, usize::MAX);
+            for line in &lines {
+                prop_assert!(width(line, 10.0) <= max_width + 1e-9);
+            }
+            let squeeze = |s: &str| s.split_whitespace().collect::<String>();
+            prop_assert_eq!(squeeze(&lines.concat()), squeeze(&text));
+        }
+
+        #[test]
+        fn shortened_text_fits(text in "\\PC{0,60}", max_width in 20.0..300.0f64) {
+            prop_assert!(width(&shorten(&text, 10.0, max_width), 10.0) <= max_width);
+        }
+    }
+}
