@@ -1,0 +1,141 @@
+//! What can go wrong in a design, each with its cure.
+
+/// Why no controller could be designed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DesignError {
+    /// A matrix or a number is NaN or infinite.
+    #[error("{what} is not finite; every entry must be a finite number")]
+    NotFinite {
+        /// The quantity, in words.
+        what: &'static str,
+    },
+    /// Matrices whose sizes do not fit together.
+    #[error("{what} is {rows}x{columns}; it must be {expected_rows}x{expected_columns}")]
+    WrongShape {
+        /// The matrix, in words.
+        what: &'static str,
+        /// Rows that it has.
+        rows: usize,
+        /// Columns that it has.
+        columns: usize,
+        /// Rows that it must have.
+        expected_rows: usize,
+        /// Columns that it must have.
+        expected_columns: usize,
+    },
+    /// A quantity that must be positive is not.
+    #[error("{what} is {value}; it must be greater than zero")]
+    NotPositive {
+        /// The quantity, in words, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The cost could be driven to minus infinity, or moves the current for free.
+    #[error(
+        "the weights are indefinite ({what}, smallest eigenvalue {smallest_eigenvalue:.3e}); \
+         use state weights of zero or more and a current weight greater than zero"
+    )]
+    IndefiniteWeights {
+        /// Which weight, and what it must be.
+        what: &'static str,
+        /// Its smallest eigenvalue.
+        smallest_eigenvalue: f64,
+    },
+    /// An unstable mode cannot be reached by the input.
+    #[error(
+        "the motor cannot stabilise this model: it does not reach the mode at {re:.6}{im:+.6}j \
+         (relative reach {reach:.1e}); check the torque constant and the inertias"
+    )]
+    NotStabilisable {
+        /// Real part of the mode's eigenvalue.
+        re: f64,
+        /// Imaginary part.
+        im: f64,
+        /// Smallest singular value of [A − λI, B] over the norm of A.
+        reach: f64,
+    },
+    /// The cost does not see an unstable mode, so its minimum leaves the mode alone.
+    #[error(
+        "the gains that minimise this cost leave the loop unstable (largest pole modulus \
+         {spectral_radius:.6}): a state weight of zero hides an unstable mode; give every state \
+         a weight greater than zero"
+    )]
+    WeightsHideUnstableMode {
+        /// Largest modulus of the closed-loop poles.
+        spectral_radius: f64,
+    },
+    /// An iteration did not settle.
+    #[error(
+        "{method} did not converge after {iterations} steps (last change {change:.1e}); {cure}"
+    )]
+    NoConvergence {
+        /// The algorithm.
+        method: &'static str,
+        /// Steps made.
+        iterations: usize,
+        /// Relative size of the last change.
+        change: f64,
+        /// What to do about it.
+        cure: &'static str,
+    },
+    /// A Riccati equation was solved, but not well enough to be trusted.
+    #[error(
+        "the {equation} is solved only to a relative residual of {residual:.1e} (allowed \
+         {allowed:.1e}); the model or the weights span too many orders of magnitude"
+    )]
+    InaccurateSolution {
+        /// Which equation.
+        equation: &'static str,
+        /// Its residual over the size of its terms.
+        residual: f64,
+        /// The largest residual that is accepted.
+        allowed: f64,
+    },
+    /// A matrix that must be inverted is singular.
+    #[error("{what} is singular; {cure}")]
+    Singular {
+        /// The matrix, in words.
+        what: &'static str,
+        /// What to do about it.
+        cure: &'static str,
+    },
+    /// A loop that must be stable is not.
+    #[error("the loop {loop_name} is unstable (largest pole modulus {spectral_radius:.6}); {cure}")]
+    UnstableLoop {
+        /// Which loop, in words.
+        loop_name: &'static str,
+        /// Largest modulus of its poles.
+        spectral_radius: f64,
+        /// What to do about it.
+        cure: &'static str,
+    },
+    /// The loop could not bear the delay that sampling at this rate brings with it.
+    #[error(
+        "a sample time of {sample_time_s} s is too long: the loop tolerates {delay_margin_s:.4} s \
+         of delay, less than the one sample that computing may take; sample at {longest_s:.4} s \
+         or less"
+    )]
+    SampleTimeTooLong {
+        /// The sample time asked for, in s.
+        sample_time_s: f64,
+        /// The delay margin of the design at that sample time, in s.
+        delay_margin_s: f64,
+        /// A sample time that works, in s.
+        longest_s: f64,
+    },
+    /// A model that is not an inverted pendulum, so the quantity asked for has no meaning.
+    #[error("{what} needs an upright pendulum: {why}")]
+    NotAPendulum {
+        /// The quantity, in words.
+        what: &'static str,
+        /// What is missing.
+        why: &'static str,
+    },
+    /// The model could not be built from a set of parameters.
+    #[error("no linear model from these parameters: {message}")]
+    Model {
+        /// What the model said.
+        message: String,
+    },
+}
