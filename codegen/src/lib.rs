@@ -1,1 +1,58 @@
-//! To be written.
+//! Turns a designed controller into a `no_std` fixed-point Rust crate.
+//!
+//! The data passes through three forms, one module each:
+//!
+//! 1. [`spec::ModuleSpec`]: real numbers, as identification and design found them.
+//! 2. [`ir`]: formats, raw integers and error bounds. Everything is decided here, in exact
+//!    arithmetic ([`exact`]), or refused ([`Refusal`]).
+//! 3. [`emit`]: text. One small file for each output; `quote` builds tokens and `prettyplease`
+//!    prints them. No number is computed any more.
+//!
+//! [`file`] is the only place that touches the disk. Helpers that are ordinary tested Rust, not
+//! numbers, live in `codegen/runtime/` and are carried into the output by [`runtime`].
+//!
+//! ```no_run
+//! # fn spec() -> codegen::spec::ModuleSpec { unimplemented!() }
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let emitted = codegen::generate(&spec())?;
+//! emitted.write(std::path::Path::new("generated"))?; // writes only what changed
+//! emitted.check(std::path::Path::new("generated"))?; // compares instead
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod claims;
+pub mod control;
+pub mod emit;
+pub mod exact;
+pub mod file;
+pub mod format;
+pub mod ir;
+pub mod refusal;
+pub mod runtime;
+pub mod spec;
+pub mod stability;
+
+pub use file::{EmittedCrate, EmittedFile, FileError};
+pub use refusal::Refusal;
+pub use spec::ModuleSpec;
+
+/// Emits the crate for `spec`, or refuses with the claim that could not be kept.
+///
+/// The result depends on `spec` alone: the same numbers give the same bytes.
+///
+/// # Errors
+/// A [`Refusal`] that names what is wrong and what would cure it.
+pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
+    spec.validate()?;
+    let law = control::derive(spec)?;
+    stability::require_stable(spec, &law)?;
+
+    let mut files = vec![
+        emit::cargo_toml::file(spec),
+        emit::lib_rs::file(spec),
+        emit::control_rs::file(spec, &law),
+    ];
+    files.push(emit::certificate::file(spec, &law, &files));
+    Ok(EmittedCrate { files })
+}

@@ -1,1 +1,16 @@
-//! To be written.
+//! What the emitted crate `generated` promises, stated once and settled by several engines.
+//!
+//! Each property in [`properties`] is a plain function that asserts it for one input. The same
+//! function is called
+//!
+//! - by the tests in `verify/tests/`, on tables of extreme words and on random ones (proptest), and
+//! - by the harnesses in `proofs` (compiled only by `cargo kani -p verify`), on every input at
+//!   once.
+//!
+//! So no promise is only a comment, and none is stated twice. The identifiers of the claims are
+//! those of `generated/certificate.json`.
+
+pub mod properties;
+
+#[cfg(kani)]
+mod proofs;

@@ -1,0 +1,56 @@
+//! Raw counts of a three-axis sensor to words, by bias and matrix.
+
+use super::product::round_high;
+
+/// Calibration of one sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SensorLine {
+    /// Bias in 2⁻¹⁵ counts, at most 2²⁸ (8192 counts).
+    pub bias: [i32; 3],
+    /// Scale, cross-axis terms and alignment, row by row: output units per count in Q17.
+    /// The magnitudes of a row sum to at most 3·2²⁹.
+    pub matrix: [[i32; 3]; 3],
+}
+
+/// Largest magnitude of a calibrated component: (2¹⁵ + 2¹³)·2¹⁵ counts times 3·2²⁹/2³², rounded
+/// up to a power of two.
+pub(crate) const CALIBRATED_MAX: i32 = 0x2000_0000;
+
+/// matrix · (raw − bias). Each component within ±2²⁹, its error at most half a unit.
+#[inline]
+pub(crate) fn calibrate(raw: [i16; 3], line: &SensorLine) -> [i32; 3] {
+    let x = (raw[0] as i32) * 0x8000 - line.bias[0];
+    let y = (raw[1] as i32) * 0x8000 - line.bias[1];
+    let z = (raw[2] as i32) * 0x8000 - line.bias[2];
+    [
+        dot(line.matrix[0], x, y, z),
+        dot(line.matrix[1], x, y, z),
+        dot(line.matrix[2], x, y, z),
+    ]
+}
+
+/// One row of the matrix times the counts (in 2⁻¹⁵), |x|, |y|, |z| ≤ 5·2²⁸.
+#[cfg_attr(kani, kani::requires(
+    (-0x5000_0000..=0x5000_0000).contains(&x)
+        && (-0x5000_0000..=0x5000_0000).contains(&y)
+        && (-0x5000_0000..=0x5000_0000).contains(&z)
+        && row[0].unsigned_abs() as u64 + row[1].unsigned_abs() as u64
+            + row[2].unsigned_abs() as u64 <= 0x6000_0000
+))]
+#[cfg_attr(kani, kani::ensures(|r| (-0x2000_0000..=0x2000_0000).contains(r)))]
+#[inline]
+fn dot(row: [i32; 3], x: i32, y: i32, z: i32) -> i32 {
+    round_high(row[0] as i64 * x as i64 + row[1] as i64 * y as i64 + row[2] as i64 * z as i64)
+}
+
+/// Whether any axis is at a limit of its range, where the true value is unknown.
+#[inline]
+pub(crate) fn is_saturated(raw: [i16; 3]) -> bool {
+    is_at_limit(raw[0]) || is_at_limit(raw[1]) || is_at_limit(raw[2])
+}
+
+/// Whether one axis is at a limit of its range.
+#[inline]
+fn is_at_limit(axis: i16) -> bool {
+    axis == -32_768 || axis == 32_767
+}

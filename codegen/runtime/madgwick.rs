@@ -1,0 +1,226 @@
+//! Madgwick's filter (report of 2010), six and nine axes, in 32-bit words.
+//!
+//! Quaternion q = (q₁, q₂, q₃, q₄) = (w, x, y, z) in Q30; turns as half-angles ω T/2 in Q32;
+//! directions in Q28; gradients ½Jᵀf in Q26 (six axes) or Q24 (nine). Equation numbers are the
+//! report's; the gradient with two vectors w and u is derived in the reference filter:
+//! w = f_g + b_z f_b collects all that meets the vertical, u = b_x f_b all that meets north.
+//!
+//! Every bound below holds for components in their ranges alone, whatever their length, so that
+//! no step can overflow even if a length were wrong.
+
+use super::lever_arm::length_squared;
+use super::product::{clamp, mul_high, round_high};
+use super::root::{inverse_length, square_root_q30};
+use super::scaling::{is_within, scaled_up3, scaled_up4};
+
+/// 1 in Q30.
+pub(crate) const ONE: i32 = 0x4000_0000;
+
+/// Largest component of the quaternion that a step leaves behind: 1 + 2⁻¹² in Q30.
+pub(crate) const COMPONENT_MAX: i32 = 0x4004_0000;
+
+/// Below this in all components the half gradient makes no correction: 2⁻¹⁸ in Q26.
+const GRADIENT_MIN_IMU: i32 = 0x100;
+
+/// The same in Q24.
+const GRADIENT_MIN_MARG: i32 = 0x40;
+
+/// A horizontal field below 1/16 shows no heading: its square in Q30.
+const HORIZONTAL_SQUARED_MIN: i32 = 0x40_0000;
+
+/// The direction in which the estimate is to be corrected, and how far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Correction {
+    /// The gradient, scaled up; within ±3·2²⁹.
+    direction: [i32; 4],
+    /// β T over the length of `direction`, so that the product is a change of q in Q62.
+    gain: i32,
+}
+
+/// No correction: the step is gyroscope integration.
+pub(crate) const NO_CORRECTION: Correction = Correction {
+    direction: [0, 0, 0, 0],
+    gain: 0,
+};
+
+/// Unit vector in Q28 along `v`, which is within ±2³⁰ and has a component of at least 2¹⁴.
+/// Error: at most 1e-8 a component. Each component within ±2²⁹ for any `v` in range.
+#[inline]
+pub(crate) fn unit_q28(v: [i32; 3]) -> [i32; 3] {
+    let scaled = scaled_up3(v);
+    let inverse = inverse_length(length_squared(scaled)) as i64;
+    // 2²⁹ √x times 2³⁰/√x is a unit vector in Q59, its upper word in Q27.
+    [
+        round_high(scaled[0] as i64 * inverse) * 2,
+        round_high(scaled[1] as i64 * inverse) * 2,
+        round_high(scaled[2] as i64 * inverse) * 2,
+    ]
+}
+
+/// The upward direction in the sensor's frame, in Q28 (eq. 25). Each component within 3·2²⁸ + 2¹⁸.
+#[inline]
+pub(crate) fn up_q28(q: [i32; 4]) -> [i32; 3] {
+    let (w, x, y, z) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
+    [
+        round_high(x * z - w * y) * 2,
+        round_high(w * x + y * z) * 2,
+        0x1000_0000 - round_high(x * x + y * y) * 2,
+    ]
+}
+
+/// Gradient of the six-axis error: ½Jᵀ(v − a) in Q26 (eq. 25, 26).
+#[inline]
+pub(crate) fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correction {
+    let up = up_q28(q);
+    let w1 = (up[0] - measured_up[0]) as i64;
+    let w2 = (up[1] - measured_up[1]) as i64;
+    let w3 = (up[2] - measured_up[2]) as i64;
+    let (q1, q2, q3, q4) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
+    let gradient = [
+        round_high(q2 * w2 - q3 * w1),
+        round_high(q4 * w1 + q1 * w2 - 2 * (q2 * w3)),
+        round_high(q4 * w2 - q1 * w1 - 2 * (q3 * w3)),
+        round_high(q2 * w1 + q3 * w2),
+    ];
+    scaled_correction(gradient, GRADIENT_MIN_IMU, beta)
+}
+
+/// Gradient of the nine-axis error in Q24 (eq. 29 to 34, 45, 46); that of six axes if the field
+/// is nearly vertical in the estimated frame.
+#[inline]
+pub(crate) fn correction_marg(
+    q: [i32; 4],
+    measured_up: [i32; 3],
+    field: [i32; 3],
+    beta: i32,
+) -> Correction {
+    let up = up_q28(q);
+    let (q1, q2, q3, q4) = (q[0], q[1], q[2], q[3]);
+    let yy = mul_high(q3, q3);
+    let zz = mul_high(q4, q4);
+    let north = [
+        0x1000_0000 - (yy + zz) * 2,
+        (mul_high(q2, q3) - mul_high(q1, q4)) * 2,
+        (mul_high(q1, q3) + mul_high(q2, q4)) * 2,
+    ];
+    let west = [
+        (mul_high(q2, q3) + mul_high(q1, q4)) * 2,
+        0x1000_0000 - (mul_high(q2, q2) + zz) * 2,
+        (mul_high(q3, q4) - mul_high(q1, q2)) * 2,
+    ];
+    // The field in the estimated earth frame, from Q24 to Q30 (eq. 45).
+    let field_north = component_q30(north, field);
+    let field_west = component_q30(west, field);
+    let field_up = component_q30(up, field);
+    let squared = (mul_high(field_north, field_north) + mul_high(field_west, field_west)) * 2;
+    if squared < HORIZONTAL_SQUARED_MIN / 2 {
+        return correction_imu(q, measured_up, beta);
+    }
+    let horizontal = square_root_q30(clamp(squared, 0, 0x1fff_ffff) * 2);
+    // Errors in Q26: the field's (eq. 29), and the two vectors that meet the Jacobian.
+    let f1 = mul_high(horizontal, north[0]) + mul_high(field_up, up[0]) - field[0] / 4;
+    let f2 = mul_high(horizontal, north[1]) + mul_high(field_up, up[1]) - field[1] / 4;
+    let f3 = mul_high(horizontal, north[2]) + mul_high(field_up, up[2]) - field[2] / 4;
+    let w1 = (up[0] - measured_up[0]) / 4 + mul_high(field_up, f1) * 4;
+    let w2 = (up[1] - measured_up[1]) / 4 + mul_high(field_up, f2) * 4;
+    let w3 = (up[2] - measured_up[2]) / 4 + mul_high(field_up, f3) * 4;
+    let u1 = mul_high(horizontal, f1) * 4;
+    let u2 = mul_high(horizontal, f2) * 4;
+    let u3 = mul_high(horizontal, f3) * 4;
+    let gradient = [
+        mul_high(q3, u3 - w1) + mul_high(q2, w2) - mul_high(q4, u2),
+        mul_high(q4, w1 + u3) + mul_high(q1, w2) - mul_high(q2, w3) * 2 + mul_high(q3, u2),
+        mul_high(q1, u3 - w1) + mul_high(q4, w2) - mul_high(q3, w3 + u1) * 2 + mul_high(q2, u2),
+        mul_high(q2, w1 + u3) + mul_high(q3, w2) - mul_high(q4, u1) * 2 - mul_high(q1, u2),
+    ];
+    scaled_correction(gradient, GRADIENT_MIN_MARG, beta)
+}
+
+/// Scalar product of two directions in Q28, as Q30 within ±1.
+#[inline]
+fn component_q30(axis: [i32; 3], v: [i32; 3]) -> i32 {
+    let sum = mul_high(axis[0], v[0]) + mul_high(axis[1], v[1]) + mul_high(axis[2], v[2]);
+    clamp(sum, -0x100_0000, 0x100_0000) * 64
+}
+
+/// The normalised gradient times β T (eq. 43); none if all components are below `min`.
+#[inline]
+fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction {
+    if is_within(gradient[0], min)
+        && is_within(gradient[1], min)
+        && is_within(gradient[2], min)
+        && is_within(gradient[3], min)
+    {
+        return NO_CORRECTION;
+    }
+    let direction = scaled_up4(gradient);
+    // Quarters, so that the sum fits whatever the components.
+    let squared = mul_high(direction[0], direction[0]) / 4
+        + mul_high(direction[1], direction[1]) / 4
+        + mul_high(direction[2], direction[2]) / 4
+        + mul_high(direction[3], direction[3]) / 4;
+    let inverse = inverse_length(clamp(squared, 0x100_0000, 0x0fff_ffff) * 4);
+    Correction {
+        direction,
+        gain: mul_high(inverse, beta),
+    }
+}
+
+/// q + ½ q ⊗ ω T − β T ∇/‖∇‖, normalised (eq. 12, 42 to 44).
+///
+/// `half_angle` is within ±2²⁹. The change is summed in Q62 and rounded once, so that its error
+/// is half a unit of q and has no preferred sign.
+#[inline]
+pub(crate) fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i32; 4] {
+    let (w, x, y, z) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
+    let (a, b, c) = (half_angle[0] as i64, half_angle[1] as i64, half_angle[2] as i64);
+    let gain = correction.gain as i64;
+    normalised([
+        q[0] + round_high(-(x * a) - y * b - z * c - correction.direction[0] as i64 * gain),
+        q[1] + round_high(w * a + y * c - z * b - correction.direction[1] as i64 * gain),
+        q[2] + round_high(w * b + z * a - x * c - correction.direction[2] as i64 * gain),
+        q[3] + round_high(w * c + x * b - y * a - correction.direction[3] as i64 * gain),
+    ])
+}
+
+/// q/‖q‖ for a nearly unit q: with ‖q‖² = 1 + ε, q (1 − ε/2 + 3ε²/8).
+///
+/// For |ε| ≤ 0.06, the most that a step can make of it, the length is 1 to within
+/// 5|ε|³/16 + 2⁻²⁷ < 1e-4. Components are clamped to [`COMPONENT_MAX`], which acts only on
+/// quaternions far from unit length.
+#[inline]
+pub(crate) fn normalised(q: [i32; 4]) -> [i32; 4] {
+    let squared = mul_high(q[0], q[0]) / 2
+        + mul_high(q[1], q[1]) / 2
+        + mul_high(q[2], q[2]) / 2
+        + mul_high(q[3], q[3]) / 2;
+    // ε in Q27, at most 1/8; then ε/2 in Q32 and ε² in Q30.
+    let excess = clamp(squared - 0x0800_0000, -0x0100_0000, 0x0100_0000);
+    let half = excess * 16;
+    let square = mul_high(half, half);
+    let change = (square + square / 2 - half) as i64;
+    [
+        clamp(q[0] + round_high(q[0] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
+        clamp(q[1] + round_high(q[1] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
+        clamp(q[2] + round_high(q[2] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
+        clamp(q[3] + round_high(q[3] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
+    ]
+}
+
+/// The shortest turn from the earth frame that agrees with `measured_up` (a unit vector in Q28):
+/// (1 + v_z, v_y, −v_x, 0) normalised, or half a turn about x where it points straight down.
+#[inline]
+pub(crate) fn aligned(measured_up: [i32; 3]) -> [i32; 4] {
+    let turn = [0x1000_0000 + measured_up[2], measured_up[1], -measured_up[0]];
+    if is_within(turn[0], 0x4_0000) && is_within(turn[1], 0x4_0000) && is_within(turn[2], 0x4_0000)
+    {
+        return [0, ONE, 0, 0];
+    }
+    let unit = unit_q28(turn);
+    [
+        clamp(unit[0] * 2, -0x2000_0000, 0x2000_0000) * 2,
+        clamp(unit[1] * 2, -0x2000_0000, 0x2000_0000) * 2,
+        clamp(unit[2] * 2, -0x2000_0000, 0x2000_0000) * 2,
+        0,
+    ]
+}

@@ -1,0 +1,256 @@
+//! `certificate.json` of the emitted crate: what is claimed, with everything needed to recheck it
+//! from the emitted source alone.
+//!
+//! Real numbers are decimal strings and mean exactly what they say. Bounds are exact where they
+//! have at most [`BOUND_DIGITS`] digits and otherwise rounded up in the last of them.
+
+use serde::Serialize;
+
+use crate::claims::ClaimId;
+use crate::emit::{MARK, control_rs};
+use crate::exact::{Decimal, outward};
+use crate::file::EmittedFile;
+use crate::ir::ControlLaw;
+use crate::spec::ModuleSpec;
+
+/// Version of the layout below; raised when a field changes its meaning.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Significant digits of a bound.
+const BOUND_DIGITS: u32 = 40;
+
+/// The whole file.
+#[derive(Debug, Serialize)]
+struct Certificate<'a> {
+    generator: &'static str,
+    format_version: u32,
+    model: &'a str,
+    /// Emitted files that the claims speak of.
+    files: Vec<&'a str>,
+    sample_time_s: String,
+    parameters: Vec<Parameter<'a>>,
+    weights: Weights,
+    plant: Plant,
+    /// K of u = −K x.
+    gains: [String; 3],
+    drive: Drive,
+    inputs: Vec<Input<'a>>,
+    output: Output,
+    constants: Vec<Constant<'a>>,
+    bounds: Bounds,
+    claims: Vec<Claim>,
+    /// Bounds of the closed loop for all time, where they have been computed.
+    closed_loop: &'a Option<serde_json::Value>,
+}
+
+#[derive(Debug, Serialize)]
+struct Parameter<'a> {
+    name: &'a str,
+    value: String,
+    std: Option<String>,
+    unit: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct Weights {
+    state: [String; 3],
+    current: String,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "PascalCase")]
+struct Plant {
+    a: [[String; 3]; 3],
+    b: [String; 3],
+    ad: [[String; 3]; 3],
+    bd: [String; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct Drive {
+    #[serde(rename = "current_range_A")]
+    current_range_a: String,
+    duty_zero: u16,
+    duty_max: u16,
+}
+
+/// An argument of `control`.
+#[derive(Debug, Serialize)]
+struct Input<'a> {
+    argument: &'a str,
+    #[serde(rename = "type")]
+    type_name: &'a str,
+    fixed: String,
+    fraction_bits: u32,
+    range: &'a str,
+    unit: &'a str,
+}
+
+/// The result of `control`.
+#[derive(Debug, Serialize)]
+struct Output {
+    #[serde(rename = "type")]
+    type_name: &'static str,
+    fixed: String,
+    fraction_bits: u32,
+    unit: &'static str,
+}
+
+/// A constant of the emitted source and where it stands: `real` ≈ `raw` / 2^`fraction_bits`.
+#[derive(Debug, Serialize)]
+struct Constant<'a> {
+    name: &'a str,
+    file: &'static str,
+    line: Option<usize>,
+    /// From which number of this file it was made.
+    from: String,
+    real: &'a str,
+    raw: i64,
+    fraction_bits: u32,
+    unit: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct Bounds {
+    product_fraction_bits: u32,
+    shift: u32,
+    #[serde(rename = "rounding_A")]
+    rounding: String,
+    #[serde(rename = "real_gains_A")]
+    real_gains: String,
+    #[serde(rename = "state_rounding_A")]
+    state_rounding: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Claim {
+    id: ClaimId,
+    statement: &'static str,
+    domain: &'static str,
+    #[serde(rename = "bound_A", skip_serializing_if = "Option::is_none")]
+    bound: Option<String>,
+}
+
+/// Emits `certificate.json` for the `sources` emitted so far.
+pub fn file(spec: &ModuleSpec, law: &ControlLaw, sources: &[EmittedFile]) -> EmittedFile {
+    let number = |value: f64| Decimal::new(value).text;
+    let certificate = Certificate {
+        generator: MARK,
+        format_version: FORMAT_VERSION,
+        model: &spec.model_name,
+        files: sources.iter().map(|source| source.path.as_str()).collect(),
+        sample_time_s: number(spec.sample_time_s),
+        parameters: spec
+            .parameters
+            .iter()
+            .map(|parameter| Parameter {
+                name: &parameter.name,
+                value: number(parameter.value),
+                std: parameter.std.map(number),
+                unit: &parameter.unit,
+            })
+            .collect(),
+        weights: Weights {
+            state: spec.state_weights.map(number),
+            current: number(spec.current_weight),
+        },
+        plant: Plant {
+            a: spec.a.map(|row| row.map(number)),
+            b: spec.b.map(number),
+            ad: spec.ad.map(|row| row.map(number)),
+            bd: spec.bd.map(number),
+        },
+        gains: spec.gains.map(number),
+        drive: Drive {
+            current_range_a: number(spec.drive.current_range_a),
+            duty_zero: spec.drive.duty_zero,
+            duty_max: spec.drive.duty_max,
+        },
+        inputs: law
+            .terms
+            .iter()
+            .map(|term| Input {
+                argument: term.input.argument,
+                type_name: term.input.type_name,
+                fixed: term.input.format.type_name(),
+                fraction_bits: term.input.format.fraction_bits,
+                range: &term.input.range.text,
+                unit: term.input.unit,
+            })
+            .collect(),
+        output: Output {
+            type_name: "Current",
+            fixed: law.current.type_name(),
+            fraction_bits: law.current.fraction_bits,
+            unit: "A",
+        },
+        constants: constants(law, sources),
+        bounds: Bounds {
+            product_fraction_bits: law.product_fraction_bits,
+            shift: law.shift,
+            rounding: outward(&law.bounds.rounding, BOUND_DIGITS),
+            real_gains: outward(&law.bounds.real_gains, BOUND_DIGITS),
+            state_rounding: outward(&law.bounds.state_rounding, BOUND_DIGITS),
+        },
+        claims: ClaimId::ALL.map(|id| claim(id, law)).into(),
+        closed_loop: &spec.closed_loop,
+    };
+    let mut contents =
+        serde_json::to_string_pretty(&certificate).expect("strings and integers serialise");
+    contents.push('\n');
+    EmittedFile {
+        path: "certificate.json".to_owned(),
+        contents,
+    }
+}
+
+fn claim(id: ClaimId, law: &ControlLaw) -> Claim {
+    let bound = match id {
+        ClaimId::ControlAccurate => Some(&law.bounds.rounding),
+        ClaimId::ControlAccurateRealGains => Some(&law.bounds.real_gains),
+        ClaimId::ControlTotal | ClaimId::ClosedLoopStable => None,
+    };
+    Claim {
+        id,
+        statement: id.statement(),
+        domain: id.domain(),
+        bound: bound.map(|bound| outward(bound, BOUND_DIGITS)),
+    }
+}
+
+fn constants<'a>(law: &'a ControlLaw, sources: &[EmittedFile]) -> Vec<Constant<'a>> {
+    let source = sources
+        .iter()
+        .find(|source| source.path == control_rs::PATH);
+    let line = |name: &str| {
+        let start = format!("pub const {name}:");
+        source.and_then(|source| {
+            source
+                .contents
+                .lines()
+                .position(|line| line.starts_with(&start))
+                .map(|index| index + 1)
+        })
+    };
+    let gains = law.terms.iter().enumerate().map(|(index, term)| Constant {
+        name: term.gain.constant,
+        file: control_rs::PATH,
+        line: line(term.gain.constant),
+        from: format!("-gains[{index}]"),
+        real: &term.gain.real.text,
+        raw: term.gain.raw.into(),
+        fraction_bits: term.gain.fraction_bits,
+        unit: term.gain.unit,
+    });
+    let limit = Constant {
+        name: "CURRENT_LIMIT",
+        file: control_rs::PATH,
+        line: line("CURRENT_LIMIT"),
+        from: "current_limit".to_owned(),
+        real: &law.limit.text,
+        raw: law.limit_raw.into(),
+        fraction_bits: law.current.fraction_bits,
+        unit: "A",
+    };
+    gains.chain([limit]).collect()
+}

@@ -1,0 +1,119 @@
+//! Carries hand-written helpers into the output.
+//!
+//! A helper is an ordinary Rust file in `codegen/runtime/` with its documentation and tests. It is
+//! compiled here as a module (`#[path]`), so that its tests run, and its text is included and
+//! carried: comments and layout stay as they are, its `#[cfg(test)]` items stay behind. To add one:
+//!
+//! ```text
+//! #[path = "../runtime/round.rs"]
+//! pub mod round;
+//! const ROUND: Helper = Helper { path: "src/round.rs", source: include_str!("../runtime/round.rs") };
+//! ```
+//!
+//! and append `ROUND.file(spec)?` to the list in [`crate::generate`] and `pub mod round;` to
+//! [`crate::emit::lib_rs`].
+
+use syn::spanned::Spanned;
+
+use crate::emit;
+use crate::file::EmittedFile;
+use crate::spec::ModuleSpec;
+
+/// A hand-written file and its place in the emitted crate.
+#[derive(Debug, Clone, Copy)]
+pub struct Helper {
+    /// Path inside the emitted crate.
+    pub path: &'static str,
+    /// Text of the file in `codegen/runtime/`.
+    pub source: &'static str,
+}
+
+impl Helper {
+    /// The file as it is emitted: header, then the text without its tests.
+    ///
+    /// # Errors
+    /// What `syn` says if the text is no Rust; a test of this crate excludes it for every helper.
+    pub fn file(&self, spec: &ModuleSpec) -> Result<EmittedFile, syn::Error> {
+        Ok(EmittedFile {
+            path: self.path.to_owned(),
+            contents: emit::with_header(spec, &without_tests(self.source)?),
+        })
+    }
+}
+
+/// `source` without its items under `#[cfg(test)]`.
+fn without_tests(source: &str) -> Result<String, syn::Error> {
+    let file = syn::parse_file(source)?;
+    let mut dropped = vec![false; source.lines().count()];
+    for item in &file.items {
+        if attributes(item).iter().any(is_cfg_test) {
+            // Lines count from one; the end line belongs to the item.
+            let span = item.span();
+            dropped[span.start().line - 1..span.end().line].fill(true);
+        }
+    }
+    let kept = source.lines().zip(dropped).filter(|(_, dropped)| !dropped);
+    let mut text = String::with_capacity(source.len());
+    for (line, _) in kept {
+        text.push_str(line);
+        text.push('\n');
+    }
+    text.truncate(text.trim_end().len());
+    text.push('\n');
+    Ok(text)
+}
+
+fn attributes(item: &syn::Item) -> &[syn::Attribute] {
+    match item {
+        syn::Item::Mod(item) => &item.attrs,
+        syn::Item::Fn(item) => &item.attrs,
+        syn::Item::Use(item) => &item.attrs,
+        syn::Item::Const(item) => &item.attrs,
+        _ => &[],
+    }
+}
+
+fn is_cfg_test(attribute: &syn::Attribute) -> bool {
+    let mut found = false;
+    if attribute.path().is_ident("cfg") {
+        // `cfg(not(test))` and the like are not entered, so `found` stays false for them.
+        let _ = attribute.parse_nested_meta(|meta| {
+            found |= meta.path.is_ident("test");
+            Ok(())
+        });
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOURCE: &str = "//! Rounding.
+
+use core::cmp::min;
+
+/// Smaller of two.
+pub fn smaller(a: i32, b: i32) -> i32 {
+    // Why: a comment stays.
+    min(a, b)
+}
+
+#[cfg(not(test))]
+const KEPT: i32 = 1;
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn left_behind() {}
+}
+";
+
+    #[test]
+    fn comments_stay_and_tests_do_not() {
+        let carried = without_tests(SOURCE).unwrap();
+        let (expected, _) = SOURCE.split_once("\n#[cfg(test)]").unwrap();
+        assert_eq!(carried, expected);
+        assert!(without_tests("fn {").is_err());
+    }
+}

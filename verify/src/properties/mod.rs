@@ -1,0 +1,3 @@
+//! One module for each part of the emitted crate.
+
+pub mod control;

@@ -1,0 +1,279 @@
+//! The properties of the control law on extreme and random words, and the numbers of the
+//! certificate against the compiled law.
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use generated::control::{ANGLE_GAIN, RATE_GAIN, SHIFT, WHEEL_SPEED_GAIN};
+use generated::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed};
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{One, Signed, ToPrimitive};
+use proptest::prelude::*;
+use serde_json::Value;
+use verify::properties::control::{accurate, command_bits, total};
+
+/// Words at which integer code breaks: ends, their neighbours, zero, and powers of two.
+fn extreme_words() -> Vec<i32> {
+    let mut words = vec![0, i32::MIN, i32::MIN + 1, i32::MAX, i32::MAX - 1];
+    for power in [0, 1, 15, 16, 24, 29, 30] {
+        let word = 1_i32 << power;
+        words.extend([word, -word, word - 1, 1 - word]);
+    }
+    words
+}
+
+#[test]
+fn holds_for_every_combination_of_extreme_words() {
+    let words = extreme_words();
+    for &angle in &words {
+        for &rate in &words {
+            for &wheel_speed in &words {
+                total(angle, rate, wheel_speed);
+                accurate(angle, rate, wheel_speed);
+            }
+        }
+    }
+}
+
+/// States whose command comes out close to a limit or to zero, where one unit decides.
+#[test]
+fn holds_around_saturation_and_zero() {
+    let one_ampere = 1_i128 << (SHIFT + Current::FRAC_NBITS);
+    let limit = i128::from(CURRENT_LIMIT.to_bits()) << SHIFT;
+    for target in [limit, -limit, 0, one_ampere] {
+        for wheel_speed in [i32::MIN, -1, 0, 1, 12_345_678, i32::MAX] {
+            let rest = target - i128::from(WHEEL_SPEED_GAIN) * i128::from(wheel_speed);
+            let angle = rest / i128::from(ANGLE_GAIN);
+            for offset in -3..=3 {
+                let Some(angle) = (angle + offset).to_i32() else {
+                    continue;
+                };
+                for rate in -3..=3 {
+                    total(angle, rate, wheel_speed);
+                    accurate(angle, rate, wheel_speed);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_rounding_is_to_nearest_with_halves_upward() {
+    // With the angle word as the only input the exact command is ANGLE_GAIN·word / 2^SHIFT units.
+    let unit = 1_i128 << SHIFT;
+    for word in -100_000..100_000 {
+        let exact = i128::from(ANGLE_GAIN) * i128::from(word);
+        let floor = exact.div_euclid(unit);
+        let expected = floor + i128::from(2 * exact.rem_euclid(unit) >= unit);
+        assert_eq!(
+            i128::from(command_bits(word, 0, 0)),
+            expected,
+            "word {word}"
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+    #[test]
+    fn total_on_random_words(angle: i32, rate: i32, wheel_speed: i32) {
+        total(angle, rate, wheel_speed);
+    }
+
+    /// Random words nearly always saturate, so the words are drawn with random lengths.
+    #[test]
+    fn accurate_on_random_words(
+        angle: i32, rate: i32, wheel_speed: i32, shifts in prop::array::uniform3(0_u32..31),
+    ) {
+        accurate(angle >> shifts[0], rate >> shifts[1], wheel_speed >> shifts[2]);
+    }
+
+    /// Claim `control-accurate-real-gains`, in exact rational arithmetic.
+    #[test]
+    fn accurate_against_the_real_gains(fractions in prop::array::uniform3(-1.0_f64..=1.0)) {
+        let certificate = Certificate::read();
+        let words = certificate.words_within_the_ranges(fractions);
+        certificate.assert_real_gains(words);
+    }
+
+    /// The emitted law against the law in double precision, the way a simulation uses it.
+    #[test]
+    fn agrees_with_double_precision(fractions in prop::array::uniform3(-1.0_f64..=1.0)) {
+        let certificate = Certificate::read();
+        let [angle, rate, wheel_speed] = certificate.words_within_the_ranges(fractions);
+        let (angle, rate, wheel_speed) = (
+            Angle::from_bits(angle), Rate::from_bits(rate), WheelSpeed::from_bits(wheel_speed),
+        );
+        let gains: Vec<f64> = (0..3).map(|i| number(&certificate.json["gains"][i])).collect();
+        let limit = number(&certificate.constant("CURRENT_LIMIT")["real"]);
+        let float = -(gains[0] * angle.to_num::<f64>()
+            + gains[1] * rate.to_num::<f64>()
+            + gains[2] * wheel_speed.to_num::<f64>());
+        let float = float.clamp(-limit, limit);
+        let emitted = generated::control(angle, rate, wheel_speed).to_num::<f64>();
+        // The float itself is off by a few roundings of its largest term, about 1e-13 A.
+        let bound = number(&certificate.json["bounds"]["real_gains_A"]) + 1e-12;
+        prop_assert!((emitted - float).abs() <= bound, "{emitted} against {float}");
+    }
+}
+
+/// The corners of the physical ranges, where the error against the real gains is largest.
+#[test]
+fn accurate_against_the_real_gains_at_the_corners() {
+    let certificate = Certificate::read();
+    for corner in 0..27 {
+        let fractions = [corner % 3, corner / 3 % 3, corner / 9].map(|i| f64::from(i) - 1.0);
+        certificate.assert_real_gains(certificate.words_within_the_ranges(fractions));
+    }
+}
+
+/// The certificate speaks of the module that was compiled here.
+#[test]
+fn the_certificate_states_the_compiled_numbers() {
+    let certificate = Certificate::read();
+    let constants = [
+        (
+            "ANGLE_GAIN",
+            ANGLE_GAIN,
+            SHIFT + Current::FRAC_NBITS - Angle::FRAC_NBITS,
+        ),
+        (
+            "RATE_GAIN",
+            RATE_GAIN,
+            SHIFT + Current::FRAC_NBITS - Rate::FRAC_NBITS,
+        ),
+        (
+            "WHEEL_SPEED_GAIN",
+            WHEEL_SPEED_GAIN,
+            SHIFT + Current::FRAC_NBITS - WheelSpeed::FRAC_NBITS,
+        ),
+        (
+            "CURRENT_LIMIT",
+            CURRENT_LIMIT.to_bits(),
+            Current::FRAC_NBITS,
+        ),
+    ];
+    for (name, raw, fraction_bits) in constants {
+        let stated = certificate.constant(name);
+        assert_eq!(stated["raw"], raw, "{name}");
+        assert_eq!(stated["fraction_bits"], fraction_bits, "{name}");
+        // Nearest word; the limit is rounded toward zero.
+        let error = rational(&stated["real"]) * power_of_two(fraction_bits) - integer(raw);
+        let half = BigRational::new(1.into(), 2.into());
+        if name == "CURRENT_LIMIT" {
+            assert!(!error.is_negative() && error < BigRational::one(), "{name}");
+        } else {
+            assert!(error.abs() <= half, "{name}");
+        }
+    }
+    let formats = [Angle::FRAC_NBITS, Rate::FRAC_NBITS, WheelSpeed::FRAC_NBITS];
+    for (index, fraction_bits) in formats.into_iter().enumerate() {
+        assert_eq!(
+            certificate.json["inputs"][index]["fraction_bits"],
+            fraction_bits
+        );
+    }
+    assert_eq!(
+        certificate.json["output"]["fraction_bits"],
+        Current::FRAC_NBITS
+    );
+}
+
+/// The stated bound is what the stated numbers add up to, not more than its last digit above.
+#[test]
+fn the_stated_bound_is_tight() {
+    let certificate = Certificate::read();
+    let mut bound = BigRational::new(1.into(), 2.into()) / power_of_two(Current::FRAC_NBITS);
+    let names = ["ANGLE_GAIN", "RATE_GAIN", "WHEEL_SPEED_GAIN"];
+    for (index, name) in names.into_iter().enumerate() {
+        let constant = certificate.constant(name);
+        let bits = constant["fraction_bits"].as_u64().unwrap() as u32;
+        let raw = constant["raw"].as_i64().unwrap() as i32;
+        let error = integer(raw) / power_of_two(bits) - rational(&constant["real"]);
+        bound += error.abs() * rational(&certificate.json["inputs"][index]["range"]);
+    }
+    let stated = rational(&certificate.json["bounds"]["real_gains_A"]);
+    assert!(stated >= bound);
+    assert!(stated - &bound < bound / integer(1_000_000));
+}
+
+/// `certificate.json` of the emitted crate.
+struct Certificate {
+    json: Value,
+}
+
+impl Certificate {
+    fn read() -> &'static Self {
+        static CERTIFICATE: LazyLock<Certificate> = LazyLock::new(Certificate::load);
+        &CERTIFICATE
+    }
+
+    fn load() -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated/certificate.json");
+        let text = std::fs::read_to_string(path).unwrap();
+        Self {
+            json: serde_json::from_str(&text).unwrap(),
+        }
+    }
+
+    fn constant(&self, name: &str) -> &Value {
+        let constants = self.json["constants"].as_array().unwrap();
+        constants.iter().find(|c| c["name"] == name).unwrap()
+    }
+
+    /// Words at the given fractions of the physical ranges, rounded toward zero.
+    fn words_within_the_ranges(&self, fractions: [f64; 3]) -> [i32; 3] {
+        let mut index = 0;
+        fractions.map(|fraction| {
+            let input = &self.json["inputs"][index];
+            index += 1;
+            let bits = input["fraction_bits"].as_u64().unwrap() as u32;
+            let fraction = BigRational::from_float(fraction).unwrap();
+            let word = rational(&input["range"]) * power_of_two(bits) * fraction;
+            word.trunc().to_integer().to_i32().unwrap()
+        })
+    }
+
+    /// |u − clamp(−K x, ±limit)| ≤ bound with the decimal numbers of the certificate.
+    fn assert_real_gains(&self, words: [i32; 3]) {
+        let [angle, rate, wheel_speed] = words;
+        let command =
+            integer(command_bits(angle, rate, wheel_speed)) / power_of_two(Current::FRAC_NBITS);
+        let mut exact = BigRational::default();
+        for (index, word) in words.into_iter().enumerate() {
+            let bits = self.json["inputs"][index]["fraction_bits"]
+                .as_u64()
+                .unwrap() as u32;
+            exact -= rational(&self.json["gains"][index]) * integer(word) / power_of_two(bits);
+        }
+        let limit = rational(&self.constant("CURRENT_LIMIT")["real"]);
+        let saturated = exact.clamp(-limit.clone(), limit);
+        let error = (command - saturated).abs();
+        let bound = rational(&self.json["bounds"]["real_gains_A"]);
+        assert!(error <= bound, "words {words:?}: off by {error}");
+    }
+}
+
+fn integer(value: i32) -> BigRational {
+    BigRational::from(BigInt::from(value))
+}
+
+fn power_of_two(exponent: u32) -> BigRational {
+    BigRational::from(BigInt::one() << exponent)
+}
+
+fn number(text: &Value) -> f64 {
+    text.as_str().unwrap().parse().unwrap()
+}
+
+/// A decimal string, with or without exponent, exactly.
+fn rational(text: &Value) -> BigRational {
+    let text = text.as_str().unwrap();
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let digits: BigInt = format!("{whole}{fraction}").parse().unwrap();
+    let power = exponent.parse::<i32>().unwrap() - fraction.len() as i32;
+    BigRational::from(digits) * BigRational::from(BigInt::from(10)).pow(power)
+}
