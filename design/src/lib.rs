@@ -10,9 +10,11 @@
 #![warn(missing_docs)]
 
 pub mod care;
+pub mod controller;
 pub mod dare;
 mod error;
 pub mod lqr;
+pub mod margins;
 mod matrix;
 pub mod poles;
 pub mod recovery;
@@ -24,11 +26,13 @@ mod thesis;
 pub mod zero_order_hold;
 
 pub use care::{CareSolution, solve_care};
+pub use controller::LinearController;
 pub use dare::{DareSolution, solve_dare};
 pub use error::DesignError;
 pub use lqr::{
     ContinuousRegulator, DiscreteRegulator, Weights, continuous_regulator, discrete_regulator,
 };
+pub use margins::{Margins, margins};
 pub use poles::{Pole, eigenvalues, poles, spectral_radius};
 pub use recovery::recovery_angle_rad;
 pub use sampled_cost::QuadraticCost;

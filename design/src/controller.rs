@@ -1,0 +1,212 @@
+//! Linear controllers and the loops that they close around the sampled plant.
+
+use crate::DesignError;
+use crate::matrix::check_shape;
+use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};
+use nalgebra::{DMatrix, RowVector3};
+
+/// A discrete linear controller c⁺ = Ac c + Bc y, u = Cc c + Dc y; y is the measured state, u the
+/// current in A.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearController {
+    /// Ac (p×p); empty for plain state feedback.
+    pub state: DMatrix<f64>,
+    /// Bc (p×n).
+    pub measurement: DMatrix<f64>,
+    /// Cc (1×p).
+    pub output: DMatrix<f64>,
+    /// Dc (1×n).
+    pub feedthrough: DMatrix<f64>,
+}
+
+impl LinearController {
+    /// u = −K y with `gains` K in A/rad, A s/rad, A s/rad.
+    pub fn state_feedback(gains: &RowVector3<f64>) -> Self {
+        LinearController {
+            state: DMatrix::zeros(0, 0),
+            measurement: DMatrix::zeros(0, 3),
+            output: DMatrix::zeros(1, 0),
+            feedthrough: DMatrix::from_fn(1, 3, |_, column| -gains[column]),
+        }
+    }
+
+    /// Number of its own states.
+    pub fn order(&self) -> usize {
+        self.state.nrows()
+    }
+
+    fn check(&self, plant_states: usize) -> Result<(), DesignError> {
+        let order = self.order();
+        check_shape("Ac of the controller", &self.state, order, order)?;
+        check_shape(
+            "Bc of the controller",
+            &self.measurement,
+            order,
+            plant_states,
+        )?;
+        check_shape("Cc of the controller", &self.output, 1, order)?;
+        check_shape("Dc of the controller", &self.feedthrough, 1, plant_states)
+    }
+
+    /// The state matrix of the loop around x⁺ = Ad x + Bd u, states (x, c).
+    ///
+    /// # Errors
+    /// Wrong shapes.
+    pub fn closed_loop(
+        &self,
+        ad: &DMatrix<f64>,
+        bd: &DMatrix<f64>,
+    ) -> Result<DMatrix<f64>, DesignError> {
+        let (n, order) = (ad.nrows(), self.order());
+        check_shape("the state matrix Ad", ad, n, n)?;
+        check_shape("the input matrix Bd", bd, n, 1)?;
+        self.check(n)?;
+        let mut closed = DMatrix::zeros(n + order, n + order);
+        closed
+            .view_mut((0, 0), (n, n))
+            .copy_from(&(ad + bd * &self.feedthrough));
+        closed
+            .view_mut((0, n), (n, order))
+            .copy_from(&(bd * &self.output));
+        closed
+            .view_mut((n, 0), (order, n))
+            .copy_from(&self.measurement);
+        closed
+            .view_mut((n, n), (order, order))
+            .copy_from(&self.state);
+        Ok(closed)
+    }
+
+    /// The state matrix of the loop around ẋ = A x + B u sampled at `sample_time_s`, with the
+    /// current reaching the plant `delay_s` late; any delay, not only whole samples. States
+    /// (x, c, u₋₁, u₋₂, …).
+    ///
+    /// # Errors
+    /// Wrong shapes, a sample time that is not positive, a negative delay.
+    pub fn closed_loop_with_delay(
+        &self,
+        a: &DMatrix<f64>,
+        b: &DMatrix<f64>,
+        sample_time_s: f64,
+        delay_s: f64,
+    ) -> Result<DMatrix<f64>, DesignError> {
+        let (n, order) = (a.nrows(), self.order());
+        if delay_s == 0.0 {
+            let hold = zero_order_hold(a, b, sample_time_s)?;
+            return self.closed_loop(&hold.state, &hold.input);
+        }
+        self.check(n)?;
+        let delay = Delay::new(delay_s, sample_time_s);
+        let plant = zero_order_hold_delayed(a, b, sample_time_s, delay.part_s)?;
+        // Past commands u₋₁ … u₋(whole+1).
+        let past = delay.whole + 1;
+        let first = n + order;
+        let mut closed = DMatrix::zeros(first + past, first + past);
+        closed.view_mut((0, 0), (n, n)).copy_from(&plant.state);
+        closed
+            .view_mut((n, 0), (order, n))
+            .copy_from(&self.measurement);
+        closed
+            .view_mut((n, n), (order, order))
+            .copy_from(&self.state);
+        closed
+            .view_mut((0, first + past - 1), (n, 1))
+            .copy_from(&plant.previous_input);
+        let command = |closed: &mut DMatrix<f64>, row: usize, input: &DMatrix<f64>| {
+            let rows = input.nrows();
+            let mut from_plant = closed.view_mut((row, 0), (rows, n));
+            from_plant += input * &self.feedthrough;
+            let mut from_controller = closed.view_mut((row, n), (rows, order));
+            from_controller += input * &self.output;
+        };
+        if delay.whole == 0 {
+            command(&mut closed, 0, &plant.new_input);
+        } else {
+            let mut newer = closed.view_mut((0, first + past - 2), (n, 1));
+            newer += &plant.new_input;
+        }
+        command(&mut closed, first, &DMatrix::identity(1, 1));
+        for index in 1..past {
+            closed[(first + index, first + index - 1)] = 1.0;
+        }
+        Ok(closed)
+    }
+}
+
+/// A delay as whole samples and a part of one.
+pub(crate) struct Delay {
+    pub(crate) whole: usize,
+    pub(crate) part_s: f64,
+}
+
+impl Delay {
+    pub(crate) fn new(delay_s: f64, sample_time_s: f64) -> Self {
+        let whole = (delay_s / sample_time_s).floor().max(0.0);
+        Delay {
+            whole: whole as usize,
+            part_s: (delay_s - whole * sample_time_s).clamp(0.0, sample_time_s),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::poles::spectral_radius;
+    use crate::thesis;
+    use nalgebra::DVector;
+
+    /// Steps the loop by its own means: the plant in small steps, the commands in a queue.
+    fn simulate(delay_s: f64, samples: usize) -> DVector<f64> {
+        let (a, b) = (thesis::a(), thesis::b());
+        let (sample_time, parts) = (1e-3, 100);
+        let fine = zero_order_hold(&a, &b, sample_time / f64::from(parts)).unwrap();
+        let mut x = DVector::from_column_slice(&[0.01, 0.0, 0.0]);
+        let mut commands = Vec::new();
+        let late = (delay_s / sample_time * f64::from(parts)).round() as i64;
+        for sample in 0..samples {
+            commands.push(-(thesis::gains() * &x)[0]);
+            for part in 0..parts {
+                let at = sample as i64 * i64::from(parts) + i64::from(part) - late;
+                let current = if at < 0 {
+                    0.0
+                } else {
+                    commands[(at / i64::from(parts)) as usize]
+                };
+                x = &fine.state * &x + fine.input.column(0) * current;
+            }
+        }
+        x
+    }
+
+    #[test]
+    fn delays_of_any_length_match_a_simulation_in_small_steps() {
+        let controller = LinearController::state_feedback(&RowVector3::new(
+            thesis::gains()[0],
+            thesis::gains()[1],
+            thesis::gains()[2],
+        ));
+        for delay_s in [0.0, 0.25e-3, 1e-3, 2.5e-3, 7e-3] {
+            let closed = controller
+                .closed_loop_with_delay(&thesis::a(), &thesis::b(), 1e-3, delay_s)
+                .unwrap();
+            let mut x = DVector::zeros(closed.nrows());
+            x[0] = 0.01;
+            for _ in 0..300 {
+                x = &closed * x;
+            }
+            let small_steps = simulate(delay_s, 300);
+            let difference = (x.rows(0, 3) - &small_steps).norm();
+            assert!(difference < 1e-9, "{delay_s}: {difference:e}");
+        }
+    }
+
+    #[test]
+    fn a_loop_without_delay_has_the_golden_poles() {
+        let hold = zero_order_hold(&thesis::a(), &thesis::b(), 1e-3).unwrap();
+        let closed = LinearController::state_feedback(&thesis::golden_gains())
+            .closed_loop(&hold.state, &hold.input)
+            .unwrap();
+        assert!((spectral_radius(&closed).unwrap() - 0.99544999).abs() < 1e-8);
+    }
+}
