@@ -152,7 +152,7 @@ fn balance() -> Result<String, FigureError> {
         sensor_std,
         note: "fit 93 %",
     });
-    let labels = pushes.map(|(_, size)| format!("push {size:+.1} mN m s"));
+    let labels = pushes.map(|(_, size)| format!("push {size:+.1} mN m s").replace('-', "−"));
     let markers: Vec<Marker> = pushes
         .iter()
         .zip(&labels)
@@ -416,10 +416,8 @@ fn suspects_figure() -> Result<String, FigureError> {
 
 fn poles_figure(plane: Plane) -> Result<String, FigureError> {
     let mut noise = Noise(6);
-    let (open, closed): (Vec<(f64, f64)>, Vec<(f64, f64)>) = (
-        vec![(8.95, 0.0), (-9.2, 0.0), (-0.02, 0.0)],
-        vec![(-310.0, 0.0), (-6.1, 2.4), (-6.1, -2.4)],
-    );
+    let open = vec![(8.95, 0.0), (-9.2, 0.0), (-0.02, 0.0)];
+    let closed = vec![(-310.0, 0.0), (-6.1, 2.4), (-6.1, -2.4)];
     let mut cloud = |poles: &[(f64, f64)], spread: f64| -> Vec<(f64, f64)> {
         let mut cloud = Vec::new();
         for _ in 0..400 {
@@ -450,7 +448,7 @@ fn poles_figure(plane: Plane) -> Result<String, FigureError> {
         sets: &[
             PoleSet {
                 name: "open loop",
-                role: Role::Residual,
+                role: Role::Other(0),
                 poles: &data[0],
                 cloud: &data[2],
             },
@@ -540,6 +538,7 @@ fn transient() -> Result<String, FigureError> {
             },
         ],
         regions: &[],
+        region_name: "",
         markers: &[Marker {
             at: 0.09,
             label: "leaves the limit",

@@ -59,8 +59,7 @@ impl Axis {
         let (lo, hi) = widened(range.unwrap_or((0.0, 1.0)));
         let margin = (hi - lo) * pad;
         let (lo, hi) = (lo - margin, hi + margin);
-        let step = round_step((hi - lo) / wanted_ticks.max(2.0));
-        let ticks = multiples(lo, hi, step);
+        let (step, ticks) = round_ticks(lo, hi, wanted_ticks);
         let (labels, offset, exponent) = linear_labels(&ticks, step);
         Axis {
             lo,
@@ -78,33 +77,13 @@ impl Axis {
         let (lo, hi) = range
             .filter(|(lo, hi)| *lo > 0.0 && hi.is_finite())
             .unwrap_or((1.0, 10.0));
-        // At least half a decade, so that noise is not blown up.
+        // At least 0.8 decades: noise is not blown up, and two of 1, 2, 5 lie
+        // within.
         let (lo, hi) = (lo.max(1e-290).log10(), hi.clamp(1e-290, 1e290).log10());
-        let missing = (0.5 - (hi - lo)).max(0.0) / 2.0;
-        let margin = 0.05 * (hi - lo).max(0.5);
+        let missing = (0.8 - (hi - lo)).max(0.0) / 2.0;
+        let margin = 0.05 * (hi - lo).max(0.8);
         let (lo, hi) = (lo - missing - margin, hi + missing + margin);
-        let decades = multiples(lo, hi, 1.0);
-        let digits: &[f64] = if hi - lo > wanted_ticks / 2.0 {
-            &[1.0]
-        } else if hi - lo > wanted_ticks / 5.0 {
-            &[1.0, 3.0]
-        } else {
-            &[1.0, 2.0, 5.0]
-        };
-        let every = ((hi - lo) / wanted_ticks.max(2.0)).ceil().max(1.0);
-        let first = decades.first().map_or(lo.floor(), |d| d - 1.0);
-        let last = decades.last().map_or(hi.ceil(), |d| d + 1.0);
-        let mut ticks = Vec::new();
-        let mut decade = (first / every).floor() * every;
-        while decade <= last {
-            for digit in digits {
-                let tick = digit * 10f64.powf(decade);
-                if (lo..=hi).contains(&tick.log10()) {
-                    ticks.push(tick);
-                }
-            }
-            decade += every;
-        }
+        let ticks = log_ticks(lo, hi, wanted_ticks);
         let labels = ticks.iter().map(|t| log_label(*t)).collect();
         Axis {
             lo: 10f64.powf(lo),
@@ -163,15 +142,57 @@ impl Axis {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, the first that is not below `wanted`.
-fn round_step(wanted: f64) -> f64 {
-    let power = 10f64.powf(wanted.log10().floor());
-    for digit in [1.0, 2.0, 5.0] {
-        if digit * power >= wanted * (1.0 - 1e-9) {
-            return digit * power;
+/// The step of 1, 2 or 5 times a power of ten whose number of ticks comes
+/// closest to `wanted`, at least two, and these ticks.
+fn round_ticks(lo: f64, hi: f64, wanted: f64) -> (f64, Vec<f64>) {
+    let power = 10f64.powf(((hi - lo) / wanted).log10().floor());
+    let mut best: Option<(f64, f64, Vec<f64>)> = None;
+    for digit in [10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1] {
+        let step = digit * power;
+        let ticks = multiples(lo, hi, step);
+        let miss = (ticks.len() as f64 - wanted).abs();
+        let better = best.as_ref().is_none_or(|(least, _, _)| miss < *least);
+        if ticks.len() >= 2 && better {
+            best = Some((miss, step, ticks));
         }
     }
-    10.0 * power
+    match best {
+        Some((_, step, ticks)) => (step, ticks),
+        // Two ends are always two ticks.
+        None => (hi - lo, vec![lo, hi]),
+    }
+}
+
+/// Ticks between 10^lo and 10^hi: 1, 2, 5 or 1, 3 of each decade or 1 of every
+/// n-th decade, whichever gives closest to `wanted` ticks, at least two.
+fn log_ticks(lo: f64, hi: f64, wanted: f64) -> Vec<f64> {
+    let patterns: [(&[f64], f64); 8] = [
+        (&[1.0], 20.0),
+        (&[1.0], 10.0),
+        (&[1.0], 5.0),
+        (&[1.0], 3.0),
+        (&[1.0], 2.0),
+        (&[1.0], 1.0),
+        (&[1.0, 3.0], 1.0),
+        (&[1.0, 2.0, 5.0], 1.0),
+    ];
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for (digits, every) in patterns {
+        let decades = multiples(lo - every, hi, every);
+        let ticks: Vec<f64> = decades
+            .iter()
+            .flat_map(|decade| digits.iter().map(|digit| digit * 10f64.powf(*decade)))
+            .filter(|tick| (lo..=hi).contains(&tick.log10()))
+            .collect();
+        let miss = (ticks.len() as f64 - wanted).abs();
+        if ticks.len() >= 2 && best.as_ref().is_none_or(|(least, _)| miss < *least) {
+            best = Some((miss, ticks));
+        }
+    }
+    match best {
+        Some((_, ticks)) => ticks,
+        None => vec![10f64.powf(lo), 10f64.powf(hi)],
+    }
 }
 
 /// The multiples of `step` within `lo..=hi`.
@@ -215,7 +236,7 @@ fn linear_labels(ticks: &[f64], step: f64) -> (Vec<String>, f64, i32) {
 
 fn log_label(value: f64) -> String {
     if (0.00099..99_999.0).contains(&value) {
-        let decimals = (-value.log10() + 1e-9).floor().max(-1.0) + 1.0;
+        let decimals = (-value.log10() - 1e-9).ceil().max(0.0);
         return format!("{value:.*}", decimals as usize);
     }
     let exponent = (value.log10() + 1e-9).floor();
@@ -316,7 +337,7 @@ mod tests {
         Quantity { name, unit }
     }
 
-    fn check(axis: &Axis, lo: f64, hi: f64) -> Result<(), TestCaseError> {
+    fn check(axis: &Axis, lo: f64, hi: f64, longest_step: f64) -> Result<(), TestCaseError> {
         prop_assert!(axis.lo <= lo && hi <= axis.hi, "{axis:?} for {lo}..{hi}");
         prop_assert!(axis.ticks.len() >= 2, "{axis:?}");
         prop_assert_eq!(axis.ticks.len(), axis.labels.len());
@@ -326,13 +347,17 @@ mod tests {
         for pair in axis.labels.windows(2) {
             prop_assert!(pair[0] != pair[1], "{axis:?}");
         }
-        // No stretch without a tick is longer than the longest between ticks.
+        // At the ends no stretch without a tick is longer than the longest
+        // between ticks.
         let at: Vec<f64> = axis
             .ticks
             .iter()
             .map(|t| axis.fraction(*t).expect("ticks lie on the axis"))
             .collect();
-        let longest = at.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+        let longest = at
+            .windows(2)
+            .map(|w| w[1] - w[0])
+            .fold(longest_step, f64::max);
         prop_assert!(at[0] >= -1e-6 && at[0] <= longest + 1e-6, "{axis:?}");
         let last = at[at.len() - 1];
         prop_assert!(
@@ -349,7 +374,7 @@ mod tests {
         ) {
             let half = 10f64.powf(scale);
             let axis = Axis::linear(Some((middle - half, middle + half)), 0.04, wanted);
-            check(&axis, middle - half, middle + half)?;
+            check(&axis, middle - half, middle + half, 0.0)?;
         }
 
         #[test]
@@ -357,7 +382,11 @@ mod tests {
             lo in -30.0..30.0f64, decades in 0.0..20.0f64, wanted in 3.0..12.0f64,
         ) {
             let (lo, hi) = (10f64.powf(lo), 10f64.powf(lo + decades));
-            check(&Axis::log(Some((lo, hi)), wanted), lo, hi)?;
+            let axis = Axis::log(Some((lo, hi)), wanted);
+            // The longest step within a decade is from 3 to 10; it need not lie
+            // between two ticks of this axis.
+            let longest = (10f64 / 3.0).log10() / (axis.hi / axis.lo).log10();
+            check(&axis, lo, hi, longest)?;
         }
 
         #[test]
@@ -372,7 +401,7 @@ mod tests {
 
     #[test]
     fn labels_carry_units_and_powers() {
-        let small = Axis::linear(Some((-0.02, 0.02)), 0.0, 4.0);
+        let small = Axis::linear(Some((-0.02, 0.02)), 0.0, 5.0);
         assert_eq!(
             small.caption(quantity("residual", "rad")),
             "residual (mrad)"
@@ -383,14 +412,14 @@ mod tests {
             "friction (10⁻³ kg m2)"
         );
 
-        let offset = Axis::linear(Some((1e9, 1e9 + 0.004)), 0.0, 4.0);
+        let offset = Axis::linear(Some((1e9, 1e9 + 0.0042)), 0.0, 5.0);
         assert_eq!(
             offset.caption(quantity("time", "s")),
             "time − 1000000000 (ms)"
         );
         assert_eq!(offset.labels, ["0", "1", "2", "3", "4"]);
 
-        let wide = Axis::linear(Some((0.0, 60.0)), 0.0, 6.0);
+        let wide = Axis::linear(Some((0.0, 60.0)), 0.0, 7.0);
         assert_eq!(wide.labels, ["0", "10", "20", "30", "40", "50", "60"]);
         assert_eq!(wide.caption(quantity("share", "")), "share");
     }

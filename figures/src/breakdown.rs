@@ -52,7 +52,7 @@ pub struct ResidualBin {
 const COLUMNS: usize = 3;
 const RESIDUAL_HEIGHT: f64 = 130.0;
 const SHARE_HEIGHT: f64 = 44.0;
-const CELL_HEIGHT: f64 = 24.0 + RESIDUAL_HEIGHT + 20.0 + SHARE_HEIGHT + 46.0;
+const CELL_HEIGHT: f64 = frame::CAPTION + RESIDUAL_HEIGHT + 20.0 + SHARE_HEIGHT + 46.0;
 
 /// Draws for each coordinate the mean residual of each bin with two standard
 /// errors, and below it the bin's share of the error.
@@ -78,7 +78,10 @@ pub fn breakdown(figure: &Breakdown) -> Result<String, FigureError> {
         keys.push(Key::new(mark, "±σ of the sensor's noise"));
     }
     page.legend(&keys);
-    let columns = figure.panels.len().clamp(1, COLUMNS);
+    let columns = match figure.panels.len() {
+        4 => 2,
+        count => count.clamp(1, COLUMNS),
+    };
     let full = style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN;
     let gap = 24.0;
     let width = (full - gap * (columns - 1) as f64) / columns as f64;
@@ -117,13 +120,13 @@ fn cell(page: &mut Page, panel: &BreakdownPanel, left: f64, top: f64, width: f64
     );
     let share_top = extent(bins.iter().map(|b| b.share_of_error * 100.0));
     let share_top = share_top.map_or(1.0, |(_, hi)| hi).max(1.0);
-    let share = Axis::linear(Some((0.0, share_top * 1.05)), 0.0, 2.0);
+    let share = Axis::linear(Some((0.0, share_top * 1.05)), 0.0, 3.0);
     let gutter = frame::gutter(&y).max(frame::gutter(&share));
     let plot_width = width - gutter - 6.0;
     let x = Axis::linear(range, 0.0, frame::x_ticks(plot_width) + 1.0);
     let upper = Frame {
         left: left + gutter,
-        top: top + 24.0,
+        top: top + frame::CAPTION,
         width: plot_width,
         height: RESIDUAL_HEIGHT,
         x: x.clone(),
@@ -156,7 +159,7 @@ fn cell(page: &mut Page, panel: &BreakdownPanel, left: f64, top: f64, width: f64
     let taken = upper.y_caption(&mut page.svg, left, panel.residual);
     let room = upper.right() - left - taken - 12.0;
     if room > 40.0 {
-        let top = upper.top - 7.0;
+        let top = upper.top - frame::CAPTION_GAP;
         page::right_note(&mut page.svg, upper.right(), top, room, panel.note);
     }
 

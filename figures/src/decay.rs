@@ -80,7 +80,7 @@ pub fn decay(figure: &Decay) -> Result<String, FigureError> {
     for (index, (panel, y)) in figure.panels.iter().zip(axes).enumerate() {
         let frame = Frame {
             left: style::PAGE_MARGIN + gutter,
-            top: page.y + 24.0,
+            top: page.y + frame::CAPTION,
             width,
             height,
             x: x.clone(),
@@ -121,6 +121,12 @@ fn y_axis(panel: &DecayPanel, height: f64) -> Axis {
 fn draw(page: &mut Page, frame: &Frame, panel: &DecayPanel) {
     frame.grid(&mut page.svg, true);
     frame.begin_clip(&mut page.svg);
+    if !panel.model.is_empty() {
+        page.svg.begin_series(Role::Model.class(), "model");
+        let stroke = Stroke::solid(Role::Model.color(), 1.8);
+        frame.line(&mut page.svg, panel.model_amplitude, panel.model, stroke);
+        page.svg.end();
+    }
     page.svg
         .begin_series(Role::Measurement.class(), panel.quantity.name);
     for point in panel.points {
@@ -135,12 +141,6 @@ fn draw(page: &mut Page, frame: &Frame, panel: &DecayPanel) {
         );
     }
     page.svg.end();
-    if !panel.model.is_empty() {
-        page.svg.begin_series(Role::Model.class(), "model");
-        let stroke = Stroke::solid(Role::Model.color(), 1.8);
-        frame.line(&mut page.svg, panel.model_amplitude, panel.model, stroke);
-        page.svg.end();
-    }
     page.svg.end();
     frame.border(&mut page.svg);
     frame.y_labels(&mut page.svg);
@@ -149,7 +149,7 @@ fn draw(page: &mut Page, frame: &Frame, panel: &DecayPanel) {
     page::right_note(
         &mut page.svg,
         frame.right(),
-        frame.top - 7.0,
+        frame.top - frame::CAPTION_GAP,
         room,
         panel.note,
     );

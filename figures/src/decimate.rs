@@ -94,9 +94,10 @@ mod tests {
         ) {
             let strokes = merge_dots(&dots, 2.0);
             for (x, y) in &dots {
-                prop_assert!(strokes.iter().any(|(from, until, at)| {
+                let covered = strokes.iter().any(|(from, until, at)| {
                     (y - at).abs() <= 1.0 && *x >= from - 1.0 && *x <= until + 1.0
-                }));
+                });
+                prop_assert!(covered);
             }
         }
     }

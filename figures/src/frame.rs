@@ -18,6 +18,12 @@ pub(crate) struct Frame {
     pub y: Axis,
 }
 
+/// Height of the baseline of a caption above its panel: the label of a tick at
+/// the upper end stays clear of it.
+pub(crate) const CAPTION_GAP: f64 = 10.0;
+/// Room above a panel for its caption.
+pub(crate) const CAPTION: f64 = 28.0;
+
 /// How many ticks read well on a horizontal axis of this length.
 pub(crate) fn x_ticks(width: f64) -> f64 {
     (width / 85.0).max(2.0)
@@ -25,8 +31,12 @@ pub(crate) fn x_ticks(width: f64) -> f64 {
 
 /// How many ticks read well on a vertical axis of this length.
 pub(crate) fn y_ticks(height: f64) -> f64 {
-    (height / 32.0).clamp(2.0, 10.0)
+    (height / 30.0).clamp(3.0, 10.0)
 }
+
+/// Up to this many dots are drawn where they are; more are merged on a grid,
+/// which keeps files small. 5,000 dots take about 60 kB.
+const MOST_EXACT_DOTS: usize = 5_000;
 
 /// Space that the labels of a vertical axis need on its left.
 pub(crate) fn gutter(axis: &Axis) -> f64 {
@@ -79,11 +89,10 @@ impl Frame {
 
     /// The line of zero, where the axis has one.
     pub fn zero_line(&self, svg: &mut Svg) {
-        if self.y.spacing == Spacing::Linear && self.y.lo < 0.0 && self.y.hi > 0.0 {
-            if let Some(y) = self.at_y(0.0) {
-                let stroke = Stroke::solid("#B5B5B5", 1.0);
-                svg.line((self.left, y), (self.right(), y), stroke);
-            }
+        let has_zero = self.y.spacing == Spacing::Linear && self.y.lo < 0.0 && self.y.hi > 0.0;
+        if let (true, Some(y)) = (has_zero, self.at_y(0.0)) {
+            let stroke = Stroke::solid("#B5B5B5", 1.0);
+            svg.line((self.left, y), (self.right(), y), stroke);
         }
     }
 
@@ -136,10 +145,15 @@ impl Frame {
     /// Name and unit of the vertical axis above its upper end, beginning at
     /// `left`; returns the width that it takes.
     pub fn y_caption(&self, svg: &mut Svg, left: f64, quantity: Quantity) -> f64 {
+        self.y_caption_at(svg, left, self.top - CAPTION_GAP, quantity)
+    }
+
+    /// The same with its baseline at `y`.
+    pub fn y_caption_at(&self, svg: &mut Svg, left: f64, y: f64, quantity: Quantity) -> f64 {
         let caption = self.y.caption(quantity);
         let room = self.right() - left;
         let caption = text::shorten(&caption, style::LABEL_SIZE, room);
-        let at = Text::new(left, self.top - 7.0, style::LABEL_SIZE, style::TEXT);
+        let at = Text::new(left, y, style::LABEL_SIZE, style::TEXT);
         svg.text(at, &caption);
         text::width(&caption, style::LABEL_SIZE)
     }
@@ -164,13 +178,14 @@ impl Frame {
         }
     }
 
-    /// Cuts off at the panel with half a line width of room, until `svg.end()`.
+    /// Cuts off at the panel, with half a line width of room above and below,
+    /// until `svg.end()`.
     pub fn begin_clip(&self, svg: &mut Svg) {
         let room = 2.0;
         svg.begin_clip(
-            self.left - room,
+            self.left,
             self.top - room,
-            self.width + 2.0 * room,
+            self.width,
             self.height + 2.0 * room,
         );
     }
@@ -204,8 +219,8 @@ impl Frame {
         reduced
     }
 
-    /// A dot of `diameter` pixels at each finite point inside the panel; dots
-    /// that touch are merged.
+    /// A dot of `diameter` pixels at each finite point inside the panel; where
+    /// there are thousands, dots that touch are merged.
     pub fn dots(
         &self,
         svg: &mut Svg,
@@ -222,9 +237,15 @@ impl Frame {
             })
             .collect();
         let mut path = Path::default();
-        for (from, until, y) in decimate::merge_dots(&inside, (diameter * 0.7).max(1.0)) {
-            path.move_to(from, y);
-            path.line_to(until, y);
+        if inside.len() <= MOST_EXACT_DOTS {
+            for (x, y) in inside {
+                path.move_to(x, y);
+            }
+        } else {
+            for (from, until, y) in decimate::merge_dots(&inside, (diameter * 0.7).max(1.0)) {
+                path.move_to(from, y);
+                path.line_to(until, y);
+            }
         }
         path.close_dot();
         svg.path(&path, Stroke::solid(color, diameter));

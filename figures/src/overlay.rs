@@ -98,7 +98,7 @@ pub fn overlay(figure: &Overlay) -> Result<String, FigureError> {
                 Cow::Owned(residual),
             )],
             band: (channel.sensor_std > 0.0)
-                .then_some((2.0 * channel.sensor_std, "±2σ of the sensor's noise")),
+                .then_some((2.0 * channel.sensor_std, "±2σ of the sensor noise")),
             limits: &[],
         });
     }
@@ -110,6 +110,7 @@ pub fn overlay(figure: &Overlay) -> Result<String, FigureError> {
         },
         rows,
         regions: figure.regions,
+        region_name: "where the error is largest",
         markers: figure.markers,
         zoom: figure.zoom_s,
     };

@@ -7,12 +7,29 @@ use crate::text;
 /// How an entry of the legend is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Mark {
-    Line { color: &'static str, width: f64 },
-    Dashed { color: &'static str },
-    Dot { color: &'static str },
-    Ring { color: &'static str },
-    Cross { color: &'static str },
-    Patch { color: &'static str },
+    Line {
+        color: &'static str,
+        width: f64,
+    },
+    Dashed {
+        color: &'static str,
+    },
+    Band {
+        fill: &'static str,
+        edge: &'static str,
+    },
+    Dot {
+        color: &'static str,
+    },
+    Ring {
+        color: &'static str,
+    },
+    Cross {
+        color: &'static str,
+    },
+    Patch {
+        color: &'static str,
+    },
 }
 
 /// An entry of the legend.
@@ -74,7 +91,7 @@ impl Page {
             page.y += style::LABEL_SIZE + 4.0;
             let at = Text::new(
                 style::PAGE_MARGIN,
-                page.y - 4.0,
+                page.y - 2.0,
                 style::LABEL_SIZE,
                 style::TEXT_MUTED,
             );
@@ -138,6 +155,13 @@ impl Page {
                 self.svg.path(&path, Stroke::solid(color, 1.8));
             }
             Mark::Patch { color } => self.svg.rect(x, y - 5.5, width, 11.0, color),
+            Mark::Band { fill, edge } => {
+                self.svg.rect(x, y - 5.5, width, 11.0, fill);
+                for edge_y in [y - 5.5, y + 5.5] {
+                    let stroke = Stroke::solid(edge, 0.8);
+                    self.svg.line((x, edge_y), (x + width, edge_y), stroke);
+                }
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
-use crate::svg::{Path, Stroke, Text};
+use crate::svg::{Anchor, Path, Stroke, Text};
 use crate::{FigureError, Quantity};
 
 /// Which plane the poles lie in.
@@ -54,15 +54,11 @@ pub fn poles(figure: &Poles) -> Result<String, FigureError> {
     for set in figure.sets {
         let color = set.role.color();
         keys.push(Key::new(Mark::Cross { color }, set.name));
-        if !set.cloud.is_empty() {
-            let name = format!("{}, parameters within their uncertainty", set.name);
-            keys.push(Key::new(
-                Mark::Dot {
-                    color: pale(set.role),
-                },
-                name,
-            ));
-        }
+    }
+    if let Some(set) = figure.sets.iter().find(|set| !set.cloud.is_empty()) {
+        let color = set.role.pale();
+        let name = "pale dots: poles for parameters within their uncertainty";
+        keys.push(Key::new(Mark::Dot { color }, name));
     }
     let stability = match figure.plane {
         Plane::Discrete => "unstable: outside the unit circle",
@@ -87,14 +83,14 @@ pub fn poles(figure: &Poles) -> Result<String, FigureError> {
     } else {
         full * 0.6
     };
-    let top = page.y + 26.0;
+    let top = page.y + frame::CAPTION;
     let left = style::PAGE_MARGIN;
     let bottom = panel(&mut page, figure, &all, "all poles", left, top, width);
     if let Some(crowd) = crowd {
         let left = left + width + 24.0;
         let name = match figure.plane {
-            Plane::Discrete => "the poles enlarged",
-            Plane::Continuous => "the slow poles enlarged",
+            Plane::Discrete => "the poles near 1, enlarged",
+            Plane::Continuous => "the slow poles, enlarged",
         };
         zoom_panel(&mut page, figure, &crowd, name, left, top, width);
     }
@@ -102,40 +98,30 @@ pub fn poles(figure: &Poles) -> Result<String, FigureError> {
     Ok(page.finish())
 }
 
-/// A pale version of the role's colour, for clouds.
-fn pale(role: Role) -> &'static str {
-    match role {
-        Role::Measurement => "#CFCFCF",
-        Role::Model => "#A8CBE5",
-        Role::Residual => "#F4C4A1",
-        Role::FixedPoint => "#A3CFC2",
-        Role::Float => "#EBCADB",
-        Role::Other(_) => "#D5CFC0",
-    }
-}
-
-/// The poles that a panel of all of them would show as one heap.
+/// The poles that a panel of all of them shows as one heap: those before the
+/// outermost gap in distance from the point of the constant state (z = 1, s = 0).
+/// None where the poles are spread well.
 fn crowded(all: &[(f64, f64)], plane: Plane) -> Option<Vec<(f64, f64)>> {
-    match plane {
-        Plane::Discrete => {
-            let (lo, hi) = extent(all.iter().map(|p| p.0))?;
-            let (_, im) = extent(all.iter().map(|p| p.1.abs()))?;
-            (hi - lo < 0.8 && im < 0.4).then(|| all.to_vec())
-        }
-        Plane::Continuous => {
-            // Distances from zero, and the widest gap between neighbours.
-            let mut sizes: Vec<f64> = all.iter().map(|p| p.0.hypot(p.1)).collect();
-            sizes.sort_by(f64::total_cmp);
-            let largest = *sizes.last()?;
-            let small = largest * 1e-3;
-            let gap = sizes
-                .windows(2)
-                .map(|w| (w[1].max(small) / w[0].max(small), w[0]))
-                .max_by(|a, b| a.0.total_cmp(&b.0))?;
-            let slow = all.iter().filter(|p| p.0.hypot(p.1) <= gap.1);
-            (gap.0 > 3.0).then(|| slow.copied().collect())
-        }
+    let (center, whole) = match plane {
+        Plane::Discrete => (1.0, 2.0),
+        Plane::Continuous => (0.0, 0.0),
+    };
+    let distance = |p: &(f64, f64)| (p.0 - center).hypot(p.1);
+    let mut distances: Vec<f64> = all.iter().map(distance).collect();
+    distances.sort_by(f64::total_cmp);
+    let largest = *distances.last()?;
+    // In the z-plane the panel shows the whole circle, however close the
+    // farthest pole is.
+    if largest < whole / 4.0 {
+        return Some(all.to_vec());
     }
+    let small = largest * 1e-2;
+    let gap = distances
+        .windows(2)
+        .rev()
+        .find(|w| w[1].max(small) > 2.5 * w[0].max(small))?;
+    let near = all.iter().filter(|p| distance(p) <= gap[0]);
+    (gap[0] > 0.0).then(|| near.copied().collect())
 }
 
 fn panel(
@@ -186,7 +172,7 @@ fn zoom_panel(
     for set in figure.sets {
         let cloud = set.cloud.iter().copied();
         page.svg.begin_series("cloud", set.name);
-        frame.dots(&mut page.svg, cloud, 2.6, pale(set.role));
+        frame.dots(&mut page.svg, cloud, 2.6, set.role.pale());
         page.svg.end();
     }
     for set in figure.sets {
@@ -218,7 +204,13 @@ fn zoom_panel(
     };
     let taken = frame.y_caption(&mut page.svg, left, imaginary);
     let room = frame.right() - left - taken - 12.0;
-    page::right_note(&mut page.svg, frame.right(), top - 7.0, room, name);
+    page::right_note(
+        &mut page.svg,
+        frame.right(),
+        top - frame::CAPTION_GAP,
+        room,
+        name,
+    );
     frame.x_caption(&mut page.svg, real);
     frame.bottom()
 }
@@ -266,7 +258,8 @@ fn background(page: &mut Page, plane: Plane, frame: &Frame) {
 
 fn boundary(page: &mut Page, plane: Plane, frame: &Frame) {
     let stroke = Stroke::solid(style::AXIS, 1.2);
-    frame.begin_clip(&mut page.svg);
+    let (left, top) = (frame.left, frame.top);
+    page.svg.begin_clip(left, top, frame.width, frame.height);
     match plane {
         Plane::Discrete => page.svg.path(&unit_circle(frame), stroke),
         Plane::Continuous => {
@@ -276,13 +269,11 @@ fn boundary(page: &mut Page, plane: Plane, frame: &Frame) {
         }
     }
     page.svg.end();
-    if plane == Plane::Discrete {
-        if let Some((x, y)) = frame.at(0.0, -1.0) {
-            let inside = (frame.left..frame.right() - 70.0).contains(&x) && y < frame.bottom();
-            if inside {
-                let at = Text::new(x - 30.0, y - 6.0, style::NOTE_SIZE, style::TEXT_MUTED);
-                page.svg.text(at, "unit circle");
-            }
+    if let (Plane::Discrete, Some((x, y))) = (plane, frame.at(0.0, -1.0)) {
+        let inside = (frame.left + 40.0..frame.right() - 40.0).contains(&x) && y < frame.bottom();
+        if inside {
+            let at = Text::new(x, y - 6.0, style::NOTE_SIZE, style::TEXT_MUTED);
+            page.svg.text(at.anchor(Anchor::Middle), "unit circle");
         }
     }
 }

@@ -65,10 +65,10 @@ pub fn reliability(figure: &Reliability) -> Result<String, FigureError> {
     let size = 420.0;
     let gutter = 44.0;
     let left = (style::PAGE_WIDTH - size - gutter) / 2.0;
-    let percent = || Axis::linear(Some((0.0, 100.0)), 0.02, 5.0);
+    let percent = || Axis::linear(Some((0.0, 100.0)), 0.02, 6.0);
     let main = Frame {
         left: left + gutter,
-        top: page.y + 26.0,
+        top: page.y + 28.0,
         width: size,
         height: size,
         x: percent(),
@@ -85,9 +85,9 @@ pub fn reliability(figure: &Reliability) -> Result<String, FigureError> {
     );
     let most = figure.bins.iter().map(|b| b.count).max().unwrap_or(0);
     let counts = Frame {
-        top: main.bottom() + 26.0,
+        top: main.bottom() + 34.0,
         height: 60.0,
-        y: Axis::linear(Some((0.0, (most.max(1)) as f64)), 0.0, 2.0),
+        y: Axis::linear(Some((0.0, (most.max(1)) as f64)), 0.0, 3.0),
         ..main.clone()
     };
     counts.grid(&mut page.svg, false);
@@ -176,5 +176,4 @@ fn draw_curve(page: &mut Page, frame: &Frame, figure: &Reliability) {
     }
     frame.border(&mut page.svg);
     frame.y_labels(&mut page.svg);
-    frame.x_labels(&mut page.svg);
 }

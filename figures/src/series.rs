@@ -19,6 +19,8 @@ pub struct Series<'a> {
     pub panels: &'a [Panel<'a>],
     /// Stretches to shade.
     pub regions: &'a [Region<'a>],
+    /// What the shading means, for the legend.
+    pub region_name: &'a str,
     /// Instants to mark.
     pub markers: &'a [Marker<'a>],
     /// Beginning and end of a part to enlarge beside the whole.
@@ -85,6 +87,7 @@ pub fn series(figure: &Series) -> Result<String, FigureError> {
         x: figure.x,
         rows,
         regions: figure.regions,
+        region_name: figure.region_name,
         markers: figure.markers,
         zoom: figure.zoom,
     };

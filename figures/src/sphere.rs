@@ -49,14 +49,17 @@ pub fn sphere(figure: &Sphere) -> Result<String, FigureError> {
         ),
     ];
     if figure.radius > 0.0 {
-        let color = style::LIMIT;
-        keys.push(Key::new(Mark::Dashed { color }, "sphere to be reached"));
+        let color = style::TEXT;
+        keys.push(Key::new(
+            Mark::Line { color, width: 1.6 },
+            "sphere to be reached",
+        ));
     }
     page.legend(&keys);
     let full = style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN;
     let width = (full - 24.0) / 2.0;
     for (vertical, name) in [(1, "y"), (2, "z")] {
-        let top = page.y + 26.0;
+        let top = page.y + frame::CAPTION;
         let mut bottom = top;
         for after in [false, true] {
             let left = style::PAGE_MARGIN + if after { width + 24.0 } else { 0.0 };
@@ -129,7 +132,7 @@ fn panel(
             }
         }
         path.close();
-        page.svg.path(&path, Stroke::dashed(style::TEXT, 1.2));
+        page.svg.path(&path, Stroke::solid(style::TEXT, 1.6));
     }
     frame.border(&mut page.svg);
     frame.y_labels(&mut page.svg);
@@ -137,7 +140,13 @@ fn panel(
     let quantity = |name| Quantity { name, unit };
     let taken = frame.y_caption(&mut page.svg, left, quantity(vertical_name));
     let room = frame.right() - left - taken - 12.0;
-    page::right_note(&mut page.svg, frame.right(), top - 7.0, room, name);
+    page::right_note(
+        &mut page.svg,
+        frame.right(),
+        top - frame::CAPTION_GAP,
+        room,
+        name,
+    );
     frame.x_caption(&mut page.svg, quantity("x"));
     frame.bottom()
 }

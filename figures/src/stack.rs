@@ -5,7 +5,7 @@ use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
-use crate::svg::{Stroke, Text};
+use crate::svg::{Anchor, Stroke, Text};
 use crate::text;
 use crate::{Limit, Marker, Quantity, Region};
 use std::borrow::Cow;
@@ -37,6 +37,8 @@ pub(crate) struct Stack<'a> {
     pub x: Quantity<'a>,
     pub rows: Vec<Row<'a>>,
     pub regions: &'a [Region<'a>],
+    /// What the regions are, for the legend.
+    pub region_name: &'a str,
     pub markers: &'a [Marker<'a>],
     /// A part of the axis that is drawn a second time, larger, on the right.
     pub zoom: Option<(f64, f64)>,
@@ -44,8 +46,6 @@ pub(crate) struct Stack<'a> {
 
 const LANE: f64 = 14.0;
 const LANES: usize = 3;
-/// Room above a panel for its caption.
-const CAPTION: f64 = 24.0;
 
 /// Draws the legend and the panels.
 pub(crate) fn draw(page: &mut Page, stack: &Stack) {
@@ -76,7 +76,7 @@ pub(crate) fn draw(page: &mut Page, stack: &Stack) {
         false,
     );
     page.y = below.max(right);
-    page.note("Right: a part of the same axis, enlarged.");
+    page.note("Right: the part under the thick line at the foot of the left panels, enlarged.");
 }
 
 fn keys(stack: &Stack) -> Vec<Key> {
@@ -85,7 +85,8 @@ fn keys(stack: &Stack) -> Vec<Key> {
         keys.push(Key::line(trace.role, trace.name));
     }
     for (_, name) in stack.rows.iter().filter_map(|row| row.band) {
-        keys.push(Key::new(Mark::Patch { color: style::BAND }, name));
+        let (fill, edge) = (style::BAND, style::BAND_EDGE);
+        keys.push(Key::new(Mark::Band { fill, edge }, name));
     }
     if stack.rows.iter().any(|row| !row.limits.is_empty()) {
         let color = style::LIMIT;
@@ -93,10 +94,7 @@ fn keys(stack: &Stack) -> Vec<Key> {
     }
     if !stack.regions.is_empty() {
         let color = style::REGION;
-        keys.push(Key::new(
-            Mark::Patch { color },
-            "where the error is largest",
-        ));
+        keys.push(Key::new(Mark::Patch { color }, stack.region_name));
     }
     keys
 }
@@ -135,28 +133,24 @@ fn column(
     left: f64,
     width: f64,
     top: f64,
-    with_labels: bool,
+    is_whole: bool,
 ) -> f64 {
     let axes: Vec<_> = stack.rows.iter().map(|row| y_axis(row, window)).collect();
     let gutter = axes
         .iter()
         .map(|(axis, _)| frame::gutter(axis))
         .fold(0.0, f64::max);
-    let limit_labels = stack.rows.iter().flat_map(|row| row.limits);
-    let right_gutter = limit_labels
-        .map(|limit| text::width(limit.name, style::NOTE_SIZE) + 6.0)
-        .fold(8.0, f64::max)
-        .min(130.0);
-    let plot_width = width - gutter - right_gutter;
+    let plot_width = width - gutter - right_gutter(stack, &axes);
     let x_axis = Axis::linear(window, 0.005, frame::x_ticks(plot_width));
 
-    let mut y = top;
     let lane_rows = lane_rows(stack);
-    let lanes_top = y;
-    y += lane_rows as f64 * LANE;
+    let mut y = top;
     let mut frames = Vec::new();
-    for (row, (axis, _)) in stack.rows.iter().zip(&axes) {
-        y += CAPTION;
+    for (index, (row, (axis, _))) in stack.rows.iter().zip(&axes).enumerate() {
+        y += frame::CAPTION;
+        if index == 0 {
+            y += lane_rows as f64 * LANE;
+        }
         frames.push(Frame {
             left: left + gutter,
             top: y,
@@ -165,35 +159,76 @@ fn column(
             x: x_axis.clone(),
             y: axis.clone(),
         });
-        y += row.height + 6.0;
+        y += row.height + 4.0;
     }
-    for ((row, frame), (_, outside)) in stack.rows.iter().zip(&frames).zip(&axes) {
+    for (index, ((row, frame), (_, outside))) in
+        stack.rows.iter().zip(&frames).zip(&axes).enumerate()
+    {
         panel(page, stack, row, frame);
-        let taken = frame.y_caption(&mut page.svg, left, row.quantity);
+        let lanes = if index == 0 { lane_rows as f64 } else { 0.0 };
+        let baseline = frame.top - frame::CAPTION_GAP - lanes * LANE;
+        let taken = frame.y_caption_at(&mut page.svg, left, baseline, row.quantity);
         let mut note = row.note.to_string();
         for limit in outside {
             let gap = if note.is_empty() { "" } else { " · " };
             note.push_str(&format!("{gap}{} lies outside", limit.name));
         }
-        if with_labels {
+        if is_whole {
             let room = frame.right() - left - taken - 16.0;
-            page::right_note(&mut page.svg, frame.right(), frame.top - 7.0, room, &note);
+            page::right_note(&mut page.svg, frame.right(), baseline, room, &note);
         }
     }
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
         return y;
     };
-    if lane_rows > 0 {
-        events(page, stack, first, last, lanes_top, lane_rows, with_labels);
+    labels(page, stack, first, lane_rows, is_whole);
+    if let (true, Some((from, until))) = (is_whole, stack.zoom) {
+        let lo = from.max(last.x.lo);
+        let hi = until.min(last.x.hi);
+        if let (Some(a), Some(b)) = (last.at_x(lo), last.at_x(hi)) {
+            let y = last.bottom() + 2.0;
+            page.svg
+                .line((a, y), (b, y), Stroke::solid(style::AXIS, 4.0));
+        }
     }
     last.x_labels(&mut page.svg);
     last.x_caption(&mut page.svg, stack.x);
     last.bottom() + 38.0
 }
 
+/// Room at the right for the names of the limits that are drawn.
+fn right_gutter(stack: &Stack, axes: &[(Axis, Vec<&Limit>)]) -> f64 {
+    let drawn = stack
+        .rows
+        .iter()
+        .zip(axes)
+        .flat_map(|(row, (_, outside))| row.limits.iter().filter(|l| !outside.contains(l)));
+    drawn
+        .map(|limit| text::width(limit.name, style::NOTE_SIZE) + LIMIT_GAP + 2.0)
+        .fold(8.0, f64::max)
+        .min(130.0)
+}
+
+/// From the end of a limit's line to its name.
+const LIMIT_GAP: f64 = 7.0;
+
 fn panel(page: &mut Page, stack: &Stack, row: &Row, frame: &Frame) {
     for region in stack.regions {
         frame.stripe(&mut page.svg, region.from, region.until, style::REGION);
+    }
+    let is_empty = row.traces.iter().all(|trace| {
+        let mut points = trace.x.iter().zip(trace.y.iter());
+        !points.any(|(x, y)| frame.at(*x, *y).is_some())
+    });
+    if is_empty {
+        let (x, y) = (
+            frame.left + frame.width / 2.0,
+            frame.top + frame.height / 2.0,
+        );
+        let at = Text::new(x, y + 4.0, style::LABEL_SIZE, style::TEXT_MUTED);
+        page.svg.text(at.anchor(Anchor::Middle), "no data");
+        frame.border(&mut page.svg);
+        return;
     }
     if let Some((half, _)) = row.band {
         frame.band(&mut page.svg, -half, half, style::BAND);
@@ -201,30 +236,57 @@ fn panel(page: &mut Page, stack: &Stack, row: &Row, frame: &Frame) {
     frame.grid(&mut page.svg, true);
     frame.zero_line(&mut page.svg);
     for limit in row.limits {
-        let Some(y) = frame.at_y(limit.value) else {
-            continue;
-        };
-        if y < frame.top || y > frame.bottom() {
-            continue;
-        }
-        let stroke = Stroke::dashed(style::LIMIT, 1.2);
-        page.svg.line((frame.left, y), (frame.right(), y), stroke);
-        let at = Text::new(
-            frame.right() + 4.0,
-            y + 3.6,
-            style::NOTE_SIZE,
-            style::TEXT_MUTED,
-        );
-        let name = text::shorten(limit.name, style::NOTE_SIZE, 126.0);
-        page.svg.text(at, &name);
+        draw_limit(page, frame, limit);
     }
     frame.begin_clip(&mut page.svg);
     for trace in &row.traces {
         series(page, frame, trace);
     }
+    // Dense data hide the band, so its edges lie on top of them.
+    if let Some((half, _)) = row.band {
+        for y in [frame.at_y(-half), frame.at_y(half)].into_iter().flatten() {
+            let stroke = Stroke::solid(style::BAND_EDGE, 0.8);
+            page.svg.line((frame.left, y), (frame.right(), y), stroke);
+        }
+    }
     page.svg.end();
+    for marker in stack.markers {
+        if let Some(x) = on_axis(frame, marker.at) {
+            let (from, to) = ((x, frame.top), (x, frame.bottom()));
+            page.svg.line(from, to, MARKER);
+        }
+    }
     frame.border(&mut page.svg);
     frame.y_labels(&mut page.svg);
+}
+
+const MARKER: Stroke = Stroke {
+    color: style::TEXT_MUTED,
+    width: 1.0,
+    dash: "2 3",
+};
+
+fn draw_limit(page: &mut Page, frame: &Frame, limit: &Limit) {
+    let Some(y) = frame.at_y(limit.value) else {
+        return;
+    };
+    if y < frame.top || y > frame.bottom() {
+        return;
+    }
+    let stroke = Stroke::dashed(style::LIMIT, 1.2);
+    page.svg.line((frame.left, y), (frame.right(), y), stroke);
+    let name = text::shorten(limit.name, style::NOTE_SIZE, 130.0 - LIMIT_GAP);
+    let x = frame.right() + LIMIT_GAP;
+    let at = Text::new(x, y + 3.6, style::NOTE_SIZE, style::TEXT_MUTED);
+    page.svg.text(at, &name);
+}
+
+/// The horizontal position of a value that lies within the panel.
+fn on_axis(frame: &Frame, value: f64) -> Option<f64> {
+    let x = frame.at_x(value)?;
+    (frame.left - 0.5..=frame.right() + 0.5)
+        .contains(&x)
+        .then_some(x)
 }
 
 fn series(page: &mut Page, frame: &Frame, trace: &Trace) {
@@ -261,72 +323,55 @@ fn lane_rows(stack: &Stack) -> usize {
     }
 }
 
-/// Labels of regions and markers above the first panel, and the lines of the
-/// markers through all panels.
-fn events(
-    page: &mut Page,
-    stack: &Stack,
-    first: &Frame,
-    last: &Frame,
-    top: f64,
-    rows: usize,
-    with_labels: bool,
-) {
-    let on_axis = |value: f64| {
-        let x = first.at_x(value)?;
-        (first.left - 0.5..=first.right() + 0.5)
-            .contains(&x)
-            .then_some(x)
-    };
-    let mut labels: Vec<(f64, &str)> = Vec::new();
-    for region in stack.regions {
+/// Labels of regions and markers between the first panel and its caption.
+fn labels(page: &mut Page, stack: &Stack, first: &Frame, rows: usize, is_whole: bool) {
+    let regions = stack.regions.iter().filter_map(|region| {
         let from = region.from.max(first.x.lo);
         let until = region.until.min(first.x.hi);
-        if from <= until {
-            if let Some(x) = on_axis((from + until) / 2.0) {
-                labels.push((x, region.label));
-            }
-        }
-    }
-    let stroke = Stroke {
-        color: style::TEXT_MUTED,
-        width: 1.0,
-        dash: "2 3",
-    };
-    for marker in stack.markers {
-        if let Some(x) = on_axis(marker.at) {
-            page.svg
-                .line((x, first.top - 4.0), (x, last.bottom()), stroke);
-            labels.push((x, marker.label));
-        }
-    }
-    if !with_labels {
-        return;
-    }
-    labels.retain(|(_, label)| !label.is_empty());
+        let x = on_axis(first, (from + until) / 2.0)?;
+        (from <= until).then_some((x, region.label, false))
+    });
+    let markers = stack
+        .markers
+        .iter()
+        .filter_map(|marker| Some((on_axis(first, marker.at)?, marker.label, true)));
+    let labels: Vec<(f64, &str, bool)> = regions
+        .chain(markers)
+        .filter(|(_, label, _)| !label.is_empty())
+        .collect();
     let widest = (first.width / 2.0).max(60.0);
     let texts: Vec<String> = labels
         .iter()
-        .map(|(_, label)| text::shorten(label, style::NOTE_SIZE, widest))
+        .map(|(_, label, _)| text::shorten(label, style::NOTE_SIZE, widest))
         .collect();
     let sizes: Vec<(f64, f64)> = labels
         .iter()
         .zip(&texts)
-        .map(|((x, _), text)| (*x, text::width(text, style::NOTE_SIZE)))
+        .map(|((x, _, _), text)| (*x, text::width(text, style::NOTE_SIZE)))
         .collect();
     let places = page::lanes(&sizes, first.left, first.right(), rows);
+    // The first lane is the lowest. Leaders first, so that a label in a lower
+    // lane covers the leader of one above it.
+    let baseline = |row: usize| first.top - 5.0 - row as f64 * LANE;
+    for (place, (x, _, is_marker)) in places.iter().zip(&labels) {
+        if let (Some((row, _)), true) = (place, is_marker) {
+            page.svg
+                .line((*x, baseline(*row) + 3.0), (*x, first.top), MARKER);
+        }
+    }
     let mut hidden = 0;
-    for (place, text) in places.iter().zip(&texts) {
+    for ((place, text), (_, width)) in places.iter().zip(&texts).zip(&sizes) {
         let Some((row, x)) = place else {
             hidden += 1;
             continue;
         };
-        // The first lane is the lowest, next to the panel's caption.
-        let y = top + (rows - row) as f64 * LANE - 2.0;
+        let y = baseline(*row);
+        page.svg
+            .rect(x - 1.0, y - 9.0, width + 2.0, 11.0, "#FFFFFF");
         let at = Text::new(*x, y, style::NOTE_SIZE, style::TEXT_MUTED);
         page.svg.text(at, text);
     }
-    if hidden > 0 {
+    if hidden > 0 && is_whole {
         page.note(format!(
             "{hidden} of {} labels above the panels are left out for lack of room; their marks are drawn.",
             texts.len()

@@ -34,8 +34,8 @@ pub struct StaircaseTrace<'a> {
 }
 
 const FIT: Role = Role::Model;
-const HELD_OUT: Role = Role::Residual;
-const LABEL_WIDTH: f64 = 230.0;
+const HELD_OUT: Role = Role::Other(0);
+const LABEL_WIDTH: f64 = 260.0;
 
 /// Draws error over floor, on a logarithmic axis, against the steps; the name
 /// and the last error of each experiment stand at the right end of its line.
@@ -74,7 +74,7 @@ pub fn staircase(figure: &Staircase) -> Result<String, FigureError> {
     let gutter = frame::gutter(&y);
     let frame = Frame {
         left: style::PAGE_MARGIN + gutter,
-        top: page.y + 24.0,
+        top: page.y + frame::CAPTION,
         width: style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN - gutter - LABEL_WIDTH,
         height,
         x: Axis::names(figure.steps.len()),
@@ -143,7 +143,7 @@ fn end_labels(page: &mut Page, frame: &Frame, traces: &[StaircaseTrace]) {
         page.svg.line((end.0 + 5.0, end.1), (x - 3.0, y), stroke);
         let ratio = format!("{}×", three_digits(*value));
         let room = LABEL_WIDTH - 14.0 - text::width(&ratio, style::NOTE_SIZE) - 8.0;
-        let name = text::shorten(trace.name, style::NOTE_SIZE, room);
+        let name = text::shorten_middle(trace.name, style::NOTE_SIZE, room);
         let at = Text::new(x, y + 3.6, style::NOTE_SIZE, color);
         page.svg.text(at, &name);
         let right = style::PAGE_WIDTH - style::PAGE_MARGIN;

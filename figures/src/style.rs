@@ -18,14 +18,15 @@ pub enum Role {
     Residual,
     /// The emitted fixed-point law: dark green.
     FixedPoint,
-    /// The floating-point law: reddish purple, drawn wide so that the
+    /// The floating-point law: violet, drawn wide so that the
     /// fixed-point line on top of it leaves it visible.
     Float,
     /// Anything else; the number picks one of four further colours.
     Other(usize),
 }
 
-const OTHERS: [&str; 4] = ["#332288", "#8A6D00", "#882255", "#44808F"];
+const OTHERS: [&str; 4] = ["#882255", "#8A6D00", "#332288", "#44808F"];
+const OTHERS_PALE: [&str; 4] = ["#DDB3C8", "#DDD2A6", "#BDB7DD", "#B9D3DA"];
 
 impl Role {
     /// The colour as `#rrggbb`.
@@ -35,7 +36,7 @@ impl Role {
             Role::Model => "#0064A8",
             Role::Residual => "#D55E00",
             Role::FixedPoint => "#004D38",
-            Role::Float => "#CC6FA3",
+            Role::Float => "#B25CFF",
             Role::Other(number) => OTHERS[number % OTHERS.len()],
         }
     }
@@ -45,10 +46,22 @@ impl Role {
     pub(crate) fn line_width(self) -> f64 {
         match self {
             Role::Measurement => 2.6,
-            Role::Float => 3.0,
+            Role::Float => 4.0,
             Role::Model | Role::FixedPoint => 1.2,
             Role::Residual => 1.0,
             Role::Other(_) => 1.5,
+        }
+    }
+
+    /// A pale version of the colour, for clouds around a point.
+    pub(crate) fn pale(self) -> &'static str {
+        match self {
+            Role::Measurement => "#CFCFCF",
+            Role::Model => "#A8CBE5",
+            Role::Residual => "#F4C4A1",
+            Role::FixedPoint => "#A3CFC2",
+            Role::Float => "#E3C8F8",
+            Role::Other(number) => OTHERS_PALE[number % OTHERS_PALE.len()],
         }
     }
 
@@ -72,8 +85,10 @@ pub(crate) const AXIS: &str = "#4A4A4A";
 pub(crate) const LIMIT: &str = "#6B6B6B";
 /// Shaded regions: where the model fails, where a loop is unstable.
 pub(crate) const REGION: &str = "#FBE7C6";
-/// What the sensor's own noise explains.
+/// What the sensor's own noise explains, and the edge of it, which is drawn
+/// on top of the data.
 pub(crate) const BAND: &str = "#DCE9F3";
+pub(crate) const BAND_EDGE: &str = "#2F4F6B";
 
 pub(crate) const FONT: &str = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 pub(crate) const TITLE_SIZE: f64 = 16.0;

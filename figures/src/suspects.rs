@@ -74,7 +74,7 @@ pub fn suspects(figure: &Suspects) -> Result<String, FigureError> {
         let name = text::shorten(suspect.name, style::LABEL_SIZE, widest);
         let at = Text::new(left - 8.0, y + 13.0, style::LABEL_SIZE, style::TEXT);
         page.svg.text(at.anchor(Anchor::End), &name);
-        let bar = (width * probability).max(1.5);
+        let bar = width * probability;
         page.svg.rect(left, y + 2.0, bar, 15.0, Role::Model.color());
         let right = style::PAGE_WIDTH - style::PAGE_MARGIN;
         let at = Text::new(right, y + 13.5, style::LABEL_SIZE, style::TEXT).bold();

@@ -257,10 +257,12 @@ impl Path {
         }
     }
 
-    /// Closes the outline.
+    /// Closes the outline, if there is one.
     pub fn close(&mut self) {
-        self.data.push('z');
-        self.drawn = true;
+        if !self.data.is_empty() {
+            self.data.push('z');
+            self.drawn = true;
+        }
     }
 
     fn pair(&mut self, (x, y): (i64, i64)) {
@@ -355,6 +357,14 @@ mod tests {
             })
             .sum();
         assert!((sum - 330.0).abs() < 0.051, "{sum}");
+    }
+
+    #[test]
+    fn text_is_escaped_and_forbidden_characters_are_dropped() {
+        assert_eq!(
+            escape("a<b> & \"c\"\u{1}\u{0}\n\u{FFFF}d"),
+            "a&lt;b&gt; &amp; &quot;c&quot; d"
+        );
     }
 
     #[test]
