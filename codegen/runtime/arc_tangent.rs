@@ -62,7 +62,10 @@ pub(crate) fn arc_tangent2(y: i32, x: i32) -> i32 {
         return 0;
     }
     // Q30 times Q29 is a Q27 after the upper word; the ratio stays below 1.
-    let ratio = mul_high(smaller, reciprocal_q29(clamp(larger, 0x2000_0000, 0x4000_0000)));
+    let ratio = mul_high(
+        smaller,
+        reciprocal_q29(clamp(larger, 0x2000_0000, 0x4000_0000)),
+    );
     let octant = arc_tangent_q31(clamp(ratio, 0, 0x07ff_ffff) * 16);
     let quadrant = if steep { 0x4000_0000 - octant } else { octant };
     let half = if x < 0 {

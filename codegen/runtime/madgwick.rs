@@ -25,13 +25,13 @@ const GRADIENT_MIN_IMU: i32 = 0x100;
 /// The same in Q24.
 const GRADIENT_MIN_MARG: i32 = 0x40;
 
-/// A horizontal field below 1/16 shows no heading: its square in Q30.
-const HORIZONTAL_SQUARED_MIN: i32 = 0x40_0000;
+/// A horizontal field below 1/16 shows no heading: its square in Q29.
+const HORIZONTAL_SQUARED_MIN: i32 = 0x20_0000;
 
 /// The direction in which the estimate is to be corrected, and how far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Correction {
-    /// The gradient, scaled up; within ±3·2²⁹.
+    /// The gradient, scaled up; within ±7·2²⁸.
     direction: [i32; 4],
     /// β T over the length of `direction`, so that the product is a change of q in Q62.
     gain: i32,
@@ -113,17 +113,17 @@ pub(crate) fn correction_marg(
     let field_west = component_q30(west, field);
     let field_up = component_q30(up, field);
     let squared = (mul_high(field_north, field_north) + mul_high(field_west, field_west)) * 2;
-    if squared < HORIZONTAL_SQUARED_MIN / 2 {
+    if squared < HORIZONTAL_SQUARED_MIN {
         return correction_imu(q, measured_up, beta);
     }
     let horizontal = square_root_q30(clamp(squared, 0, 0x1fff_ffff) * 2);
     // Errors in Q26: the field's (eq. 29), and the two vectors that meet the Jacobian.
-    let f1 = mul_high(horizontal, north[0]) + mul_high(field_up, up[0]) - field[0] / 4;
-    let f2 = mul_high(horizontal, north[1]) + mul_high(field_up, up[1]) - field[1] / 4;
-    let f3 = mul_high(horizontal, north[2]) + mul_high(field_up, up[2]) - field[2] / 4;
-    let w1 = (up[0] - measured_up[0]) / 4 + mul_high(field_up, f1) * 4;
-    let w2 = (up[1] - measured_up[1]) / 4 + mul_high(field_up, f2) * 4;
-    let w3 = (up[2] - measured_up[2]) / 4 + mul_high(field_up, f3) * 4;
+    let f1 = mul_high(horizontal, north[0]) + mul_high(field_up, up[0]) - (field[0] >> 2);
+    let f2 = mul_high(horizontal, north[1]) + mul_high(field_up, up[1]) - (field[1] >> 2);
+    let f3 = mul_high(horizontal, north[2]) + mul_high(field_up, up[2]) - (field[2] >> 2);
+    let w1 = ((up[0] - measured_up[0]) >> 2) + mul_high(field_up, f1) * 4;
+    let w2 = ((up[1] - measured_up[1]) >> 2) + mul_high(field_up, f2) * 4;
+    let w3 = ((up[2] - measured_up[2]) >> 2) + mul_high(field_up, f3) * 4;
     let u1 = mul_high(horizontal, f1) * 4;
     let u2 = mul_high(horizontal, f2) * 4;
     let u3 = mul_high(horizontal, f3) * 4;
@@ -155,11 +155,11 @@ fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction {
     }
     let direction = scaled_up4(gradient);
     // Quarters, so that the sum fits whatever the components.
-    let squared = mul_high(direction[0], direction[0]) / 4
-        + mul_high(direction[1], direction[1]) / 4
-        + mul_high(direction[2], direction[2]) / 4
-        + mul_high(direction[3], direction[3]) / 4;
-    let inverse = inverse_length(clamp(squared, 0x100_0000, 0x0fff_ffff) * 4);
+    let squared = (mul_high(direction[0], direction[0]) >> 2)
+        + (mul_high(direction[1], direction[1]) >> 2)
+        + (mul_high(direction[2], direction[2]) >> 2)
+        + (mul_high(direction[3], direction[3]) >> 2);
+    let inverse = inverse_length(clamp(squared, 0, 0x0fff_ffff) * 4);
     Correction {
         direction,
         gain: mul_high(inverse, beta),
@@ -186,19 +186,19 @@ pub(crate) fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction)
 /// q/‖q‖ for a nearly unit q: with ‖q‖² = 1 + ε, q (1 − ε/2 + 3ε²/8).
 ///
 /// For |ε| ≤ 0.06, the most that a step can make of it, the length is 1 to within
-/// 5|ε|³/16 + 2⁻²⁷ < 1e-4. Components are clamped to [`COMPONENT_MAX`], which acts only on
+/// 5|ε|³/16 + 2⁻²⁵ < 1e-4. Components are clamped to [`COMPONENT_MAX`], which acts only on
 /// quaternions far from unit length.
 #[inline]
 pub(crate) fn normalised(q: [i32; 4]) -> [i32; 4] {
-    let squared = mul_high(q[0], q[0]) / 2
-        + mul_high(q[1], q[1]) / 2
-        + mul_high(q[2], q[2]) / 2
-        + mul_high(q[3], q[3]) / 2;
+    let squared = (mul_high(q[0], q[0]) >> 1)
+        + (mul_high(q[1], q[1]) >> 1)
+        + (mul_high(q[2], q[2]) >> 1)
+        + (mul_high(q[3], q[3]) >> 1);
     // ε in Q27, at most 1/8; then ε/2 in Q32 and ε² in Q30.
     let excess = clamp(squared - 0x0800_0000, -0x0100_0000, 0x0100_0000);
     let half = excess * 16;
     let square = mul_high(half, half);
-    let change = (square + square / 2 - half) as i64;
+    let change = (square + (square >> 1) - half) as i64;
     [
         clamp(q[0] + round_high(q[0] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
         clamp(q[1] + round_high(q[1] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),

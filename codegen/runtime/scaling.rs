@@ -41,12 +41,7 @@ fn lift4(v: [i32; 4], limit: i32, factor: i32) -> [i32; 4] {
         && is_within(v[2], limit)
         && is_within(v[3], limit)
     {
-        [
-            v[0] * factor,
-            v[1] * factor,
-            v[2] * factor,
-            v[3] * factor,
-        ]
+        [v[0] * factor, v[1] * factor, v[2] * factor, v[3] * factor]
     } else {
         v
     }
@@ -64,7 +59,11 @@ fn lift4(v: [i32; 4], limit: i32, factor: i32) -> [i32; 4] {
 pub(crate) fn scaled_up2(v: [i32; 2]) -> [i32; 2] {
     // Most vectors are long, so the large factors are looked at only for those that are not.
     let long = if is_within(v[0], 0x0400_0000) && is_within(v[1], 0x0400_0000) {
-        lift2(lift2(lift2(v, 0x4000, 0x1_0000), 0x40_0000, 0x100), 0x0400_0000, 0x10)
+        lift2(
+            lift2(lift2(v, 0x4000, 0x1_0000), 0x40_0000, 0x100),
+            0x0400_0000,
+            0x10,
+        )
     } else {
         v
     };
@@ -90,18 +89,18 @@ pub(crate) fn scaled_up3(v: [i32; 3]) -> [i32; 3] {
 }
 
 /// Scales any vector other than zero until its largest component is at least 2²⁹; components
-/// that are larger stay. Components within ±3·2²⁹ stay within ±3·2²⁹.
+/// that are larger stay. Components within ±7·2²⁸ stay within ±7·2²⁸.
 #[cfg_attr(kani, kani::requires(
-    (-0x6000_0000..=0x6000_0000).contains(&v[0])
-        && (-0x6000_0000..=0x6000_0000).contains(&v[1])
-        && (-0x6000_0000..=0x6000_0000).contains(&v[2])
-        && (-0x6000_0000..=0x6000_0000).contains(&v[3])
+    (-0x7000_0000..=0x7000_0000).contains(&v[0])
+        && (-0x7000_0000..=0x7000_0000).contains(&v[1])
+        && (-0x7000_0000..=0x7000_0000).contains(&v[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&v[3])
 ))]
 #[cfg_attr(kani, kani::ensures(|r|
-    (-0x6000_0000..=0x6000_0000).contains(&r[0])
-        && (-0x6000_0000..=0x6000_0000).contains(&r[1])
-        && (-0x6000_0000..=0x6000_0000).contains(&r[2])
-        && (-0x6000_0000..=0x6000_0000).contains(&r[3])
+    (-0x7000_0000..=0x7000_0000).contains(&r[0])
+        && (-0x7000_0000..=0x7000_0000).contains(&r[1])
+        && (-0x7000_0000..=0x7000_0000).contains(&r[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&r[3])
 ))]
 #[inline]
 pub(crate) fn scaled_up4(v: [i32; 4]) -> [i32; 4] {

@@ -71,7 +71,8 @@ impl EmittedCrate {
     /// Writes the crate into `directory` (made if missing) and returns the files that changed.
     ///
     /// Files that are right already are not touched. All new texts are first written beside their
-    /// places and then renamed, so that an error on the way leaves everything as it was.
+    /// places; only when every one of them is on the disk are they renamed. So a file that is not
+    /// ours, a missing permission or a full disk leaves everything as it was.
     ///
     /// # Errors
     /// [`FileError::Foreign`] if a file in the way is not ours, [`FileError::Io`] otherwise.

@@ -1,0 +1,139 @@
+//! One step of the attitude filter, from raw counts to the next state.
+//!
+//! Measurements that cannot be used fall back by this rule:
+//! - an accelerometer or magnetometer reading with any axis at a limit of its range is not used;
+//! - an accelerometer vector shorter than g/8, after the lever-arm correction, is not used (free
+//!   fall, the zero vector), nor a magnetic field shorter than its stated minimum;
+//! - without the accelerometer the step integrates the gyroscope alone; with it and without the
+//!   magnetometer it is the six-axis step;
+//! - a gyroscope at its limit is integrated as it stands.
+
+use super::calibration::{SensorLine, calibrate, is_saturated};
+use super::lever_arm::{LeverArm, length_squared, slow_rate, without_motion};
+use super::madgwick::{
+    Correction, NO_CORRECTION, ONE, aligned, correction_imu, correction_marg, turned, unit_q28,
+};
+
+/// Everything that fixes the filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilterConstants {
+    /// Gyroscope counts to half-angles ω T/2 in Q32.
+    pub gyro: SensorLine,
+    /// Accelerometer counts to units of which the sensor's range has 2²⁸ or a little more.
+    pub accel: SensorLine,
+    /// Magnetometer counts to units of the same kind.
+    pub mag: SensorLine,
+    /// Squared length of the shortest usable accelerometer vector, in units of 2³²; at least 1.
+    pub gravity_squared_min: i32,
+    /// Squared length of the weakest usable field, in units of 2³²; at least 1.
+    pub field_squared_min: i32,
+    /// Lever-arm correction.
+    pub lever_arm: LeverArm,
+    /// β T in Q35, below 2²⁹.
+    pub beta: i32,
+}
+
+/// What a step leaves behind. Invariant: components of the quaternion within
+/// [`super::madgwick::COMPONENT_MAX`], its length within 1 ± 2⁻¹², rates within ±2²⁹.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilterState {
+    /// w, x, y, z in Q30.
+    pub quaternion: [i32; 4],
+    /// Half-angle of the last step about the pivot axis in Q32.
+    pub rate: i32,
+    /// The same, lagging by two steps.
+    pub slow_rate: i32,
+}
+
+/// The sensor's frame on the earth's, at rest.
+pub const START: FilterState = FilterState {
+    quaternion: [ONE, 0, 0, 0],
+    rate: 0,
+    slow_rate: 0,
+};
+
+/// One step with gyroscope and accelerometer.
+pub(crate) fn step_imu(
+    state: &FilterState,
+    gyro: [i16; 3],
+    accel: [i16; 3],
+    constants: &FilterConstants,
+) -> FilterState {
+    let turn = calibrate(gyro, &constants.gyro);
+    let up = gravity(accel, turn[2], state.slow_rate, constants);
+    let correction = if is_gravity_usable(accel, up, constants) {
+        correction_imu(state.quaternion, unit_q28(up), constants.beta)
+    } else {
+        NO_CORRECTION
+    };
+    next(state, turn, &correction)
+}
+
+/// One step with gyroscope, accelerometer and magnetometer.
+pub(crate) fn step_marg(
+    state: &FilterState,
+    gyro: [i16; 3],
+    accel: [i16; 3],
+    mag: [i16; 3],
+    constants: &FilterConstants,
+) -> FilterState {
+    let turn = calibrate(gyro, &constants.gyro);
+    let up = gravity(accel, turn[2], state.slow_rate, constants);
+    let field = calibrate(mag, &constants.mag);
+    let correction = if is_gravity_usable(accel, up, constants) {
+        if is_saturated(mag) || length_squared(field) < constants.field_squared_min {
+            correction_imu(state.quaternion, unit_q28(up), constants.beta)
+        } else {
+            correction_marg(
+                state.quaternion,
+                unit_q28(up),
+                unit_q28(field),
+                constants.beta,
+            )
+        }
+    } else {
+        NO_CORRECTION
+    };
+    next(state, turn, &correction)
+}
+
+/// The attitude by the accelerometer alone; the state unchanged if the reading cannot be used.
+pub(crate) fn align(
+    state: &FilterState,
+    accel: [i16; 3],
+    constants: &FilterConstants,
+) -> FilterState {
+    let up = calibrate(accel, &constants.accel);
+    if is_gravity_usable(accel, up, constants) {
+        FilterState {
+            quaternion: aligned(unit_q28(up)),
+            rate: state.rate,
+            slow_rate: state.slow_rate,
+        }
+    } else {
+        *state
+    }
+}
+
+/// The reading without the part of the body's motion; components within ±2³⁰.
+#[inline]
+fn gravity(accel: [i16; 3], rate: i32, slow: i32, constants: &FilterConstants) -> [i32; 3] {
+    let reading = calibrate(accel, &constants.accel);
+    without_motion(reading, rate, slow, &constants.lever_arm)
+}
+
+/// Whether `up`, from the counts `raw`, shows the vertical.
+#[inline]
+pub(crate) fn is_gravity_usable(raw: [i16; 3], up: [i32; 3], constants: &FilterConstants) -> bool {
+    !is_saturated(raw) && length_squared(up) >= constants.gravity_squared_min
+}
+
+/// The state after turning by `turn` and correcting.
+#[inline]
+fn next(state: &FilterState, turn: [i32; 3], correction: &Correction) -> FilterState {
+    FilterState {
+        quaternion: turned(state.quaternion, turn, correction),
+        rate: turn[2],
+        slow_rate: slow_rate(state.slow_rate, turn[2]),
+    }
+}

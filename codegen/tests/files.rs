@@ -1,0 +1,77 @@
+//! Writing and comparing.
+
+mod thesis;
+
+use std::fs;
+use std::path::Path;
+
+use codegen::{EmittedCrate, FileError, generate};
+
+fn emitted() -> EmittedCrate {
+    generate(&thesis::spec()).unwrap()
+}
+
+fn names(directory: &Path) -> Vec<String> {
+    let mut names: Vec<_> = fs::read_dir(directory)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn writes_what_changed_and_nothing_else() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("new/folder");
+    let emitted = emitted();
+    assert!(matches!(emitted.check(&out), Err(FileError::Differs { paths }) if paths.len() == 4));
+    assert_eq!(emitted.write(&out).unwrap().len(), 4);
+    emitted.check(&out).unwrap();
+    assert_eq!(
+        emitted.write(&out).unwrap(),
+        Vec::<std::path::PathBuf>::new()
+    );
+    assert_eq!(names(&out), ["Cargo.toml", "certificate.json", "src"]);
+    assert_eq!(names(&out.join("src")), ["control.rs", "lib.rs"]);
+
+    // A change by hand is found, and undone by writing.
+    let path = out.join("src/control.rs");
+    let damaged = fs::read_to_string(&path)
+        .unwrap()
+        .replace("SHIFT - 1", "SHIFT - 2");
+    fs::write(&path, &damaged).unwrap();
+    let error = emitted.check(&out).unwrap_err();
+    assert!(error.to_string().contains("control.rs"), "{error}");
+    assert_eq!(
+        fs::read_to_string(&path).unwrap(),
+        damaged,
+        "check wrote something"
+    );
+    assert_eq!(emitted.write(&out).unwrap(), [path]);
+    emitted.check(&out).unwrap();
+}
+
+#[test]
+fn a_file_of_somebody_else_is_left_alone_with_everything_beside_it() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(
+        directory.path().join("Cargo.toml"),
+        "[package]\nname = \"mine\"\n",
+    )
+    .unwrap();
+    let error = emitted().write(directory.path()).unwrap_err();
+    assert!(matches!(error, FileError::Foreign { .. }));
+    assert!(error.to_string().contains("Cargo.toml"), "{error}");
+    assert_eq!(names(directory.path()), ["Cargo.toml"]);
+}
+
+#[test]
+fn an_error_leaves_no_file_behind() {
+    let directory = tempfile::tempdir().unwrap();
+    // A file where the folder `src` has to be.
+    fs::write(directory.path().join("src"), "").unwrap();
+    let error = emitted().write(directory.path()).unwrap_err();
+    assert!(matches!(error, FileError::Io { .. }));
+    assert_eq!(names(directory.path()), ["src"]);
+}
