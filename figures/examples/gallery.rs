@@ -23,15 +23,15 @@ fn main() -> Result<(), FigureError> {
         ("overlay-ugly", ugly_overlay()?),
         ("staircase", few_steps()?),
         ("staircase-many", many_steps()?),
-        ("breakdown", breakdown_figure()?),
+        ("breakdown", breakdown_figure()),
         ("decay", decay_figure()?),
-        ("suspects", suspects_figure()?),
-        ("poles-z", poles_figure(Plane::Discrete)?),
-        ("poles-s", poles_figure(Plane::Continuous)?),
+        ("suspects", suspects_figure()),
+        ("poles-z", poles_figure(Plane::Discrete)),
+        ("poles-s", poles_figure(Plane::Continuous)),
         ("series", transient()?),
-        ("reliability", reliability_figure()?),
+        ("reliability", reliability_figure()),
         ("confusion", confusion_figure()?),
-        ("sphere", sphere_figure()?),
+        ("sphere", sphere_figure()),
     ];
     for (name, svg) in figures {
         let path = folder.join(format!("{name}.svg"));
@@ -278,7 +278,7 @@ fn many_steps() -> Result<String, FigureError> {
     })
 }
 
-fn breakdown_figure() -> Result<String, FigureError> {
+fn breakdown_figure() -> String {
     let mut noise = Noise(4);
     let coordinates = [
         ("amplitude", "rad", 0.0, 0.9),
@@ -384,7 +384,7 @@ fn decay_figure() -> Result<String, FigureError> {
     })
 }
 
-fn suspects_figure() -> Result<String, FigureError> {
+fn suspects_figure() -> String {
     let suspect = |name, probability, evidence| Suspect {
         name,
         probability,
@@ -414,7 +414,7 @@ fn suspects_figure() -> Result<String, FigureError> {
     })
 }
 
-fn poles_figure(plane: Plane) -> Result<String, FigureError> {
+fn poles_figure(plane: Plane) -> String {
     let mut noise = Noise(6);
     let open = vec![(8.95, 0.0), (-9.2, 0.0), (-0.02, 0.0)];
     let closed = vec![(-310.0, 0.0), (-6.1, 2.4), (-6.1, -2.4)];
@@ -547,7 +547,7 @@ fn transient() -> Result<String, FigureError> {
     })
 }
 
-fn reliability_figure() -> Result<String, FigureError> {
+fn reliability_figure() -> String {
     let bins: Vec<ReliabilityBin> = (0..10)
         .map(|i| {
             let stated = 0.05 + 0.1 * f64::from(i);
@@ -618,7 +618,7 @@ fn confusion_figure() -> Result<String, FigureError> {
     })
 }
 
-fn sphere_figure() -> Result<String, FigureError> {
+fn sphere_figure() -> String {
     let mut noise = Noise(8);
     let mut before = Vec::new();
     let mut after = Vec::new();

@@ -1,11 +1,11 @@
 //! The residual over the coordinates in which physics speaks.
 
+use crate::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
 use crate::svg::{Anchor, Text};
-use crate::{FigureError, Quantity};
 
 /// Small panels, one for each coordinate.
 #[derive(Debug, Clone, Copy, Default)]
@@ -56,10 +56,7 @@ const CELL_HEIGHT: f64 = frame::CAPTION + RESIDUAL_HEIGHT + 20.0 + SHARE_HEIGHT 
 
 /// Draws for each coordinate the mean residual of each bin with two standard
 /// errors, and below it the bin's share of the error.
-///
-/// # Errors
-/// None at present; the result has the shape of the other figures.
-pub fn breakdown(figure: &Breakdown) -> Result<String, FigureError> {
+pub fn breakdown(figure: &Breakdown) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);
     let mut keys = vec![
         Key::new(
@@ -92,7 +89,7 @@ pub fn breakdown(figure: &Breakdown) -> Result<String, FigureError> {
         cell(&mut page, panel, left, y, width);
     }
     page.y = top + figure.panels.len().div_ceil(columns) as f64 * CELL_HEIGHT;
-    Ok(page.finish())
+    page.finish()
 }
 
 const SHARE_COLOR: &str = "#E3A857";

@@ -1,11 +1,11 @@
 //! Poles of the open and the closed loop with their uncertainty.
 
+use crate::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
 use crate::svg::{Anchor, Path, Stroke, Text};
-use crate::{FigureError, Quantity};
 
 /// Which plane the poles lie in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,10 +45,7 @@ pub struct PoleSet<'a> {
 
 /// Draws all poles on the left and the crowded part, enlarged, on the right:
 /// around z = 1 or around the slow poles.
-///
-/// # Errors
-/// None at present; the result has the shape of the other figures.
-pub fn poles(figure: &Poles) -> Result<String, FigureError> {
+pub fn poles(figure: &Poles) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);
     let mut keys = Vec::new();
     for set in figure.sets {
@@ -95,7 +92,7 @@ pub fn poles(figure: &Poles) -> Result<String, FigureError> {
         zoom_panel(&mut page, figure, &crowd, name, left, top, width);
     }
     page.y = bottom + 38.0;
-    Ok(page.finish())
+    page.finish()
 }
 
 /// The poles that a panel of all of them shows as one heap: those before the

@@ -1,11 +1,11 @@
 //! Whether stated probabilities come true.
 
+use crate::Quantity;
 use crate::axis::Axis;
 use crate::frame::Frame;
 use crate::page::{Key, Mark, Page};
 use crate::style::{self, Role};
 use crate::svg::{Anchor, Path, Stroke, Text};
-use crate::{FigureError, Quantity};
 
 /// Stated probabilities against frequencies (a calibration curve).
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,10 +38,7 @@ pub struct ReliabilityBin {
 
 /// Draws frequency over stated probability with the diagonal, and below it
 /// how many statements each bin holds.
-///
-/// # Errors
-/// None at present; the result has the shape of the other figures.
-pub fn reliability(figure: &Reliability) -> Result<String, FigureError> {
+pub fn reliability(figure: &Reliability) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);
     let mut keys = vec![
         Key::new(
@@ -116,7 +113,7 @@ pub fn reliability(figure: &Reliability) -> Result<String, FigureError> {
         },
     );
     page.y = counts.bottom() + 38.0;
-    Ok(page.finish())
+    page.finish()
 }
 
 fn draw_curve(page: &mut Page, frame: &Frame, figure: &Reliability) {

@@ -1,12 +1,12 @@
 //! A vector sensor before and after calibration: after, its readings lie on a
 //! sphere around zero.
 
+use crate::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
 use crate::svg::{Path, Stroke};
-use crate::{FigureError, Quantity};
 
 /// Readings of a three-axis sensor.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,10 +29,7 @@ pub struct Sphere<'a> {
 
 /// Draws two projections (x–y and x–z) before, on the left, and after, on the
 /// right, with the circle on whose disc the calibrated readings should lie.
-///
-/// # Errors
-/// None at present; the result has the shape of the other figures.
-pub fn sphere(figure: &Sphere) -> Result<String, FigureError> {
+pub fn sphere(figure: &Sphere) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);
     let mut keys = vec![
         Key::new(
@@ -67,7 +64,7 @@ pub fn sphere(figure: &Sphere) -> Result<String, FigureError> {
         }
         page.y = bottom + 38.0;
     }
-    Ok(page.finish())
+    page.finish()
 }
 
 fn panel(

@@ -1,6 +1,5 @@
 //! How probable each suspected effect is.
 
-use crate::FigureError;
 use crate::page::Page;
 use crate::style::{self, Role};
 use crate::svg::{Anchor, Path, Stroke, Text};
@@ -30,10 +29,7 @@ pub struct Suspect<'a> {
 
 /// Draws a horizontal bar for each suspect, its probability in percent at the
 /// right, and the evidence below the bar.
-///
-/// # Errors
-/// None at present; the result has the shape of the other figures.
-pub fn suspects(figure: &Suspects) -> Result<String, FigureError> {
+pub fn suspects(figure: &Suspects) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);
     let names = figure.suspects.iter();
     let widest = names
@@ -102,7 +98,7 @@ pub fn suspects(figure: &Suspects) -> Result<String, FigureError> {
     page.svg
         .text(at.anchor(Anchor::Middle), "probability of the effect (%)");
     page.y = bottom + 36.0;
-    Ok(page.finish())
+    page.finish()
 }
 
 fn percent_label(probability: f64) -> String {

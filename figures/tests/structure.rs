@@ -234,19 +234,19 @@ fn lengths_that_do_not_fit_are_refused_by_name() {
 #[test]
 fn every_kind_survives_having_nothing_to_draw() {
     let figures = [
-        overlay(&Overlay::default()),
-        series(&Series::default()),
-        staircase(&Staircase::default()),
+        overlay(&Overlay::default()).unwrap(),
+        series(&Series::default()).unwrap(),
+        staircase(&Staircase::default()).unwrap(),
         breakdown(&Breakdown::default()),
-        decay(&Decay::default()),
+        decay(&Decay::default()).unwrap(),
         suspects(&Suspects::default()),
         poles(&Poles::default()),
         reliability(&Reliability::default()),
-        confusion(&Confusion::default()),
+        confusion(&Confusion::default()).unwrap(),
         sphere(&Sphere::default()),
     ];
     for figure in figures {
-        parse(&figure.unwrap());
+        parse(&figure);
     }
 }
 
@@ -302,8 +302,7 @@ fn bars_are_as_long_as_their_probability() {
         title: "t",
         suspects: &[suspect("a", 0.8), suspect("b", 0.2), suspect("c", 0.0)],
         ..Suspects::default()
-    })
-    .unwrap();
+    });
     let document = parse(&svg);
     let widths: Vec<f64> = series_of(&document, "suspect")
         .iter()
@@ -329,8 +328,7 @@ fn a_stable_pole_is_drawn_inside_the_circle() {
         plane: Plane::Discrete,
         sets: &[set],
         ..Poles::default()
-    })
-    .unwrap();
+    });
     let document = parse(&svg);
     // Once with the whole circle and once enlarged.
     let groups = series_of(&document, "model");
@@ -359,8 +357,7 @@ fn clouds_of_any_size_stay_small() {
         after: &points,
         radius: 1.0,
         ..Sphere::default()
-    })
-    .unwrap();
+    });
     parse(&svg);
     assert!(svg.len() < 400_000, "{} bytes", svg.len());
 }
@@ -481,7 +478,7 @@ proptest! {
             from: v[0], until: v[1], mean: v[2], mean_std: v[3], share_of_error: v[4],
         };
         let panel = BreakdownPanel { bins: &[bin, bin], sensor_std: v[5], ..Default::default() };
-        parse(&breakdown(&Breakdown { panels: &[panel], ..Default::default() }).unwrap());
+        parse(&breakdown(&Breakdown { panels: &[panel], ..Default::default() }));
 
         let point = DecayPoint { amplitude: v[0], value: v[1], std: v[2] };
         let panel = DecayPanel {
@@ -493,18 +490,18 @@ proptest! {
             name: "p", role: Role::Model, poles: &[(v[0], v[1]), (v[2], v[3])], cloud: &[(v[4], v[5])],
         };
         for plane in [Plane::Discrete, Plane::Continuous] {
-            parse(&poles(&Poles { plane, sets: &[set], ..Default::default() }).unwrap());
+            parse(&poles(&Poles { plane, sets: &[set], ..Default::default() }));
         }
 
         let bin = ReliabilityBin { stated: v[0], frequency: v[1], low: v[2], high: v[3], count: 7 };
         parse(&reliability(&Reliability {
             bins: &[bin], tolerance: v[4], ..Default::default()
-        }).unwrap());
+        }));
 
         let vector = [v[0], v[1], v[2]];
         parse(&sphere(&Sphere {
             before: &[vector], after: &[vector], radius: v[3], ..Default::default()
-        }).unwrap());
+        }));
 
         let trace = StaircaseTrace { name: "s", held_out: true, rmse_over_floor: &v };
         parse(&staircase(&Staircase {
@@ -512,6 +509,6 @@ proptest! {
         }).unwrap());
 
         let suspect = Suspect { name: "s", probability: v[0], evidence: "e" };
-        parse(&suspects(&Suspects { suspects: &[suspect], ..Default::default() }).unwrap());
+        parse(&suspects(&Suspects { suspects: &[suspect], ..Default::default() }));
     }
 }
