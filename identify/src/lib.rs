@@ -1,1 +1,40 @@
-//! To be written.
+//! From logs to parameters with their uncertainty.
+//!
+//! | file | job |
+//! |---|---|
+//! | `record` | a log as the fit sees it |
+//! | `noise` | the noise of a sensor, from the log alone |
+//! | `start` | a first guess, straight from the samples |
+//! | `sensitivity` | one window simulated with exact derivatives |
+//! | `solver` | nonlinear least squares over shared parameters and each window's start |
+//! | `fit` | the schedule from a plain start; model against measurement |
+//! | `covariance` | standard errors that account for correlated residuals |
+//! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
+//! | `identification` | a whole bench: what is known, what is free, what is open |
+
+mod covariance;
+mod fit;
+mod identification;
+mod noise;
+mod pushes;
+mod record;
+mod sensitivity;
+mod solver;
+mod start;
+
+pub use covariance::pseudo_inverse;
+pub use fit::{
+    BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, refit, traces,
+};
+pub use identification::{
+    Identification, IdentifyError, Setup, carry_over, extend, identify, scaled_start,
+};
+pub use noise::noise_std;
+pub use pushes::{Push, PushModel, find_pushes, leave_out};
+pub use record::{Channel, Output, Record, RecordedCurrent};
+pub use sensitivity::{
+    Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, normal, observe, relevant,
+    simulate,
+};
+pub use solver::{Effort, Minimum, Outcome, minimise};
+pub use start::{Ratios, angle_samples, base_values, ratios};

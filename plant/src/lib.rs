@@ -35,5 +35,5 @@ pub use linear::{LinearModel, LinearisationError, linearise};
 pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
 };
-pub use plant::{Drive, Plant, State};
+pub use plant::{Current, Drive, Plant, State};
 pub use scalar::{Dual, Scalar};

@@ -52,6 +52,15 @@ pub struct Drive<S> {
     pub push: [f64; 3],
 }
 
+/// The commanded (or measured) current during a run.
+#[derive(Clone, Copy, Debug)]
+pub enum Current<'a, S> {
+    /// As recorded.
+    Recorded(&'a Input),
+    /// Held at this value in A, possibly unknown to whoever recorded the log.
+    Held(S),
+}
+
 /// An effect with its parameters, as a model in use holds it.
 #[derive(Clone, Copy, Debug)]
 struct Term<S> {
@@ -409,12 +418,12 @@ impl<S: Scalar> Plant<S> {
         start: State<S>,
         time_s: &[f64],
         samples: std::ops::Range<usize>,
-        input: Option<&Input>,
+        current: Current<S>,
         push: Option<&dyn Fn(f64) -> f64>,
         mut each: impl FnMut(usize, &Reading<S>, &State<S>),
     ) {
         let mut state = start;
-        if let (Some(lag), Some(input)) = (self.lag_s, input)
+        if let (Some(lag), Current::Recorded(input)) = (self.lag_s, current)
             && state.current_a.value() == 0.0
             && lag.value() >= 0.0
             && samples.start > 0
@@ -431,7 +440,10 @@ impl<S: Scalar> Plant<S> {
             }
             let (from, to) = (time_s[k], time_s[k + 1]);
             let drive = Drive {
-                current_a: input.map_or(S::zero(), |input| input.mean(from, to, self.delay_s, k)),
+                current_a: match current {
+                    Current::Recorded(input) => input.mean(from, to, self.delay_s, k),
+                    Current::Held(current) => current,
+                },
                 push: push.map_or([0.0; 3], |push| {
                     [push(from), push(0.5 * (from + to)), push(to)]
                 }),
@@ -515,7 +527,7 @@ mod tests {
             State::rest(),
             &time_s,
             0..time_s.len(),
-            Some(&input),
+            Current::Recorded(&input),
             None,
             |k, reading, _| {
                 let (j, r) = (VALUES[1], VALUES[5]);
@@ -590,9 +602,16 @@ mod tests {
                     angle_rad: 0.3,
                     ..State::rest()
                 };
-                plant.run(start, &time_s, 0..400, Some(&input), None, |_, r, _| {
-                    out.extend([r.angle_rad, r.rate_rad_s, r.wheel_speed_rad_s]);
-                });
+                plant.run(
+                    start,
+                    &time_s,
+                    0..400,
+                    Current::Recorded(&input),
+                    None,
+                    |_, r, _| {
+                        out.extend([r.angle_rad, r.rate_rad_s, r.wheel_speed_rad_s]);
+                    },
+                );
                 out
             };
             for index in at..at + info.parameters.len() {
@@ -613,11 +632,18 @@ mod tests {
                     angle_rad: Dual::constant(0.3),
                     ..State::rest()
                 };
-                plant.run(start, &time_s, 0..400, Some(&input), None, |_, r, _| {
-                    for channel in [r.angle_rad, r.rate_rad_s, r.wheel_speed_rad_s] {
-                        exact.push(channel.derivatives[0]);
-                    }
-                });
+                plant.run(
+                    start,
+                    &time_s,
+                    0..400,
+                    Current::Recorded(&input),
+                    None,
+                    |_, r, _| {
+                        for channel in [r.angle_rad, r.rate_rad_s, r.wheel_speed_rad_s] {
+                            exact.push(channel.derivatives[0]);
+                        }
+                    },
+                );
                 let h = 1e-5 * values[index].abs().max(1e-4);
                 let (mut up, mut down) = (values.clone(), values.clone());
                 up[index] += h;

@@ -1,0 +1,234 @@
+//! Standard errors that account for correlated residuals.
+//!
+//! The textbook covariance H⁻¹ holds if the residuals are white with the stated noise. Residuals of
+//! a fit that misses something are correlated over hundreds of samples. With s the sensitivities of
+//! one observation (the windows' starts eliminated) and R the autocovariance of the residuals,
+//!
+//!   cov θ = H⁻¹ ( Σᵢⱼ sᵢ R(i−j) sⱼᵀ ) H⁻¹
+//!
+//! (Morelli & Klein, J. Aircraft 34 (1997), eq. 21). The double sum is evaluated in the frequency
+//! domain: ∫ S(f) s(f) s(f)ᴴ df, with S a smoothed periodogram of the residual.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use plant::Model;
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+
+use crate::record::Record;
+use crate::sensitivity::{Unknowns, Window, normal, observe, relevant};
+
+/// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
+/// logarithm), from the final windows of a fit; `None` where the information is singular.
+/// `held` marks unknowns that lie on a bound: they count as given.
+pub fn covariance(
+    records: &[&Record],
+    windows: &[Vec<Window>],
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    information: &DMatrix<f64>,
+    held: &[bool],
+) -> Option<DMatrix<f64>> {
+    let count = unknowns.free.len();
+    let mut middle = DMatrix::zeros(count, count);
+    for (record, windows) in records.iter().zip(windows) {
+        let globals = relevant(record, model, unknowns);
+        add_record(
+            &mut middle,
+            record,
+            windows,
+            model,
+            values,
+            unknowns,
+            &globals,
+        );
+    }
+    let inverse = pseudo_inverse(information, held)?;
+    Some(&inverse * middle * &inverse)
+}
+
+/// H⁻¹ over the unknowns that are not held and have a trace; zero rows for the others.
+pub fn pseudo_inverse(information: &DMatrix<f64>, held: &[bool]) -> Option<DMatrix<f64>> {
+    let count = information.nrows();
+    let kept: Vec<usize> = (0..count)
+        .filter(|&index| !held[index] && information[(index, index)] > 0.0)
+        .collect();
+    let scale: Vec<f64> = kept
+        .iter()
+        .map(|&index| 1.0 / information[(index, index)].sqrt())
+        .collect();
+    let scaled = DMatrix::from_fn(kept.len(), kept.len(), |row, column| {
+        information[(kept[row], kept[column])] * scale[row] * scale[column]
+    });
+    let inverse = Cholesky::new(scaled)?.inverse();
+    let mut full = DMatrix::zeros(count, count);
+    for (row, &to_row) in kept.iter().enumerate() {
+        for (column, &to_column) in kept.iter().enumerate() {
+            full[(to_row, to_column)] = inverse[(row, column)] * scale[row] * scale[column];
+        }
+    }
+    Some(full)
+}
+
+fn add_record(
+    middle: &mut DMatrix<f64>,
+    record: &Record,
+    windows: &[Window],
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+) {
+    let n = record.len();
+    let p = globals.len();
+    if p == 0 {
+        return;
+    }
+    let channels = record.channels.len();
+    let mut residuals = vec![vec![0.0; n]; channels];
+    let mut sensitivities = vec![vec![vec![0.0; n]; p]; channels];
+    let mut counts = vec![0usize; channels];
+    let mut locals_total = 0;
+    for window in windows {
+        let l = window.locals.len();
+        locals_total += l;
+        // s̃ = s_g − Hgl Hll⁻¹ s_l: what is left of the sensitivity once the start may adapt.
+        let system = normal(record, window, model, values, unknowns, globals);
+        let mut own = system.hessian.view((p, p), (l, l)).into_owned();
+        for index in 0..l {
+            own[(index, index)] = own[(index, index)].max(1e-300) * (1.0 + 1e-12);
+        }
+        let coupling = system.hessian.view((p, 0), (l, p)).into_owned();
+        let projection: Option<DMatrix<f64>> =
+            Cholesky::new(own).map(|cholesky| cholesky.solve(&coupling));
+        observe(
+            record,
+            window,
+            model,
+            values,
+            unknowns,
+            globals,
+            &mut |observation| {
+                let k = observation.sample;
+                if record.weight[k] == 0.0 || !observation.residual.is_finite() {
+                    return;
+                }
+                counts[observation.channel] += 1;
+                residuals[observation.channel][k] = observation.residual;
+                let mut s = DVector::from_column_slice(&observation.sensitivity[..p]);
+                if let Some(projection) = &projection {
+                    let own = DVector::from_column_slice(&observation.sensitivity[p..]);
+                    s -= projection.transpose() * own;
+                }
+                for (series, value) in sensitivities[observation.channel].iter_mut().zip(s.iter()) {
+                    series[k] = *value;
+                }
+            },
+        );
+    }
+    let total: usize = counts.iter().sum();
+    // Unbiased variance: the fitted unknowns took their share of the residual.
+    let freedom = total as f64 / total.saturating_sub(p + locals_total).max(1) as f64;
+    for channel in 0..channels {
+        if counts[channel] > 0 {
+            let spectra = add_channel(
+                &residuals[channel],
+                &sensitivities[channel],
+                counts[channel],
+            );
+            for (row, &to_row) in globals.iter().enumerate() {
+                for (column, &to_column) in globals.iter().enumerate() {
+                    middle[(to_row, to_column)] += spectra[(row, column)] * freedom;
+                }
+            }
+        }
+    }
+}
+
+/// Σᵢⱼ sᵢ R(i−j) sⱼᵀ of one channel.
+fn add_channel(residual: &[f64], sensitivities: &[Vec<f64>], count: usize) -> DMatrix<f64> {
+    let n = residual.len();
+    let length = (2 * n).next_power_of_two();
+    let mut planner = RealFftPlanner::<f64>::new();
+    let transform = planner.plan_fft_forward(length);
+    let spectrum = |series: &[f64]| -> Vec<Complex<f64>> {
+        let mut padded = series.to_vec();
+        padded.resize(length, 0.0);
+        let mut out = transform.make_output_vec();
+        // The lengths are the planner's own, the only thing that `process` can object to.
+        let _ = transform.process(&mut padded, &mut out);
+        out
+    };
+    let power: Vec<f64> = spectrum(residual)
+        .iter()
+        .map(|bin| bin.norm_sqr() / count as f64)
+        .collect();
+    let bins = power.len();
+    // The mean over all frequencies is the variance. Nowhere is less assumed: the fit itself has
+    // emptied the frequencies at which its sensitivities live.
+    let level = (power.iter().sum::<f64>() * 2.0 - power[0] - power[bins - 1]) / length as f64;
+    // n^(1/3) neighbouring frequencies are averaged (Daniell window); `length` is 2n or more, so
+    // that many more bins.
+    let half = ((n as f64).cbrt() * length as f64 / n as f64 / 2.0).ceil() as usize;
+    let mut sums = vec![0.0; bins + 1];
+    for (k, value) in power.iter().enumerate() {
+        sums[k + 1] = sums[k] + value;
+    }
+    let smooth = |k: usize| {
+        let (from, to) = (k.saturating_sub(half), (k + half + 1).min(bins));
+        ((sums[to] - sums[from]) / (to - from) as f64).max(level)
+    };
+    let transformed: Vec<Vec<Complex<f64>>> = sensitivities.iter().map(|s| spectrum(s)).collect();
+    let p = sensitivities.len();
+    let mut out = DMatrix::zeros(p, p);
+    for k in 0..bins {
+        // A real series has each inner frequency twice.
+        let multiplicity = if k == 0 || k == bins - 1 { 1.0 } else { 2.0 };
+        let weight = smooth(k) * multiplicity / length as f64;
+        for row in 0..p {
+            for column in 0..=row {
+                let product = transformed[row][k] * transformed[column][k].conj();
+                out[(row, column)] += weight * product.re;
+            }
+        }
+    }
+    for row in 0..p {
+        for column in 0..row {
+            out[(column, row)] = out[(row, column)];
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// An AR(1) residual multiplies the variance of a mean by (1 + a)/(1 − a) (Priestley 1981,
+    /// 5.3.2).
+    #[test]
+    fn the_variance_of_a_mean_of_correlated_residuals_is_the_known_one() {
+        let a: f64 = 0.9;
+        let n = 20_000;
+        let ones = vec![vec![1.0; n]];
+        let mut sum = 0.0;
+        let seeds = 20;
+        for seed in 0..seeds {
+            let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let mut state: f64 = 0.0;
+            let residual: Vec<f64> = (0..n)
+                .map(|_| {
+                    let e: f64 = StandardNormal.sample(&mut rng);
+                    state = a * state + (1.0 - a * a).sqrt() * e;
+                    state
+                })
+                .collect();
+            sum += add_channel(&residual, &ones, n)[(0, 0)] / n as f64;
+        }
+        let expected = (1.0 + a) / (1.0 - a);
+        let ratio = sum / seeds as f64 / expected;
+        assert!((0.85..1.1).contains(&ratio), "{ratio}");
+    }
+}

@@ -1,0 +1,276 @@
+//! A fit from a plain start to the minimum, and what it says of every channel.
+//!
+//! A free run over a hundred periods has a cost with a local minimum for every period by which the
+//! phase may slip. The fit therefore begins with windows of two periods, each with a start of its
+//! own (multiple shooting; Bock 1983), whose cost is nearly quadratic, and lengthens the windows
+//! until one of them spans the log.
+
+use nalgebra::DMatrix;
+use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+
+use crate::covariance::covariance;
+use crate::record::{Output, Record};
+use crate::sensitivity::{Local, Unknowns, Window, simulate};
+use crate::solver::{Effort, Minimum, minimise};
+use crate::start::angle_samples;
+
+/// Length of the windows of a balance log in s (contract).
+pub const BALANCE_WINDOW_S: f64 = 0.25;
+/// Factor by which windows grow from one stage to the next.
+const WINDOW_GROWTH: f64 = 4.0;
+/// Periods in the first windows.
+const FIRST_PERIODS: f64 = 2.0;
+
+/// A model fitted to records.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// Which effects the model has.
+    pub model: Model,
+    /// Its whole parameter vector, SI.
+    pub values: Vec<f64>,
+    /// Which of it was free.
+    pub unknowns: Unknowns,
+    /// The minimum that was found.
+    pub minimum: Minimum,
+    /// Covariance of the free parameters, in their own units; `None` where the data leave a
+    /// combination of them open.
+    pub covariance: Option<DMatrix<f64>>,
+}
+
+impl Fit {
+    /// Standard error of the parameter at this position; `None` if it was not free or is open.
+    pub fn std(&self, position: usize) -> Option<f64> {
+        let index = self.unknowns.free.iter().position(|&at| at == position)?;
+        let variance = self.covariance.as_ref()?[(index, index)];
+        (variance > 0.0).then(|| variance.sqrt())
+    }
+}
+
+/// Where a window's start lies, guessed from its first samples.
+fn guess(record: &Record, values: &[f64], samples: std::ops::Range<usize>) -> Window {
+    let span = samples.start..samples.end.min(samples.start + 12);
+    let line = |series: &[f64]| -> (f64, f64) {
+        // Value and slope at the first sample, by a straight line through the finite samples.
+        let t0 = record.time_s[span.start];
+        let points: Vec<(f64, f64)> = span
+            .clone()
+            .filter(|&k| series[k].is_finite())
+            .map(|k| (record.time_s[k] - t0, series[k]))
+            .collect();
+        let n = points.len() as f64;
+        if points.len() < 2 {
+            return (points.first().map_or(0.0, |point| point.1), 0.0);
+        }
+        let (mt, my) = points.iter().fold((0.0, 0.0), |sum, point| {
+            (sum.0 + point.0 / n, sum.1 + point.1 / n)
+        });
+        let (mut tt, mut ty) = (0.0, 0.0);
+        for (t, y) in &points {
+            tt += (t - mt) * (t - mt);
+            ty += (t - mt) * (y - my);
+        }
+        let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+        (my - slope * mt, slope)
+    };
+    let angle = angle_samples(record).map(|series| line(&series));
+    let rate = record.channel(Output::Rate).map(|c| line(&c.samples));
+    let speed = record.channel(Output::WheelSpeed).map(|c| line(&c.samples));
+    let locals = Local::of(record)
+        .iter()
+        .map(|local| match local {
+            Local::Angle => angle.map_or(0.0, |(value, _)| value),
+            Local::Rate => rate
+                .map(|(value, _)| value)
+                .or(angle.map(|(_, slope)| slope))
+                .unwrap_or(0.0),
+            Local::WheelSpeed => speed.map_or(0.0, |(value, _)| value),
+            Local::Current => {
+                let torque_per_ampere = values[TORQUE_CONSTANT];
+                let inertia = values[WHEEL_INERTIA];
+                speed.map_or(0.0, |(_, slope)| slope * inertia / torque_per_ampere)
+            }
+        })
+        .collect();
+    Window { samples, locals }
+}
+
+/// The windows of the last stage for this kind, in s.
+fn final_window_s(record: &Record) -> f64 {
+    match record.kind {
+        Kind::Balance => BALANCE_WINDOW_S,
+        _ => f64::INFINITY,
+    }
+}
+
+/// Windows of `window_s` seconds whose starts are taken from `before` where it has one that begins
+/// at the same sample, else guessed from the samples.
+fn windows(record: &Record, values: &[f64], window_s: f64, before: &[Window]) -> Vec<Window> {
+    record
+        .windows(window_s.min(final_window_s(record)))
+        .into_iter()
+        .map(|samples| {
+            match before
+                .iter()
+                .find(|window| window.samples.start == samples.start)
+            {
+                Some(window) => Window {
+                    samples,
+                    locals: window.locals.clone(),
+                },
+                None => guess(record, values, samples),
+            }
+        })
+        .collect()
+}
+
+/// The windows of the last stage, guessed from the samples.
+pub fn final_windows(record: &Record, values: &[f64]) -> Vec<Window> {
+    windows(record, values, f64::INFINITY, &[])
+}
+
+/// Fits from a plain start: the schedule of growing windows.
+pub fn fit_from_scratch(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    free: &[usize],
+) -> Minimum {
+    let unknowns = Unknowns::new(model, free);
+    let period_s = std::f64::consts::TAU
+        / (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA])
+            .abs()
+            .sqrt()
+            .max(1e-3);
+    let longest_s = records
+        .iter()
+        .map(|record| match record.kind {
+            // A spin-up is nearly linear in everything and needs no schedule.
+            Kind::SpinUp | Kind::Balance => 0.0,
+            Kind::FreeSwing | Kind::Driven => {
+                record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0)
+            }
+        })
+        .fold(0.0, f64::max);
+    let mut window_s = FIRST_PERIODS * period_s;
+    let mut values = values;
+    let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
+    loop {
+        let last = window_s >= longest_s;
+        let length_s = if last { f64::INFINITY } else { window_s };
+        current = records
+            .iter()
+            .zip(&current)
+            .map(|(record, before)| match record.kind {
+                Kind::SpinUp => windows(record, &values, f64::INFINITY, before),
+                _ => windows(record, &values, length_s, before),
+            })
+            .collect();
+        let effort = if last { Effort::FULL } else { Effort::ROUGH };
+        let minimum = minimise(records, model, values, current, &unknowns, effort);
+        if last {
+            return minimum;
+        }
+        values = minimum.values;
+        current = minimum.windows;
+        window_s *= WINDOW_GROWTH;
+    }
+}
+
+/// Fits again from a good start: parameters and windows of a neighbouring fit.
+pub fn refit(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    windows: Vec<Vec<Window>>,
+    free: &[usize],
+    effort: Effort,
+) -> Minimum {
+    minimise(
+        records,
+        model,
+        values,
+        windows,
+        &Unknowns::new(model, free),
+        effort,
+    )
+}
+
+/// Adds standard errors to a minimum.
+pub fn finish(records: &[&Record], model: &Model, free: &[usize], minimum: Minimum) -> Fit {
+    let unknowns = Unknowns::new(model, free);
+    let covariance = covariance(
+        records,
+        &minimum.windows,
+        model,
+        &minimum.values,
+        &unknowns,
+        &minimum.information,
+        &minimum.on_bound,
+    )
+    .map(|mut matrix| {
+        // From the fit's coordinates to the parameters' own units.
+        for index in 0..unknowns.free.len() {
+            let slope = unknowns.slope(index, minimum.values[unknowns.free[index]]);
+            matrix.row_mut(index).scale_mut(slope);
+            matrix.column_mut(index).scale_mut(slope);
+        }
+        matrix
+    });
+    Fit {
+        model: model.clone(),
+        values: minimum.values.clone(),
+        unknowns,
+        minimum,
+        covariance,
+    }
+}
+
+/// Model against measurement, for one channel of one record.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Which output.
+    pub output: Output,
+    /// The model's output at every sample, SI.
+    pub predicted: Vec<f64>,
+    /// Root mean square of measured − predicted over the samples that count.
+    pub rmse: f64,
+    /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖).
+    pub fit_percent: f64,
+}
+
+/// Simulates the windows of a record and compares every channel.
+pub fn traces(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Trace> {
+    let mut predicted = vec![vec![f64::NAN; record.len()]; record.channels.len()];
+    for window in windows {
+        simulate(record, window, model, values, |k, reading, _| {
+            for (series, channel) in predicted.iter_mut().zip(&record.channels) {
+                series[k] = channel.output.of(reading);
+            }
+        });
+    }
+    record
+        .channels
+        .iter()
+        .zip(predicted)
+        .map(|(channel, predicted)| {
+            let counted: Vec<(f64, f64)> = channel
+                .samples
+                .iter()
+                .zip(&predicted)
+                .zip(&record.weight)
+                .filter(|((y, model), weight)| y.is_finite() && model.is_finite() && **weight > 0.0)
+                .map(|((y, model), _)| (*y, *model))
+                .collect();
+            let n = counted.len().max(1) as f64;
+            let mean = counted.iter().map(|(y, _)| y).sum::<f64>() / n;
+            let error: f64 = counted.iter().map(|(y, model)| (y - model).powi(2)).sum();
+            let spread: f64 = counted.iter().map(|(y, _)| (y - mean).powi(2)).sum();
+            Trace {
+                output: channel.output,
+                predicted,
+                rmse: (error / n).sqrt(),
+                fit_percent: 100.0 * (1.0 - (error / spread.max(1e-300)).sqrt()),
+            }
+        })
+        .collect()
+}

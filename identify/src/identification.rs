@@ -1,0 +1,480 @@
+//! From a bench to identified parameters: what is known, what the logs can tell, what is open.
+
+use bench_files::{Bench, Known};
+use plant::{
+    BASE_PARAMETERS, EffectId, GRAVITY_TORQUE, Kind, Model, Role, TORQUE_CONSTANT, TOTAL_INERTIA,
+    WHEEL_INERTIA,
+};
+
+use crate::fit::{BALANCE_WINDOW_S, Fit, Trace, finish, fit_from_scratch, refit, traces};
+use crate::pushes::{Push, PushModel, find_pushes, leave_out};
+use crate::record::{Output, Record};
+use crate::sensitivity::Window;
+use crate::solver::Effort;
+use crate::start::{base_values, ratios};
+
+/// Why a bench cannot be identified.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum IdentifyError {
+    /// No experiment has a usable channel.
+    #[error("the bench has no experiment from which anything could be identified")]
+    NoExperiments,
+    /// The minimisation found no finite simulation.
+    #[error(
+        "the model could not be simulated from any start that the logs suggest; check units, signs \
+         and kinds of the experiments in bench.toml (first suspect: {suspect})"
+    )]
+    NotFinite {
+        /// The experiment with the largest misfit at the start.
+        suspect: String,
+    },
+}
+
+/// A bench prepared for fits: its records, and which parameters are given.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The experiments, in the order of bench.toml.
+    pub records: Vec<Record>,
+    /// Values of the base parameters (positions 0 to 3) that are known or fix the scale.
+    pub known: [Option<f64>; 4],
+    /// Whether torques of the body are known in N m; else they are per unit of Θ.
+    pub body_scale_known: bool,
+    /// Whether torques of the wheel are known in N m; else they are per unit of j_w.
+    pub wheel_scale_known: bool,
+    /// Whether an experiment moves body and wheel together, so that they share one scale.
+    pub coupled: bool,
+    /// Masses and lengths, for the inertia of the body alone.
+    pub masses: Known,
+}
+
+impl Setup {
+    /// Prepares a bench that was loaded from disk.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoExperiments`] if nothing in it can be used.
+    pub fn new(bench: &Bench) -> Result<Setup, IdentifyError> {
+        let records: Vec<Record> = bench
+            .experiments
+            .iter()
+            .map(Record::from_experiment)
+            .filter(|record| !record.channels.is_empty() && !record.is_empty())
+            .collect();
+        let mut known = [None; 4];
+        known[TOTAL_INERTIA] = bench.known.total_inertia;
+        known[WHEEL_INERTIA] = bench.known.wheel_inertia;
+        known[GRAVITY_TORQUE] = bench.known.gravity_torque().ok();
+        known[TORQUE_CONSTANT] = bench.known.torque_constant;
+        Setup::from_records(records, known, bench.known)
+    }
+
+    /// Prepares records with what is known of the base parameters.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoExperiments`] if there is no record.
+    pub fn from_records(
+        records: Vec<Record>,
+        known: [Option<f64>; 4],
+        masses: Known,
+    ) -> Result<Setup, IdentifyError> {
+        if records.is_empty() {
+            return Err(IdentifyError::NoExperiments);
+        }
+        let coupled = records.iter().any(|record| {
+            matches!(record.kind, Kind::Balance | Kind::Driven)
+                && !matches!(record.current, crate::record::RecordedCurrent::Unknown)
+        });
+        let body = known[TOTAL_INERTIA].is_some() || known[GRAVITY_TORQUE].is_some();
+        let recorded = records.iter().any(|record| {
+            record.kind != Kind::FreeSwing
+                && !matches!(record.current, crate::record::RecordedCurrent::Unknown)
+        });
+        let wheel =
+            known[WHEEL_INERTIA].is_some() || (known[TORQUE_CONSTANT].is_some() && recorded);
+        let (body, wheel) = if coupled {
+            (body || wheel, body || wheel)
+        } else {
+            (body, wheel)
+        };
+        let mut known = known;
+        if !body {
+            known[TOTAL_INERTIA] = Some(1.0);
+        }
+        if !wheel && !coupled {
+            known[WHEEL_INERTIA] = Some(1.0);
+        }
+        let mut records = records;
+        // Pushes spoil the first guess and the guess decides what is a push: twice around is enough,
+        // since a push is a matter of factors and the guess one of percents.
+        for _ in 0..2 {
+            let all: Vec<&Record> = records.iter().collect();
+            let (base, body_friction, wheel_friction) = base_values(&ratios(&all), &known);
+            let model = PushModel {
+                base,
+                body_friction,
+                wheel_friction,
+            };
+            for record in &mut records {
+                let pushes = find_pushes(record, &model);
+                leave_out(record, &pushes, BALANCE_WINDOW_S);
+            }
+        }
+        Ok(Setup {
+            records,
+            known,
+            body_scale_known: body,
+            wheel_scale_known: wheel,
+            coupled,
+            masses,
+        })
+    }
+
+    /// The records as the fits take them.
+    pub fn all_records(&self) -> Vec<&Record> {
+        self.records.iter().collect()
+    }
+
+    /// Whether any experiment moves the body, and whether any moves the wheel.
+    pub fn moved(&self) -> (bool, bool) {
+        let body = self.records.iter().any(|record| {
+            record.kind != Kind::SpinUp
+                && (record.channel(Output::Angle).is_some()
+                    || record.channel(Output::Rate).is_some())
+        });
+        let wheel = self.records.iter().any(|record| {
+            record.kind == Kind::SpinUp
+                || (record.kind != Kind::FreeSwing
+                    && (record.channel(Output::WheelSpeed).is_some() || body))
+        });
+        (body, wheel)
+    }
+
+    /// The positions of the parameter vector that a fit of `model` moves: everything that is not
+    /// known and that some experiment can show.
+    pub fn free(&self, model: &Model) -> Vec<usize> {
+        let (body, wheel) = self.moved();
+        let infos = model.parameters();
+        (0..infos.len())
+            .filter(|&position| {
+                let shown = match position {
+                    TOTAL_INERTIA | GRAVITY_TORQUE => body,
+                    WHEEL_INERTIA => wheel,
+                    TORQUE_CONSTANT => {
+                        wheel
+                            && self.records.iter().any(|record| {
+                                record.kind != Kind::FreeSwing && !record.current_a.is_empty()
+                            })
+                    }
+                    _ => {
+                        let role = model
+                            .effects()
+                            .iter()
+                            .find(|&&effect| {
+                                model.position(effect).is_some_and(|start| {
+                                    (start..start + effect.info().parameters.len())
+                                        .contains(&position)
+                                })
+                            })
+                            .map(|effect| effect.info().role);
+                        match role {
+                            Some(Role::Wheel | Role::Motor) => wheel,
+                            _ => body,
+                        }
+                    }
+                };
+                let given = self.known.get(position).is_some_and(Option::is_some);
+                shown && !given
+            })
+            .collect()
+    }
+
+    /// The unit of a parameter of `model` as the bench allows it: "… per kg m2" where the scale of
+    /// its torques is not known.
+    pub fn unit(&self, model: &Model, position: usize) -> String {
+        let info = model.parameters()[position];
+        let is_wheel = match position {
+            TOTAL_INERTIA | GRAVITY_TORQUE => false,
+            WHEEL_INERTIA | TORQUE_CONSTANT => true,
+            _ => model.effects().iter().any(|&effect| {
+                let own = model.position(effect).is_some_and(|start| {
+                    (start..start + effect.info().parameters.len()).contains(&position)
+                });
+                own && matches!(effect.info().role, Role::Wheel | Role::Motor)
+            }),
+        };
+        let known = if is_wheel {
+            self.wheel_scale_known
+        } else {
+            self.body_scale_known
+        };
+        if info.is_torque && !known {
+            format!("{} per kg m2", info.unit)
+        } else {
+            info.unit.to_owned()
+        }
+    }
+
+    /// A parameter vector for `model` from which a fit can start: base parameters from the samples,
+    /// effects at the first of their stated starts.
+    pub fn start_values(&self, model: &Model) -> Vec<f64> {
+        let (base, body_friction, wheel_friction) =
+            base_values(&ratios(&self.all_records()), &self.known);
+        let mut values = base.to_vec();
+        // The stated starts are torques of a bench of Θ ≈ 2e-3 kg m².
+        for &effect in model.effects() {
+            match effect {
+                EffectId::BodyViscousFriction => values.push(body_friction),
+                EffectId::WheelViscousFriction => values.push(wheel_friction),
+                _ => values.extend(scaled_start(effect, effect.info().starts[0], &base)),
+            }
+        }
+        values
+    }
+}
+
+/// A stated start of an effect, its torques scaled to the size of the bench: the library states
+/// them for Θ = 2.3e-3 and j_w = 1.4e-4 kg m² (thesis).
+pub fn scaled_start(effect: EffectId, start: &[f64], base: &[f64; 4]) -> Vec<f64> {
+    let scale = match effect.info().role {
+        Role::Body => base[TOTAL_INERTIA] / 2.3e-3,
+        Role::Wheel => base[WHEEL_INERTIA] / 1.4e-4,
+        _ => 1.0,
+    };
+    effect
+        .info()
+        .parameters
+        .iter()
+        .zip(start)
+        .map(|(info, value)| {
+            if info.is_torque {
+                value * scale
+            } else {
+                *value
+            }
+        })
+        .collect()
+}
+
+/// An identified model with everything that is said about it.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// The fit.
+    pub fit: Fit,
+    /// For each record the comparison of each of its channels.
+    pub traces: Vec<Vec<Trace>>,
+    /// For each record the pushes that nobody recorded, sized with the fitted model.
+    pub pushes: Vec<Vec<Push>>,
+    /// What the logs leave open, one sentence each.
+    pub statements: Vec<String>,
+}
+
+/// Fits `model` to all experiments of the bench. `previous` may hold the values and windows of a
+/// neighbouring fit of the same model, from which the fit then starts.
+///
+/// # Errors
+/// [`IdentifyError::NotFinite`] if no start leads anywhere.
+pub fn identify(
+    setup: &Setup,
+    model: &Model,
+    previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
+) -> Result<Identification, IdentifyError> {
+    let records = setup.all_records();
+    let free = setup.free(model);
+    let minimum = match previous {
+        Some((values, windows)) => refit(&records, model, values, windows, &free, Effort::FULL),
+        None => {
+            // The base model first: effects are small against inertia and gravity.
+            let base = Model::base();
+            let first = fit_from_scratch(
+                &records,
+                &base,
+                setup.start_values(&base),
+                &setup.free(&base),
+            );
+            if *model == base {
+                first
+            } else {
+                extend(setup, &records, &base, &first, model)
+            }
+        }
+    };
+    if !minimum.cost.is_finite() {
+        let suspect = records
+            .first()
+            .map_or(String::new(), |record| record.name.clone());
+        return Err(IdentifyError::NotFinite { suspect });
+    }
+    let fit = finish(&records, model, &free, minimum);
+    let traces = records
+        .iter()
+        .zip(&fit.minimum.windows)
+        .map(|(record, windows)| traces(record, windows, model, &fit.values))
+        .collect();
+    let statements = statements(setup, &fit);
+    let friction = |name: &str| {
+        model
+            .position_of(name)
+            .map_or(0.0, |position| fit.values[position])
+    };
+    let push_model = PushModel {
+        base: [0, 1, 2, 3].map(|position| fit.values[position]),
+        body_friction: friction("body_viscous_friction"),
+        wheel_friction: friction("wheel_viscous_friction"),
+    };
+    let pushes = records
+        .iter()
+        .map(|record| find_pushes(record, &push_model))
+        .collect();
+    Ok(Identification {
+        fit,
+        traces,
+        pushes,
+        statements,
+    })
+}
+
+/// Parameter values of `model` that continue those of `from`: shared parameters keep their values,
+/// an effect that replaces another takes over what it shares with it, the rest starts as given.
+pub fn carry_over(from: &Model, values: &[f64], model: &Model, start: &[f64]) -> Vec<f64> {
+    model
+        .parameters()
+        .iter()
+        .enumerate()
+        .map(|(position, info)| match from.position_of(info.name) {
+            Some(at) => values[at],
+            None => start[position],
+        })
+        .collect()
+}
+
+/// Fits `model` from a minimum of the smaller model `from`, trying every stated start of the
+/// effects that are new, and keeps the best.
+pub fn extend(
+    setup: &Setup,
+    records: &[&Record],
+    from: &Model,
+    minimum: &crate::solver::Minimum,
+    model: &Model,
+) -> crate::solver::Minimum {
+    let free = setup.free(model);
+    let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
+    let new: Vec<EffectId> = model
+        .effects()
+        .iter()
+        .copied()
+        .filter(|&effect| !from.has(effect))
+        .collect();
+    let tries = new
+        .iter()
+        .map(|effect| effect.info().starts.len())
+        .max()
+        .unwrap_or(1);
+    let mut best: Option<crate::solver::Minimum> = None;
+    for attempt in 0..tries {
+        let mut start = vec![0.0; model.parameter_count()];
+        for &effect in model.effects() {
+            let at = model.position(effect).unwrap_or(0);
+            let starts = effect.info().starts;
+            let chosen = scaled_start(effect, starts[attempt.min(starts.len() - 1)], &base);
+            start[at..at + chosen.len()].copy_from_slice(&chosen);
+        }
+        let values = carry_over(from, &minimum.values, model, &start);
+        let effort = if tries == 1 {
+            Effort::FULL
+        } else {
+            Effort::ROUGH
+        };
+        let candidate = refit(
+            records,
+            model,
+            values,
+            minimum.windows.clone(),
+            &free,
+            effort,
+        );
+        if best.as_ref().is_none_or(|best| candidate.cost < best.cost) {
+            best = Some(candidate);
+        }
+    }
+    match best {
+        Some(best) if tries > 1 => refit(
+            records,
+            model,
+            best.values,
+            best.windows,
+            &free,
+            Effort::FULL,
+        ),
+        Some(best) => best,
+        None => minimum.clone(),
+    }
+}
+
+/// Relative standard error above which a parameter counts as not identified by these logs.
+const OPEN_RELATIVE_STD: f64 = 1.0;
+
+fn statements(setup: &Setup, fit: &Fit) -> Vec<String> {
+    let mut out = vec![];
+    let (body, wheel) = setup.moved();
+    if !body {
+        out.push(
+            "no log moves the body: total_inertia, gravity_torque and body friction are not \
+             identified; a free swing would give them"
+                .to_owned(),
+        );
+    }
+    if !wheel {
+        out.push(
+            "no log moves the wheel: wheel_inertia, torque_constant and wheel friction are not \
+             identified; spin-ups would give them"
+                .to_owned(),
+        );
+    }
+    if body && !setup.body_scale_known {
+        out.push(
+            "no torque of the body is known (masses and lengths, or gravity_torque, are missing): \
+             its torques are identified per unit of inertia only, with total_inertia = 1 kg m2"
+                .to_owned(),
+        );
+    }
+    if wheel && !setup.wheel_scale_known && !setup.coupled {
+        out.push(
+            "no torque of the wheel is known (torque_constant is missing, or the current was not \
+             recorded): its torques are identified per unit of inertia only, with wheel_inertia = \
+             1 kg m2"
+                .to_owned(),
+        );
+    }
+    let infos = fit.model.parameters();
+    for (index, &position) in fit.unknowns.free.iter().enumerate() {
+        let info = infos[position];
+        let value = fit.values[position];
+        if fit.minimum.on_bound[index] {
+            out.push(format!(
+                "{} lies on the bound {value} of its range: the logs would like to go beyond it, \
+                 so something that the model lacks takes its place",
+                info.name
+            ));
+            continue;
+        }
+        match fit.std(position) {
+            Some(std) if std < OPEN_RELATIVE_STD * value.abs() => {}
+            Some(std) => out.push(format!(
+                "{} = {value:.3e} ± {std:.1e} {} cannot be told from zero with these logs",
+                info.name, info.unit
+            )),
+            None => out.push(format!(
+                "{} leaves no trace in these logs and is not identified",
+                info.name
+            )),
+        }
+    }
+    for position in [WHEEL_INERTIA, TORQUE_CONSTANT] {
+        if wheel && setup.known[position].is_none() && !fit.unknowns.free.contains(&position) {
+            out.push(format!(
+                "{} is not identified by these logs",
+                BASE_PARAMETERS[position].name
+            ));
+        }
+    }
+    out
+}

@@ -1,0 +1,211 @@
+//! A log as the fit sees it: channels with their noise, the current, and what is simulated in one
+//! piece.
+
+use bench_files::{CurrentMeaning, Experiment};
+use plant::{Hold, Input, Kind, Reading};
+
+use crate::noise::noise_std;
+
+/// A measured output of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Output {
+    /// Body angle, rad.
+    Angle,
+    /// Body rate, rad/s.
+    Rate,
+    /// Wheel speed, rad/s.
+    WheelSpeed,
+}
+
+impl Output {
+    /// All outputs.
+    pub const ALL: [Output; 3] = [Output::Angle, Output::Rate, Output::WheelSpeed];
+
+    /// The channel's part of "experiment/channel".
+    pub fn name(self) -> &'static str {
+        match self {
+            Output::Angle => "angle",
+            Output::Rate => "rate",
+            Output::WheelSpeed => "wheel_speed",
+        }
+    }
+
+    /// SI unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Output::Angle => "rad",
+            Output::Rate | Output::WheelSpeed => "rad/s",
+        }
+    }
+
+    /// This output's part of a reading.
+    #[inline(always)]
+    pub fn of<S: Copy>(self, reading: &Reading<S>) -> S {
+        match self {
+            Output::Angle => reading.angle_rad,
+            Output::Rate => reading.rate_rad_s,
+            Output::WheelSpeed => reading.wheel_speed_rad_s,
+        }
+    }
+}
+
+/// One measured channel.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// Which output of the model it measures.
+    pub output: Output,
+    /// The samples in SI units; NaN where one dropped out.
+    pub samples: Vec<f64>,
+    /// Standard deviation of the sensor's noise, in the unit of the output.
+    pub noise_std: f64,
+}
+
+/// The current of a log.
+#[derive(Clone, Debug)]
+pub enum RecordedCurrent {
+    /// Recorded: the command, or what flowed.
+    Known(Input),
+    /// Held at a value that nobody wrote down.
+    Unknown,
+}
+
+/// One experiment, ready for simulation and fit.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// The experiment's name in bench.toml.
+    pub name: String,
+    /// Its kind.
+    pub kind: Kind,
+    /// Sample times in s, increasing.
+    pub time_s: Vec<f64>,
+    /// The measured channels that this kind has, at least one.
+    pub channels: Vec<Channel>,
+    /// The motor current.
+    pub current: RecordedCurrent,
+    /// The samples of the current in A, as recorded; empty where it was not.
+    pub current_a: Vec<f64>,
+    /// The current is what flowed, not what was asked for.
+    pub current_is_measured: bool,
+    /// Weight of each sample in the fit: 0 leaves it out (an unrecorded push acted), 1 counts.
+    pub weight: Vec<f64>,
+}
+
+impl Record {
+    /// Prepares a record from samples in SI units. `angle`, `rate` and `wheel_speed` may be missing;
+    /// those that the kind holds still are ignored.
+    pub fn new(
+        name: &str,
+        kind: Kind,
+        time_s: Vec<f64>,
+        outputs: [Option<Vec<f64>>; 3],
+        current_a: Option<Vec<f64>>,
+        current_is_measured: bool,
+    ) -> Record {
+        let channels = Output::ALL
+            .into_iter()
+            .zip(outputs)
+            .filter(|(output, _)| match kind {
+                Kind::FreeSwing => *output != Output::WheelSpeed,
+                Kind::SpinUp => *output == Output::WheelSpeed,
+                Kind::Balance | Kind::Driven => true,
+            })
+            .filter_map(|(output, samples)| {
+                let samples = samples?;
+                Some(Channel {
+                    output,
+                    noise_std: noise_std(&samples),
+                    samples,
+                })
+            })
+            .collect();
+        let hold = if current_is_measured {
+            Hold::Linear
+        } else {
+            Hold::Zero
+        };
+        let current = match (&current_a, kind) {
+            (_, Kind::FreeSwing) => {
+                RecordedCurrent::Known(Input::new(&time_s, &vec![0.0; time_s.len()], hold))
+            }
+            (Some(current_a), _) => RecordedCurrent::Known(Input::new(&time_s, current_a, hold)),
+            (None, _) => RecordedCurrent::Unknown,
+        };
+        Record {
+            name: name.to_owned(),
+            kind,
+            weight: vec![1.0; time_s.len()],
+            time_s,
+            channels,
+            current,
+            current_a: current_a.unwrap_or_default(),
+            current_is_measured,
+        }
+    }
+
+    /// Prepares an experiment that was loaded from disk.
+    pub fn from_experiment(experiment: &Experiment) -> Record {
+        let log = &experiment.log;
+        Record::new(
+            &experiment.name,
+            experiment.kind,
+            log.time_s.clone(),
+            [
+                log.angle_rad.clone(),
+                log.rate_rad_s.clone(),
+                log.wheel_speed_rad_s.clone(),
+            ],
+            log.current_a.clone(),
+            experiment.current_meaning == CurrentMeaning::Measured,
+        )
+    }
+
+    /// The channel that measures `output`, if there is one.
+    pub fn channel(&self, output: Output) -> Option<&Channel> {
+        self.channels
+            .iter()
+            .find(|channel| channel.output == output)
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Number of samples that count, over all channels.
+    pub fn observations(&self) -> usize {
+        self.channels
+            .iter()
+            .map(|channel| {
+                channel
+                    .samples
+                    .iter()
+                    .zip(&self.weight)
+                    .filter(|(sample, weight)| sample.is_finite() && **weight > 0.0)
+                    .count()
+            })
+            .sum()
+    }
+
+    /// Splits the samples into windows of `window_s` seconds (the last one may be shorter; one of
+    /// fewer than 8 samples joins the one before).
+    pub fn windows(&self, window_s: f64) -> Vec<std::ops::Range<usize>> {
+        let mut windows: Vec<std::ops::Range<usize>> = vec![];
+        let mut start = 0;
+        while start < self.len() {
+            let limit = self.time_s[start] + window_s * (1.0 + 1e-9);
+            let end = self.time_s.partition_point(|&time| time < limit);
+            let end = end.max(start + 8).min(self.len());
+            match windows.last_mut() {
+                Some(last) if end - start < 8 => last.end = end,
+                _ => windows.push(start..end),
+            }
+            start = end;
+        }
+        windows
+    }
+}

@@ -1,0 +1,371 @@
+//! One window of a log: simulated with exact derivatives, compared, summed into normal equations.
+
+use nalgebra::{DMatrix, DVector};
+use plant::{Current, Dual, Kind, Model, Plant, Scalar, State};
+
+use crate::record::{Output, Record, RecordedCurrent};
+
+/// An unknown that belongs to one window: its start, or the current that nobody wrote down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Local {
+    /// Body angle at the start, rad.
+    Angle,
+    /// Body rate at the start, rad/s.
+    Rate,
+    /// Wheel speed at the start, rad/s.
+    WheelSpeed,
+    /// Current held throughout, A.
+    Current,
+}
+
+impl Local {
+    /// The unknowns of every window of this record, as its kind and channels allow.
+    pub fn of(record: &Record) -> Vec<Local> {
+        let measures = |output| record.channel(output).is_some();
+        let mut locals = vec![];
+        if record.kind != Kind::SpinUp && (measures(Output::Angle) || measures(Output::Rate)) {
+            locals.extend([Local::Angle, Local::Rate]);
+        }
+        if record.kind != Kind::FreeSwing && measures(Output::WheelSpeed) {
+            locals.push(Local::WheelSpeed);
+        }
+        if matches!(record.current, RecordedCurrent::Unknown) {
+            locals.push(Local::Current);
+        }
+        locals
+    }
+}
+
+/// A stretch of a log that is simulated in one piece from its own start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Its samples.
+    pub samples: std::ops::Range<usize>,
+    /// Values of the local unknowns, in the order of [`Local::of`].
+    pub locals: Vec<f64>,
+}
+
+/// The unknowns of a fit: which positions of the parameter vector are free. A free parameter whose
+/// description says so is moved in its logarithm.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    /// Positions in the parameter vector, increasing.
+    pub free: Vec<usize>,
+    /// For each free one: the fit moves ln(value).
+    pub logarithmic: Vec<bool>,
+    /// For each free one: where it may be, in the parameter's own unit.
+    pub bounds: Vec<(f64, f64)>,
+}
+
+impl Unknowns {
+    /// The unknowns at these positions of the parameter vector of `model`.
+    pub fn new(model: &Model, free: &[usize]) -> Unknowns {
+        let infos = model.parameters();
+        Unknowns {
+            free: free.to_vec(),
+            logarithmic: free.iter().map(|&at| infos[at].logarithmic).collect(),
+            bounds: free.iter().map(|&at| infos[at].bounds).collect(),
+        }
+    }
+
+    /// The derivative of the parameter with respect to what the fit moves.
+    pub fn slope(&self, unknown: usize, value: f64) -> f64 {
+        if self.logarithmic[unknown] {
+            value
+        } else {
+            1.0
+        }
+    }
+}
+
+/// Normal equations of one window: (Hgg Hgl; Hlg Hll) and right-hand sides, for the unknowns in the
+/// order globals, locals. Residuals are divided by the noise of their channel.
+#[derive(Clone, Debug)]
+pub struct WindowNormal {
+    /// Sum over the samples of sensitivity times its transpose, (p+l)×(p+l).
+    pub hessian: DMatrix<f64>,
+    /// Sum of sensitivity times residual, p+l.
+    pub gradient: DVector<f64>,
+    /// Sum of squared residuals; infinite if the simulation left the finite numbers.
+    pub cost: f64,
+}
+
+/// What a window's simulation hands out for one observation.
+pub struct Observation<'a> {
+    /// Index of the sample in the log.
+    pub sample: usize,
+    /// Index of the channel in the record.
+    pub channel: usize,
+    /// (measured − model)/noise; NaN where the measurement is missing.
+    pub residual: f64,
+    /// The model's output in the channel's unit.
+    pub output: f64,
+    /// ∂(model/noise)/∂unknown, globals then locals.
+    pub sensitivity: &'a [f64],
+}
+
+macro_rules! with_lanes {
+    ($count:expr, $function:ident, $($argument:expr),*) => {
+        match $count {
+            0..=4 => $function::<4>($($argument),*),
+            5..=6 => $function::<6>($($argument),*),
+            7..=8 => $function::<8>($($argument),*),
+            9..=12 => $function::<12>($($argument),*),
+            13..=16 => $function::<16>($($argument),*),
+            _ => $function::<32>($($argument),*),
+        }
+    };
+}
+
+/// The most unknowns, globals and locals together, that one window can have.
+pub const MAX_UNKNOWNS: usize = 32;
+
+/// The free parameters that this record can say anything about, as indices into
+/// [`Unknowns::free`]: body terms do not show while the body is clamped, nor wheel terms while the
+/// wheel is locked.
+pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usize> {
+    let shows = |position: usize| match position {
+        plant::TOTAL_INERTIA | plant::GRAVITY_TORQUE => record.kind != Kind::SpinUp,
+        plant::WHEEL_INERTIA | plant::TORQUE_CONSTANT => record.kind != Kind::FreeSwing,
+        _ => model.effects().iter().any(|&effect| {
+            let own = model.position(effect).is_some_and(|start| {
+                (start..start + effect.info().parameters.len()).contains(&position)
+            });
+            own && match effect.info().role {
+                plant::Role::Body => record.kind != Kind::SpinUp,
+                plant::Role::Wheel | plant::Role::Motor => record.kind != Kind::FreeSwing,
+                plant::Role::Sensor => record.kind != Kind::SpinUp,
+            }
+        }),
+    };
+    (0..unknowns.free.len())
+        .filter(|&unknown| shows(unknowns.free[unknown]))
+        .collect()
+}
+
+/// The start of a window as a state, from its local unknowns.
+fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S) {
+    let mut state = State::rest();
+    let mut current = S::zero();
+    for (local, &value) in locals.iter().zip(values) {
+        match local {
+            Local::Angle => state.angle_rad = value,
+            Local::Rate => state.rate_rad_s = value,
+            Local::WheelSpeed => state.wheel_speed_rad_s = value,
+            Local::Current => current = value,
+        }
+    }
+    (state, current)
+}
+
+fn plant_of<S: Scalar>(record: &Record, model: &Model, values: &[S]) -> Plant<S> {
+    let plant = Plant::new(model, values, record.kind);
+    if record.current_is_measured {
+        plant.with_measured_current()
+    } else {
+        plant
+    }
+}
+
+fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
+    match &record.current {
+        RecordedCurrent::Known(input) => Current::Recorded(input),
+        RecordedCurrent::Unknown => Current::Held(held),
+    }
+}
+
+/// Simulates a window with derivatives with respect to `globals` (indices into the unknowns) and
+/// its own locals, and hands every observation to `each`, sample by sample.
+pub fn observe(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+    each: &mut dyn FnMut(Observation),
+) {
+    let count = globals.len() + window.locals.len();
+    with_lanes!(
+        count,
+        observe_lanes,
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        globals,
+        each
+    );
+}
+
+fn observe_lanes<const N: usize>(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+    each: &mut dyn FnMut(Observation),
+) {
+    let count = globals.len() + window.locals.len();
+    run_lanes::<N>(
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        globals,
+        |k, reading| {
+            for (index, channel) in record.channels.iter().enumerate() {
+                let output = channel.output.of(reading);
+                let scale = 1.0 / channel.noise_std;
+                let mut sensitivity = output.derivatives;
+                for lane in &mut sensitivity {
+                    *lane *= scale;
+                }
+                each(Observation {
+                    sample: k,
+                    channel: index,
+                    residual: (channel.samples[k] - output.value) * scale,
+                    output: output.value,
+                    sensitivity: &sensitivity[..count],
+                });
+            }
+        },
+    );
+}
+
+fn run_lanes<const N: usize>(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+    mut each: impl FnMut(usize, &plant::Reading<Dual<N>>),
+) {
+    let mut duals: Vec<Dual<N>> = values.iter().map(|&value| Dual::constant(value)).collect();
+    for (lane, &unknown) in globals.iter().enumerate() {
+        let position = unknowns.free[unknown];
+        let mut dual = Dual::constant(values[position]);
+        dual.derivatives[lane] = unknowns.slope(unknown, values[position]);
+        duals[position] = dual;
+    }
+    let locals = Local::of(record);
+    let starts: Vec<Dual<N>> = window
+        .locals
+        .iter()
+        .enumerate()
+        .map(|(lane, &value)| Dual::variable(value, globals.len() + lane))
+        .collect();
+    let (start, held) = start_state(&locals, &starts);
+    let plant = plant_of(record, model, &duals);
+    plant.run(
+        start,
+        &record.time_s,
+        window.samples.clone(),
+        current_of(record, held),
+        None,
+        |k, reading, _| each(k, reading),
+    );
+}
+
+/// The normal equations of a window. Samples of weight 0 and missing measurements do not count.
+pub fn normal(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+) -> WindowNormal {
+    let count = globals.len() + window.locals.len();
+    with_lanes!(
+        count,
+        normal_lanes,
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        globals
+    )
+}
+
+fn normal_lanes<const N: usize>(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+) -> WindowNormal {
+    let count = globals.len() + window.locals.len();
+    let mut hessian = [[0.0; N]; N];
+    let mut gradient = [0.0; N];
+    let mut cost = 0.0;
+    run_lanes::<N>(
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        globals,
+        |k, reading| {
+            let weight = record.weight[k];
+            if weight == 0.0 {
+                return;
+            }
+            for channel in &record.channels {
+                let measured = channel.samples[k];
+                if measured.is_nan() {
+                    continue;
+                }
+                let output = channel.output.of(reading);
+                let scale = weight / channel.noise_std;
+                let residual = (measured - output.value) * scale;
+                cost += residual * residual;
+                let mut sensitivity = output.derivatives;
+                for lane in &mut sensitivity {
+                    *lane *= scale;
+                }
+                for row in 0..count {
+                    gradient[row] += sensitivity[row] * residual;
+                    // The lower triangle is filled by symmetry at the end.
+                    for column in 0..N {
+                        hessian[row][column] += sensitivity[row] * sensitivity[column];
+                    }
+                }
+            }
+        },
+    );
+    if !cost.is_finite() {
+        cost = f64::INFINITY;
+    }
+    WindowNormal {
+        hessian: DMatrix::from_fn(count, count, |row, column| hessian[row][column]),
+        gradient: DVector::from_fn(count, |row, _| gradient[row]),
+        cost,
+    }
+}
+
+/// Simulates a window without derivatives; `each` gets the index of the sample and the model's
+/// reading.
+pub fn simulate(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    mut each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
+) {
+    let (start, held) = start_state(&Local::of(record), &window.locals);
+    plant_of(record, model, values).run(
+        start,
+        &record.time_s,
+        window.samples.clone(),
+        current_of(record, held),
+        None,
+        |k, reading, state| each(k, reading, state),
+    );
+}

@@ -1,0 +1,339 @@
+//! Nonlinear least squares over parameters that all windows share and starts that each window has
+//! for itself.
+//!
+//! Levenberg–Marquardt (Marquardt, SIAM J. 11 (1963); damping scaled by the diagonal as in Moré
+//! 1978) on the normal equations. They have the shape of an arrow: every window couples its own
+//! few unknowns with the shared ones and with nothing else. The windows' unknowns are eliminated by
+//! Schur complements (the structure of bundle adjustment; Triggs et al. 2000, section 6), so that
+//! the cost is linear in the number of windows.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use plant::Model;
+use rayon::prelude::*;
+
+use crate::record::Record;
+use crate::sensitivity::{Unknowns, Window, WindowNormal, normal, relevant};
+
+/// How a minimisation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The last step was far below what the data can resolve.
+    Converged,
+    /// No smaller cost could be found in any direction tried.
+    Stalled,
+    /// The number of iterations ran out.
+    OutOfIterations,
+    /// The model could not be simulated from the given start.
+    NotFinite,
+}
+
+impl Outcome {
+    /// Whether the result is a minimum.
+    pub fn was_successful(self) -> bool {
+        matches!(self, Outcome::Converged | Outcome::Stalled)
+    }
+}
+
+/// The records of a fit with their windows, and where the minimisation stands.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// The whole parameter vector.
+    pub values: Vec<f64>,
+    /// For each record its windows.
+    pub windows: Vec<Vec<Window>>,
+    /// Sum of squared normalised residuals.
+    pub cost: f64,
+    /// Information about the free parameters after the windows' unknowns are eliminated, in the
+    /// fit's coordinates.
+    pub information: DMatrix<f64>,
+    /// Which free parameters lie on a bound, so that the data pull them out of their range.
+    pub on_bound: Vec<bool>,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Number of evaluations of the normal equations.
+    pub evaluations: usize,
+}
+
+/// Steps of the minimisation.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Most evaluations of the normal equations.
+    pub evaluations: usize,
+    /// The minimisation ends when a step promises to lower the cost by less than this, relative to
+    /// the mean squared residual: 1 is the change that one unknown's own standard error makes.
+    pub tolerance: f64,
+}
+
+impl Effort {
+    /// To a hundredth of a standard error.
+    pub const FULL: Effort = Effort {
+        evaluations: 60,
+        tolerance: 1e-4,
+    };
+    /// Enough to hand over to the next stage of a schedule.
+    pub const ROUGH: Effort = Effort {
+        evaluations: 12,
+        tolerance: 1e-1,
+    };
+}
+
+struct Assembled {
+    windows: Vec<Vec<WindowNormal>>,
+    cost: f64,
+}
+
+fn assemble(
+    records: &[&Record],
+    globals: &[Vec<usize>],
+    windows: &[Vec<Window>],
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+) -> Assembled {
+    let jobs: Vec<(usize, usize)> = windows
+        .iter()
+        .enumerate()
+        .flat_map(|(record, list)| (0..list.len()).map(move |window| (record, window)))
+        .collect();
+    let results: Vec<WindowNormal> = jobs
+        .par_iter()
+        .map(|&(record, window)| {
+            normal(
+                records[record],
+                &windows[record][window],
+                model,
+                values,
+                unknowns,
+                &globals[record],
+            )
+        })
+        .collect();
+    // Summed in a fixed order, so that the result does not depend on the number of processors.
+    let cost = results.iter().map(|result| result.cost).sum();
+    let mut results = results.into_iter();
+    let windows = windows
+        .iter()
+        .map(|list| results.by_ref().take(list.len()).collect())
+        .collect();
+    Assembled { windows, cost }
+}
+
+/// The reduced system in the free parameters, and for each window what gives its own unknowns back.
+struct Reduced {
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+    windows: Vec<Vec<Option<Eliminated>>>,
+}
+
+struct Eliminated {
+    inverse: Cholesky<f64, nalgebra::Dyn>,
+    coupling: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+fn damped(matrix: &mut DMatrix<f64>, damping: f64) {
+    for index in 0..matrix.nrows() {
+        let diagonal = matrix[(index, index)];
+        // An unknown without any trace stays where it is.
+        matrix[(index, index)] = if diagonal > 0.0 {
+            diagonal * (1.0 + damping)
+        } else {
+            1.0
+        };
+    }
+}
+
+fn reduce(assembled: &Assembled, globals: &[Vec<usize>], count: usize, damping: f64) -> Reduced {
+    let mut matrix = DMatrix::zeros(count, count);
+    let mut diagonal = DVector::<f64>::zeros(count);
+    let mut gradient = DVector::zeros(count);
+    let mut windows = vec![];
+    for (list, globals) in assembled.windows.iter().zip(globals) {
+        let p = globals.len();
+        let mut eliminated_list = vec![];
+        for normal in list {
+            let l = normal.gradient.len() - p;
+            let mut own = normal.hessian.view((p, p), (l, l)).into_owned();
+            // A tiny relative damping keeps a window whose unknowns its few samples cannot tell
+            // apart from spoiling the whole.
+            damped(&mut own, damping.max(1e-10));
+            let coupling = normal.hessian.view((p, 0), (l, p)).into_owned();
+            let own_gradient = normal.gradient.rows(p, l).into_owned();
+            let eliminated = Cholesky::new(own).map(|inverse| Eliminated {
+                inverse,
+                coupling,
+                gradient: own_gradient,
+            });
+            let mut block = normal.hessian.view((0, 0), (p, p)).into_owned();
+            let mut right = normal.gradient.rows(0, p).into_owned();
+            for (row, &global) in globals.iter().enumerate() {
+                diagonal[global] += block[(row, row)];
+            }
+            if let Some(eliminated) = &eliminated {
+                block -= eliminated.coupling.transpose()
+                    * eliminated.inverse.solve(&eliminated.coupling);
+                right -= eliminated.coupling.transpose()
+                    * eliminated.inverse.solve(&eliminated.gradient);
+            }
+            for (row, &to_row) in globals.iter().enumerate() {
+                gradient[to_row] += right[row];
+                for (column, &to_column) in globals.iter().enumerate() {
+                    matrix[(to_row, to_column)] += block[(row, column)];
+                }
+            }
+            eliminated_list.push(eliminated);
+        }
+        windows.push(eliminated_list);
+    }
+    for index in 0..count {
+        matrix[(index, index)] += damping * diagonal[index];
+    }
+    Reduced {
+        matrix,
+        gradient,
+        windows,
+    }
+}
+
+/// Solves the reduced system for the unknowns that are not held, scaled to a unit diagonal.
+fn solve(matrix: &DMatrix<f64>, gradient: &DVector<f64>, held: &[bool]) -> Option<DVector<f64>> {
+    let count = gradient.len();
+    let scale = DVector::from_fn(count, |index, _| {
+        let diagonal = matrix[(index, index)];
+        if held[index] || diagonal <= 0.0 {
+            0.0
+        } else {
+            1.0 / diagonal.sqrt()
+        }
+    });
+    let scaled = DMatrix::from_fn(count, count, |row, column| {
+        if row == column {
+            1.0 + if scale[row] == 0.0 { 0.0 } else { 1e-13 }
+        } else {
+            matrix[(row, column)] * scale[row] * scale[column]
+        }
+    });
+    let right = gradient.component_mul(&scale);
+    Cholesky::new(scaled).map(|cholesky| cholesky.solve(&right).component_mul(&scale))
+}
+
+/// Minimises the sum of squared normalised residuals over the free parameters and the windows'
+/// starts, from `values` and `windows`.
+pub fn minimise(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    windows: Vec<Vec<Window>>,
+    unknowns: &Unknowns,
+    effort: Effort,
+) -> Minimum {
+    let count = unknowns.free.len();
+    let globals: Vec<Vec<usize>> = records
+        .iter()
+        .map(|record| relevant(record, model, unknowns))
+        .collect();
+    let observations: usize = records.iter().map(|record| record.observations()).sum();
+
+    let mut values = values;
+    let mut windows = windows;
+    let mut assembled = assemble(records, &globals, &windows, model, &values, unknowns);
+    let mut evaluations = 1;
+    let mut damping = 1e-4;
+    let mut outcome = Outcome::OutOfIterations;
+    let mut on_bound = vec![false; count];
+    if !assembled.cost.is_finite() {
+        outcome = Outcome::NotFinite;
+    }
+    while outcome == Outcome::OutOfIterations && evaluations < effort.evaluations {
+        let mean_square = (assembled.cost / observations.max(1) as f64).max(1e-300);
+        let reduced = reduce(&assembled, &globals, count, damping);
+        // An unknown on its bound is held there while the data pull it outwards.
+        for (index, held) in on_bound.iter_mut().enumerate() {
+            let value = values[unknowns.free[index]];
+            let (low, high) = unknowns.bounds[index];
+            let pull = reduced.gradient[index];
+            *held = (value <= low && pull < 0.0) || (value >= high && pull > 0.0);
+        }
+        let Some(step) = solve(&reduced.matrix, &reduced.gradient, &on_bound) else {
+            damping = (damping * 100.0).max(1e-6);
+            if damping > 1e12 {
+                outcome = Outcome::Stalled;
+            }
+            continue;
+        };
+
+        let mut next_values = values.clone();
+        let mut taken = step.clone();
+        for (index, &position) in unknowns.free.iter().enumerate() {
+            let (low, high) = unknowns.bounds[index];
+            let next = if unknowns.logarithmic[index] {
+                // More than a factor of e² at once leaves the range where the step means anything.
+                values[position] * step[index].clamp(-2.0, 2.0).exp()
+            } else {
+                values[position] + step[index]
+            };
+            next_values[position] = next.clamp(low, high);
+            taken[index] = if unknowns.logarithmic[index] {
+                (next_values[position] / values[position]).ln()
+            } else {
+                next_values[position] - values[position]
+            };
+        }
+        // The windows' own steps belong to the step that is really taken.
+        let mut next_windows = windows.clone();
+        let mut promised = taken.dot(&reduced.gradient);
+        for ((list, eliminated), globals) in
+            next_windows.iter_mut().zip(&reduced.windows).zip(&globals)
+        {
+            let shared = DVector::from_fn(globals.len(), |row, _| taken[globals[row]]);
+            for (window, eliminated) in list.iter_mut().zip(eliminated) {
+                let Some(eliminated) = eliminated else {
+                    continue;
+                };
+                let own = eliminated
+                    .inverse
+                    .solve(&(&eliminated.gradient - &eliminated.coupling * &shared));
+                promised += own.dot(&eliminated.gradient);
+                for (local, change) in window.locals.iter_mut().zip(own.iter()) {
+                    *local += change;
+                }
+            }
+        }
+        let next = assemble(
+            records,
+            &globals,
+            &next_windows,
+            model,
+            &next_values,
+            unknowns,
+        );
+        evaluations += 1;
+        let small = promised.abs() <= effort.tolerance * mean_square;
+        if next.cost <= assembled.cost {
+            values = next_values;
+            windows = next_windows;
+            assembled = next;
+            damping = (damping * 0.1).max(1e-12);
+            if small {
+                outcome = Outcome::Converged;
+            }
+        } else if small {
+            outcome = Outcome::Converged;
+        } else {
+            damping = (damping * 10.0).max(1e-6);
+            if damping > 1e10 {
+                outcome = Outcome::Stalled;
+            }
+        }
+    }
+    let reduced = reduce(&assembled, &globals, count, 0.0);
+    Minimum {
+        values,
+        windows,
+        cost: assembled.cost,
+        information: reduced.matrix,
+        on_bound,
+        outcome,
+        evaluations,
+    }
+}

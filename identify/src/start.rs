@@ -1,0 +1,322 @@
+//! A first guess of the base parameters, straight from the samples.
+//!
+//! The equations of motion are linear in G/Θ, τ/j_w and the friction ratios. Multiplied by a bump
+//! ψ(t) that vanishes with its derivative at both ends of a short interval, and integrated by
+//! parts, they hold for the measured angle and wheel speed themselves: no noise is differentiated
+//! (the weak form, or modulating-function method of Shinbrot, Trans. ASME 79 (1957)). One linear
+//! least squares then gives the ratios; what was measured directly turns them into parameters.
+
+use nalgebra::{DMatrix, DVector};
+use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+
+use crate::record::{Output, Record};
+
+/// Length of the bump in s: well below a period of the pendula in question, well above the noise.
+const BUMP_S: f64 = 0.4;
+/// Fewest samples under a bump.
+const BUMP_SAMPLES: usize = 12;
+
+/// Rows of a linear least squares.
+struct Rows {
+    columns: usize,
+    left: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Rows {
+    fn new(columns: usize) -> Rows {
+        Rows {
+            columns,
+            left: vec![],
+            right: vec![],
+        }
+    }
+
+    fn push(&mut self, row: &[f64], right: f64) {
+        if row.iter().all(|v| v.is_finite()) && right.is_finite() {
+            self.left.extend_from_slice(row);
+            self.right.push(right);
+        }
+    }
+
+    fn solve(&self) -> Option<DVector<f64>> {
+        if self.right.len() < self.columns {
+            return None;
+        }
+        let mut matrix = DMatrix::from_row_slice(self.right.len(), self.columns, &self.left);
+        // Columns are scaled so that the pseudo-inverse drops what is negligible, not what is small
+        // because of its unit.
+        let scale: Vec<f64> = matrix
+            .column_iter()
+            .map(|column| column.norm().max(1e-300))
+            .collect();
+        for (column, scale) in scale.iter().enumerate() {
+            matrix.column_mut(column).unscale_mut(*scale);
+        }
+        let solution = matrix
+            .svd(true, true)
+            .solve(&DVector::from_column_slice(&self.right), 1e-8)
+            .ok()?;
+        Some(DVector::from_fn(self.columns, |row, _| {
+            solution[row] / scale[row]
+        }))
+    }
+}
+
+/// Ratios of the parameters that the samples give directly.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ratios {
+    /// G/Θ in 1/s², from free swings.
+    pub gravity_over_total: Option<f64>,
+    /// r_b/Θ in 1/s, from free swings.
+    pub friction_over_total: Option<f64>,
+    /// G/(Θ − j_w) in 1/s², from logs with everything free.
+    pub gravity_over_free: Option<f64>,
+    /// τ/(Θ − j_w) in rad/(s² A), from logs with everything free.
+    pub torque_over_free: Option<f64>,
+    /// τ/j_w in rad/(s² A).
+    pub torque_over_wheel: Option<f64>,
+    /// r_w/j_w in 1/s.
+    pub friction_over_wheel: Option<f64>,
+}
+
+/// The angle of a record; integrated from the rate, without its trend, where no angle was measured.
+pub fn angle_samples(record: &Record) -> Option<Vec<f64>> {
+    if let Some(channel) = record.channel(Output::Angle) {
+        return Some(channel.samples.clone());
+    }
+    let rate = record.channel(Output::Rate)?;
+    let mut angle = vec![0.0; rate.samples.len()];
+    let mut last = 0.0;
+    for k in 1..angle.len() {
+        let (a, b) = (rate.samples[k - 1], rate.samples[k]);
+        if a.is_finite() && b.is_finite() {
+            last = 0.5 * (a + b);
+        }
+        angle[k] = angle[k - 1] + last * (record.time_s[k] - record.time_s[k - 1]);
+    }
+    let mean = angle.iter().sum::<f64>() / angle.len().max(1) as f64;
+    let rest = if record.kind == Kind::Balance {
+        std::f64::consts::PI
+    } else {
+        0.0
+    };
+    for value in &mut angle {
+        *value += rest - mean;
+    }
+    Some(angle)
+}
+
+/// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
+/// trapezoidal rule.
+fn bumps(record: &Record, mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64)) {
+    let n = record.len();
+    if n < BUMP_SAMPLES {
+        return;
+    }
+    let mean_step = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
+    let length = ((BUMP_S / mean_step).round() as usize).clamp(BUMP_SAMPLES, n);
+    let mut start = 0;
+    while start + length <= n {
+        let window = start..start + length;
+        let (a, b) = (record.time_s[start], record.time_s[start + length - 1]);
+        let weight = |k: usize, order: usize| {
+            let (u, v) = (record.time_s[k] - a, b - record.time_s[k]);
+            match order {
+                0 => u * u * v * v,
+                1 => 2.0 * u * v * (v - u),
+                _ => 2.0 * (v * v - 4.0 * u * v + u * u),
+            }
+        };
+        let scale = ((b - a) / 2.0).powi(4);
+        let integral = |f: &dyn Fn(usize) -> f64, order: usize| {
+            let mut sum = 0.0;
+            for k in window.start..window.end - 1 {
+                let step = record.time_s[k + 1] - record.time_s[k];
+                sum += 0.5 * step * (f(k) * weight(k, order) + f(k + 1) * weight(k + 1, order));
+            }
+            sum / scale
+        };
+        if record.weight[window.clone()].iter().all(|w| *w > 0.0) {
+            each(&integral);
+        }
+        start += (length / 2).max(1);
+    }
+}
+
+/// The ratios that these records give.
+pub fn ratios(records: &[&Record]) -> Ratios {
+    let mut locked = Rows::new(3);
+    let mut free = Rows::new(5);
+    let mut wheel = Rows::new(2);
+    for record in records {
+        let angle = angle_samples(record);
+        let wheel_speed = record.channel(Output::WheelSpeed).map(|c| &c.samples);
+        let current = (!record.current_a.is_empty()).then_some(&record.current_a);
+        bumps(record, |integral| {
+            if let Some(angle) = &angle
+                && record.kind != Kind::SpinUp
+            {
+                let second = integral(&|k| angle[k], 2);
+                let first = integral(&|k| angle[k], 1);
+                let sine = integral(&|k| angle[k].sin(), 0);
+                let cosine = integral(&|k| angle[k].cos(), 0);
+                if record.kind == Kind::FreeSwing {
+                    locked.push(&[-sine, -cosine, first], second);
+                } else if let Some(current) = current {
+                    let drive = integral(&|k| current[k], 0);
+                    let spin = wheel_speed.map_or(0.0, |speed| integral(&|k| speed[k], 0));
+                    free.push(&[-sine, -cosine, first, -drive, spin], second);
+                }
+            }
+            if let (Some(speed), Some(current)) = (wheel_speed, current) {
+                let body = match (&angle, record.kind) {
+                    (Some(angle), Kind::Balance | Kind::Driven) => integral(&|k| angle[k], 2),
+                    _ => 0.0,
+                };
+                let change = body - integral(&|k| speed[k], 1);
+                let drive = integral(&|k| current[k], 0);
+                let spin = integral(&|k| speed[k], 0);
+                wheel.push(&[drive, -spin], change);
+            }
+        });
+    }
+    let mut ratios = Ratios::default();
+    let positive = |value: f64| (value.is_finite() && value > 0.0).then_some(value);
+    if let Some(solution) = locked.solve() {
+        // A shifted zero of the angle splits G/Θ into its sine and cosine parts.
+        ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
+        ratios.friction_over_total = positive(solution[2]);
+    }
+    if let Some(solution) = free.solve() {
+        ratios.gravity_over_free = positive(solution[0].hypot(solution[1]));
+        ratios.torque_over_free = positive(solution[3]);
+    }
+    if let Some(solution) = wheel.solve() {
+        ratios.torque_over_wheel = positive(solution[0]);
+        ratios.friction_over_wheel = positive(solution[1]);
+    }
+    ratios
+}
+
+/// Fills the base parameters (positions 0 to 3 of the parameter vector) that are not known, and
+/// returns them with r_b and r_w. What nothing speaks of gets a harmless placeholder.
+pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64, f64) {
+    let mut total = known[TOTAL_INERTIA];
+    let mut wheel = known[WHEEL_INERTIA];
+    let mut gravity = known[GRAVITY_TORQUE];
+    let mut torque = known[TORQUE_CONSTANT];
+    let r = ratios;
+    // Each rule may make another one applicable; four rounds reach everything that can be reached.
+    for _ in 0..4 {
+        if let (None, Some(g), Some(a)) = (total, gravity, r.gravity_over_total) {
+            total = Some(g / a);
+        }
+        if let (None, Some(t), Some(a)) = (gravity, total, r.gravity_over_total) {
+            gravity = Some(t * a);
+        }
+        if let (None, Some(t), Some(w)) = (wheel, torque, r.torque_over_wheel) {
+            wheel = Some(t / w);
+        }
+        if let (None, Some(j), Some(w)) = (torque, wheel, r.torque_over_wheel) {
+            torque = Some(j * w);
+        }
+        if let (None, Some(g), Some(c), Some(a)) =
+            (torque, gravity, r.torque_over_free, r.gravity_over_free)
+        {
+            torque = Some(c * g / a);
+        }
+        if let (None, Some(t), Some(c), Some(a)) =
+            (gravity, torque, r.torque_over_free, r.gravity_over_free)
+        {
+            gravity = Some(t * a / c);
+        }
+        if let (None, Some(g), Some(j), Some(a)) = (total, gravity, wheel, r.gravity_over_free) {
+            total = Some(g / a + j);
+        }
+        if let (None, Some(t), Some(j), Some(c)) = (total, torque, wheel, r.torque_over_free) {
+            total = Some(t / c + j);
+        }
+        if let (None, Some(t), Some(j), Some(a)) = (gravity, total, wheel, r.gravity_over_free) {
+            gravity = Some(a * (t - j));
+        }
+        if let (None, Some(t), Some(j), Some(c)) = (torque, total, wheel, r.torque_over_free) {
+            torque = Some(c * (t - j));
+        }
+    }
+    let total = total.or(wheel.map(|j| 20.0 * j)).unwrap_or(1.0);
+    let wheel = wheel.unwrap_or(0.05 * total).min(0.9 * total);
+    let gravity = gravity.unwrap_or(100.0 * total);
+    let torque = torque.unwrap_or(100.0 * wheel);
+    // Friction may come out negative from noise; the fit needs a start inside its bounds.
+    let body_friction = r.friction_over_total.unwrap_or(0.01).clamp(1e-3, 10.0) * total;
+    let wheel_friction = r.friction_over_wheel.unwrap_or(0.1).clamp(1e-3, 10.0) * wheel;
+    (
+        [total, wheel, gravity, torque],
+        body_friction,
+        wheel_friction,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plant::{Current, Hold, Input, Model, Plant, State};
+
+    #[test]
+    fn ratios_of_noise_free_logs_are_right_within_a_percent() {
+        let values = [2.3e-3, 1.36e-4, 0.245, 0.0335, 5e-4, 1.75e-5];
+        let time_s: Vec<f64> = (0..2000).map(|k| k as f64 * 0.004).collect();
+        let current: Vec<f64> = time_s.iter().map(|t| 0.5 * (3.0 * t).sin() + 0.2).collect();
+        let input = Input::new(&time_s, &current, Hold::Linear);
+        let make = |kind: Kind| {
+            let plant = Plant::new(&Model::base(), &values, kind);
+            let start = State {
+                angle_rad: if kind == Kind::SpinUp { 0.0 } else { 0.5 },
+                ..State::rest()
+            };
+            let (mut angle, mut speed) = (vec![], vec![]);
+            let drive = match kind {
+                Kind::FreeSwing => Current::Held(0.0),
+                _ => Current::Recorded(&input),
+            };
+            plant.run(start, &time_s, 0..2000, drive, None, |_, reading, _| {
+                angle.push(reading.angle_rad);
+                speed.push(reading.wheel_speed_rad_s);
+            });
+            Record::new(
+                "x",
+                kind,
+                time_s.clone(),
+                [Some(angle), None, Some(speed)],
+                Some(current.clone()),
+                true,
+            )
+        };
+        let records = [
+            make(Kind::FreeSwing),
+            make(Kind::SpinUp),
+            make(Kind::Driven),
+        ];
+        let found = ratios(&records.iter().collect::<Vec<_>>());
+        let near = |found: Option<f64>, truth: f64| {
+            let found = found.expect("found");
+            assert!((found / truth - 1.0).abs() < 0.01, "{found} {truth}");
+        };
+        near(found.gravity_over_total, 0.245 / 2.3e-3);
+        near(found.gravity_over_free, 0.245 / (2.3e-3 - 1.36e-4));
+        near(found.torque_over_free, 0.0335 / (2.3e-3 - 1.36e-4));
+        near(found.torque_over_wheel, 0.0335 / 1.36e-4);
+        near(found.friction_over_wheel, 1.75e-5 / 1.36e-4);
+        // Either torque that is known gives all four.
+        for known in [
+            [None, None, Some(0.245), None],
+            [None, None, None, Some(0.0335)],
+        ] {
+            let (base, _, _) = base_values(&found, &known);
+            for (guess, truth) in base.iter().zip(&values) {
+                assert!((guess / truth - 1.0).abs() < 0.05, "{base:?}");
+            }
+        }
+    }
+}
