@@ -203,13 +203,15 @@ impl Frame {
                 run.push(point);
                 continue;
             }
-            let kept = decimate::decimate(&run);
-            reduced |= kept.len() < run.len();
-            for (i, point) in kept.iter().enumerate() {
-                if i == 0 {
-                    path.move_to(point.0, point.1);
-                } else {
-                    path.line_to(point.0, point.1);
+            for visible in self.visible(&run) {
+                let kept = decimate::decimate(visible);
+                reduced |= kept.len() < visible.len();
+                for (i, point) in kept.iter().enumerate() {
+                    if i == 0 {
+                        path.move_to(point.0, point.1);
+                    } else {
+                        path.line_to(point.0, point.1);
+                    }
                 }
             }
             run.clear();
@@ -217,6 +219,17 @@ impl Frame {
         path.close_dot();
         svg.path(&path, stroke);
         reduced
+    }
+
+    /// The stretches of a line in pixels that touch the panel: a part of a long
+    /// series does not carry the rest of it.
+    fn visible<'a>(&self, run: &'a [(f64, f64)]) -> impl Iterator<Item = &'a [(f64, f64)]> {
+        let (left, right) = (self.left - 1.0, self.right() + 1.0);
+        let apart = move |a: &(f64, f64), b: &(f64, f64)| {
+            (a.0 < left && b.0 < left) || (a.0 > right && b.0 > right)
+        };
+        run.chunk_by(move |a, b| !apart(a, b))
+            .filter(move |part| part.len() > 1 || !apart(&part[0], &part[0]))
     }
 
     /// A dot of `diameter` pixels at each finite point inside the panel; where

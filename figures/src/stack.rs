@@ -102,15 +102,17 @@ fn keys(stack: &Stack) -> Vec<Key> {
 /// The vertical axis of a row over what lies within `window`, and the limits
 /// that would flatten the data if the axis reached them.
 fn y_axis<'a>(row: &'a Row, window: Option<(f64, f64)>) -> (Axis, Vec<&'a Limit<'a>>) {
-    let (from, until) = window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    let values = row.traces.iter().flat_map(|trace| {
-        let points = trace.x.iter().zip(trace.y.iter());
-        points
-            .filter(|(x, _)| (from..=until).contains(*x))
-            .map(|(_, y)| *y)
-    });
+    let whole = (f64::NEG_INFINITY, f64::INFINITY);
+    let within = |(from, until): (f64, f64)| {
+        let points = row.traces.iter().flat_map(|t| t.x.iter().zip(t.y.iter()));
+        let inside = points.filter(move |(x, _)| (from..=until).contains(*x));
+        extent(inside.map(|(_, y)| *y))
+    };
+    // A line may cross a window without a point in it.
+    let data = within(window.unwrap_or(whole)).or_else(|| within(whole));
     let band = row.band.map_or(f64::NAN, |(half, _)| half);
-    let mut range = extent(values.chain([-band, band]));
+    let ends = data.into_iter().flat_map(|(lo, hi)| [lo, hi]);
+    let mut range = extent(ends.chain([-band, band]));
     let mut outside = Vec::new();
     for limit in row.limits.iter().filter(|limit| limit.value.is_finite()) {
         let (lo, hi) = range.unwrap_or((limit.value, limit.value));

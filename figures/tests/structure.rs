@@ -140,6 +140,57 @@ fn a_long_overlay_is_small_and_keeps_its_peak() {
 }
 
 #[test]
+fn the_worst_noise_in_four_channels_with_a_zoom_stays_small() {
+    let samples = 60_000;
+    let time: Vec<f64> = (0..samples).map(|i| f64::from(i) * 1e-3).collect();
+    // Steps through all residues of a prime: neighbours have nothing in common.
+    let noise = |step: i32| -> Vec<f64> {
+        let residue = |i| f64::from(i % 1009 * step % 1009) / 1009.0;
+        (0..samples).map(residue).collect()
+    };
+    let (measured, model) = (noise(619), noise(271));
+    let channel = Channel {
+        quantity: ANGLE,
+        measurement: &measured,
+        model: &model,
+        sensor_std: 0.1,
+        note: "",
+    };
+    let channels = [channel; 4];
+    let figure = Overlay {
+        zoom_s: Some((10.0, 20.0)),
+        ..one_channel(&time, &channels, "noise")
+    };
+    let svg = overlay(&figure).unwrap();
+    parse(&svg);
+    assert!(svg.len() < 400_000, "{} bytes", svg.len());
+}
+
+#[test]
+fn a_line_that_crosses_the_zoom_without_a_point_in_it_is_drawn() {
+    let line = Line {
+        name: "line",
+        role: Role::Model,
+        x: &[0.0, 10.0],
+        y: &[0.0, 10.0],
+    };
+    let svg = series(&Series {
+        title: "t",
+        panels: &[Panel {
+            lines: &[line],
+            ..Panel::default()
+        }],
+        zoom: Some((4.0, 5.0)),
+        ..Series::default()
+    })
+    .unwrap();
+    let document = parse(&svg);
+    let groups = series_of(&document, "model");
+    assert_eq!(groups.len(), 2);
+    assert_eq!(stretches(&groups[1]).concat().len(), 2);
+}
+
+#[test]
 fn gaps_stay_gaps() {
     let time: Vec<f64> = (0..1000).map(f64::from).collect();
     let mut measured: Vec<f64> = time.iter().map(|t| (t / 50.0).sin()).collect();
