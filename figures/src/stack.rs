@@ -76,7 +76,9 @@ pub(crate) fn draw(page: &mut Page, stack: &Stack) {
         false,
     );
     page.y = below.max(right);
-    page.note("Right: the part under the thick line at the foot of the left panels, enlarged.");
+    page.note(
+        "Right, enlarged: the part that the thick line at the foot of the left panels marks.",
+    );
 }
 
 fn keys(stack: &Stack) -> Vec<Key> {
