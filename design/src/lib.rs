@@ -1,18 +1,31 @@
 //! From the linear model of the bench to a controller and what can be expected of it.
 //!
 //! [`Design::new`] is the entry: it samples the model, solves for the gains and checks the loop.
-//! Below it, one file per job: [`zero_order_hold`], [`sampled_cost`], [`dare`], [`care`], [`lqr`],
-//! [`poles`], [`structural`], [`singular_values`], [`recovery`].
+//! Below it, one file per job:
+//!
+//! | file | job |
+//! |---|---|
+//! | [`zero_order_hold`], [`sampled_cost`] | the continuous model and cost as a sampled loop sees them |
+//! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
+//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
+//! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
+//! | [`friction`], [`uncertainty`] | the loop around benches that differ from the model |
+//! | [`recovery`], [`wheel_sizing`] | what current and wheel speed allow |
+//! | [`angle_bias`], [`bias_observer`] | what a wrong angle costs, and its cure |
 //!
 //! States are (angle from upright in rad, rate in rad/s, wheel speed in rad/s), the input is the
 //! motor current in A, and the law is u = −K x throughout.
 
 #![warn(missing_docs)]
 
+pub mod angle_bias;
+pub mod bias_observer;
 pub mod care;
 pub mod controller;
 pub mod dare;
+mod design;
 mod error;
+pub mod friction;
 pub mod lqr;
 pub mod margins;
 mod matrix;
@@ -23,18 +36,26 @@ pub mod singular_values;
 pub mod structural;
 #[cfg(test)]
 mod thesis;
+pub mod uncertainty;
+pub mod wheel_sizing;
 pub mod zero_order_hold;
 
+pub use angle_bias::{rest_per_angle_bias, sampled_rest_per_angle_bias};
+pub use bias_observer::BiasObserver;
 pub use care::{CareSolution, solve_care};
 pub use controller::LinearController;
 pub use dare::{DareSolution, solve_dare};
+pub use design::{Design, Settings};
 pub use error::DesignError;
+pub use friction::{ExtremeCheck, FrictionCheck, FrictionExtremes, friction_check};
 pub use lqr::{
     ContinuousRegulator, DiscreteRegulator, Weights, continuous_regulator, discrete_regulator,
 };
-pub use margins::{Margins, margins};
-pub use poles::{Pole, eigenvalues, poles, spectral_radius};
+pub use margins::Margins;
+pub use poles::{Pole, eigenvalues, spectral_radius};
 pub use recovery::recovery_angle_rad;
 pub use sampled_cost::QuadraticCost;
 pub use structural::{StructuralRank, controllability, observability};
+pub use uncertainty::{PoleUncertainty, UncertainParameters, UncertainPole, pole_uncertainty};
+pub use wheel_sizing::{ChartPoint, Push, Sizing, wheel_energy_j};
 pub use zero_order_hold::{DelayedDiscrete, Discrete};

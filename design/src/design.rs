@@ -1,0 +1,329 @@
+//! The whole design in one call.
+
+use crate::angle_bias::sampled_rest_per_angle_bias;
+use crate::bias_observer::BiasObserver;
+use crate::controller::LinearController;
+use crate::friction::{FrictionCheck, FrictionExtremes, friction_check};
+use crate::lqr::{DiscreteRegulator, Weights, discrete_regulator};
+use crate::margins::{Margins, margins};
+use crate::matrix::{check_positive, of_model};
+use crate::poles::{Pole, poles};
+use crate::recovery::recovery_angle_rad;
+use crate::structural::{StructuralRank, controllability, observability};
+use crate::zero_order_hold::Discrete;
+use crate::{DareSolution, DesignError};
+use nalgebra::{Complex, DMatrix, RowVector3, Vector3};
+use plant::LinearModel;
+
+/// What a design is asked for; the table [design] of model.toml.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Weights of the cost.
+    pub weights: Weights,
+    /// Largest current in A.
+    pub current_limit_a: f64,
+    /// The bench with none and with all of its Coulomb friction, where it has any: the design
+    /// must be stable at both.
+    pub friction_extremes: Option<FrictionExtremes>,
+}
+
+/// A controller and what can be expected of it. States are (angle from upright in rad, rate in
+/// rad/s, wheel speed in rad/s), the law is u = −K x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    /// What was asked for.
+    pub settings: Settings,
+    /// A (3×3) and B (3×1).
+    pub model: LinearModel,
+    /// Ad (3×3) and Bd (3×1) of the zero-order hold.
+    pub discrete: Discrete,
+    /// K in A/rad, A s/rad, A s/rad.
+    pub gains: RowVector3<f64>,
+    /// Cost to go, residual and number of doublings of the Riccati equation.
+    pub riccati: DareSolution,
+    /// Eigenvalues of A, in 1/s.
+    pub open_loop_poles: Vec<Pole>,
+    /// Eigenvalues of Ad − Bd K.
+    pub closed_loop_poles: Vec<Pole>,
+    /// Can the current reach every state, and how well?
+    pub controllability: StructuralRank,
+    /// Do angle, rate and wheel speed together show every state, and how well?
+    pub observability: StructuralRank,
+    /// The same for each sensor alone, by name.
+    pub observability_of_sensor: [(&'static str, StructuralRank); 3],
+    /// asin(τ u_max/G) in rad.
+    pub recovery_angle_rad: f64,
+    /// What the loop bears.
+    pub margins: Margins,
+    /// Steady wheel speed per rad of angle bias, in rad/s per rad.
+    pub wheel_speed_per_angle_bias: f64,
+    /// The loop at both extremes of Coulomb friction, where they were given.
+    pub friction: Option<FrictionCheck>,
+}
+
+impl Design {
+    /// Designs the controller of `model` for `settings` and checks the loop.
+    ///
+    /// # Errors
+    /// Those of [`discrete_regulator`]; [`DesignError::SampleTimeTooLong`] where the loop would
+    /// not bear the delay of one sample that computing may take;
+    /// [`DesignError::UnstableLoop`] where it is unstable at an extreme of Coulomb friction;
+    /// [`DesignError::NotAPendulum`].
+    pub fn new(model: &LinearModel, settings: &Settings) -> Result<Design, DesignError> {
+        let (a, b) = of_model(model)?;
+        settings.weights.matrices()?;
+        check_positive("the sample time in s", settings.sample_time_s)?;
+        let recovery_angle_rad = recovery_angle_rad(model, settings.current_limit_a)?;
+        let (regulator, margins) = regulator_with_margins(model, settings)?;
+        let DiscreteRegulator {
+            discrete,
+            gains,
+            riccati,
+        } = regulator;
+        let controller = LinearController::state_feedback(&gains);
+        let closed = controller.closed_loop(&discrete.state, &discrete.input)?;
+        let friction = settings
+            .friction_extremes
+            .map(|extremes| stable_friction_check(&extremes, &gains, settings.sample_time_s))
+            .transpose()?;
+        let rest = sampled_rest_per_angle_bias(model, &gains, settings.sample_time_s)?;
+        let sensor = |index: usize| {
+            let mut output = DMatrix::zeros(1, 3);
+            output[index] = 1.0;
+            observability(&a, &output)
+        };
+        Ok(Design {
+            settings: settings.clone(),
+            model: *model,
+            open_loop_poles: poles(&a)?,
+            closed_loop_poles: poles(&closed)?,
+            controllability: controllability(&a, &b)?,
+            observability: observability(&a, &DMatrix::identity(3, 3))?,
+            observability_of_sensor: [
+                ("angle", sensor(0)?),
+                ("rate", sensor(1)?),
+                ("wheel speed", sensor(2)?),
+            ],
+            recovery_angle_rad,
+            margins,
+            wheel_speed_per_angle_bias: rest[2],
+            friction,
+            discrete,
+            gains,
+            riccati,
+        })
+    }
+
+    /// Relative residual of the Riccati equation.
+    pub fn dare_residual(&self) -> f64 {
+        self.riccati.residual
+    }
+
+    /// Continuous equivalents of the closed loop's poles, in 1/s.
+    pub fn closed_loop_poles_per_s(&self) -> Vec<Complex<f64>> {
+        self.closed_loop_poles
+            .iter()
+            .map(|pole| pole.continuous_equivalent(self.settings.sample_time_s))
+            .collect()
+    }
+
+    /// An observer that finds a constant angle bias five times more slowly than the slowest motion
+    /// of the loop, so that the two do not interfere; `noise` as in [`BiasObserver::new`].
+    ///
+    /// # Errors
+    /// Those of [`BiasObserver::new`]; [`DesignError::UnstableLoop`] where regulator and observer
+    /// together are unstable.
+    pub fn bias_observer(&self, noise: &Vector3<f64>) -> Result<BiasObserver, DesignError> {
+        let slowest_per_s = self
+            .closed_loop_poles_per_s()
+            .iter()
+            .map(|pole| -pole.re)
+            .fold(f64::INFINITY, f64::min);
+        let observer = BiasObserver::new(
+            &self.model,
+            self.settings.sample_time_s,
+            5.0 / slowest_per_s,
+            noise,
+        )?;
+        let (a, b) = of_model(&self.model)?;
+        margins(
+            &a,
+            &b,
+            &observer.controller(&self.gains),
+            self.settings.sample_time_s,
+        )?;
+        Ok(observer)
+    }
+}
+
+/// The regulator at the sample time asked for, with margins; an error with a shorter sample time
+/// where that one is too long.
+fn regulator_with_margins(
+    model: &LinearModel,
+    settings: &Settings,
+) -> Result<(DiscreteRegulator, Margins), DesignError> {
+    let attempt = |sample_time_s: f64| {
+        let regulator = discrete_regulator(model, &settings.weights, sample_time_s)?;
+        let (a, b) = of_model(model)?;
+        let controller = LinearController::state_feedback(&regulator.gains);
+        let margins = margins(&a, &b, &controller, sample_time_s)?;
+        Ok((regulator, margins))
+    };
+    let (delay_margin_s, error) = match attempt(settings.sample_time_s) {
+        Ok((regulator, margins)) if margins.delay_margin_s >= settings.sample_time_s => {
+            return Ok((regulator, margins));
+        }
+        Ok((_, margins)) => (margins.delay_margin_s, None),
+        Err(error) => (0.0, Some(error)),
+    };
+    // Where a shorter sample time works, the sample time was what was wrong.
+    let mut shorter_s = settings.sample_time_s;
+    for _ in 0..60 {
+        shorter_s *= 0.5;
+        if let Ok((_, margins)) = attempt(shorter_s)
+            && margins.delay_margin_s >= shorter_s
+        {
+            return Err(DesignError::SampleTimeTooLong {
+                sample_time_s: settings.sample_time_s,
+                delay_margin_s,
+                longest_s: shorter_s,
+            });
+        }
+    }
+    Err(error.unwrap_or(DesignError::SampleTimeTooLong {
+        sample_time_s: settings.sample_time_s,
+        delay_margin_s,
+        longest_s: shorter_s,
+    }))
+}
+
+fn stable_friction_check(
+    extremes: &FrictionExtremes,
+    gains: &RowVector3<f64>,
+    sample_time_s: f64,
+) -> Result<FrictionCheck, DesignError> {
+    let check = friction_check(extremes, gains, sample_time_s)?;
+    for (extreme, loop_name) in [
+        (&check.none, "without Coulomb friction"),
+        (&check.all, "with all of the Coulomb friction as damping"),
+    ] {
+        if !extreme.is_stable() {
+            return Err(DesignError::UnstableLoop {
+                loop_name,
+                spectral_radius: extreme.spectral_radius,
+                cure: "the design relies on friction that is not always there; raise \
+                       friction_linearisation_speed or leave it out",
+            });
+        }
+    }
+    Ok(check)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::thesis;
+
+    fn settings() -> Settings {
+        Settings {
+            sample_time_s: 1e-3,
+            weights: thesis::weights(),
+            current_limit_a: 2.0,
+            friction_extremes: None,
+        }
+    }
+
+    #[test]
+    fn thesis_bench() {
+        let mut settings = settings();
+        let mut none = thesis::PARAMETERS;
+        none[4] = 2.12e-5;
+        settings.friction_extremes = Some(FrictionExtremes {
+            none: thesis::model_of(none),
+            all: thesis::model(),
+        });
+        let design = Design::new(&thesis::model(), &settings).unwrap();
+        for (gain, golden) in design.gains.iter().zip(thesis::golden_gains().iter()) {
+            assert!((gain - golden).abs() < 3e-9 * golden.abs());
+        }
+        assert_eq!(design.controllability.rank, 3);
+        assert_eq!(design.observability.rank, 3);
+        assert!((design.recovery_angle_rad.to_degrees() - 15.86).abs() < 0.005);
+        assert!(design.dare_residual() < 1e-12);
+        assert!((design.wheel_speed_per_angle_bias.to_radians() + 19.2).abs() < 0.05);
+        assert!(
+            design
+                .closed_loop_poles_per_s()
+                .iter()
+                .all(|pole| pole.re < 0.0)
+        );
+        let friction = design.friction.as_ref().unwrap();
+        assert!(friction.none.is_stable() && friction.all.is_stable());
+        // The slowest pole is at −4.56 1/s, so the observer takes about a second.
+        let observer = design
+            .bias_observer(&Vector3::new(2e-3, 1e-3, 0.5))
+            .unwrap();
+        assert!((observer.time_constant_s - 5.0 * 1e-3 / -0.99544999_f64.ln()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_sample_time_that_is_too_long_is_named_with_one_that_works() {
+        for sample_time_s in [0.15, 1.0, 60.0, 1e6] {
+            let mut settings = settings();
+            settings.sample_time_s = sample_time_s;
+            match Design::new(&thesis::model(), &settings) {
+                Err(DesignError::SampleTimeTooLong { longest_s, .. }) => {
+                    settings.sample_time_s = longest_s;
+                    assert!(Design::new(&thesis::model(), &settings).is_ok());
+                }
+                other => panic!("{sample_time_s}: {other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_bench_without_a_motor_is_named() {
+        let mut model = thesis::model();
+        model.input *= 0.0;
+        assert!(matches!(
+            Design::new(&model, &settings()),
+            Err(DesignError::NotAPendulum { .. })
+        ));
+        // The motor turns only the wheel, which does not act on the body.
+        let mut model = thesis::model();
+        model.input[1] = 1e-300;
+        model.state[(1, 2)] = 0.0;
+        assert!(matches!(
+            Design::new(&model, &settings()),
+            Err(DesignError::NotStabilisable { .. })
+        ));
+    }
+
+    #[test]
+    fn a_model_that_is_not_finite_is_named() {
+        let mut model = thesis::model();
+        model.state[(1, 0)] = f64::NAN;
+        assert!(matches!(
+            Design::new(&model, &settings()),
+            Err(DesignError::NotFinite { .. })
+        ));
+    }
+
+    #[test]
+    fn a_design_that_needs_friction_is_refused() {
+        let mut settings = settings();
+        // An extreme that these gains cannot hold: eight times the gravity.
+        let mut heavy = thesis::PARAMETERS;
+        heavy[2] *= 8.0;
+        settings.friction_extremes = Some(FrictionExtremes {
+            none: thesis::model_of(heavy),
+            all: thesis::model(),
+        });
+        assert!(matches!(
+            Design::new(&thesis::model(), &settings),
+            Err(DesignError::UnstableLoop { .. })
+        ));
+    }
+}

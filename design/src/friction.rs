@@ -1,0 +1,150 @@
+//! Coulomb friction at both extremes.
+//!
+//! A design may take Coulomb friction into the linear model as a viscous term μ/ι, with a
+//! smoothing speed ι. That is a choice, not physics: at speeds well above ι the damping is not
+//! there, and where the pivot sticks there is more. So a design is checked against both extremes:
+//! all of μ/ι, and none of it.
+
+use crate::DesignError;
+use crate::controller::LinearController;
+use crate::margins::{Margins, margins};
+use crate::matrix::of_model;
+use crate::poles::eigenvalues;
+use crate::zero_order_hold::zero_order_hold;
+use nalgebra::{Complex, RowVector3};
+use plant::LinearModel;
+
+/// The same bench linearised with none and with all of its Coulomb friction as damping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionExtremes {
+    /// No Coulomb friction at all.
+    pub none: LinearModel,
+    /// All of it, as the viscous term μ/ι.
+    pub all: LinearModel,
+}
+
+/// The designed loop around one of the extremes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExtremeCheck {
+    /// Continuous equivalents of the closed loop's poles, in 1/s.
+    pub closed_loop_poles_per_s: Vec<Complex<f64>>,
+    /// Largest modulus of the discrete poles.
+    pub spectral_radius: f64,
+    /// Margins of the loop; none where it is unstable.
+    pub margins: Option<Margins>,
+}
+
+impl ExtremeCheck {
+    /// Whether the loop is stable there.
+    pub fn is_stable(&self) -> bool {
+        self.spectral_radius < 1.0
+    }
+}
+
+/// The designed loop at both extremes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrictionCheck {
+    /// Without Coulomb friction.
+    pub none: ExtremeCheck,
+    /// With all of it as damping.
+    pub all: ExtremeCheck,
+}
+
+/// The loop that `gains` close at `sample_time_s` around both extremes.
+///
+/// # Errors
+/// Entries that are not finite, a sample time that is not positive. An unstable loop is a result,
+/// not an error.
+pub fn friction_check(
+    extremes: &FrictionExtremes,
+    gains: &RowVector3<f64>,
+    sample_time_s: f64,
+) -> Result<FrictionCheck, DesignError> {
+    Ok(FrictionCheck {
+        none: check(&extremes.none, gains, sample_time_s)?,
+        all: check(&extremes.all, gains, sample_time_s)?,
+    })
+}
+
+fn check(
+    model: &LinearModel,
+    gains: &RowVector3<f64>,
+    sample_time_s: f64,
+) -> Result<ExtremeCheck, DesignError> {
+    let (a, b) = of_model(model)?;
+    let controller = LinearController::state_feedback(gains);
+    let hold = zero_order_hold(&a, &b, sample_time_s)?;
+    let poles = eigenvalues(&controller.closed_loop(&hold.state, &hold.input)?)?;
+    let spectral_radius = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    Ok(ExtremeCheck {
+        closed_loop_poles_per_s: poles
+            .into_iter()
+            .map(|pole| pole.ln() / sample_time_s)
+            .collect(),
+        spectral_radius,
+        margins: if spectral_radius < 1.0 {
+            Some(margins(&a, &b, &controller, sample_time_s)?)
+        } else {
+            None
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lqr::continuous_regulator;
+    use crate::thesis;
+
+    const COULOMB_TORQUE: f64 = 4.485e-4;
+    const VISCOUS: f64 = 2.12e-5;
+
+    fn bench(smoothing_speed: Option<f64>) -> LinearModel {
+        let mut parameters = thesis::PARAMETERS;
+        parameters[4] = VISCOUS + smoothing_speed.map_or(0.0, |speed| COULOMB_TORQUE / speed);
+        thesis::model_of(parameters)
+    }
+
+    /// The less ι, the more damping the design believes in, and the worse it balances a bench
+    /// whose friction is only viscous. Figures computed independently, printed to two digits.
+    #[test]
+    fn believing_in_friction_costs_damping() {
+        for (speed, gains, pole) in [
+            (0.0846768, [-24.5, -2.15], (-12.0, 6.0)),
+            (0.01, [-33.6, -1.45], (-7.5, 18.0)),
+            (0.001, [-163.0, -0.83], (-3.3, 49.0)),
+        ] {
+            let regulator = continuous_regulator(&bench(Some(speed)), &thesis::weights()).unwrap();
+            for (gain, golden) in regulator.gains.iter().zip(gains) {
+                assert!(
+                    (gain - golden).abs() < 0.006 * golden.abs(),
+                    "{gain} at {speed}"
+                );
+            }
+            // A short sample time stands for the continuous loop.
+            let none = bench(None);
+            let result = check(&none, &regulator.gains, 1e-5).unwrap();
+            let upper = result
+                .closed_loop_poles_per_s
+                .iter()
+                .find(|pole| pole.im > 1.0)
+                .unwrap();
+            assert!((upper.re - pole.0).abs() < 0.5, "{upper} at {speed}");
+            assert!((upper.im - pole.1).abs() < 0.5, "{upper} at {speed}");
+            assert!(result.is_stable() && result.margins.is_some());
+        }
+    }
+
+    #[test]
+    fn both_extremes_are_reported() {
+        let extremes = FrictionExtremes {
+            none: bench(None),
+            all: bench(Some(0.01)),
+        };
+        let result = friction_check(&extremes, &thesis::golden_gains(), 1e-3).unwrap();
+        assert!(result.none.is_stable());
+        assert!(result.none.spectral_radius != result.all.spectral_radius);
+        let reversed = friction_check(&extremes, &-thesis::golden_gains(), 1e-3).unwrap();
+        assert!(!reversed.none.is_stable() && reversed.none.margins.is_none());
+    }
+}
