@@ -1,1 +1,31 @@
-//! To be written.
+//! Everything that is read from disk or written to it: `bench.toml`, CSV logs, `model.toml`.
+//!
+//! [`Bench::load`] turns a bench folder into plain data in SI units; [`ModelFile`] reads and
+//! writes the model that belongs to it. What leaves this crate has been checked: names, units and
+//! signs are resolved, times rise, numbers are finite (a drop-out is NaN, and counted in the
+//! [`LoadReport`]). What is wrong with a file is said by one [`Error`], which names the place and
+//! what would be right.
+//!
+//! Coordinates are those of the whole project: body angle 0 hanging and π upright, wheel speed
+//! relative to the body, positive current drives the wheel forward.
+
+#![warn(missing_docs)]
+
+mod bench;
+mod channel;
+mod drop_out;
+mod error;
+mod known;
+mod log;
+mod model_file;
+mod toml_source;
+mod write;
+
+pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
+pub use channel::Channel;
+pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
+pub use error::{Error, Place, Problem};
+pub use known::{Known, MissingKnowns};
+pub use log::{LoadReport, Log, MAX_LOG_BYTES, MAX_LOG_ROWS, MIN_SAMPLES, Note};
+pub use model_file::{DesignSection, ModelFile, Parameter};
+pub use write::write_atomically;

@@ -1,0 +1,620 @@
+//! A bench: `bench.toml` and the logs that it names.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::path::{Path, PathBuf};
+
+use plant::Kind;
+
+use crate::channel::Channel;
+use crate::error::{Error, Names, Problem};
+use crate::known::Known;
+use crate::log::{self, ColumnUse, LoadReport, Log, Note, OpenLog};
+use crate::toml_source::{Located, Section, TomlSource};
+
+/// A bench with all its measurements, checked and in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bench {
+    /// Its name; the folder's name where bench.toml gives none.
+    pub name: String,
+    /// The folder that holds bench.toml; logs are named relative to it.
+    pub folder: PathBuf,
+    /// What was measured directly.
+    pub known: Known,
+    /// The controller of the balance logs.
+    pub controller: Option<Controller>,
+    /// The experiments in the order of the file; at least one, names unique.
+    pub experiments: Vec<Experiment>,
+    /// What the bench's user should know that concerns no single experiment; sentences.
+    pub notes: Vec<String>,
+}
+
+/// The controller under which balance logs were recorded: u = −K (α − π, α̇, φ̇), clipped to the
+/// current limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controller {
+    /// Gains K for angle (A/rad), rate (A s/rad) and wheel speed (A s/rad).
+    pub gains: [f64; 3],
+    /// Largest current either way, A.
+    pub current_limit_a: f64,
+    /// Time between two commands, s.
+    pub sample_time_s: f64,
+}
+
+/// What the current column of a log means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CurrentMeaning {
+    /// What the controller asked for.
+    #[default]
+    Command,
+    /// What flowed.
+    Measured,
+}
+
+/// One recorded experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// Its name, unique in the bench.
+    pub name: String,
+    /// What was held still, and about which equilibrium.
+    pub kind: Kind,
+    /// The log's path.
+    pub file: PathBuf,
+    /// The samples. Which channels there are: free-swing at least one of angle and rate; spin-up
+    /// wheel speed, and current where it is known; balance at least one of angle and rate, and
+    /// current; driven at least one of angle and wheel speed, and current.
+    pub log: Log,
+    /// What the current means.
+    pub current_meaning: CurrentMeaning,
+    /// How the log was read.
+    pub report: LoadReport,
+}
+
+impl Bench {
+    /// Loads a bench and all its logs. `path` is the bench's folder or its bench.toml.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, see [`Problem`].
+    pub fn load(path: &Path) -> Result<Bench, Error> {
+        let file = if path.is_dir() {
+            path.join("bench.toml")
+        } else {
+            path.to_path_buf()
+        };
+        if !file.exists() && !path.is_dir() {
+            return Err(Error::in_file(path, Problem::NoBench));
+        }
+        let folder = match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+            _ => PathBuf::from("."),
+        };
+        let source = TomlSource::read(&file)?;
+        let document = source.parse()?;
+        read_bench(&source, &source.root(&document), folder)
+    }
+
+    /// The experiment with this name.
+    pub fn experiment(&self, name: &str) -> Option<&Experiment> {
+        self.experiments
+            .iter()
+            .find(|experiment| experiment.name == name)
+    }
+}
+
+fn read_bench(source: &TomlSource, root: &Section, folder: PathBuf) -> Result<Bench, Error> {
+    root.allow_only(&["bench", "known", "controller", "experiment"])?;
+    let mut name = None;
+    if let Some(section) = root.section("bench")? {
+        section.allow_only(&["name"])?;
+        name = section.text("name")?.map(|name| name.value);
+    }
+    let (known, computed) = Known::read(root.section("known")?.as_ref())?;
+    let mut notes = Vec::new();
+    if let (Some(stated), Some(computed)) = (known.gravity_torque, computed) {
+        notes.push(format!(
+            "gravity_torque = {stated} N m is used; masses and lengths give {computed:.6} N m"
+        ));
+    }
+    let controller = root
+        .section("controller")?
+        .map(|section| read_controller(&section))
+        .transpose()?;
+
+    let sections = root.sections("experiment")?;
+    if sections.is_empty() {
+        return Err(root.error(Problem::NoExperiment));
+    }
+    // The whole of bench.toml is checked before the first log is opened.
+    let mut plans: Vec<Plan> = Vec::new();
+    for section in &sections {
+        let plan = Plan::read(section, &folder)?;
+        if let Some(first) = plans.iter().find(|p| p.name.value == plan.name.value) {
+            return Err(source.error(
+                plan.name.span,
+                Problem::DuplicateExperiment {
+                    name: plan.name.value,
+                    first_line: source.line(&first.name.span),
+                },
+            ));
+        }
+        plans.push(plan);
+    }
+    let experiments = plans
+        .into_iter()
+        .zip(&sections)
+        .map(|(plan, section)| plan.load(source, section))
+        .collect::<Result<Vec<_>, Error>>()?;
+    Ok(Bench {
+        name: name.unwrap_or_else(|| folder_name(&folder)),
+        folder,
+        known,
+        controller,
+        experiments,
+        notes,
+    })
+}
+
+fn folder_name(folder: &Path) -> String {
+    folder
+        .canonicalize()
+        .ok()
+        .as_deref()
+        .and_then(Path::file_name)
+        .map_or_else(
+            || "bench".to_string(),
+            |name| name.to_string_lossy().into_owned(),
+        )
+}
+
+fn read_controller(section: &Section) -> Result<Controller, Error> {
+    section.allow_only(&["gains", "current_limit", "sample_time"])?;
+    Ok(Controller {
+        gains: section
+            .required_three_numbers("gains", "gains = [-24.27, -2.13, -0.0226]")?
+            .value,
+        current_limit_a: section
+            .required_positive_number("current_limit", "current_limit = 2.0 (A)")?,
+        sample_time_s: section
+            .required_positive_number("sample_time", "sample_time = 0.001 (s)")?,
+    })
+}
+
+/// What bench.toml says about one experiment.
+struct Plan {
+    name: Located<String>,
+    kind: Kind,
+    file_key: Located<String>,
+    file: PathBuf,
+    columns: Vec<(Channel, Located<String>)>,
+    scales: Vec<(Channel, Located<f64>)>,
+    signs: Vec<(Channel, Located<f64>)>,
+    offsets: Vec<(Channel, Located<f64>)>,
+    held_current: Option<Located<f64>>,
+    current_meaning: CurrentMeaning,
+    from_s: Option<f64>,
+    until_s: Option<f64>,
+}
+
+/// The channels that a kind can use. The others stay in the file: a column that is nobody's input
+/// cannot spoil the bench.
+fn useful(kind: Kind) -> &'static [Channel] {
+    match kind {
+        Kind::FreeSwing => &[Channel::Time, Channel::Angle, Channel::Rate],
+        Kind::SpinUp => &[Channel::Time, Channel::WheelSpeed, Channel::Current],
+        Kind::Balance | Kind::Driven => &Channel::ALL,
+    }
+}
+
+/// What a kind cannot do without, beside time and current: one of these channels.
+fn motion_needed(kind: Kind) -> (&'static [Channel], &'static str) {
+    match kind {
+        Kind::FreeSwing | Kind::Balance => (
+            &[Channel::Angle, Channel::Rate],
+            "the body's angle or its rate",
+        ),
+        Kind::SpinUp => (&[Channel::WheelSpeed], "the wheel's speed"),
+        Kind::Driven => (
+            &[Channel::Angle, Channel::WheelSpeed],
+            "the body's angle or the wheel's speed",
+        ),
+    }
+}
+
+impl Plan {
+    fn read(section: &Section, folder: &Path) -> Result<Plan, Error> {
+        section.allow_only(&[
+            "name",
+            "kind",
+            "file",
+            "columns",
+            "units",
+            "sign",
+            "offset",
+            "constants",
+            "current_meaning",
+            "from",
+            "until",
+        ])?;
+        let name = section.required_text("name", "name = \"free swing 20 deg\"")?;
+        let kind_name = section.required_text(
+            "kind",
+            "kind = \"free-swing\" (or spin-up, balance, driven)",
+        )?;
+        let kind = Kind::from_name(&kind_name.value).ok_or_else(|| {
+            section.error_at(
+                "kind",
+                Problem::UnknownName {
+                    what: "kind of experiment".to_string(),
+                    name: kind_name.value.clone(),
+                    names: Names::new(Kind::ALL.map(Kind::name)),
+                },
+            )
+        })?;
+        let file_key = section.required_text("file", "file = \"free-swing-20deg.csv\"")?;
+        let file = folder.join(&file_key.value);
+
+        let current_meaning = match section.text("current_meaning")? {
+            None => CurrentMeaning::Command,
+            Some(text) => match text.value.as_str() {
+                "command" => CurrentMeaning::Command,
+                "measured" => CurrentMeaning::Measured,
+                _ => {
+                    return Err(section.error_at(
+                        "current_meaning",
+                        Problem::UnknownName {
+                            what: "current_meaning".to_string(),
+                            name: text.value,
+                            names: Names::new(["command", "measured"]),
+                        },
+                    ));
+                }
+            },
+        };
+        let from_s = section.number("from")?;
+        let until_s = section.number("until")?;
+        if let (Some(from), Some(until)) = (&from_s, &until_s)
+            && from.value >= until.value
+        {
+            return Err(section.error_at(
+                "until",
+                Problem::WindowReversed {
+                    from_s: from.value,
+                    until_s: until.value,
+                },
+            ));
+        }
+        Ok(Plan {
+            columns: by_channel(section, "columns", |table, key| {
+                table.required_text(key, "the name of a column")
+            })?,
+            scales: by_channel(section, "units", unit_scale)?,
+            signs: by_channel(section, "sign", |table, key| {
+                let sign = require(table.number(key)?, table, key)?;
+                if sign.value == 0.0 {
+                    return Err(table.error_at(
+                        key,
+                        Problem::OutOfRange {
+                            key: key.to_string(),
+                            value: 0.0,
+                            must_be: "1 or -1".to_string(),
+                        },
+                    ));
+                }
+                Ok(sign)
+            })?,
+            offsets: by_channel(section, "offset", |table, key| {
+                require(table.number(key)?, table, key)
+            })?,
+            held_current: held_current(section, kind)?,
+            from_s: from_s.map(|from| from.value),
+            until_s: until_s.map(|until| until.value),
+            name,
+            kind,
+            file_key,
+            file,
+            current_meaning,
+        })
+    }
+
+    fn load(self, source: &TomlSource, section: &Section) -> Result<Experiment, Error> {
+        let log = log::open(&self.file).map_err(|error| match error.problem() {
+            // The place to mend is where the file is named.
+            Problem::NotFound | Problem::NotAFile { .. } => source.error(
+                self.file_key.span.clone(),
+                Problem::NoLog {
+                    path: self.file.display().to_string(),
+                    reason: error.problem().to_string(),
+                },
+            ),
+            _ => error,
+        })?;
+        let uses = self.column_uses(source, section, &log)?;
+        let (mut samples, mut report) = log.read(&uses, self.from_s, self.until_s)?;
+
+        for (channel, sign) in &self.signs {
+            if sign.value.abs() != 1.0 {
+                report.notes.push(Note::SignIsAFactor {
+                    channel: *channel,
+                    factor: sign.value,
+                });
+            }
+        }
+        if let Some(current) = &self.held_current
+            && useful(self.kind).contains(&Channel::Current)
+        {
+            samples.current_a = Some(vec![current.value; samples.len()]);
+        }
+        if self.kind == Kind::SpinUp && samples.current_a.is_none() {
+            report.notes.push(Note::CurrentNotRecorded);
+        }
+        self.check_upright(section, &mut samples, &mut report)?;
+        Ok(Experiment {
+            name: self.name.value,
+            kind: self.kind,
+            file: self.file,
+            log: samples,
+            current_meaning: self.current_meaning,
+            report,
+        })
+    }
+
+    /// Which column each channel comes from; everything that is wrong with that is said here.
+    fn column_uses(
+        &self,
+        source: &TomlSource,
+        section: &Section,
+        log: &OpenLog,
+    ) -> Result<Vec<ColumnUse>, Error> {
+        let present = log.columns();
+        for (channel, column) in &self.columns {
+            if !present.contains(&column.value) {
+                return Err(source.error(
+                    column.span.clone(),
+                    Problem::MappedColumnMissing {
+                        key: channel.key(),
+                        column: column.value.clone(),
+                        file: self.file_key.value.clone(),
+                        names: Names::new(present),
+                    },
+                ));
+            }
+        }
+        let column_of = |channel: Channel| -> Option<&str> {
+            match find(&self.columns, channel) {
+                Some(column) => Some(column.value.as_str()),
+                None => present
+                    .iter()
+                    .map(String::as_str)
+                    .find(|name| *name == channel.standard_name()),
+            }
+        };
+        if let (Some(held), Some(column)) = (&self.held_current, column_of(Channel::Current)) {
+            return Err(source.error(
+                held.span.clone(),
+                Problem::ConstantAndColumn {
+                    value: held.value,
+                    column: column.to_string(),
+                    file: self.file_key.value.clone(),
+                },
+            ));
+        }
+        for (key, list) in [
+            ("units", &self.scales),
+            ("sign", &self.signs),
+            ("offset", &self.offsets),
+        ] {
+            for (channel, located) in list {
+                if column_of(*channel).is_none() {
+                    let problem = Problem::NoColumnFor {
+                        key: channel.key().to_string(),
+                        present: present.to_vec(),
+                    };
+                    // The section is there: the entry came out of it.
+                    return Err(match section.section(key)? {
+                        Some(table) => table.error_at(channel.key(), problem),
+                        None => source.error(located.span.clone(), problem),
+                    });
+                }
+            }
+        }
+
+        let uses: Vec<ColumnUse> = useful(self.kind)
+            .iter()
+            .filter_map(|&channel| {
+                let name = column_of(channel)?.to_string();
+                let unit = find(&self.scales, channel).map_or(1.0, |scale| scale.value);
+                let sign = find(&self.signs, channel).map_or(1.0, |sign| sign.value);
+                Some(ColumnUse {
+                    channel,
+                    name,
+                    scale: unit * sign,
+                    offset: find(&self.offsets, channel).map_or(0.0, |offset| offset.value),
+                })
+            })
+            .collect();
+        let has = |channel: Channel| uses.iter().any(|column| column.channel == channel);
+        let missing = |channels: &[Channel], needs: &'static str, remark: &'static str| {
+            let used: Vec<&str> = uses.iter().map(|column| column.name.as_str()).collect();
+            let channel = channels[0];
+            log.header_error(
+                None,
+                Problem::MissingColumn {
+                    experiment: self.name.value.clone(),
+                    kind: self.kind.name(),
+                    needs,
+                    present: present.to_vec(),
+                    standard_names: channels.iter().map(|c| c.standard_name()).collect(),
+                    key: channel.key(),
+                    column: channel
+                        .likely_column(present, &used)
+                        .unwrap_or("its name there")
+                        .to_string(),
+                    remark,
+                },
+            )
+        };
+        if !has(Channel::Time) {
+            return Err(missing(&[Channel::Time], "the time", ""));
+        }
+        let (channels, needs) = motion_needed(self.kind);
+        if !channels.iter().any(|channel| has(*channel)) {
+            return Err(missing(channels, needs, ""));
+        }
+        let needs_current = matches!(self.kind, Kind::Balance | Kind::Driven);
+        if needs_current && !has(Channel::Current) && self.held_current.is_none() {
+            return Err(missing(
+                &[Channel::Current],
+                "the motor current",
+                "; a current that was held and not logged goes to constants = { current = 0.6 }",
+            ));
+        }
+        Ok(uses)
+    }
+
+    /// Balance logs stay about upright, free swings about hanging: an angle that is counted from
+    /// elsewhere would make nonsense of everything after it.
+    fn check_upright(
+        &self,
+        section: &Section,
+        log: &mut Log,
+        report: &mut LoadReport,
+    ) -> Result<(), Error> {
+        let expected = match self.kind {
+            Kind::Balance => PI,
+            Kind::FreeSwing => 0.0,
+            Kind::SpinUp | Kind::Driven => return Ok(()),
+        };
+        let Some(angle) = &mut log.angle_rad else {
+            return Ok(());
+        };
+        let (Some(median_rad), Some(low), Some(high)) = (
+            quantile(angle, 0.5),
+            quantile(angle, 0.01),
+            quantile(angle, 0.99),
+        ) else {
+            return Ok(());
+        };
+        let key = if find(&self.offsets, Channel::Angle).is_some() {
+            "offset"
+        } else {
+            "file"
+        };
+        // About its equilibrium the body does not turn over.
+        let farthest_rad = (low - expected).abs().max((high - expected).abs());
+        if farthest_rad > 2.0 * TAU {
+            return Err(section.error_at(
+                key,
+                Problem::AngleTooLarge {
+                    kind: self.kind.name(),
+                    farthest_rad,
+                },
+            ));
+        }
+        // A sensor within one turn may say −π for upright.
+        let turns = ((expected - median_rad) / TAU).round();
+        let added_rad = turns * TAU;
+        if (median_rad + added_rad - expected).abs() > FRAC_PI_2 {
+            let old = find(&self.offsets, Channel::Angle).map_or(0.0, |offset| offset.value);
+            return Err(section.error_at(
+                key,
+                Problem::WrongUpright {
+                    kind: self.kind.name(),
+                    median_rad,
+                    offset: old + ((expected - median_rad) / PI).round() * PI,
+                },
+            ));
+        }
+        if turns != 0.0 {
+            for value in angle.iter_mut() {
+                *value += added_rad;
+            }
+            report.notes.push(Note::AngleTurned { added_rad });
+        }
+        Ok(())
+    }
+}
+
+/// The value below which this share of the finite values lies.
+fn quantile(values: &[f64], share: f64) -> Option<f64> {
+    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    if finite.is_empty() {
+        return None;
+    }
+    let index = ((finite.len() - 1) as f64 * share).round() as usize;
+    Some(*finite.select_nth_unstable_by(index, f64::total_cmp).1)
+}
+
+fn find<T>(list: &[(Channel, T)], channel: Channel) -> Option<&T> {
+    list.iter()
+        .find(|(found, _)| *found == channel)
+        .map(|(_, value)| value)
+}
+
+/// Reads a table whose keys are channels.
+fn by_channel<T>(
+    section: &Section,
+    key: &str,
+    read: impl Fn(&Section, &'static str) -> Result<T, Error>,
+) -> Result<Vec<(Channel, T)>, Error> {
+    let Some(table) = section.section(key)? else {
+        return Ok(Vec::new());
+    };
+    table.allow_only(&Channel::ALL.map(Channel::key))?;
+    Channel::ALL
+        .into_iter()
+        .filter(|channel| table.has(channel.key()))
+        .map(|channel| Ok((channel, read(&table, channel.key())?)))
+        .collect()
+}
+
+/// Unwraps a value whose key is known to be there.
+fn require<T>(value: Option<T>, table: &Section, key: &str) -> Result<T, Error> {
+    value.ok_or_else(|| table.error(table.missing(key, "a number")))
+}
+
+fn unit_scale(table: &Section, key: &'static str) -> Result<Located<f64>, Error> {
+    let name = table.required_text(key, "a unit")?;
+    let units = Channel::from_key(key).map_or(&[][..], Channel::units);
+    match units.iter().find(|(unit, _)| *unit == name.value) {
+        Some((_, scale)) => Ok(Located {
+            value: *scale,
+            span: name.span,
+        }),
+        None => Err(table.error_at(
+            key,
+            Problem::UnknownName {
+                what: format!("unit of {key}"),
+                name: name.value,
+                names: Names::new(units.iter().map(|(unit, _)| unit)),
+            },
+        )),
+    }
+}
+
+/// The held current of `constants`, A.
+fn held_current(section: &Section, kind: Kind) -> Result<Option<Located<f64>>, Error> {
+    let Some(table) = section.section("constants")? else {
+        return Ok(None);
+    };
+    for key in table.keys() {
+        if Channel::from_key(&key.value).is_some_and(|channel| channel != Channel::Current) {
+            return Err(table.error_at(
+                &key.value,
+                Problem::NotAnInput {
+                    key: key.value.clone(),
+                },
+            ));
+        }
+    }
+    table.allow_only(&[Channel::Current.key()])?;
+    let held = table.number(Channel::Current.key())?;
+    if let Some(current) = &held
+        && kind == Kind::FreeSwing
+        && current.value != 0.0
+    {
+        return Err(table.error_at(
+            Channel::Current.key(),
+            Problem::ConstantWithoutInput { kind: kind.name() },
+        ));
+    }
+    Ok(held)
+}

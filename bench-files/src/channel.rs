@@ -1,0 +1,117 @@
+//! The columns that a log can have: their names and their units.
+
+use std::f64::consts::{PI, TAU};
+
+/// A column of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    /// Time of the sample, s.
+    Time,
+    /// Body angle, rad.
+    Angle,
+    /// Body rate, rad/s.
+    Rate,
+    /// Wheel speed relative to the body, rad/s.
+    WheelSpeed,
+    /// Motor current, A.
+    Current,
+}
+
+/// A unit's name and the factor that takes a number in it to SI.
+type Unit = (&'static str, f64);
+
+const SPEED_UNITS: &[Unit] = &[
+    ("rad/s", 1.0),
+    ("mrad/s", 1e-3),
+    ("deg/s", PI / 180.0),
+    ("rev/s", TAU),
+    ("rpm", TAU / 60.0),
+];
+
+impl Channel {
+    /// All channels, time first.
+    pub const ALL: [Channel; 5] = [
+        Channel::Time,
+        Channel::Angle,
+        Channel::Rate,
+        Channel::WheelSpeed,
+        Channel::Current,
+    ];
+
+    /// The key in `columns`, `units`, `sign`, `offset` and `constants`; also the channel's part of
+    /// "experiment/channel" in reports.
+    pub fn key(self) -> &'static str {
+        match self {
+            Channel::Time => "time",
+            Channel::Angle => "angle",
+            Channel::Rate => "rate",
+            Channel::WheelSpeed => "wheel_speed",
+            Channel::Current => "current",
+        }
+    }
+
+    /// The channel with this key.
+    pub fn from_key(key: &str) -> Option<Channel> {
+        Channel::ALL
+            .into_iter()
+            .find(|channel| channel.key() == key)
+    }
+
+    /// The column name that needs no mapping.
+    pub fn standard_name(self) -> &'static str {
+        match self {
+            Channel::Time => "time_s",
+            Channel::Angle => "angle_rad",
+            Channel::Rate => "rate_rad_s",
+            Channel::WheelSpeed => "wheel_speed_rad_s",
+            Channel::Current => "current_A",
+        }
+    }
+
+    /// The units that `units` accepts for this channel, SI first.
+    pub(crate) fn units(self) -> &'static [Unit] {
+        match self {
+            Channel::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
+            Channel::Angle => &[
+                ("rad", 1.0),
+                ("mrad", 1e-3),
+                ("deg", PI / 180.0),
+                ("rev", TAU),
+            ],
+            Channel::Rate | Channel::WheelSpeed => SPEED_UNITS,
+            Channel::Current => &[("A", 1.0), ("mA", 1e-3)],
+        }
+    }
+
+    /// Parts of column names under which this channel is often found, best first. Only used to
+    /// propose a mapping in an error message, never to take a column.
+    fn usual_names(self) -> &'static [&'static str] {
+        match self {
+            Channel::Time => &["time", "t_", "millis", "stamp", "t"],
+            Channel::Angle => &[
+                "angle", "pend", "theta", "alpha", "pitch", "deg", "pos", "rad",
+            ],
+            Channel::Rate => &["rate", "gyro", "dtheta", "dalpha", "vel", "deg_s", "rad_s"],
+            Channel::WheelSpeed => &["wheel", "rpm", "motor", "omega", "phi", "speed"],
+            Channel::Current => &["current", "amp", "curr", "i_", "u", "i"],
+        }
+    }
+
+    /// The column that a person would probably map to this channel, leaving out those that already
+    /// have a use.
+    pub(crate) fn likely_column<'a>(self, columns: &'a [String], used: &[&str]) -> Option<&'a str> {
+        let free = || columns.iter().filter(|name| !used.contains(&name.as_str()));
+        self.usual_names().iter().find_map(|part| {
+            free()
+                .find(|name| {
+                    let name = name.to_lowercase();
+                    if part.len() <= 2 {
+                        name == *part || (part.ends_with('_') && name.starts_with(part))
+                    } else {
+                        name.contains(part)
+                    }
+                })
+                .map(String::as_str)
+        })
+    }
+}

@@ -1,0 +1,576 @@
+//! What can be wrong with a file, where, and what would be right.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+/// Where in the files an [`Error`] is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file, as it was named or found.
+    pub file: PathBuf,
+    /// Line, counted from 1.
+    pub line: Option<usize>,
+    /// Position in the line in characters, counted from 1 (TOML files).
+    pub position: Option<usize>,
+    /// Name of the column (logs).
+    pub column: Option<String>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if let Some(position) = self.position {
+            write!(f, ":{position}")?;
+        }
+        if let Some(column) = &self.column {
+            write!(f, ": column \"{column}\"")?;
+        }
+        Ok(())
+    }
+}
+
+/// What is wrong. Its text says what was found and what would be right.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    // --- any file ---------------------------------------------------------------------------
+    /// There is no such file.
+    #[error("there is no such file")]
+    NotFound,
+    /// The path names a folder, a device or a pipe.
+    #[error("this is {found}, not a file")]
+    NotAFile {
+        /// What it is.
+        found: &'static str,
+    },
+    /// The path names neither a folder nor a bench.toml.
+    #[error("there is no such bench; a bench is a folder that holds a bench.toml, or that file")]
+    NoBench,
+    /// The system cannot read the file.
+    #[error("cannot be read: {0}")]
+    Unreadable(String),
+    /// The system cannot write the file.
+    #[error("cannot be written: {0}")]
+    Unwritable(String),
+    /// The file is larger than this program reads.
+    #[error("the file has {bytes} bytes, the limit is {limit}; {advice}")]
+    TooLarge {
+        /// Size of the file.
+        bytes: u64,
+        /// Largest size that is read.
+        limit: u64,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// The bytes are not UTF-8.
+    #[error("the text is not UTF-8 (from byte {byte} of the file on); save it with that encoding")]
+    NotUtf8 {
+        /// Offset of the first byte that is wrong, counted from 0.
+        byte: u64,
+    },
+
+    // --- TOML -------------------------------------------------------------------------------
+    /// The text is not TOML.
+    #[error("this is not TOML: {0}")]
+    TomlSyntax(String),
+    /// A key that this program does not know.
+    #[error("unknown key \"{key}\" in {section}; {}", .names.advice(.key))]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// The section it stands in.
+        section: String,
+        /// The keys that are known there.
+        names: Names,
+    },
+    /// A key that must be there.
+    #[error("{section} lacks \"{key}\"; it needs for example {example}")]
+    MissingKey {
+        /// The section.
+        section: String,
+        /// The key.
+        key: String,
+        /// A line that would be right.
+        example: &'static str,
+    },
+    /// A value of the wrong type.
+    #[error("\"{key}\" must be {expected}, this is {found}")]
+    WrongType {
+        /// The key.
+        key: String,
+        /// What would be right.
+        expected: String,
+        /// What stands there.
+        found: String,
+    },
+    /// A number outside its range.
+    #[error("\"{key}\" is {value}; it must be {must_be}")]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// The number.
+        value: f64,
+        /// The range in words.
+        must_be: String,
+    },
+    /// A name that is none of a fixed list.
+    #[error("unknown {what} \"{name}\"; {}", .names.advice(.name))]
+    UnknownName {
+        /// What is named: kind, unit of angle, effect, …
+        what: String,
+        /// The name.
+        name: String,
+        /// The names that are known.
+        names: Names,
+    },
+    /// A bench without experiments.
+    #[error(
+        "the bench has no experiment; add [[experiment]] with name, kind (free-swing, spin-up, balance or driven) and file"
+    )]
+    NoExperiment,
+    /// The file of an experiment is not there.
+    #[error("cannot read the log {path}: {reason}; file is named relative to the bench's folder")]
+    NoLog {
+        /// Where it was looked for.
+        path: String,
+        /// Why it cannot be read.
+        reason: String,
+    },
+    /// Two experiments with one name.
+    #[error(
+        "the name \"{name}\" stands at another experiment already (line {first_line}); reports tell experiments apart by name, choose another"
+    )]
+    DuplicateExperiment {
+        /// The name.
+        name: String,
+        /// Line of the first use.
+        first_line: usize,
+    },
+    /// Stated gravity torque against masses and lengths.
+    #[error(
+        "gravity_torque = {stated_n_m} N m contradicts the masses and lengths, which give {computed_n_m:.6} N m; correct one or take one out"
+    )]
+    GravityTorqueContradiction {
+        /// As stated, N m.
+        stated_n_m: f64,
+        /// g (k m_w + l m_b), N m.
+        computed_n_m: f64,
+    },
+    /// Masses and lengths for which hanging down is not an equilibrium.
+    #[error(
+        "with these masses and lengths the gravity torque is {torque_n_m:.6} N m: the bench would not hang; pivot_to_com is positive towards the wheel"
+    )]
+    HangsUpsideDown {
+        /// g (k m_w + l m_b), N m.
+        torque_n_m: f64,
+    },
+    /// The window of an experiment is empty.
+    #[error("until = {until_s} must lie after from = {from_s} (seconds of the log)")]
+    WindowReversed {
+        /// Start of the window, s.
+        from_s: f64,
+        /// End of the window, s.
+        until_s: f64,
+    },
+    /// A held value for a channel that is no input.
+    #[error(
+        "\"{key}\" cannot be held constant; only the input can: constants = {{ current = 0.6 }}"
+    )]
+    NotAnInput {
+        /// The channel's key.
+        key: String,
+    },
+    /// A held value for a channel that the file has.
+    #[error(
+        "the current is held at {value} A here, but {file} has a column \"{column}\" for it; keep one of the two"
+    )]
+    ConstantAndColumn {
+        /// The held value, A.
+        value: f64,
+        /// The column.
+        column: String,
+        /// The log.
+        file: String,
+    },
+    /// A held current in an experiment that has none.
+    #[error("a {kind} experiment has no current (the wheel is locked to the body); take it out")]
+    ConstantWithoutInput {
+        /// The kind.
+        kind: &'static str,
+    },
+    /// A unit, sign or offset for a channel that has no column.
+    #[error(
+        "\"{key}\" is given here, but the log has no column for it; map one with columns = {{ {key} = \"…\" }}, the file has {}",
+        list(.present)
+    )]
+    NoColumnFor {
+        /// The channel's key.
+        key: String,
+        /// The columns of the file.
+        present: Vec<String>,
+    },
+
+    // --- model.toml ---------------------------------------------------------------------------
+    /// A parameter that the model needs.
+    #[error(
+        "lacks [parameters.{name}], which {needed_by} needs: {meaning}; give it a value in {unit}"
+    )]
+    MissingParameter {
+        /// Its name.
+        name: &'static str,
+        /// Its unit.
+        unit: &'static str,
+        /// What it is.
+        meaning: &'static str,
+        /// Who needs it.
+        needed_by: String,
+    },
+    /// A unit that is not the SI unit of the parameter.
+    #[error(
+        "{name} has the unit \"{si}\", this is \"{unit}\"; convert the value, or leave the unit out"
+    )]
+    UnitNotSi {
+        /// The parameter.
+        name: String,
+        /// The unit given.
+        unit: String,
+        /// The SI unit.
+        si: &'static str,
+    },
+    /// One effect twice, or two of which one contains the other.
+    #[error("\"{effect}\" cannot stand beside \"{other}\": {}; take one out", if .effect == .other { "it is there already" } else { "one contains the other" })]
+    EffectTwice {
+        /// The second.
+        effect: &'static str,
+        /// The first.
+        other: &'static str,
+    },
+
+    // --- logs -------------------------------------------------------------------------------
+    /// Not a byte, or only blank lines and comments.
+    #[error("the file is empty; a log is a CSV with a header line and one sample a line")]
+    EmptyLog,
+    /// The first line is already a sample.
+    #[error(
+        "the first line is \"{first}\": there is no header line; put the column names there, for example {example}"
+    )]
+    NoHeader {
+        /// The first line, shortened.
+        first: String,
+        /// A header that would be right.
+        example: String,
+    },
+    /// A mapped column is not in the file.
+    #[error(
+        "columns maps {key} to \"{column}\", which {file} does not have; {}",
+        .names.advice(.column)
+    )]
+    MappedColumnMissing {
+        /// The channel's key.
+        key: &'static str,
+        /// The column.
+        column: String,
+        /// The log.
+        file: String,
+        /// The columns of the file.
+        names: Names,
+    },
+    /// The kind needs a channel that the file does not have.
+    #[error(
+        "experiment \"{experiment}\" ({kind}) needs {needs}, but the file has the columns {}; name the column {} or map it in bench.toml: columns = {{ {key} = \"{column}\" }}{remark}",
+        list(.present), .standard_names.join(" or ")
+    )]
+    MissingColumn {
+        /// Name of the experiment.
+        experiment: String,
+        /// Its kind.
+        kind: &'static str,
+        /// The need in words.
+        needs: &'static str,
+        /// The columns of the file.
+        present: Vec<String>,
+        /// The standard names that would be found.
+        standard_names: Vec<&'static str>,
+        /// The key of the example.
+        key: &'static str,
+        /// The column of the example.
+        column: String,
+        /// What else would do.
+        remark: &'static str,
+    },
+    /// Two columns have the name that is looked for.
+    #[error("the header has this name {times} times; give every column a name of its own")]
+    DuplicateColumn {
+        /// How often.
+        times: usize,
+    },
+    /// A line has more or fewer cells than the header.
+    #[error("this line has {found} cells, the header has {expected}; every line needs as many")]
+    RaggedRow {
+        /// Cells of the header.
+        expected: u64,
+        /// Cells of the line.
+        found: u64,
+    },
+    /// An empty cell in a column that is used.
+    #[error("the cell is empty; every sample needs a number here, or leave the line out")]
+    EmptyCell,
+    /// A cell is not a number.
+    #[error("\"{cell}\" is not a number; write it like -0.0125 or 1.25e-2{hint}")]
+    NotANumber {
+        /// The cell, shortened.
+        cell: String,
+        /// A further hint.
+        hint: &'static str,
+    },
+    /// NaN or infinity.
+    #[error(
+        "\"{cell}\" is not a finite number; leave the line out, or choose from and until so that it is not used"
+    )]
+    NotFinite {
+        /// The cell.
+        cell: String,
+    },
+    /// Time goes backwards.
+    #[error(
+        "time goes backwards, from {before_s} s to {after_s} s; lines must be in order of time, and a log that was started again must be cut into two files"
+    )]
+    TimeBackwards {
+        /// Time of the line before, s.
+        before_s: f64,
+        /// Time of this line, s.
+        after_s: f64,
+    },
+    /// Most lines repeat the time of the line before.
+    #[error(
+        "{merged} of {rows} lines repeat the time of the line before: the time column is too coarse or not the time; log it with more digits"
+    )]
+    TimeTooCoarse {
+        /// Lines that repeat.
+        merged: usize,
+        /// Lines in the window.
+        rows: usize,
+    },
+    /// More lines than this program keeps in memory.
+    #[error(
+        "the log has more than {limit} samples; log at a lower rate or cut it into several files"
+    )]
+    TooManySamples {
+        /// The limit.
+        limit: usize,
+    },
+    /// A line without an end.
+    #[error(
+        "the line is longer than {limit} bytes; this is not a CSV log, or a quotation mark is not closed"
+    )]
+    LineTooLong {
+        /// The limit.
+        limit: usize,
+    },
+    /// Too few samples in the window.
+    #[error("only {found} samples lie in the window; at least {needed} are needed{remark}")]
+    TooFewSamples {
+        /// Samples in the window.
+        found: usize,
+        /// Samples that are needed.
+        needed: usize,
+        /// The times that the file covers.
+        remark: String,
+    },
+    /// The angle is not counted from hanging.
+    #[error(
+        "in this {kind} log the angle stays about {median_rad:.2} rad; it must be counted so that hanging is 0 and upright is pi: set offset = {{ angle = {offset:.8} }} at the experiment"
+    )]
+    WrongUpright {
+        /// Name of the kind.
+        kind: &'static str,
+        /// Median of the angle, rad.
+        median_rad: f64,
+        /// The offset that would probably be right, rad.
+        offset: f64,
+    },
+    /// The angle turns over and over.
+    #[error(
+        "in this {kind} log the angle goes {farthest_rad:.1} rad away from its equilibrium, more than two turns; if the column is in degrees, set units = {{ angle = \"deg\" }} at the experiment"
+    )]
+    AngleTooLarge {
+        /// Name of the kind.
+        kind: &'static str,
+        /// How far, rad.
+        farthest_rad: f64,
+    },
+}
+
+/// A fixed list of names, for messages that propose the nearest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names(pub Vec<String>);
+
+impl Names {
+    pub(crate) fn new<T: AsRef<str>>(names: impl IntoIterator<Item = T>) -> Names {
+        Names(
+            names
+                .into_iter()
+                .map(|name| name.as_ref().to_string())
+                .collect(),
+        )
+    }
+
+    /// "did you mean X? Known are …"
+    fn advice(&self, wrong: &str) -> String {
+        let known = format!("known are {}", list(&self.0));
+        match nearest(wrong, &self.0) {
+            Some(name) => format!("did you mean \"{}\"? ({known})", shortened(name)),
+            None => known,
+        }
+    }
+}
+
+/// The name that is nearest to `wrong`, if one is near enough to be a slip of the pen: at most a
+/// third of its letters differ (edit distance with transpositions), or one contains the other.
+pub(crate) fn nearest<'a>(wrong: &str, names: &'a [String]) -> Option<&'a str> {
+    let wrong = wrong.to_lowercase();
+    let plain = |name: &str| name.to_lowercase().replace(['-', ' '], "_");
+    names
+        .iter()
+        .map(|name| {
+            let distance = strsim::damerau_levenshtein(&plain(&wrong), &plain(name));
+            (distance, name)
+        })
+        .filter(|(distance, name)| {
+            3 * distance <= name.chars().count().max(3)
+                || (wrong.len() >= 3 && plain(name).contains(&plain(&wrong)))
+        })
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, name)| name.as_str())
+}
+
+/// Names in quotation marks, the first forty of them.
+fn list(names: &[String]) -> String {
+    if names.is_empty() {
+        return "none".to_string();
+    }
+    let mut text = names
+        .iter()
+        .take(40)
+        .map(|name| format!("\"{}\"", shortened(name)))
+        .collect::<Vec<_>>()
+        .join(", ");
+    if names.len() > 40 {
+        text.push_str(&format!(" and {} more", names.len() - 40));
+    }
+    text
+}
+
+/// Whether `wrong` is a slip of the pen for one of the names: at most two letters differ.
+pub(crate) fn is_slip(wrong: &str, names: &[&str]) -> bool {
+    names
+        .iter()
+        .any(|name| strsim::damerau_levenshtein(&wrong.to_lowercase(), name) <= 2)
+}
+
+fn without_control_characters(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
+        .collect()
+}
+
+/// A text from a file, cut so that it fits a message.
+pub(crate) fn shortened(text: &str) -> String {
+    let mut short: String = text.chars().take(60).collect();
+    if text.chars().count() > 60 {
+        short.push('…');
+    }
+    short
+}
+
+/// One thing that is wrong with one file. Its text is "place: problem"; as a [`Diagnostic`] it also
+/// shows the lines of a TOML file.
+#[derive(Clone, Debug)]
+pub struct Error(Box<Inner>);
+
+impl std::error::Error for Error {}
+
+impl fmt::Display for Error {
+    /// One line: names from a file may hold line breaks and terminal codes, a message must not.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = format!("{}: {}", self.0.place, self.0.problem);
+        f.write_str(&without_control_characters(&text))
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Inner {
+    place: Place,
+    problem: Problem,
+    snippet: Option<(Arc<NamedSource<String>>, Range<usize>)>,
+}
+
+impl Error {
+    /// Where it is.
+    pub fn place(&self) -> &Place {
+        &self.0.place
+    }
+
+    /// What it is.
+    pub fn problem(&self) -> &Problem {
+        &self.0.problem
+    }
+
+    /// A problem of a file as a whole.
+    pub(crate) fn in_file(file: &Path, problem: Problem) -> Error {
+        Error::at(
+            Place {
+                file: file.to_path_buf(),
+                line: None,
+                position: None,
+                column: None,
+            },
+            problem,
+        )
+    }
+
+    /// A problem at a place.
+    pub(crate) fn at(place: Place, problem: Problem) -> Error {
+        Error(Box::new(Inner {
+            place,
+            problem,
+            snippet: None,
+        }))
+    }
+
+    /// A problem at a place of a TOML file whose text can be shown.
+    pub(crate) fn in_text(
+        place: Place,
+        problem: Problem,
+        text: Arc<NamedSource<String>>,
+        span: Range<usize>,
+    ) -> Error {
+        Error(Box::new(Inner {
+            place,
+            problem,
+            snippet: Some((text, span)),
+        }))
+    }
+}
+
+impl Diagnostic for Error {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.0
+            .snippet
+            .as_ref()
+            .map(|(text, _)| text.as_ref() as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let (_, span) = self.0.snippet.as_ref()?;
+        let label = LabeledSpan::new_with_span(Some("here".to_string()), span.clone());
+        Some(Box::new(std::iter::once(label)))
+    }
+}

@@ -1,0 +1,526 @@
+//! `model.toml`: the parameters of a bench, the effects that its model has, and the design's wishes.
+//!
+//! A file that is read, changed and written keeps its comments, its order and the sections of other
+//! tools. Numbers are written with as many digits as it takes to read the same number back.
+
+use std::path::{Path, PathBuf};
+
+use plant::{BASE_PARAMETERS, EffectId, Model, ParameterInfo};
+use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
+
+use crate::error::{Error, Names, Problem};
+use crate::toml_source::{Section, TomlSource};
+use crate::write::write_atomically;
+
+/// What a parameter's unit ends in where torques are known only per unit of inertia.
+const PER_INERTIA: &str = " per kg m2";
+/// j_b follows from Θ (thesis, after 1.29) and is no parameter of the motion, but may stand here.
+const BODY_INERTIA: &str = "body_inertia";
+
+/// One parameter of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name in the contract.
+    pub name: String,
+    /// Its value in `unit`.
+    pub value: f64,
+    /// Its standard error in `unit`; `None` for a value that was written by hand or measured
+    /// directly.
+    pub std: Option<f64>,
+    /// SI unit, for torques without a known scale "… per kg m2"; empty: the SI unit of the name.
+    pub unit: String,
+    /// Where the value comes from: experiments, `[known]`, a publication. May be empty.
+    pub source: String,
+}
+
+impl Parameter {
+    /// Whether the value is known only per unit of inertia.
+    pub fn is_per_inertia(&self) -> bool {
+        self.unit.ends_with(PER_INERTIA)
+    }
+}
+
+/// What the controller is to be designed for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DesignSection {
+    /// Time between two commands, s.
+    pub sample_time_s: f64,
+    /// Diagonal of Q: weights of angle (1/rad²), rate (s²/rad²) and wheel speed (s²/rad²).
+    pub state_weights: [f64; 3],
+    /// R: weight of the current, 1/A².
+    pub current_weight: f64,
+    /// Largest current either way, A.
+    pub current_limit_a: f64,
+    /// ι in rad/s: Coulomb friction of the body enters the linear model as μ/ι. `None`: not at all.
+    pub friction_linearisation_speed_rad_s: Option<f64>,
+}
+
+/// A model.toml.
+#[derive(Clone, Debug)]
+pub struct ModelFile {
+    /// The parameters, in the order of the file. Names are unique and known to the library.
+    pub parameters: Vec<Parameter>,
+    /// The effects of the model, in the order of the file.
+    pub effects: Vec<EffectId>,
+    /// The design's wishes, if the file has any.
+    pub design: Option<DesignSection>,
+    /// Where the file was read from.
+    path: Option<PathBuf>,
+    /// The text as it was read, for everything that the fields above do not hold.
+    document: DocumentMut,
+}
+
+impl Default for ModelFile {
+    fn default() -> Self {
+        ModelFile::new()
+    }
+}
+
+/// Two files are equal if they say the same; comments and other tools' sections do not count.
+impl PartialEq for ModelFile {
+    fn eq(&self, other: &Self) -> bool {
+        self.parameters == other.parameters
+            && self.effects == other.effects
+            && self.design == other.design
+    }
+}
+
+impl ModelFile {
+    /// A file without parameters, with the effects of the base model and without design.
+    pub fn new() -> ModelFile {
+        ModelFile {
+            parameters: Vec::new(),
+            effects: Model::base().effects().to_vec(),
+            design: None,
+            path: None,
+            document: DocumentMut::new(),
+        }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, see [`Problem`].
+    pub fn read(path: &Path) -> Result<ModelFile, Error> {
+        ModelFile::from_source(&TomlSource::read(path)?)
+    }
+
+    /// Reads a text; errors name it `path`.
+    ///
+    /// # Errors
+    /// As for [`ModelFile::read`].
+    pub fn parse(text: &str, path: &Path) -> Result<ModelFile, Error> {
+        ModelFile::from_source(&TomlSource::new(path, text.to_string()))
+    }
+
+    fn from_source(source: &TomlSource) -> Result<ModelFile, Error> {
+        let document = source.parse()?;
+        let root = source.root(&document);
+        root.refuse_slips(&["parameters", "effects", "design"])?;
+
+        let section = root.section("parameters")?.ok_or_else(|| {
+            root.error(root.missing(
+                "parameters",
+                "[parameters.total_inertia] with value = 2.3e-3",
+            ))
+        })?;
+        let mut parameters = Vec::new();
+        for key in section.keys() {
+            let info = parameter_info(&key.value).ok_or_else(|| {
+                source.error(
+                    key.span.clone(),
+                    Problem::UnknownName {
+                        what: "parameter".to_string(),
+                        name: key.value.clone(),
+                        names: Names::new(parameter_names()),
+                    },
+                )
+            })?;
+            if let Some(entry) = section.section(&key.value)? {
+                parameters.push(read_parameter(key.value, info, &entry)?);
+            }
+        }
+
+        let missing_effects =
+            "[effects] with present = [\"body-viscous-friction\", \"wheel-viscous-friction\"]";
+        let section = root
+            .section("effects")?
+            .ok_or_else(|| root.error(root.missing("effects", missing_effects)))?;
+        section.allow_only(&["present"])?;
+        let names = section.texts("present")?.ok_or_else(|| {
+            section.error(section.missing("present", "present = [\"body-viscous-friction\"]"))
+        })?;
+        let mut effects = Vec::new();
+        for name in names {
+            let effect = EffectId::from_name(&name.value).ok_or_else(|| {
+                source.error(
+                    name.span.clone(),
+                    Problem::UnknownName {
+                        what: "effect".to_string(),
+                        name: name.value.clone(),
+                        names: Names::new(EffectId::ALL.iter().map(|effect| effect.name())),
+                    },
+                )
+            })?;
+            if let Some(other) = effects.iter().find(|other| excludes(**other, effect)) {
+                return Err(source.error(
+                    name.span,
+                    Problem::EffectTwice {
+                        effect: effect.name(),
+                        other: other.name(),
+                    },
+                ));
+            }
+            effects.push(effect);
+        }
+
+        let design = root
+            .section("design")?
+            .map(|section| read_design(&section))
+            .transpose()?;
+        Ok(ModelFile {
+            parameters,
+            effects,
+            design,
+            path: Some(source.path().to_path_buf()),
+            document: source.parse()?.into_mut(),
+        })
+    }
+
+    /// The parameter with this name.
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters
+            .iter()
+            .find(|parameter| parameter.name == name)
+    }
+
+    /// Puts a parameter in, in the place of one with the same name.
+    pub fn set_parameter(&mut self, parameter: Parameter) {
+        match self
+            .parameters
+            .iter_mut()
+            .find(|old| old.name == parameter.name)
+        {
+            Some(old) => *old = parameter,
+            None => self.parameters.push(parameter),
+        }
+    }
+
+    /// The structure of the model: its effects in the order of the library.
+    pub fn model(&self) -> Model {
+        Model::with_effects(&self.effects)
+    }
+
+    /// The parameter vector that goes with [`ModelFile::model`], in SI units (or per unit of
+    /// inertia, see [`Parameter::is_per_inertia`]).
+    ///
+    /// # Errors
+    /// [`Problem::MissingParameter`] for the first parameter that the file does not give.
+    pub fn parameter_vector(&self) -> Result<Vec<f64>, Error> {
+        self.model()
+            .parameters()
+            .iter()
+            .map(|info| match self.parameter(info.name) {
+                Some(parameter) => Ok(parameter.value),
+                None => Err(self.missing_parameter(info)),
+            })
+            .collect()
+    }
+
+    fn missing_parameter(&self, info: &ParameterInfo) -> Error {
+        let effect = self
+            .effects
+            .iter()
+            .find(|effect| effect.info().parameters.iter().any(|p| p.name == info.name));
+        Error::in_file(
+            self.path(),
+            Problem::MissingParameter {
+                name: info.name,
+                unit: info.unit,
+                meaning: info.meaning,
+                needed_by: match effect {
+                    Some(effect) => format!("the effect \"{}\"", effect.name()),
+                    None => "every model".to_string(),
+                },
+            },
+        )
+    }
+
+    /// The design's wishes.
+    ///
+    /// # Errors
+    /// [`Problem::MissingKey`] where the file has none.
+    pub fn require_design(&self) -> Result<DesignSection, Error> {
+        self.design.ok_or_else(|| {
+            Error::in_file(
+                self.path(),
+                Problem::MissingKey {
+                    section: "the file".to_string(),
+                    key: "design".to_string(),
+                    example: "[design] with sample_time = 0.001, state_weights = [25.0, 0.5, 5e-4], current_weight = 1.0, current_limit = 2.0",
+                },
+            )
+        })
+    }
+
+    /// Where the file was read from; `model.toml` for one that was not.
+    pub fn path(&self) -> &Path {
+        self.path.as_deref().unwrap_or(Path::new("model.toml"))
+    }
+
+    /// The file's text.
+    pub fn to_toml(&self) -> String {
+        let mut document = self.document.clone();
+        let root = document.as_table_mut();
+
+        let parameters = table_in(root, "parameters", true);
+        let gone: Vec<String> = parameters
+            .iter()
+            .map(|(name, _)| name.to_string())
+            .filter(|name| self.parameter(name).is_none())
+            .collect();
+        for name in gone {
+            parameters.remove(&name);
+        }
+        for parameter in &self.parameters {
+            let entry = table_in(parameters, &parameter.name, false);
+            set(entry, "value", number(parameter.value));
+            match parameter.std {
+                Some(std) => set(entry, "std", number(std)),
+                None => {
+                    entry.remove("std");
+                }
+            }
+            for (key, text) in [("unit", &parameter.unit), ("source", &parameter.source)] {
+                if text.is_empty() {
+                    entry.remove(key);
+                } else {
+                    set(entry, key, Value::from(text.as_str()));
+                }
+            }
+        }
+
+        let effects = table_in(root, "effects", false);
+        let names: Array = self.effects.iter().map(|effect| effect.name()).collect();
+        set(effects, "present", Value::Array(names));
+
+        match &self.design {
+            None => {
+                root.remove("design");
+            }
+            Some(design) => {
+                let section = table_in(root, "design", false);
+                set(section, "sample_time", number(design.sample_time_s));
+                let weights: Array = design.state_weights.iter().map(|w| number(*w)).collect();
+                set(section, "state_weights", Value::Array(weights));
+                set(section, "current_weight", number(design.current_weight));
+                set(section, "current_limit", number(design.current_limit_a));
+                let key = "friction_linearisation_speed";
+                match design.friction_linearisation_speed_rad_s {
+                    Some(speed) => set(section, key, number(speed)),
+                    None => {
+                        section.remove(key);
+                    }
+                }
+            }
+        }
+        document.to_string()
+    }
+
+    /// Writes the file in one step; an interrupted write leaves the old file.
+    ///
+    /// # Errors
+    /// [`Problem::Unwritable`].
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        write_atomically(path, self.to_toml().as_bytes())
+    }
+}
+
+/// Whether a model cannot have both: they are the same, or one contains the other.
+fn excludes(a: EffectId, b: EffectId) -> bool {
+    a == b || a.info().replaces.contains(&b.name()) || b.info().replaces.contains(&a.name())
+}
+
+/// What the library knows of a parameter: `Some(None)` for the body's inertia, which is derived.
+fn parameter_info(name: &str) -> Option<Option<&'static ParameterInfo>> {
+    if name == BODY_INERTIA {
+        return Some(None);
+    }
+    BASE_PARAMETERS
+        .iter()
+        .chain(
+            EffectId::ALL
+                .iter()
+                .flat_map(|effect| effect.info().parameters),
+        )
+        .find(|info| info.name == name)
+        .map(Some)
+}
+
+fn parameter_names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = BASE_PARAMETERS.iter().map(|info| info.name).collect();
+    names.push(BODY_INERTIA);
+    for effect in EffectId::ALL {
+        for info in effect.info().parameters {
+            if !names.contains(&info.name) {
+                names.push(info.name);
+            }
+        }
+    }
+    names
+}
+
+fn read_parameter(
+    name: String,
+    info: Option<&'static ParameterInfo>,
+    entry: &Section,
+) -> Result<Parameter, Error> {
+    entry.allow_only(&["value", "std", "unit", "source"])?;
+    let value = entry
+        .number("value")?
+        .ok_or_else(|| entry.error(entry.missing("value", "value = 2.3e-3")))?
+        .value;
+    let std = entry.number("std")?.map(|std| std.value);
+    if let Some(std) = std
+        && std < 0.0
+    {
+        return Err(entry.error_at(
+            "std",
+            Problem::OutOfRange {
+                key: "std".to_string(),
+                value: std,
+                must_be: "zero or positive".to_string(),
+            },
+        ));
+    }
+    let unit = entry.text("unit")?.map_or(String::new(), |unit| unit.value);
+    let (si, (low, high)) = info.map_or(("kg m2", (0.0, 1e3)), |info| (info.unit, info.bounds));
+    let per_inertia = unit.ends_with(PER_INERTIA);
+    let bare = unit.strip_suffix(PER_INERTIA).unwrap_or(&unit);
+    if !unit.is_empty() && plain_unit(bare) != plain_unit(si) {
+        return Err(entry.error_at("unit", Problem::UnitNotSi { name, unit, si }));
+    }
+    if !per_inertia && !(low..=high).contains(&value) {
+        return Err(entry.error_at(
+            "value",
+            Problem::OutOfRange {
+                key: name,
+                value,
+                must_be: format!("between {low} and {high} {si}"),
+            },
+        ));
+    }
+    Ok(Parameter {
+        name,
+        value,
+        std,
+        unit,
+        source: entry
+            .text("source")?
+            .map_or(String::new(), |source| source.value),
+    })
+}
+
+/// A unit without the freedom of its spelling: `kg m2`, `kg·m²`, `kg*m^2` are one.
+fn plain_unit(unit: &str) -> String {
+    unit.replace('²', "2")
+        .replace('³', "3")
+        .replace(['·', '*', ' ', '^'], "")
+}
+
+fn read_design(section: &Section) -> Result<DesignSection, Error> {
+    section.allow_only(&[
+        "sample_time",
+        "state_weights",
+        "current_weight",
+        "current_limit",
+        "friction_linearisation_speed",
+    ])?;
+    let weights =
+        section.required_three_numbers("state_weights", "state_weights = [25.0, 0.5, 5e-4]")?;
+    if let Some(negative) = weights.value.iter().find(|weight| **weight < 0.0) {
+        return Err(section.error_at(
+            "state_weights",
+            Problem::OutOfRange {
+                key: "state_weights".to_string(),
+                value: *negative,
+                must_be: "zero or positive".to_string(),
+            },
+        ));
+    }
+    Ok(DesignSection {
+        sample_time_s: section
+            .required_positive_number("sample_time", "sample_time = 0.001 (s)")?,
+        state_weights: weights.value,
+        current_weight: section
+            .required_positive_number("current_weight", "current_weight = 1.0")?,
+        current_limit_a: section
+            .required_positive_number("current_limit", "current_limit = 2.0 (A)")?,
+        friction_linearisation_speed_rad_s: section
+            .positive_number("friction_linearisation_speed")?
+            .map(|speed| speed.value),
+    })
+}
+
+/// The table under a key, made where there is none. `header_only` tables hold nothing but other
+/// tables and get no line of their own.
+fn table_in<'a>(
+    parent: &'a mut dyn TableLike,
+    key: &str,
+    header_only: bool,
+) -> &'a mut dyn TableLike {
+    // What stands under these keys was read as a table, or there is nothing.
+    if !parent.get(key).is_some_and(Item::is_table_like) {
+        let mut table = Table::new();
+        table.set_implicit(header_only);
+        parent.insert(key, Item::Table(table));
+    }
+    parent
+        .get_mut(key)
+        .and_then(Item::as_table_like_mut)
+        .expect("a table was put there just now")
+}
+
+/// Sets a value, keeping the comment beside it; a value that says the same stays as it is written.
+fn set(table: &mut dyn TableLike, key: &str, value: Value) {
+    match table.get_mut(key).and_then(Item::as_value_mut) {
+        Some(old) if same(old, &value) => {}
+        Some(old) => {
+            let decor = old.decor().clone();
+            *old = value;
+            *old.decor_mut() = decor;
+        }
+        None => {
+            table.insert(key, Item::Value(value));
+        }
+    }
+}
+
+/// Whether two values say the same: equal numbers, texts, or lists of such.
+fn same(a: &Value, b: &Value) -> bool {
+    let as_number = |value: &Value| {
+        value
+            .as_float()
+            .or_else(|| value.as_integer().map(|i| i as f64))
+    };
+    match (a, b) {
+        (Value::Array(a), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b.iter()).all(|(a, b)| same(a, b))
+        }
+        _ => match (as_number(a), as_number(b)) {
+            (Some(a), Some(b)) => a.to_bits() == b.to_bits(),
+            _ => a.as_str().is_some() && a.as_str() == b.as_str(),
+        },
+    }
+}
+
+/// A number as TOML, in the shortest form that reads back as the same number.
+fn number(value: f64) -> Value {
+    let text = if value == 0.0 || (1e-2..1e6).contains(&value.abs()) {
+        format!("{value:?}")
+    } else {
+        format!("{value:e}")
+    };
+    // `format!` of a finite float is always a TOML float; anything else falls back to the library.
+    text.parse().unwrap_or_else(|_| Value::from(value))
+}

@@ -1,0 +1,514 @@
+//! Reading values out of a TOML text so that every error can point at its place.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use miette::NamedSource;
+use toml_edit::{Document, Item, Key, TableLike, Value};
+
+use crate::error::{Error, Names, Place, Problem, is_slip};
+use crate::write::reason;
+
+/// Largest TOML file that is read, in bytes. A bench with a thousand experiments has a tenth of it.
+const MAX_TOML_BYTES: u64 = 4 << 20;
+
+/// A TOML text with the path it came from.
+#[derive(Clone, Debug)]
+pub(crate) struct TomlSource {
+    path: PathBuf,
+    text: Arc<NamedSource<String>>,
+}
+
+/// A value and the bytes of the text where it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Located<T> {
+    pub value: T,
+    pub span: Range<usize>,
+}
+
+/// A table of a TOML text: a section, an inline table or the whole document.
+pub(crate) struct Section<'a> {
+    source: &'a TomlSource,
+    /// How messages name it, for example `[known]`.
+    name: String,
+    table: &'a dyn TableLike,
+    span: Range<usize>,
+}
+
+impl TomlSource {
+    /// Reads the file.
+    pub fn read(path: &Path) -> Result<TomlSource, Error> {
+        let text = read_text(path, MAX_TOML_BYTES)?;
+        Ok(TomlSource::new(path, text))
+    }
+
+    /// A text that is already in memory.
+    pub fn new(path: &Path, text: String) -> TomlSource {
+        TomlSource {
+            path: path.to_path_buf(),
+            text: Arc::new(NamedSource::new(path.display().to_string(), text)),
+        }
+    }
+
+    /// The path the text came from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The text without the byte order mark that some editors put in front.
+    fn text(&self) -> &str {
+        let text = self.text.inner();
+        text.strip_prefix('\u{feff}').unwrap_or(text)
+    }
+
+    /// Parses the text.
+    pub fn parse(&self) -> Result<Document<&str>, Error> {
+        Document::parse(self.text()).map_err(|error| {
+            // The library separates its sentences by line breaks.
+            let message = error.message().trim().replace('\n', ", ");
+            self.error(error.span().unwrap_or(0..0), Problem::TomlSyntax(message))
+        })
+    }
+
+    /// The document as a section.
+    pub fn root<'a>(&'a self, document: &'a Document<&str>) -> Section<'a> {
+        Section {
+            source: self,
+            name: "the file".to_string(),
+            table: document.as_table(),
+            span: 0..0,
+        }
+    }
+
+    /// An error at these bytes of the text.
+    pub fn error(&self, span: Range<usize>, problem: Problem) -> Error {
+        let text = self.text();
+        let start = floor_char_boundary(text, span.start);
+        let before = &text[..start];
+        let line_start = before.rfind('\n').map_or(0, |end| end + 1);
+        let place = Place {
+            file: self.path.clone(),
+            line: Some(before.matches('\n').count() + 1),
+            position: Some(before[line_start..].chars().count() + 1),
+            column: None,
+        };
+        let mark = self.text.inner().len() - text.len();
+        let end = floor_char_boundary(text, span.end).max(start);
+        Error::in_text(place, problem, self.text.clone(), start + mark..end + mark)
+    }
+
+    /// The line of a byte of the text, counted from 1.
+    pub fn line(&self, span: &Range<usize>) -> usize {
+        let text = self.text();
+        let start = floor_char_boundary(text, span.start);
+        text[..start].matches('\n').count() + 1
+    }
+}
+
+fn floor_char_boundary(text: &str, index: usize) -> usize {
+    let mut index = index.min(text.len());
+    while !text.is_char_boundary(index) {
+        index -= 1;
+    }
+    index
+}
+
+impl<'a> Section<'a> {
+    /// Where the section begins.
+    pub fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
+    /// An error at the section's head.
+    pub fn error(&self, problem: Problem) -> Error {
+        self.source.error(self.span(), problem)
+    }
+
+    /// An error at the value of a key, or at the section's head where the key is missing.
+    pub fn error_at(&self, key: &str, problem: Problem) -> Error {
+        let span = match self.table.get_key_value(key) {
+            Some((key, item)) => item_span(key, item),
+            None => self.span(),
+        };
+        self.source.error(span, problem)
+    }
+
+    /// Refuses keys that are almost one of the list; keys that are far from it belong to others.
+    pub fn refuse_slips(&self, known: &[&str]) -> Result<(), Error> {
+        for key in self.keys() {
+            if !known.contains(&key.value.as_str()) && is_slip(&key.value, known) {
+                return Err(self.source.error(
+                    key.span,
+                    Problem::UnknownKey {
+                        key: key.value,
+                        section: self.name.clone(),
+                        names: Names::new(known),
+                    },
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses keys that are not in the list.
+    pub fn allow_only(&self, known: &[&str]) -> Result<(), Error> {
+        for (name, item) in self.table.iter() {
+            if !known.contains(&name) {
+                let span = match self.table.get_key_value(name) {
+                    Some((key, _)) => key.span().unwrap_or_else(|| item_span(key, item)),
+                    None => self.span(),
+                };
+                return Err(self.source.error(
+                    span,
+                    Problem::UnknownKey {
+                        key: name.to_string(),
+                        section: self.name.clone(),
+                        names: Names::new(known),
+                    },
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the key is there.
+    pub fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    /// The keys and where they stand.
+    pub fn keys(&self) -> Vec<Located<String>> {
+        self.table
+            .iter()
+            .filter_map(|(name, item)| {
+                let (key, _) = self.table.get_key_value(name)?;
+                Some(Located {
+                    value: name.to_string(),
+                    span: key.span().unwrap_or_else(|| item_span(key, item)),
+                })
+            })
+            .collect()
+    }
+
+    /// The table under this key.
+    pub fn section(&self, key: &str) -> Result<Option<Section<'a>>, Error> {
+        let Some((found, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        match item.as_table_like() {
+            Some(table) => Ok(Some(Section {
+                source: self.source,
+                name: self.name_of(key, item),
+                table,
+                span: item_span(found, item),
+            })),
+            None => Err(self.wrong_type(key, item, &format!("a table, [{key}]"))),
+        }
+    }
+
+    fn name_of(&self, key: &str, item: &Item) -> String {
+        if item.is_table() {
+            match self
+                .name
+                .strip_prefix('[')
+                .and_then(|n| n.strip_suffix(']'))
+            {
+                Some(parent) if !parent.starts_with('[') => format!("[{parent}.{key}]"),
+                _ => format!("[{key}]"),
+            }
+        } else {
+            format!("\"{key}\"")
+        }
+    }
+
+    /// The tables under this key: `[[key]]`, or an array of inline tables.
+    pub fn sections(&self, key: &str) -> Result<Vec<Section<'a>>, Error> {
+        let Some((found, item)) = self.table.get_key_value(key) else {
+            return Ok(Vec::new());
+        };
+        let expected = format!("a list of tables, each under [[{key}]]");
+        let name = format!("[[{key}]]");
+        if let Some(tables) = item.as_array_of_tables() {
+            return Ok(tables
+                .iter()
+                .map(|table| Section {
+                    source: self.source,
+                    name: name.clone(),
+                    span: table.span().unwrap_or_else(|| item_span(found, item)),
+                    table,
+                })
+                .collect());
+        }
+        let Some(array) = item.as_array() else {
+            return Err(self.wrong_type(key, item, &expected));
+        };
+        array
+            .iter()
+            .map(|value| match value.as_inline_table() {
+                Some(table) => Ok(Section {
+                    source: self.source,
+                    name: name.clone(),
+                    span: value.span().unwrap_or_else(|| item_span(found, item)),
+                    table,
+                }),
+                None => Err(self.wrong_type(key, item, &expected)),
+            })
+            .collect()
+    }
+
+    /// The text under this key.
+    pub fn text(&self, key: &str) -> Result<Option<Located<String>>, Error> {
+        let Some((found, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        match item.as_str() {
+            Some(text) => Ok(Some(Located {
+                value: text.to_string(),
+                span: item_span(found, item),
+            })),
+            None => Err(self.wrong_type(key, item, "a text in quotation marks")),
+        }
+    }
+
+    /// The text under a key that must be there and not be blank.
+    pub fn required_text(
+        &self,
+        key: &str,
+        example: &'static str,
+    ) -> Result<Located<String>, Error> {
+        match self.text(key)? {
+            Some(text) if !text.value.trim().is_empty() => Ok(text),
+            _ => Err(self.error_at(key, self.missing(key, example))),
+        }
+    }
+
+    /// The problem of a key that is not there.
+    pub fn missing(&self, key: &str, example: &'static str) -> Problem {
+        Problem::MissingKey {
+            section: self.name.clone(),
+            key: key.to_string(),
+            example,
+        }
+    }
+
+    /// The finite number under this key; an integer will do.
+    pub fn number(&self, key: &str) -> Result<Option<Located<f64>>, Error> {
+        let Some((found, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        let Some(value) = item.as_value().and_then(as_number) else {
+            return Err(self.wrong_type(key, item, "a number"));
+        };
+        let number = Located {
+            value,
+            span: item_span(found, item),
+        };
+        self.require(key, &number, value.is_finite(), "a finite number")?;
+        Ok(Some(number))
+    }
+
+    /// The number under this key, which must be above zero.
+    pub fn positive_number(&self, key: &str) -> Result<Option<Located<f64>>, Error> {
+        let number = self.number(key)?;
+        if let Some(number) = &number {
+            self.require(key, number, number.value > 0.0, "positive")?;
+        }
+        Ok(number)
+    }
+
+    /// The number under a key that must be there and be above zero.
+    pub fn required_positive_number(&self, key: &str, example: &'static str) -> Result<f64, Error> {
+        match self.positive_number(key)? {
+            Some(number) => Ok(number.value),
+            None => Err(self.error(self.missing(key, example))),
+        }
+    }
+
+    fn require(
+        &self,
+        key: &str,
+        number: &Located<f64>,
+        holds: bool,
+        must_be: &'static str,
+    ) -> Result<(), Error> {
+        if holds {
+            return Ok(());
+        }
+        Err(self.source.error(
+            number.span.clone(),
+            Problem::OutOfRange {
+                key: key.to_string(),
+                value: number.value,
+                must_be: must_be.to_string(),
+            },
+        ))
+    }
+
+    /// The list of texts under this key, each with its place.
+    pub fn texts(&self, key: &str) -> Result<Option<Vec<Located<String>>>, Error> {
+        let Some((found, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        let wrong = || self.wrong_type(key, item, "a list of texts in quotation marks");
+        item.as_array()
+            .ok_or_else(wrong)?
+            .iter()
+            .map(|value| {
+                Ok(Located {
+                    value: value.as_str().ok_or_else(wrong)?.to_string(),
+                    span: value.span().unwrap_or_else(|| item_span(found, item)),
+                })
+            })
+            .collect::<Result<Vec<_>, Error>>()
+            .map(Some)
+    }
+
+    /// Three finite numbers under this key, in the order of the state: angle, rate, wheel speed.
+    pub fn three_numbers(&self, key: &str) -> Result<Option<Located<[f64; 3]>>, Error> {
+        let Some((found, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        let expected = "a list of three numbers, for angle, rate and wheel speed";
+        let wrong = || self.wrong_type(key, item, expected);
+        let numbers = item
+            .as_array()
+            .ok_or_else(wrong)?
+            .iter()
+            .map(as_number)
+            .collect::<Option<Vec<f64>>>()
+            .ok_or_else(wrong)?;
+        let value: [f64; 3] = numbers.try_into().map_err(|_| wrong())?;
+        let span = item_span(found, item);
+        for number in value {
+            let number = Located {
+                value: number,
+                span: span.clone(),
+            };
+            self.require(key, &number, number.value.is_finite(), "finite numbers")?;
+        }
+        Ok(Some(Located { value, span }))
+    }
+
+    /// Like [`Section::three_numbers`], for a key that must be there.
+    pub fn required_three_numbers(
+        &self,
+        key: &str,
+        example: &'static str,
+    ) -> Result<Located<[f64; 3]>, Error> {
+        match self.three_numbers(key)? {
+            Some(numbers) => Ok(numbers),
+            None => Err(self.error(self.missing(key, example))),
+        }
+    }
+
+    fn wrong_type(&self, key: &str, item: &Item, expected: &str) -> Error {
+        self.error_at(
+            key,
+            Problem::WrongType {
+                key: key.to_string(),
+                expected: expected.to_string(),
+                found: describe(item),
+            },
+        )
+    }
+}
+
+fn as_number(value: &Value) -> Option<f64> {
+    value
+        .as_float()
+        .or_else(|| value.as_integer().map(|integer| integer as f64))
+}
+
+/// What stands there, in words.
+fn describe(item: &Item) -> String {
+    match item {
+        Item::Value(Value::Array(array)) => match array.len() {
+            0 => "an empty list".to_string(),
+            1 => "a list of one value".to_string(),
+            n => format!("a list of {n} values"),
+        },
+        Item::Value(Value::String(text)) => {
+            format!("the text \"{}\"", crate::error::shortened(text.value()))
+        }
+        Item::Value(Value::Integer(number)) => format!("the number {}", number.value()),
+        Item::Value(Value::Float(number)) => format!("the number {}", number.value()),
+        Item::Value(Value::Boolean(value)) => format!("the truth value {}", value.value()),
+        Item::Value(Value::Datetime(value)) => format!("the date or time {}", value.value()),
+        Item::Value(Value::InlineTable(_)) | Item::Table(_) => "a table".to_string(),
+        Item::ArrayOfTables(_) => "a list of tables".to_string(),
+        Item::None => "nothing".to_string(),
+    }
+}
+
+fn item_span(key: &Key, item: &Item) -> Range<usize> {
+    item.span().or_else(|| key.span()).unwrap_or(0..0)
+}
+
+/// Reads a text file of at most `limit` bytes.
+fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
+    let file = open_regular(path)?;
+    let advice = "no bench.toml or model.toml is that long";
+    let too_large = |bytes| {
+        Error::in_file(
+            path,
+            Problem::TooLarge {
+                bytes,
+                limit,
+                advice,
+            },
+        )
+    };
+    let unreadable =
+        |error: std::io::Error| Error::in_file(path, Problem::Unreadable(reason(&error)));
+    let length = file.metadata().map_err(unreadable)?.len();
+    if length > limit {
+        return Err(too_large(length));
+    }
+    let mut bytes = Vec::new();
+    file.take(limit + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    if bytes.len() as u64 > limit {
+        return Err(too_large(bytes.len() as u64));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let byte = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..byte]
+            .iter()
+            .filter(|b| **b == b'\n')
+            .count()
+            + 1;
+        Error::at(
+            Place {
+                file: path.to_path_buf(),
+                line: Some(line),
+                position: None,
+                column: None,
+            },
+            Problem::NotUtf8 { byte: byte as u64 },
+        )
+    })
+}
+
+/// Opens a regular file; a folder, device or pipe (which may never end) is refused.
+pub(crate) fn open_regular(path: &Path) -> Result<File, Error> {
+    let metadata = fs::metadata(path).map_err(|error| {
+        let problem = match error.kind() {
+            std::io::ErrorKind::NotFound => Problem::NotFound,
+            _ => Problem::Unreadable(reason(&error)),
+        };
+        Error::in_file(path, problem)
+    })?;
+    if !metadata.is_file() {
+        let found = if metadata.is_dir() {
+            "a folder"
+        } else {
+            "a device or a pipe"
+        };
+        return Err(Error::in_file(path, Problem::NotAFile { found }));
+    }
+    File::open(path).map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))
+}

@@ -1,0 +1,56 @@
+//! Folders of files for the tests.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder that vanishes with its owner.
+pub struct Folder(tempfile::TempDir);
+
+impl Folder {
+    pub fn new() -> Folder {
+        Folder(tempfile::tempdir().expect("temporary folder"))
+    }
+
+    /// A bench with one log.
+    pub fn bench(toml: &str, log: &str) -> Folder {
+        let folder = Folder::new();
+        folder.write("bench.toml", toml.as_bytes());
+        folder.write("log.csv", log.as_bytes());
+        folder
+    }
+
+    pub fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.path().join(name);
+        fs::write(&path, bytes).expect("write test file");
+        path
+    }
+
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+/// bench.toml with one experiment of this kind; `more` goes below it.
+pub fn one(kind: &str, more: &str) -> String {
+    format!("[[experiment]]\nname = \"one\"\nkind = \"{kind}\"\nfile = \"log.csv\"\n{more}\n")
+}
+
+/// A CSV with this header and the rows that `row` gives.
+pub fn csv(header: &str, rows: usize, row: impl Fn(usize) -> String) -> String {
+    let mut text = format!("{header}\n");
+    for i in 0..rows {
+        text.push_str(&row(i));
+        text.push('\n');
+    }
+    text
+}
+
+/// The folder of shared measurements; says so where it is absent.
+pub fn shared_data() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("skipped: no measurements at {}", folder.display());
+    None
+}

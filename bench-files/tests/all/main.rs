@@ -1,0 +1,9 @@
+//! Tests of what a user of the crate sees.
+
+mod common;
+mod drop_outs;
+mod errors;
+mod garbage;
+mod logs;
+mod model_file;
+mod shared_data;
