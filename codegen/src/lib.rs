@@ -8,7 +8,7 @@
 //! 3. [`emit`]: text. One small file for each output; `quote` builds tokens and `prettyplease`
 //!    prints them. No number is computed any more.
 //!
-//! [`file`] is the only place that touches the disk. Helpers that are ordinary tested Rust, not
+//! [`mod@file`] is the only place that touches the disk. Helpers that are ordinary tested Rust, not
 //! numbers, live in `codegen/runtime/` and are carried into the output by [`runtime`].
 //!
 //! ```no_run

@@ -54,7 +54,7 @@ impl PhysicalRanges {
     /// The bench of the thesis: any angle up to half a turn, every count of its gyroscope
     /// (32768 counts of 62.5 mdps are 35.7443 rad/s), a wheel of about ±700 rad/s.
     pub const THESIS_BENCH: Self = Self {
-        angle_rad: 3.1416,
+        angle_rad: core::f64::consts::PI,
         rate_rad_s: 35.745,
         wheel_speed_rad_s: 700.0,
     };

@@ -262,7 +262,7 @@ fn no_bit_is_given_away() {
         .any(|t| t.gain.raw.checked_mul(2).is_none());
     let sum_overflows = (doubled << 31) + (1 << law.shift) > i128::from(i64::MAX);
     assert!(word_overflows || sum_overflows);
-    // Derived by hand for ±3.1416 rad, ±35.745 rad/s, ±700 rad/s and ±2.2 A.
+    // Derived by hand for half a turn, ±35.745 rad/s, ±700 rad/s and ±2.2 A.
     let state_bits = law
         .terms
         .clone()

@@ -13,7 +13,7 @@
 //!
 //! | value | range | type | one unit |
 //! |---|---|---|---|
-//! | `angle` | ±3.1416 rad | `I3F29` | 1.87e-9 rad |
+//! | `angle` | ±3.141592653589793 rad | `I3F29` | 1.87e-9 rad |
 //! | `rate` | ±35.745 rad/s | `I7F25` | 2.99e-8 rad/s |
 //! | `wheel_speed` | ±700 rad/s | `I11F21` | 4.77e-7 rad/s |
 //! | current | ±2.2 A | `I3F29` | 1.87e-9 A |
@@ -40,7 +40,7 @@
 //! | `total_inertia` | 0.00230344 | not stated | kg m2 |
 //! | `gravity_torque` | 0.245158 | 1e-6 | N m |
 
-/// Body angle relative to upright (rad), within ±3.1416 on the bench.
+/// Body angle relative to upright (rad), within ±3.141592653589793 on the bench.
 pub type Angle = fixed::types::I3F29;
 
 /// Angular rate of the body (rad/s), within ±35.745 on the bench.

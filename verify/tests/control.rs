@@ -1,9 +1,9 @@
 //! The properties of the control law on extreme and random words, and the numbers of the
 //! certificate against the compiled law.
 
-use std::path::Path;
-use std::sync::LazyLock;
+mod certificate;
 
+use certificate::{Certificate, rational};
 use generated::control::{ANGLE_GAIN, RATE_GAIN, SHIFT, WHEEL_SPEED_GAIN};
 use generated::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed};
 use num_bigint::BigInt;
@@ -94,15 +94,15 @@ proptest! {
     #[test]
     fn accurate_against_the_real_gains(fractions in prop::array::uniform3(-1.0_f64..=1.0)) {
         let certificate = Certificate::read();
-        let words = certificate.words_within_the_ranges(fractions);
-        certificate.assert_real_gains(words);
+        let words = words_within_the_ranges(certificate, fractions);
+        assert_real_gains(certificate, words);
     }
 
     /// The emitted law against the law in double precision, the way a simulation uses it.
     #[test]
     fn agrees_with_double_precision(fractions in prop::array::uniform3(-1.0_f64..=1.0)) {
         let certificate = Certificate::read();
-        let [angle, rate, wheel_speed] = certificate.words_within_the_ranges(fractions);
+        let [angle, rate, wheel_speed] = words_within_the_ranges(certificate, fractions);
         let (angle, rate, wheel_speed) = (
             Angle::from_bits(angle), Rate::from_bits(rate), WheelSpeed::from_bits(wheel_speed),
         );
@@ -125,7 +125,7 @@ fn accurate_against_the_real_gains_at_the_corners() {
     let certificate = Certificate::read();
     for corner in 0..27 {
         let fractions = [corner % 3, corner / 3 % 3, corner / 9].map(|i| f64::from(i) - 1.0);
-        certificate.assert_real_gains(certificate.words_within_the_ranges(fractions));
+        assert_real_gains(certificate, words_within_the_ranges(certificate, fractions));
     }
 }
 
@@ -199,61 +199,36 @@ fn the_stated_bound_is_tight() {
     assert!(stated - &bound < bound / integer(1_000_000));
 }
 
-/// `certificate.json` of the emitted crate.
-struct Certificate {
-    json: Value,
+/// Words at the given fractions of the physical ranges, rounded toward zero.
+fn words_within_the_ranges(certificate: &Certificate, fractions: [f64; 3]) -> [i32; 3] {
+    let mut index = 0;
+    fractions.map(|fraction| {
+        let input = &certificate.json["inputs"][index];
+        index += 1;
+        let bits = input["fraction_bits"].as_u64().unwrap() as u32;
+        let fraction = BigRational::from_float(fraction).unwrap();
+        let word = rational(&input["range"]) * power_of_two(bits) * fraction;
+        word.trunc().to_integer().to_i32().unwrap()
+    })
 }
 
-impl Certificate {
-    fn read() -> &'static Self {
-        static CERTIFICATE: LazyLock<Certificate> = LazyLock::new(Certificate::load);
-        &CERTIFICATE
+/// |u − clamp(−K x, ±limit)| ≤ bound with the decimal numbers of the certificate.
+fn assert_real_gains(certificate: &Certificate, words: [i32; 3]) {
+    let [angle, rate, wheel_speed] = words;
+    let command =
+        integer(command_bits(angle, rate, wheel_speed)) / power_of_two(Current::FRAC_NBITS);
+    let mut exact = BigRational::default();
+    for (index, word) in words.into_iter().enumerate() {
+        let bits = certificate.json["inputs"][index]["fraction_bits"]
+            .as_u64()
+            .unwrap() as u32;
+        exact -= rational(&certificate.json["gains"][index]) * integer(word) / power_of_two(bits);
     }
-
-    fn load() -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated/certificate.json");
-        let text = std::fs::read_to_string(path).unwrap();
-        Self {
-            json: serde_json::from_str(&text).unwrap(),
-        }
-    }
-
-    fn constant(&self, name: &str) -> &Value {
-        let constants = self.json["constants"].as_array().unwrap();
-        constants.iter().find(|c| c["name"] == name).unwrap()
-    }
-
-    /// Words at the given fractions of the physical ranges, rounded toward zero.
-    fn words_within_the_ranges(&self, fractions: [f64; 3]) -> [i32; 3] {
-        let mut index = 0;
-        fractions.map(|fraction| {
-            let input = &self.json["inputs"][index];
-            index += 1;
-            let bits = input["fraction_bits"].as_u64().unwrap() as u32;
-            let fraction = BigRational::from_float(fraction).unwrap();
-            let word = rational(&input["range"]) * power_of_two(bits) * fraction;
-            word.trunc().to_integer().to_i32().unwrap()
-        })
-    }
-
-    /// |u − clamp(−K x, ±limit)| ≤ bound with the decimal numbers of the certificate.
-    fn assert_real_gains(&self, words: [i32; 3]) {
-        let [angle, rate, wheel_speed] = words;
-        let command =
-            integer(command_bits(angle, rate, wheel_speed)) / power_of_two(Current::FRAC_NBITS);
-        let mut exact = BigRational::default();
-        for (index, word) in words.into_iter().enumerate() {
-            let bits = self.json["inputs"][index]["fraction_bits"]
-                .as_u64()
-                .unwrap() as u32;
-            exact -= rational(&self.json["gains"][index]) * integer(word) / power_of_two(bits);
-        }
-        let limit = rational(&self.constant("CURRENT_LIMIT")["real"]);
-        let saturated = exact.clamp(-limit.clone(), limit);
-        let error = (command - saturated).abs();
-        let bound = rational(&self.json["bounds"]["real_gains_A"]);
-        assert!(error <= bound, "words {words:?}: off by {error}");
-    }
+    let limit = rational(&certificate.constant("CURRENT_LIMIT")["real"]);
+    let saturated = exact.clamp(-limit.clone(), limit);
+    let error = (command - saturated).abs();
+    let bound = rational(&certificate.json["bounds"]["real_gains_A"]);
+    assert!(error <= bound, "words {words:?}: off by {error}");
 }
 
 fn integer(value: i32) -> BigRational {
@@ -266,14 +241,4 @@ fn power_of_two(exponent: u32) -> BigRational {
 
 fn number(text: &Value) -> f64 {
     text.as_str().unwrap().parse().unwrap()
-}
-
-/// A decimal string, with or without exponent, exactly.
-fn rational(text: &Value) -> BigRational {
-    let text = text.as_str().unwrap();
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
-    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-    let digits: BigInt = format!("{whole}{fraction}").parse().unwrap();
-    let power = exponent.parse::<i32>().unwrap() - fraction.len() as i32;
-    BigRational::from(digits) * BigRational::from(BigInt::from(10)).pow(power)
 }

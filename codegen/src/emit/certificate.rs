@@ -108,6 +108,8 @@ struct Constant<'a> {
     raw: i64,
     fraction_bits: u32,
     unit: &'a str,
+    /// The claims that depend on it.
+    claims: Vec<ClaimId>,
 }
 
 #[derive(Debug, Serialize)]
@@ -241,6 +243,7 @@ fn constants<'a>(law: &'a ControlLaw, sources: &[EmittedFile]) -> Vec<Constant<'
         raw: term.gain.raw.into(),
         fraction_bits: term.gain.fraction_bits,
         unit: term.gain.unit,
+        claims: ClaimId::ALL.into(),
     });
     let limit = Constant {
         name: "CURRENT_LIMIT",
@@ -251,6 +254,11 @@ fn constants<'a>(law: &'a ControlLaw, sources: &[EmittedFile]) -> Vec<Constant<'
         raw: law.limit_raw.into(),
         fraction_bits: law.current.fraction_bits,
         unit: "A",
+        // The linear loop knows no limit.
+        claims: ClaimId::ALL
+            .into_iter()
+            .filter(|claim| *claim != ClaimId::ClosedLoopStable)
+            .collect(),
     };
     gains.chain([limit]).collect()
 }

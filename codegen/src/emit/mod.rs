@@ -90,7 +90,7 @@ fn doc_text(line: &str) -> String {
 fn single_line(text: &str) -> String {
     text.chars()
         .map(|c| {
-            if c.is_control() || "`\"\\<>[]".contains(c) {
+            if c.is_control() || "`\"\\<>[]|".contains(c) {
                 ' '
             } else {
                 c

@@ -15,15 +15,17 @@ pub fn command_bits(angle_bits: i32, rate_bits: i32, wheel_speed_bits: i32) -> i
     .to_bits()
 }
 
-/// Claim `control-total`: the law is defined and its command within the limit.
+/// Claim `control-total`: the law is defined and its command, which is returned as a word, within
+/// the limit.
 ///
 /// # Panics
 /// If the claim does not hold for these words.
-pub fn total(angle_bits: i32, rate_bits: i32, wheel_speed_bits: i32) {
+pub fn total(angle_bits: i32, rate_bits: i32, wheel_speed_bits: i32) -> i32 {
     let command = command_bits(angle_bits, rate_bits, wheel_speed_bits);
     let limit = CURRENT_LIMIT.to_bits();
     assert!(command <= limit, "the command is above the limit");
     assert!(command >= -limit, "the command is below the limit");
+    command
 }
 
 /// Claim `control-accurate`: the command is within half a unit of the saturated exact law with the

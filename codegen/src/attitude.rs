@@ -1,0 +1,210 @@
+//! The attitude filter's constants: from the real numbers of calibration and mounting to words.
+//!
+//! Every format is stated at the field of [`FilterConstants`]; here the numbers are rounded to it
+//! once, or refused where they do not fit.
+
+use attitude::{AttitudeSpec, GRAVITY_SHARE_MIN, RATE_LAG_STEPS, wrap_angle};
+use nalgebra::Matrix3;
+use std::f64::consts::PI;
+
+use crate::helpers::calibration::SensorLine;
+use crate::helpers::filter::FilterConstants;
+use crate::helpers::lever_arm::LeverArm;
+
+/// Numbers that the filter cannot be built on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum AttitudeRefusal {
+    /// A quantity is NaN, infinite or not positive where it must be.
+    #[error("{what} is {value}: a finite number greater than zero is needed")]
+    NotPositive {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A quantity is too large for its format.
+    #[error(
+        "{what} is {value} {unit}, more than the {limit} {unit} that the filter can hold; {cure}"
+    )]
+    TooLarge {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The largest that fits.
+        limit: f64,
+        /// Unit of both.
+        unit: &'static str,
+        /// What would help.
+        cure: &'static str,
+    },
+}
+
+/// Largest β T: 2⁻⁸. With the largest half-angles the length of q then stays within 1e-4.
+const BETA_STEP_MAX: f64 = 1.0 / 256.0;
+
+/// Sum of the magnitudes in a row of the accelerometer's and magnetometer's matrix, in Q17 units
+/// per count: the range of ±32768 counts becomes ±2²⁸ units.
+const ROW_SUM: f64 = (1u64 << 30) as f64;
+
+/// The largest such sum of the gyroscope.
+const ROW_SUM_MAX: f64 = 1.5 * ROW_SUM;
+
+/// Largest bias, counts.
+const BIAS_MAX: f64 = 8192.0;
+
+/// The words of the filter for `spec`.
+///
+/// # Errors
+/// [`AttitudeRefusal`] for numbers that are not finite, not positive where they must be, or too
+/// large for their format.
+pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
+    let period = positive("the sample time", spec.sample_time_s)?;
+    let gravity = positive("gravity", spec.gravity_m_s2)?;
+    let field_min = positive("the weakest usable field", spec.field_min_ut)?;
+    let beta_step = at_most(
+        "beta times the sample time",
+        positive("beta", spec.beta_rad_s)? * period,
+        BETA_STEP_MAX,
+        "rad",
+        "lower beta",
+    )?;
+
+    let half_angle = spec.gyro.matrix * (0.5 * period * 2f64.powi(32 + 17));
+    at_most(
+        "the gyroscope's scale times half the sample time",
+        row_sum(&half_angle) / 2f64.powi(49),
+        ROW_SUM_MAX / 2f64.powi(49),
+        "rad per count",
+        "shorten the sample time or choose a smaller range",
+    )?;
+    let accel_unit = ROW_SUM / positive("the accelerometer's scale", row_sum(&spec.accel.matrix))?;
+    let mag_unit = ROW_SUM / positive("the magnetometer's scale", row_sum(&spec.mag.matrix))?;
+
+    // Units per m/s², the Q17 of the matrix taken off.
+    let per_m_s2 = accel_unit / 2f64.powi(17);
+    // ω² = (2h/T)² and α̈ = 2e/(N T²) for words h and e in Q32; the products are in Q16.
+    let centripetal = 4.0 / (period * period) * per_m_s2 * 2f64.powi(16 - 32);
+    let tangential = 2.0 / (RATE_LAG_STEPS * period * period) * per_m_s2 * 2f64.powi(16 - 32);
+    let arm = |per_metre: f64| -> Result<[i32; 2], AttitudeRefusal> {
+        let word = |lever: f64| {
+            let limit = f64::from(i32::MAX) / per_metre;
+            at_most(
+                "the lever arm",
+                lever,
+                limit,
+                "m",
+                "mount the sensor nearer to the pivot",
+            )
+            .map(|lever| (lever * per_metre).round() as i32)
+        };
+        Ok([word(spec.lever_arm_m[0])?, word(spec.lever_arm_m[1])?])
+    };
+
+    Ok(FilterConstants {
+        gyro: line("the gyroscope's bias", &spec.gyro, &half_angle)?,
+        accel: line(
+            "the accelerometer's bias",
+            &spec.accel,
+            &(spec.accel.matrix * accel_unit),
+        )?,
+        mag: line(
+            "the magnetometer's bias",
+            &spec.mag,
+            &(spec.mag.matrix * mag_unit),
+        )?,
+        gravity_squared_min: squared_word(GRAVITY_SHARE_MIN * gravity * per_m_s2),
+        field_squared_min: squared_word(field_min * mag_unit / 2f64.powi(17)),
+        lever_arm: LeverArm {
+            centripetal: arm(centripetal)?,
+            tangential: arm(tangential)?,
+        },
+        beta: (beta_step * 2f64.powi(35)).round() as i32,
+    })
+}
+
+/// The mounting angle as a word whose 2³¹ stand for π.
+///
+/// # Errors
+/// [`AttitudeRefusal`] if it is not finite.
+pub fn mounting_word(mounting_angle_rad: f64) -> Result<i32, AttitudeRefusal> {
+    at_most(
+        "the mounting angle",
+        mounting_angle_rad,
+        1e6,
+        "rad",
+        "state it within a turn",
+    )?;
+    // Just below π rounds up to 2³¹, which is −2³¹ on the circle.
+    Ok((wrap_angle(mounting_angle_rad) / PI * 2f64.powi(31)).round() as i64 as i32)
+}
+
+/// A squared length in units of 2³², at least one.
+fn squared_word(length: f64) -> i32 {
+    ((length * length / 2f64.powi(32)).round() as i32).max(1)
+}
+
+fn line(
+    what: &'static str,
+    line: &attitude::SensorLine,
+    matrix: &Matrix3<f64>,
+) -> Result<SensorLine, AttitudeRefusal> {
+    let mut bias = [0; 3];
+    for (word, counts) in bias.iter_mut().zip(line.bias_counts.iter()) {
+        let counts = at_most(
+            what,
+            *counts,
+            BIAS_MAX,
+            "counts",
+            "calibrate the sensor again",
+        )?;
+        *word = (counts * 32_768.0).round() as i32;
+    }
+    let mut rows = [[0; 3]; 3];
+    for (i, row) in rows.iter_mut().enumerate() {
+        for (j, word) in row.iter_mut().enumerate() {
+            *word = matrix[(i, j)].round() as i32;
+        }
+    }
+    Ok(SensorLine { bias, matrix: rows })
+}
+
+/// Largest sum of magnitudes in a row.
+fn row_sum(matrix: &Matrix3<f64>) -> f64 {
+    matrix
+        .row_iter()
+        .map(|row| row.iter().map(|entry| entry.abs()).sum())
+        .fold(
+            0.0,
+            |a: f64, b: f64| if b > a || b.is_nan() { b } else { a },
+        )
+}
+
+fn positive(what: &'static str, value: f64) -> Result<f64, AttitudeRefusal> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(AttitudeRefusal::NotPositive { what, value })
+    }
+}
+
+/// `value` if its magnitude is at most `limit`; NaN is not.
+fn at_most(
+    what: &'static str,
+    value: f64,
+    limit: f64,
+    unit: &'static str,
+    cure: &'static str,
+) -> Result<f64, AttitudeRefusal> {
+    if value.abs() <= limit {
+        Ok(value)
+    } else {
+        Err(AttitudeRefusal::TooLarge {
+            what,
+            value,
+            limit,
+            unit,
+            cure,
+        })
+    }
+}

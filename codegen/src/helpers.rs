@@ -1,0 +1,23 @@
+//! The hand-written helpers of the emitted crate, compiled here as they are.
+//!
+//! They are tested in `codegen/tests/` and carried into the output by [`crate::runtime`]. Those
+//! that name emitted constants (`attitude.rs`, `controller.rs`) are compiled in the output only.
+
+#[path = "../runtime/arc_tangent.rs"]
+pub mod arc_tangent;
+#[path = "../runtime/calibration.rs"]
+pub mod calibration;
+#[path = "../runtime/filter.rs"]
+pub mod filter;
+#[path = "../runtime/lever_arm.rs"]
+pub mod lever_arm;
+#[path = "../runtime/madgwick.rs"]
+pub mod madgwick;
+#[path = "../runtime/pivot_angle.rs"]
+pub mod pivot_angle;
+#[path = "../runtime/product.rs"]
+pub mod product;
+#[path = "../runtime/root.rs"]
+pub mod root;
+#[path = "../runtime/scaling.rs"]
+pub mod scaling;

@@ -1,0 +1,482 @@
+//! The emitted filter against the reference in double precision, both on the same raw counts.
+//!
+//! Limits (the figures of the contract): 0.05° RMS and 0.2° at worst between the two attitudes,
+//! length within 1e-3. Overflow would panic: the tests are built with overflow checks.
+
+use attitude::{AttitudeSpec, RawFilter, SensorLine as RealLine, wrap_angle};
+use codegen::attitude::{derive, mounting_word};
+use codegen::helpers::calibration::SensorLine;
+use codegen::helpers::filter::{FilterConstants, FilterState, START, align, step_imu, step_marg};
+use codegen::helpers::lever_arm::LeverArm;
+use codegen::helpers::madgwick::COMPONENT_MAX;
+use codegen::helpers::pivot_angle::pivot_angle;
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use std::f64::consts::PI;
+
+/// One sample of raw counts.
+#[derive(Clone, Copy, Debug)]
+struct Raw {
+    gyro: [i16; 3],
+    accel: [i16; 3],
+    mag: [i16; 3],
+}
+
+fn quaternion(state: &FilterState) -> Quaternion<f64> {
+    let [w, x, y, z] = state
+        .quaternion
+        .map(|word| f64::from(word) / f64::from(1 << 30));
+    Quaternion::new(w, x, y, z)
+}
+
+/// Angle of the turn between two attitudes, degrees.
+fn turn_deg(a: &Quaternion<f64>, b: &Quaternion<f64>) -> f64 {
+    let between = a.conjugate() * b;
+    (2.0 * between.imag().norm().atan2(between.w.abs())).to_degrees()
+}
+
+/// Differences over a run, in degrees.
+#[derive(Default, Debug)]
+struct Difference {
+    squares: f64,
+    worst: f64,
+    worst_pivot: f64,
+    worst_length: f64,
+    count: f64,
+}
+
+impl Difference {
+    fn rms(&self) -> f64 {
+        (self.squares / self.count).sqrt()
+    }
+
+    fn assert_within_limits(&self, name: &str) {
+        println!(
+            "{name}: {:.6}° RMS, {:.6}° worst, pivot angle {:.6}° worst, length {:.1e}",
+            self.rms(),
+            self.worst,
+            self.worst_pivot,
+            self.worst_length
+        );
+        assert!(self.rms() <= 0.05, "{name}: {self:?}");
+        assert!(self.worst <= 0.2, "{name}: {self:?}");
+        assert!(self.worst_pivot <= 0.2, "{name}: {self:?}");
+        assert!(self.worst_length <= 1e-3, "{name}: {self:?}");
+    }
+}
+
+/// Runs both filters over the same counts.
+fn compare(spec: &AttitudeSpec, samples: impl Iterator<Item = Raw>, nine_axes: bool) -> Difference {
+    let constants = derive(spec).expect("a specification that fits");
+    let mounting = mounting_word(spec.mounting_angle_rad).expect("a finite angle");
+    let mut reference = RawFilter::new(spec);
+    let mut state = START;
+    let mut difference = Difference::default();
+    for raw in samples {
+        state = if nine_axes {
+            reference.update_marg(raw.gyro, raw.accel, raw.mag);
+            step_marg(&state, raw.gyro, raw.accel, raw.mag, &constants)
+        } else {
+            reference.update_imu(raw.gyro, raw.accel);
+            step_imu(&state, raw.gyro, raw.accel, &constants)
+        };
+        let (found, exact) = (quaternion(&state), reference.quaternion());
+        let turn = turn_deg(&found, &exact);
+        difference.squares += turn * turn;
+        difference.worst = difference.worst.max(turn);
+        difference.worst_length = difference.worst_length.max((found.norm() - 1.0).abs());
+        difference.count += 1.0;
+        // The pivot angle is defined where gravity has a part across the axis.
+        let up = attitude::up_in_sensor(&exact);
+        let across = up.x.hypot(up.y);
+        let word = pivot_angle(state.quaternion, mounting);
+        let angle = f64::from(word) * PI / f64::from(1u32 << 31);
+        let error = wrap_angle(angle - reference.angle_rad()).to_degrees() * across;
+        difference.worst_pivot = difference.worst_pivot.max(error.abs());
+    }
+    difference
+}
+
+/// The nearest count, at the limit of the range where the value lies beyond it.
+fn to_counts(value: f64) -> i16 {
+    value
+        .round()
+        .clamp(f64::from(i16::MIN), f64::from(i16::MAX)) as i16
+}
+
+/// A sensor carried through ten minutes of everything: rest, slow turning, tumbling up to and
+/// beyond the gyroscope's limit, free fall, vibration, impacts that saturate the accelerometer,
+/// and magnetic disturbance. Counts are quantised, biased and noisy.
+struct LargeMotion {
+    rng: ChaCha8Rng,
+    normal: Normal<f64>,
+    attitude: UnitQuaternion<f64>,
+    rate: Vector3<f64>,
+    period_s: f64,
+    step: usize,
+    steps: usize,
+    gyro_scale: f64,
+}
+
+impl LargeMotion {
+    fn new(seed: u64, spec: &AttitudeSpec, seconds: f64) -> Self {
+        println!("seed {seed}");
+        LargeMotion {
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            normal: Normal::new(0.0, 1.0).expect("a standard deviation of one"),
+            attitude: UnitQuaternion::identity(),
+            rate: Vector3::zeros(),
+            period_s: spec.sample_time_s,
+            step: 0,
+            steps: (seconds / spec.sample_time_s) as usize,
+            gyro_scale: spec.gyro.matrix[(0, 0)],
+        }
+    }
+
+    fn noise(&mut self, deviation: f64) -> Vector3<f64> {
+        let Self { rng, normal, .. } = self;
+        deviation * Vector3::from_fn(|_, _| normal.sample(rng))
+    }
+}
+
+impl Iterator for LargeMotion {
+    type Item = Raw;
+
+    fn next(&mut self) -> Option<Raw> {
+        if self.step == self.steps {
+            return None;
+        }
+        let time = self.step as f64 * self.period_s;
+        self.step += 1;
+        // Six regimes of five seconds, over and over.
+        let regime = (time / 5.0) as usize % 6;
+        let limit = self.gyro_scale * 32_768.0;
+        let wanted = match regime {
+            0 => Vector3::zeros(),
+            1 => Vector3::new(0.3, 0.2, 1.0) * (2.0 * time).sin(),
+            2 => {
+                Vector3::new((1.1 * time).sin(), (1.7 * time).cos(), (0.9 * time).sin())
+                    * 0.5
+                    * limit
+            }
+            3 => Vector3::new((2.1 * time).cos(), (0.7 * time).sin(), 1.0) * 1.02 * limit,
+            4 => Vector3::new(0.0, 0.0, 6.0 * (8.0 * time).sin()),
+            _ => Vector3::new(3.0, -2.0, 5.0),
+        };
+        let shake = self.noise(0.002);
+        self.rate += (wanted - self.rate) * (self.period_s / 0.05) + shake;
+        self.attitude *= UnitQuaternion::from_scaled_axis(self.rate * self.period_s);
+        let up = self.attitude.inverse() * Vector3::z();
+        let linear = match regime {
+            // Vibration of 3 g at 87 Hz.
+            1 | 4 => Vector3::new(1.0, 0.6, -0.8) * 3.0 * (2.0 * PI * 87.0 * time).sin(),
+            // Free fall for a second in each five.
+            2 if time % 5.0 < 1.0 => -up,
+            // An impact beyond the range every half second.
+            5 if time % 0.5 < 0.004 => Vector3::new(12.0, -15.0, 9.0),
+            _ => Vector3::zeros(),
+        };
+        let accel = (up + linear) * 4096.0 + self.noise(25.0) + Vector3::new(40.0, -25.0, 10.0);
+        let gyro = self.rate / self.gyro_scale + self.noise(4.0) + Vector3::new(6.0, -9.0, 3.0);
+        let disturbance = if regime == 2 {
+            30.0 * (3.0 * time).sin()
+        } else {
+            0.0
+        };
+        let field = Vector3::new(20.0, 0.0, -44.0 + disturbance);
+        let mag = (self.attitude.inverse() * field) * 10.0 + self.noise(8.0);
+        let counts = |v: Vector3<f64>| [to_counts(v.x), to_counts(v.y), to_counts(v.z)];
+        // Now and then a dropped or stuck reading.
+        let accel = if self.rng.random_bool(1e-4) {
+            [0; 3]
+        } else {
+            counts(accel)
+        };
+        Some(Raw {
+            gyro: counts(gyro),
+            accel,
+            mag: counts(mag),
+        })
+    }
+}
+
+#[test]
+fn ten_minutes_of_large_motion() {
+    let spec = AttitudeSpec::thesis();
+    for (nine_axes, seed, name) in [(false, 11, "six axes"), (true, 12, "nine axes")] {
+        compare(&spec, LargeMotion::new(seed, &spec, 600.0), nine_axes).assert_within_limits(name);
+    }
+}
+
+/// Bias, cross-axis terms, mounting, a lever arm, another gyroscope range and a slower clock.
+#[test]
+fn other_benches() {
+    let cross = Matrix3::new(1.0, 0.02, -0.01, 0.015, 0.98, 0.03, -0.02, 0.01, 1.03);
+    let line = |scale: f64, bias: Vector3<f64>| RealLine {
+        bias_counts: bias,
+        matrix: cross * scale,
+    };
+    let thesis = AttitudeSpec::thesis();
+    let calibrated = AttitudeSpec {
+        gyro: line(62.5e-3_f64.to_radians(), Vector3::new(6.3, -9.1, 2.7)),
+        accel: line(9.81 / 4096.0, Vector3::new(41.7, -24.2, 9.9)),
+        mag: line(0.1, Vector3::new(-210.5, 77.3, 12.8)),
+        mounting_angle_rad: 0.75 * PI,
+        lever_arm_m: [0.06, -0.02],
+        ..thesis
+    };
+    let slow = AttitudeSpec {
+        sample_time_s: 3.5e-3,
+        beta_rad_s: 0.1,
+        ..thesis
+    };
+    let fine = AttitudeSpec {
+        gyro: RealLine::ideal(7.8125e-3_f64.to_radians()),
+        beta_rad_s: 0.01,
+        ..thesis
+    };
+    for (spec, name) in [
+        (calibrated, "calibrated"),
+        (slow, "3.5 ms"),
+        (fine, "±250 °/s"),
+    ] {
+        for nine_axes in [false, true] {
+            let motion = LargeMotion::new(21, &spec, 60.0);
+            compare(&spec, motion, nine_axes)
+                .assert_within_limits(&format!("{name}, nine axes {nine_axes}"));
+        }
+    }
+}
+
+/// A perfectly still and noiseless sensor is the hardest for the heading, which six axes do not
+/// observe: any preferred sign in the rounding adds up.
+#[test]
+fn ten_still_minutes_do_not_drift() {
+    let spec = AttitudeSpec::thesis();
+    for accel in [
+        [0, 0, 4096],
+        [2365, 2365, 2365],
+        [4096, 0, 0],
+        [-2000, 3500, 700],
+    ] {
+        for gyro in [[0, 0, 0], [1, -1, 1], [16, 3, -8]] {
+            let still = std::iter::repeat_n(
+                Raw {
+                    gyro,
+                    accel,
+                    mag: [200, 0, -440],
+                },
+                600_000,
+            );
+            compare(&spec, still, false).assert_within_limits(&format!("still {accel:?} {gyro:?}"));
+        }
+    }
+}
+
+/// A rate at the limit of the range, held: the scale's rounding adds up.
+#[test]
+fn ten_minutes_at_the_rate_limit() {
+    let spec = AttitudeSpec::thesis();
+    let raw = Raw {
+        gyro: [i16::MIN, i16::MAX, 20_000],
+        accel: [0; 3],
+        mag: [0; 3],
+    };
+    compare(&spec, std::iter::repeat_n(raw, 600_000), false).assert_within_limits("rate limit");
+}
+
+/// A recording at 1 kHz from outside the project, where it is at hand.
+#[test]
+fn recording_at_one_kilohertz() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../shared/data/real/imu_icm42688_1khz.txt"
+    );
+    let Ok(text) = std::fs::read_to_string(path) else {
+        eprintln!("skipped: {path} is not here");
+        return;
+    };
+    let spec = AttitudeSpec::thesis();
+    let samples = text.lines().skip(1).map(|line| {
+        let value: Vec<f64> = line
+            .split_whitespace()
+            .map(|field| field.parse().expect("a number"))
+            .collect();
+        let counts = |v: &[f64], scale: f64| [0, 1, 2].map(|i| to_counts(v[i] / scale));
+        Raw {
+            accel: counts(&value[0..3], spec.accel.matrix[(0, 0)]),
+            gyro: counts(&value[3..6], spec.gyro.matrix[(0, 0)]),
+            mag: [0; 3],
+        }
+    });
+    compare(&spec, samples, false).assert_within_limits("recording");
+}
+
+#[test]
+fn alignment_agrees_with_the_reference() {
+    let spec = AttitudeSpec::thesis();
+    let constants = derive(&spec).expect("a specification that fits");
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut cases: Vec<[i16; 3]> = (0..20_000)
+        .map(|_| std::array::from_fn(|_| rng.random_range(-9000..9000)))
+        .collect();
+    cases.extend([
+        [0, 0, -4096],
+        [1, 0, -4096],
+        [0, 0, 4096],
+        [0, 0, 0],
+        [i16::MIN, 0, 0],
+        [0, 0, 511],
+    ]);
+    for accel in cases {
+        let mut reference = RawFilter::new(&spec);
+        reference.align(accel);
+        let found = quaternion(&align(&START, accel, &constants));
+        let error = turn_deg(&found, &reference.quaternion());
+        // Next to straight down the shortest turn is ill-defined by 2⁻²⁷ over 2⁻¹⁰.
+        assert!(error < 1e-3, "{accel:?}: {error}");
+        assert!((found.norm() - 1.0).abs() < 1e-6, "{accel:?}");
+    }
+}
+
+fn counts() -> impl Strategy<Value = [i16; 3]> {
+    let axis = prop_oneof![
+        4 => any::<i16>(),
+        1 => prop_oneof![Just(i16::MIN), Just(i16::MAX), Just(0), Just(1), Just(-1)],
+        1 => -600..600i16,
+    ];
+    [axis.clone(), axis.clone(), axis]
+}
+
+/// Any constants that the formats allow.
+fn constants() -> impl Strategy<Value = FilterConstants> {
+    let line = || {
+        (
+            prop::array::uniform3(-0x1000_0000..=0x1000_0000),
+            prop::array::uniform3(prop::array::uniform3(-0x2000_0000..=0x2000_0000)),
+        )
+            .prop_map(|(bias, matrix)| SensorLine { bias, matrix })
+    };
+    let arm = || {
+        prop::array::uniform2(prop_oneof![
+            Just(0),
+            any::<i32>().prop_map(|a| a.max(-i32::MAX))
+        ])
+    };
+    (
+        line(),
+        line(),
+        line(),
+        1..0x1_0000,
+        1..0x1_0000,
+        arm(),
+        arm(),
+        1..0x0800_0000,
+    )
+        .prop_map(
+            |(
+                gyro,
+                accel,
+                mag,
+                gravity_squared_min,
+                field_squared_min,
+                centripetal,
+                tangential,
+                beta,
+            )| {
+                FilterConstants {
+                    gyro,
+                    accel,
+                    mag,
+                    gravity_squared_min,
+                    field_squared_min,
+                    lever_arm: LeverArm {
+                        centripetal,
+                        tangential,
+                    },
+                    beta,
+                }
+            },
+        )
+}
+
+/// Unit quaternions with the length error that the invariant allows.
+fn state() -> impl Strategy<Value = FilterState> {
+    let rate = -0x2000_0000..=0x2000_0000;
+    (
+        prop::array::uniform4(-1.0..1.0f64),
+        -1.0..1.0f64,
+        rate.clone(),
+        rate,
+    )
+        .prop_filter_map("a direction", |(direction, length, rate, slow_rate)| {
+            let norm = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let length = 1.0 + length * INVARIANT_LENGTH;
+            (norm > 1e-3).then(|| FilterState {
+                quaternion: direction.map(|c| (c / norm * length * f64::from(1 << 30)) as i32),
+                rate,
+                slow_rate,
+            })
+        })
+}
+
+const INVARIANT_LENGTH: f64 = 1.0 / 4096.0;
+
+fn assert_invariant(state: &FilterState) -> Result<(), TestCaseError> {
+    prop_assert!(state.quaternion.iter().all(|c| c.abs() <= COMPONENT_MAX));
+    prop_assert!(
+        (quaternion(state).norm() - 1.0).abs() <= INVARIANT_LENGTH,
+        "{}",
+        quaternion(state).norm()
+    );
+    prop_assert!(state.rate.abs() <= 0x2000_0000 && state.slow_rate.abs() <= 0x2000_0000);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40_000))]
+
+    /// Inductive: any state within the invariant, any reading, any constants; also no overflow.
+    #[test]
+    fn every_step_keeps_the_invariant(
+        state in state(), gyro in counts(), accel in counts(), mag in counts(), constants in constants(),
+    ) {
+        assert_invariant(&step_imu(&state, gyro, accel, &constants))?;
+        assert_invariant(&step_marg(&state, gyro, accel, mag, &constants))?;
+        assert_invariant(&align(&state, accel, &constants))?;
+    }
+
+    /// No overflow even for a state of any length, as long as its components are in range.
+    #[test]
+    fn no_overflow_for_components_in_range(
+        quaternion in prop::array::uniform4(prop_oneof![
+            -COMPONENT_MAX..=COMPONENT_MAX, Just(COMPONENT_MAX), Just(-COMPONENT_MAX), Just(0)
+        ]),
+        gyro in counts(), accel in counts(), mag in counts(), constants in constants(), mounting in any::<i32>(),
+    ) {
+        let state = FilterState { quaternion, rate: -0x2000_0000, slow_rate: 0x2000_0000 };
+        for next in [
+            step_imu(&state, gyro, accel, &constants),
+            step_marg(&state, gyro, accel, mag, &constants),
+        ] {
+            prop_assert!(next.quaternion.iter().all(|c| c.abs() <= COMPONENT_MAX));
+            pivot_angle(next.quaternion, mounting);
+        }
+    }
+
+    /// One step from any state against the reference from the same state: the error budget of a
+    /// step, without what earlier steps added.
+    #[test]
+    fn pivot_angle_agrees_with_the_reference(state in state(), mounting in -3.2..3.2f64) {
+        let exact = quaternion(&state).normalize();
+        let up = attitude::up_in_sensor(&exact);
+        let across = up.x.hypot(up.y);
+        let word = pivot_angle(state.quaternion, mounting_word(mounting).expect("finite"));
+        let angle = f64::from(word) * PI / f64::from(1u32 << 31);
+        let error = wrap_angle(angle - attitude::pivot_angle(&exact, mounting)).abs() * across;
+        prop_assert!(error <= 5e-7, "{}", error);
+    }
+}
