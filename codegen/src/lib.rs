@@ -21,12 +21,14 @@
 //! # }
 //! ```
 
+pub mod attitude;
 pub mod claims;
 pub mod control;
 pub mod emit;
 pub mod exact;
 pub mod file;
 pub mod format;
+pub mod helpers;
 pub mod ir;
 pub mod refusal;
 pub mod runtime;
