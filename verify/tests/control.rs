@@ -13,6 +13,9 @@ use proptest::prelude::*;
 use serde_json::Value;
 use verify::properties::control::{accurate, command_bits, total};
 
+/// The gains, in the order of the states.
+const GAINS: [i32; 3] = [ANGLE_GAIN, RATE_GAIN, WHEEL_SPEED_GAIN];
+
 /// Words at which integer code breaks: ends, their neighbours, zero, and powers of two.
 fn extreme_words() -> Vec<i32> {
     let mut words = vec![0, i32::MIN, i32::MIN + 1, i32::MAX, i32::MAX - 1];
@@ -58,19 +61,48 @@ fn holds_around_saturation_and_zero() {
     }
 }
 
+/// Asserts that the command is the nearest one, halves upward; returns how far the exact sum lies
+/// above the half between two commands, in units of the sum.
+fn assert_nearest(words: [i32; 3]) -> i128 {
+    let unit = 1_i128 << SHIFT;
+    let limit = i128::from(CURRENT_LIMIT.to_bits());
+    let exact: i128 = GAINS
+        .iter()
+        .zip(words)
+        .map(|(gain, word)| i128::from(*gain) * i128::from(word))
+        .sum();
+    let above_half = exact.rem_euclid(unit) - unit / 2;
+    let expected = exact.div_euclid(unit) + i128::from(above_half >= 0);
+    assert_eq!(
+        i128::from(command_bits(words[0], words[1], words[2])),
+        expected.clamp(-limit, limit),
+        "words {words:?}"
+    );
+    above_half
+}
+
 #[test]
 fn the_rounding_is_to_nearest_with_halves_upward() {
-    // With the angle word as the only input the exact command is ANGLE_GAIN·word / 2^SHIFT units.
-    let unit = 1_i128 << SHIFT;
-    for word in -100_000..100_000 {
-        let exact = i128::from(ANGLE_GAIN) * i128::from(word);
-        let floor = exact.div_euclid(unit);
-        let expected = floor + i128::from(2 * exact.rem_euclid(unit) >= unit);
-        assert_eq!(
-            i128::from(command_bits(word, 0, 0)),
-            expected,
-            "word {word}"
-        );
+    for word in -20_000..20_000 {
+        assert_nearest([word, 0, 0]);
+        assert_nearest([word, -word, 7 * word]);
+    }
+    // Sums at the half and next to it. The gain with the fewest factors of two, g = odd·2^v, moves
+    // the sum in the finest steps; its word for a given rest is that rest times 1/odd mod 2^SHIFT.
+    let finest = (0..3).min_by_key(|i| GAINS[*i].trailing_zeros()).unwrap();
+    let v = GAINS[finest].trailing_zeros();
+    let odd = GAINS[finest] >> v;
+    // Newton's iteration doubles the correct low bits: 3, 6, 12, 24, 48.
+    let inverse = (0..4).fold(i64::from(odd), |x, _| {
+        x.wrapping_mul(2_i64.wrapping_sub(x.wrapping_mul(odd.into())))
+    });
+    assert!(v < SHIFT, "no sum is a half");
+    let steps_to_half = 1_i64 << (SHIFT - 1 - v);
+    for step in -3..=3 {
+        let word = (steps_to_half + step).wrapping_mul(inverse);
+        let mut words = [0; 3];
+        words[finest] = word.rem_euclid(1 << (SHIFT - v)).to_i32().unwrap();
+        assert_eq!(assert_nearest(words), i128::from(step) << v);
     }
 }
 
