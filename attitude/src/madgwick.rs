@@ -29,7 +29,7 @@
 //!
 //! # Step
 //! q ← q + T (q̇_ω − β ∇/‖∇‖), then normalised (eq. 42–44). The correction is left out where
-//! ‖½∇‖ is below [`GRADIENT_MIN`]: there the estimate agrees with the measurement.
+//! all components of ½∇ are below [`GRADIENT_MIN`]: there the estimate agrees with the measurement.
 //!
 //! # Magnetic reference
 //! h = q ⊗ m ⊗ q* is the measured field in the estimated earth frame (eq. 45), and
@@ -41,7 +41,7 @@
 use crate::pivot_angle::up_in_sensor;
 use nalgebra::{Quaternion, Vector3, Vector4};
 
-/// Length of the half gradient ½∇ below which no correction is made: about 4 µrad of tilt, far
+/// Where all components of the half gradient ½∇ are below this, no correction is made: about 4 µrad of tilt, far
 /// below the noise of any accelerometer and well above the resolution of the fixed-point filter.
 pub const GRADIENT_MIN: f64 = 1.0 / 262_144.0;
 
@@ -79,7 +79,7 @@ impl Madgwick {
             return;
         };
         let turn = Quaternion::new(1.0 + up.z, up.y, -up.x, 0.0);
-        self.q = if turn.norm() < 1.0 / 1024.0 {
+        self.q = if turn.as_vector().amax() < 1.0 / 1024.0 {
             Quaternion::new(0.0, 1.0, 0.0, 0.0)
         } else {
             turn.normalize()
@@ -147,9 +147,9 @@ impl Madgwick {
     fn integrate(&mut self, rate: &Vector3<f64>, half_gradient: &Vector4<f64>) {
         let half_angle = rate * (0.5 * self.sample_time_s);
         let mut next = self.q + self.q * Quaternion::from_imag(half_angle);
-        let length = half_gradient.norm();
-        if length >= GRADIENT_MIN {
-            let step = half_gradient * (self.beta_rad_s * self.sample_time_s / length);
+        if half_gradient.amax() >= GRADIENT_MIN {
+            let gain = self.beta_rad_s * self.sample_time_s / half_gradient.norm();
+            let step = half_gradient * gain;
             next -= Quaternion::new(step[0], step[1], step[2], step[3]);
         }
         self.q = next.normalize();

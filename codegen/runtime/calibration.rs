@@ -14,11 +14,11 @@ pub struct SensorLine {
 
 /// Largest magnitude of a calibrated component: (2¹⁵ + 2¹³)·2¹⁵ counts times 3·2²⁹/2³², rounded
 /// up to a power of two.
-pub(crate) const CALIBRATED_MAX: i32 = 0x2000_0000;
+pub const CALIBRATED_MAX: i32 = 0x2000_0000;
 
 /// matrix · (raw − bias). Each component within ±2²⁹, its error at most half a unit.
 #[inline]
-pub(crate) fn calibrate(raw: [i16; 3], line: &SensorLine) -> [i32; 3] {
+pub fn calibrate(raw: [i16; 3], line: &SensorLine) -> [i32; 3] {
     let x = (raw[0] as i32) * 0x8000 - line.bias[0];
     let y = (raw[1] as i32) * 0x8000 - line.bias[1];
     let z = (raw[2] as i32) * 0x8000 - line.bias[2];
@@ -45,7 +45,7 @@ fn dot(row: [i32; 3], x: i32, y: i32, z: i32) -> i32 {
 
 /// Whether any axis is at a limit of its range, where the true value is unknown.
 #[inline]
-pub(crate) fn is_saturated(raw: [i16; 3]) -> bool {
+pub fn is_saturated(raw: [i16; 3]) -> bool {
     is_at_limit(raw[0]) || is_at_limit(raw[1]) || is_at_limit(raw[2])
 }
 

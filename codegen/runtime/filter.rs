@@ -53,7 +53,7 @@ pub const START: FilterState = FilterState {
 };
 
 /// One step with gyroscope and accelerometer.
-pub(crate) fn step_imu(
+pub fn step_imu(
     state: &FilterState,
     gyro: [i16; 3],
     accel: [i16; 3],
@@ -70,7 +70,7 @@ pub(crate) fn step_imu(
 }
 
 /// One step with gyroscope, accelerometer and magnetometer.
-pub(crate) fn step_marg(
+pub fn step_marg(
     state: &FilterState,
     gyro: [i16; 3],
     accel: [i16; 3],
@@ -97,21 +97,23 @@ pub(crate) fn step_marg(
     next(state, turn, &correction)
 }
 
-/// The attitude by the accelerometer alone; the state unchanged if the reading cannot be used.
-pub(crate) fn align(
+/// The attitude by the accelerometer alone, and whether the reading could be used; otherwise the
+/// state is unchanged.
+pub fn align(
     state: &FilterState,
     accel: [i16; 3],
     constants: &FilterConstants,
-) -> FilterState {
+) -> (FilterState, bool) {
     let up = calibrate(accel, &constants.accel);
     if is_gravity_usable(accel, up, constants) {
-        FilterState {
+        let next = FilterState {
             quaternion: aligned(unit_q28(up)),
             rate: state.rate,
             slow_rate: state.slow_rate,
-        }
+        };
+        (next, true)
     } else {
-        *state
+        (*state, false)
     }
 }
 
@@ -124,7 +126,7 @@ fn gravity(accel: [i16; 3], rate: i32, slow: i32, constants: &FilterConstants) -
 
 /// Whether `up`, from the counts `raw`, shows the vertical.
 #[inline]
-pub(crate) fn is_gravity_usable(raw: [i16; 3], up: [i32; 3], constants: &FilterConstants) -> bool {
+pub fn is_gravity_usable(raw: [i16; 3], up: [i32; 3], constants: &FilterConstants) -> bool {
     !is_saturated(raw) && length_squared(up) >= constants.gravity_squared_min
 }
 

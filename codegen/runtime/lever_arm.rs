@@ -17,11 +17,11 @@ pub struct LeverArm {
 
 /// Largest correction of one component, the accelerometer's own range: more would have saturated
 /// the reading.
-pub(crate) const CORRECTION_MAX: i32 = 0x2000_0000;
+pub const CORRECTION_MAX: i32 = 0x2000_0000;
 
 /// The rate that lags by two steps: the mean of itself and the rate, to one unit.
 #[inline]
-pub(crate) fn slow_rate(slow: i32, rate: i32) -> i32 {
+pub fn slow_rate(slow: i32, rate: i32) -> i32 {
     // Halved first, so that the range is plainly that of the arguments.
     (slow >> 1) + (rate >> 1)
 }
@@ -29,7 +29,7 @@ pub(crate) fn slow_rate(slow: i32, rate: i32) -> i32 {
 /// The calibrated reading without the motion's part. `rate` and `slow` are half-angles a step in
 /// Q32 within ±2²⁹, `accel` is within ±2²⁹, the result within ±2³⁰.
 #[inline]
-pub(crate) fn without_motion(accel: [i32; 3], rate: i32, slow: i32, arm: &LeverArm) -> [i32; 3] {
+pub fn without_motion(accel: [i32; 3], rate: i32, slow: i32, arm: &LeverArm) -> [i32; 3] {
     let squared = round_high(rate as i64 * rate as i64) as i64;
     let excess = (rate - slow) as i64;
     let x = squared * arm.centripetal[0] as i64 + excess * arm.tangential[1] as i64;
@@ -43,6 +43,6 @@ pub(crate) fn without_motion(accel: [i32; 3], rate: i32, slow: i32, arm: &LeverA
 
 /// Squared length of a vector within ±2³⁰, in units of 2³² (each square rounded down).
 #[inline]
-pub(crate) fn length_squared(v: [i32; 3]) -> i32 {
+pub fn length_squared(v: [i32; 3]) -> i32 {
     mul_high(v[0], v[0]) + mul_high(v[1], v[1]) + mul_high(v[2], v[2])
 }

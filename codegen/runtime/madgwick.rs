@@ -14,10 +14,10 @@ use super::root::{inverse_length, square_root_q30};
 use super::scaling::{is_within, scaled_up3, scaled_up4};
 
 /// 1 in Q30.
-pub(crate) const ONE: i32 = 0x4000_0000;
+pub const ONE: i32 = 0x4000_0000;
 
 /// Largest component of the quaternion that a step leaves behind: 1 + 2⁻¹² in Q30.
-pub(crate) const COMPONENT_MAX: i32 = 0x4004_0000;
+pub const COMPONENT_MAX: i32 = 0x4004_0000;
 
 /// Below this in all components the half gradient makes no correction: 2⁻¹⁸ in Q26.
 const GRADIENT_MIN_IMU: i32 = 0x100;
@@ -30,15 +30,15 @@ const HORIZONTAL_SQUARED_MIN: i32 = 0x20_0000;
 
 /// The direction in which the estimate is to be corrected, and how far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Correction {
+pub struct Correction {
     /// The gradient, scaled up; within ±7·2²⁸.
-    direction: [i32; 4],
+    pub direction: [i32; 4],
     /// β T over the length of `direction`, so that the product is a change of q in Q62.
-    gain: i32,
+    pub gain: i32,
 }
 
 /// No correction: the step is gyroscope integration.
-pub(crate) const NO_CORRECTION: Correction = Correction {
+pub const NO_CORRECTION: Correction = Correction {
     direction: [0, 0, 0, 0],
     gain: 0,
 };
@@ -46,7 +46,7 @@ pub(crate) const NO_CORRECTION: Correction = Correction {
 /// Unit vector in Q28 along `v`, which is within ±2³⁰ and has a component of at least 2¹⁴.
 /// Error: at most 1e-8 a component. Each component within ±2²⁹ for any `v` in range.
 #[inline]
-pub(crate) fn unit_q28(v: [i32; 3]) -> [i32; 3] {
+pub fn unit_q28(v: [i32; 3]) -> [i32; 3] {
     let scaled = scaled_up3(v);
     let inverse = inverse_length(length_squared(scaled)) as i64;
     // 2²⁹ √x times 2³⁰/√x is a unit vector in Q59, its upper word in Q27.
@@ -59,7 +59,7 @@ pub(crate) fn unit_q28(v: [i32; 3]) -> [i32; 3] {
 
 /// The upward direction in the sensor's frame, in Q28 (eq. 25). Each component within 3·2²⁸ + 2¹⁸.
 #[inline]
-pub(crate) fn up_q28(q: [i32; 4]) -> [i32; 3] {
+pub fn up_q28(q: [i32; 4]) -> [i32; 3] {
     let (w, x, y, z) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
     [
         round_high(x * z - w * y) * 2,
@@ -70,7 +70,7 @@ pub(crate) fn up_q28(q: [i32; 4]) -> [i32; 3] {
 
 /// Gradient of the six-axis error: ½Jᵀ(v − a) in Q26 (eq. 25, 26).
 #[inline]
-pub(crate) fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correction {
+pub fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correction {
     let up = up_q28(q);
     let w1 = (up[0] - measured_up[0]) as i64;
     let w2 = (up[1] - measured_up[1]) as i64;
@@ -88,7 +88,7 @@ pub(crate) fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> C
 /// Gradient of the nine-axis error in Q24 (eq. 29 to 34, 45, 46); that of six axes if the field
 /// is nearly vertical in the estimated frame.
 #[inline]
-pub(crate) fn correction_marg(
+pub fn correction_marg(
     q: [i32; 4],
     measured_up: [i32; 3],
     field: [i32; 3],
@@ -171,9 +171,13 @@ fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction {
 /// `half_angle` is within ±2²⁹. The change is summed in Q62 and rounded once, so that its error
 /// is half a unit of q and has no preferred sign.
 #[inline]
-pub(crate) fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i32; 4] {
+pub fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i32; 4] {
     let (w, x, y, z) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
-    let (a, b, c) = (half_angle[0] as i64, half_angle[1] as i64, half_angle[2] as i64);
+    let (a, b, c) = (
+        half_angle[0] as i64,
+        half_angle[1] as i64,
+        half_angle[2] as i64,
+    );
     let gain = correction.gain as i64;
     normalised([
         q[0] + round_high(-(x * a) - y * b - z * c - correction.direction[0] as i64 * gain),
@@ -189,7 +193,7 @@ pub(crate) fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction)
 /// 5|ε|³/16 + 2⁻²⁵ < 1e-4. Components are clamped to [`COMPONENT_MAX`], which acts only on
 /// quaternions far from unit length.
 #[inline]
-pub(crate) fn normalised(q: [i32; 4]) -> [i32; 4] {
+pub fn normalised(q: [i32; 4]) -> [i32; 4] {
     let squared = (mul_high(q[0], q[0]) >> 1)
         + (mul_high(q[1], q[1]) >> 1)
         + (mul_high(q[2], q[2]) >> 1)
@@ -200,18 +204,38 @@ pub(crate) fn normalised(q: [i32; 4]) -> [i32; 4] {
     let square = mul_high(half, half);
     let change = (square + (square >> 1) - half) as i64;
     [
-        clamp(q[0] + round_high(q[0] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
-        clamp(q[1] + round_high(q[1] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
-        clamp(q[2] + round_high(q[2] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
-        clamp(q[3] + round_high(q[3] as i64 * change), -COMPONENT_MAX, COMPONENT_MAX),
+        clamp(
+            q[0] + round_high(q[0] as i64 * change),
+            -COMPONENT_MAX,
+            COMPONENT_MAX,
+        ),
+        clamp(
+            q[1] + round_high(q[1] as i64 * change),
+            -COMPONENT_MAX,
+            COMPONENT_MAX,
+        ),
+        clamp(
+            q[2] + round_high(q[2] as i64 * change),
+            -COMPONENT_MAX,
+            COMPONENT_MAX,
+        ),
+        clamp(
+            q[3] + round_high(q[3] as i64 * change),
+            -COMPONENT_MAX,
+            COMPONENT_MAX,
+        ),
     ]
 }
 
 /// The shortest turn from the earth frame that agrees with `measured_up` (a unit vector in Q28):
 /// (1 + v_z, v_y, −v_x, 0) normalised, or half a turn about x where it points straight down.
 #[inline]
-pub(crate) fn aligned(measured_up: [i32; 3]) -> [i32; 4] {
-    let turn = [0x1000_0000 + measured_up[2], measured_up[1], -measured_up[0]];
+pub fn aligned(measured_up: [i32; 3]) -> [i32; 4] {
+    let turn = [
+        0x1000_0000 + measured_up[2],
+        measured_up[1],
+        -measured_up[0],
+    ];
     if is_within(turn[0], 0x4_0000) && is_within(turn[1], 0x4_0000) && is_within(turn[2], 0x4_0000)
     {
         return [0, ONE, 0, 0];

@@ -7,7 +7,7 @@
 /// Upper word of a product: ⌊a b/2³²⌋. Error within [−1, 0] units; any arguments.
 #[cfg_attr(kani, kani::ensures(|r| (-0x4000_0000..=0x4000_0000).contains(r)))]
 #[inline]
-pub(crate) fn mul_high(a: i32, b: i32) -> i32 {
+pub fn mul_high(a: i32, b: i32) -> i32 {
     ((a as i64 * b as i64) >> 32) as i32
 }
 
@@ -21,7 +21,7 @@ pub(crate) fn mul_high(a: i32, b: i32) -> i32 {
     (-0x8000_0000..=0x8000_0000).contains(&rest)
 }))]
 #[inline]
-pub(crate) fn round_high(sum: i64) -> i32 {
+pub fn round_high(sum: i64) -> i32 {
     (sum >> 32) as i32 + ((sum >> 31) & 1) as i32
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn round_high(sum: i64) -> i32 {
 #[cfg_attr(kani, kani::requires(low <= high))]
 #[cfg_attr(kani, kani::ensures(|r| low <= *r && *r <= high))]
 #[inline]
-pub(crate) fn clamp(value: i32, low: i32, high: i32) -> i32 {
+pub fn clamp(value: i32, low: i32, high: i32) -> i32 {
     if value < low {
         low
     } else if value > high {
@@ -43,7 +43,7 @@ pub(crate) fn clamp(value: i32, low: i32, high: i32) -> i32 {
 #[cfg_attr(kani, kani::requires(limit >= 0))]
 #[cfg_attr(kani, kani::ensures(|r| -limit <= *r && *r <= limit))]
 #[inline]
-pub(crate) fn clamp_wide(value: i64, limit: i32) -> i32 {
+pub fn clamp_wide(value: i64, limit: i32) -> i32 {
     if value < -(limit as i64) {
         -limit
     } else if value > limit as i64 {

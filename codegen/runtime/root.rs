@@ -12,7 +12,7 @@ use super::product::{clamp, mul_high};
 #[cfg_attr(kani, kani::requires((0x1000_0000..0x4000_0000).contains(&n)))]
 #[cfg_attr(kani, kani::ensures(|r| (0x1fff_fff0..=0x4000_0000).contains(r)))]
 #[inline]
-pub(crate) fn inverse_root_q30(n: i32) -> i32 {
+pub fn inverse_root_q30(n: i32) -> i32 {
     let x = n * 2;
     let seed = if n < 0x2000_0000 {
         1_696_124_550 - mul_high(x, 784_383_764 - mul_high(x, 1_268_626_640)) * 8
@@ -36,7 +36,7 @@ fn refined(x: i32, y: i32) -> i32 {
 /// Error: at most 8 units.
 #[cfg_attr(kani, kani::ensures(|r| (0x0fff_fff8..=0x4000_0000).contains(r)))]
 #[inline]
-pub(crate) fn inverse_length(n: i32) -> i32 {
+pub fn inverse_length(n: i32) -> i32 {
     let n = clamp(n, 0x0400_0000, 0x3fff_ffff);
     if n < 0x1000_0000 {
         inverse_root_q30(n * 4)
@@ -45,11 +45,11 @@ pub(crate) fn inverse_length(n: i32) -> i32 {
     }
 }
 
-/// √n in Q30 for n in Q30, clamped to [2²², 2³⁰). Range: [2²⁶ − 64, 2³⁰].
-/// Error: at most 40 units of 2⁻³⁰.
-#[cfg_attr(kani, kani::ensures(|r| (0x03ff_ffc0..=0x4000_0000).contains(r)))]
+/// √n in Q30 for n in Q30, clamped to [2²², 2³⁰). Range: [2²⁶ − 16, 2³⁰].
+/// Error: at most 16 units of 2⁻³⁰.
+#[cfg_attr(kani, kani::ensures(|r| (0x03ff_fff0..=0x4000_0000).contains(r)))]
 #[inline]
-pub(crate) fn square_root_q30(n: i32) -> i32 {
+pub fn square_root_q30(n: i32) -> i32 {
     let n = clamp(n, 0x40_0000, 0x3fff_ffff);
     // √n = n/√n, with n scaled to [2²⁸, 2³⁰) by powers of four.
     if n < 0x100_0000 {

@@ -5,11 +5,11 @@
 
 /// Components below this can be doubled once more; after scaling, the largest component of a
 /// vector that was large enough is at least this.
-pub(crate) const SCALED_MIN: i32 = 0x2000_0000;
+pub const SCALED_MIN: i32 = 0x2000_0000;
 
 /// Whether |value| < limit, limit > 0.
 #[inline]
-pub(crate) fn is_within(value: i32, limit: i32) -> bool {
+pub fn is_within(value: i32, limit: i32) -> bool {
     -limit < value && value < limit
 }
 
@@ -56,7 +56,7 @@ fn lift4(v: [i32; 4], limit: i32, factor: i32) -> [i32; 4] {
     (-0x4000_0000..=0x4000_0000).contains(&r[0]) && (-0x4000_0000..=0x4000_0000).contains(&r[1])
 ))]
 #[inline]
-pub(crate) fn scaled_up2(v: [i32; 2]) -> [i32; 2] {
+pub fn scaled_up2(v: [i32; 2]) -> [i32; 2] {
     // Most vectors are long, so the large factors are looked at only for those that are not.
     let long = if is_within(v[0], 0x0400_0000) && is_within(v[1], 0x0400_0000) {
         lift2(
@@ -83,7 +83,7 @@ pub(crate) fn scaled_up2(v: [i32; 2]) -> [i32; 2] {
         && (-0x4000_0000..=0x4000_0000).contains(&r[2])
 ))]
 #[inline]
-pub(crate) fn scaled_up3(v: [i32; 3]) -> [i32; 3] {
+pub fn scaled_up3(v: [i32; 3]) -> [i32; 3] {
     let long = lift3(lift3(v, 0x40_0000, 0x100), 0x0400_0000, 0x10);
     lift3(lift3(long, 0x1000_0000, 4), SCALED_MIN, 2)
 }
@@ -103,7 +103,7 @@ pub(crate) fn scaled_up3(v: [i32; 3]) -> [i32; 3] {
         && (-0x7000_0000..=0x7000_0000).contains(&r[3])
 ))]
 #[inline]
-pub(crate) fn scaled_up4(v: [i32; 4]) -> [i32; 4] {
+pub fn scaled_up4(v: [i32; 4]) -> [i32; 4] {
     let long = lift4(lift4(v, 0x4000, 0x1_0000), 0x40_0000, 0x100);
     let longer = lift4(lift4(long, 0x0400_0000, 0x10), 0x1000_0000, 4);
     lift4(longer, SCALED_MIN, 2)

@@ -5,7 +5,6 @@
 
 use attitude::{AttitudeSpec, GRAVITY_SHARE_MIN, RATE_LAG_STEPS, wrap_angle};
 use nalgebra::Matrix3;
-use std::f64::consts::PI;
 
 use crate::helpers::calibration::SensorLine;
 use crate::helpers::filter::FilterConstants;
@@ -123,7 +122,7 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
     })
 }
 
-/// The mounting angle as a word whose 2³¹ stand for π.
+/// The mounting angle in Q28 radians within ±π.
 ///
 /// # Errors
 /// [`AttitudeRefusal`] if it is not finite.
@@ -135,8 +134,7 @@ pub fn mounting_word(mounting_angle_rad: f64) -> Result<i32, AttitudeRefusal> {
         "rad",
         "state it within a turn",
     )?;
-    // Just below π rounds up to 2³¹, which is −2³¹ on the circle.
-    Ok((wrap_angle(mounting_angle_rad) / PI * 2f64.powi(31)).round() as i64 as i32)
+    Ok((wrap_angle(mounting_angle_rad) * 2f64.powi(28)).round() as i32)
 }
 
 /// A squared length in units of 2³², at least one.

@@ -5,12 +5,16 @@
 
 #[path = "../runtime/arc_tangent.rs"]
 pub mod arc_tangent;
+#[path = "../runtime/bias_observer.rs"]
+pub mod bias_observer;
 #[path = "../runtime/calibration.rs"]
 pub mod calibration;
 #[path = "../runtime/filter.rs"]
 pub mod filter;
 #[path = "../runtime/lever_arm.rs"]
 pub mod lever_arm;
+#[path = "../runtime/line.rs"]
+pub mod line;
 #[path = "../runtime/madgwick.rs"]
 pub mod madgwick;
 #[path = "../runtime/pivot_angle.rs"]

@@ -1,0 +1,30 @@
+//! Straight lines between words of different units: counts to speeds, currents to duty.
+
+/// result = (scale · word + offset) / 2^shift, rounded as `offset` says, within [low, high].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// Slope times 2^shift, at most 2³⁰.
+    pub scale: i32,
+    /// Value at zero plus one half, times 2^shift; at most 2⁶¹.
+    pub offset: i64,
+    /// At most 62.
+    pub shift: u32,
+    /// Smallest result.
+    pub low: i32,
+    /// Largest result, at least `low`.
+    pub high: i32,
+}
+
+/// The line at `word`. Within half a unit of the line with the rounded scale and offset; any
+/// word.
+#[inline]
+pub fn on_line(word: i32, line: &Line) -> i32 {
+    let value = (word as i64 * line.scale as i64 + line.offset) >> line.shift;
+    if value < line.low as i64 {
+        line.low
+    } else if value > line.high as i64 {
+        line.high
+    } else {
+        value as i32
+    }
+}
