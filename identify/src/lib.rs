@@ -29,7 +29,7 @@ pub use fit::{
 pub use identification::{
     Identification, IdentifyError, Setup, carry_over, extend, identify, scaled_start,
 };
-pub use noise::noise_std;
+pub use noise::{noise_std, resolution};
 pub use pushes::{Push, PushModel, find_pushes, leave_out};
 pub use record::{Channel, Output, Record, RecordedCurrent};
 pub use sensitivity::{

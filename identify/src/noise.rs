@@ -76,8 +76,11 @@ fn median_of_blocks(values: &[f64]) -> Option<f64> {
 
 /// The smallest step between two different values: the resolution of a quantised channel (and a
 /// tiny number for a channel whose values are all different).
-fn resolution(finite: &[f64]) -> f64 {
-    let mut sorted = finite.to_vec();
+pub fn resolution(samples: &[f64]) -> f64 {
+    let mut sorted: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
+    if sorted.is_empty() {
+        return 0.0;
+    }
     sorted.sort_by(f64::total_cmp);
     let scale = sorted[sorted.len() - 1].abs().max(sorted[0].abs());
     sorted

@@ -230,7 +230,11 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
                 span_s: (time_s[from] - HALF_BUMP_S, time_s[to] + HALF_BUMP_S),
             });
         }
+        // What is left of this push beyond its foot is no push of its own.
         k = to + 1;
+        while k < n && sign * command[k] > FOOT * command_std {
+            k += 1;
+        }
     }
     pushes
 }

@@ -4,7 +4,7 @@
 use bench_files::{CurrentMeaning, Experiment};
 use plant::{Hold, Input, Kind, Reading};
 
-use crate::noise::noise_std;
+use crate::noise::{noise_std, resolution};
 
 /// A measured output of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -58,7 +58,13 @@ pub struct Channel {
     pub samples: Vec<f64>,
     /// Standard deviation of the sensor's noise, in the unit of the output.
     pub noise_std: f64,
+    /// The step of a channel whose noise is mostly its own rounding, in the unit of the output;
+    /// `None` where the noise hides it.
+    pub quantum: Option<f64>,
 }
+
+/// A channel is taken as quantised if rounding (q/√12) makes at least this share of its noise.
+const QUANTISED_SHARE: f64 = 0.5;
 
 /// The current of a log.
 #[derive(Clone, Debug)]
@@ -111,10 +117,14 @@ impl Record {
             })
             .filter_map(|(output, samples)| {
                 let samples = samples?;
+                let noise_std = noise_std(&samples);
+                let quantum = Some(resolution(&samples))
+                    .filter(|quantum| quantum / 12f64.sqrt() >= QUANTISED_SHARE * noise_std);
                 Some(Channel {
                     output,
-                    noise_std: noise_std(&samples),
                     samples,
+                    noise_std,
+                    quantum,
                 })
             })
             .collect();

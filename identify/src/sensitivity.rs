@@ -16,6 +16,9 @@ pub enum Local {
     WheelSpeed,
     /// Current held throughout, A.
     Current,
+    /// Zero of a quantised angle, rad. Rounding or truncation: the zero of a channel with step q is
+    /// known to ±q/2 only, so that it is an unknown of the log with standard deviation q/√12.
+    AngleZero,
 }
 
 impl Local {
@@ -32,7 +35,26 @@ impl Local {
         if matches!(record.current, RecordedCurrent::Unknown) {
             locals.push(Local::Current);
         }
+        if angle_quantum(record).is_some() {
+            locals.push(Local::AngleZero);
+        }
         locals
+    }
+
+    /// Standard deviation with which the unknown is known beforehand, if it is.
+    pub fn prior_std(self, record: &Record) -> Option<f64> {
+        match self {
+            Local::AngleZero => angle_quantum(record).map(|quantum| quantum / 12f64.sqrt()),
+            _ => None,
+        }
+    }
+}
+
+/// The step of the angle in a log whose one window spans it.
+fn angle_quantum(record: &Record) -> Option<f64> {
+    match record.kind {
+        Kind::FreeSwing | Kind::Driven => record.channel(Output::Angle)?.quantum,
+        Kind::SpinUp | Kind::Balance => None,
     }
 }
 
@@ -143,19 +165,21 @@ pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usiz
         .collect()
 }
 
-/// The start of a window as a state, from its local unknowns.
-fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S) {
+/// The start of a window from its local unknowns: the state, a held current, the angle's zero.
+fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
     let mut state = State::rest();
     let mut current = S::zero();
+    let mut angle_zero = S::zero();
     for (local, &value) in locals.iter().zip(values) {
         match local {
             Local::Angle => state.angle_rad = value,
             Local::Rate => state.rate_rad_s = value,
             Local::WheelSpeed => state.wheel_speed_rad_s = value,
             Local::Current => current = value,
+            Local::AngleZero => angle_zero = value,
         }
     }
-    (state, current)
+    (state, current, angle_zero)
 }
 
 fn plant_of<S: Scalar>(record: &Record, model: &Model, values: &[S]) -> Plant<S> {
@@ -259,7 +283,7 @@ fn run_lanes<const N: usize>(
         .enumerate()
         .map(|(lane, &value)| Dual::variable(value, globals.len() + lane))
         .collect();
-    let (start, held) = start_state(&locals, &starts);
+    let (start, held, angle_zero) = start_state(&locals, &starts);
     let plant = plant_of(record, model, &duals);
     plant.run(
         start,
@@ -267,7 +291,11 @@ fn run_lanes<const N: usize>(
         window.samples.clone(),
         current_of(record, held),
         None,
-        |k, reading, _| each(k, reading),
+        |k, reading, _| {
+            let mut reading = *reading;
+            reading.angle_rad += angle_zero;
+            each(k, &reading);
+        },
     );
 }
 
@@ -340,6 +368,14 @@ fn normal_lanes<const N: usize>(
             }
         },
     );
+    for (index, (local, &value)) in Local::of(record).iter().zip(&window.locals).enumerate() {
+        if let Some(std) = local.prior_std(record) {
+            let lane = globals.len() + index;
+            cost += (value / std).powi(2);
+            gradient[lane] -= value / (std * std);
+            hessian[lane][lane] += 1.0 / (std * std);
+        }
+    }
     if !cost.is_finite() {
         cost = f64::INFINITY;
     }
@@ -359,13 +395,17 @@ pub fn simulate(
     values: &[f64],
     mut each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
 ) {
-    let (start, held) = start_state(&Local::of(record), &window.locals);
+    let (start, held, angle_zero) = start_state(&Local::of(record), &window.locals);
     plant_of(record, model, values).run(
         start,
         &record.time_s,
         window.samples.clone(),
         current_of(record, held),
         None,
-        |k, reading, state| each(k, reading, state),
+        |k, reading, state| {
+            let mut reading = *reading;
+            reading.angle_rad += angle_zero;
+            each(k, &reading, state);
+        },
     );
 }
