@@ -181,20 +181,18 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
             continue;
         }
         let sign = command[k].signum();
-        let mut highest = 0.0;
-        for value in command[k..].iter().map(|value| sign * value) {
-            if !(value > FOOT * command_std) {
-                break;
-            }
-            highest = f64::max(highest, value);
-        }
-        let foot = (FOOT * command_std).max(FOOT_OF_PEAK * highest);
+        let end = (k..n)
+            .find(|&k| !(sign * command[k] > FOOT * command_std))
+            .unwrap_or(n);
+        let top = (k..end)
+            .max_by(|&a, &b| (sign * command[a]).total_cmp(&(sign * command[b])))
+            .unwrap_or(k);
+        let foot = (FOOT * command_std).max(FOOT_OF_PEAK * sign * command[top]);
         let above = |k: usize| sign * command[k] > foot;
-        let mut from = k;
+        let (mut from, mut to) = (top, top);
         while from > 0 && above(from - 1) {
             from -= 1;
         }
-        let mut to = k;
         while to + 1 < n && above(to + 1) {
             to += 1;
         }
@@ -203,12 +201,7 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
         let moment: f64 = (from..=to)
             .map(|k| command[k] * step_s(k) * time_s[k])
             .sum();
-        let peak = (from..=to).map(|k| command[k]).fold(
-            0.0,
-            |a: f64, b| {
-                if b.abs() > a.abs() { b } else { a }
-            },
-        );
+        let peak = command[top];
         let span = time_s[to] - time_s[from] + 2.0 * HALF_BUMP_S;
         // Values closer than a bump are one value: the noise of the sum.
         let independent = (span / HALF_BUMP_S).max(1.0);
@@ -231,10 +224,7 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
             });
         }
         // What is left of this push beyond its foot is no push of its own.
-        k = to + 1;
-        while k < n && sign * command[k] > FOOT * command_std {
-            k += 1;
-        }
+        k = end.max(to + 1);
     }
     pushes
 }
