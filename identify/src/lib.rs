@@ -10,6 +10,7 @@
 //! | `fit` | the schedule from a plain start; model against measurement |
 //! | `covariance` | standard errors that account for correlated residuals |
 //! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
+//! | `whiteness` | what is left in a residual: noise or structure |
 //! | `identification` | a whole bench: what is known, what is free, what is open |
 
 mod covariance;
@@ -21,6 +22,7 @@ mod record;
 mod sensitivity;
 mod solver;
 mod start;
+mod whiteness;
 
 pub use covariance::pseudo_inverse;
 pub use fit::{
@@ -36,5 +38,9 @@ pub use sensitivity::{
     Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, normal, observe, relevant,
     simulate,
 };
-pub use solver::{Effort, Minimum, Outcome, minimise};
+pub use solver::{Effort, Minimum, Outcome, Promise, minimise, promise};
 pub use start::{Ratios, angle_samples, base_values, ratios};
+pub use whiteness::{
+    CorrelationTest, LAGS, SIGNIFICANT, Structure, autocorrelation, cross_correlation,
+    effective_samples, structure, without_rounding,
+};
