@@ -7,9 +7,13 @@ use super::product::round_high;
 pub struct SensorLine {
     /// Bias in 2⁻¹⁵ counts, at most 2²⁸ (8192 counts).
     pub bias: [i32; 3],
-    /// Scale, cross-axis terms and alignment, row by row: output units per count in Q17.
-    /// The magnitudes of a row sum to at most 3·2²⁹.
-    pub matrix: [[i32; 3]; 3],
+    /// Row of the x output in the matrix of scale, cross-axis terms and alignment: output units
+    /// per count in Q17. The magnitudes of each row sum to at most 3·2²⁹.
+    pub x: [i32; 3],
+    /// Row of the y output.
+    pub y: [i32; 3],
+    /// Row of the z output.
+    pub z: [i32; 3],
 }
 
 /// Largest magnitude of a calibrated component: (2¹⁵ + 2¹³)·2¹⁵ counts times 3·2²⁹/2³², rounded
@@ -23,9 +27,9 @@ pub fn calibrate(raw: [i16; 3], line: &SensorLine) -> [i32; 3] {
     let y = (raw[1] as i32) * 0x8000 - line.bias[1];
     let z = (raw[2] as i32) * 0x8000 - line.bias[2];
     [
-        dot(line.matrix[0], x, y, z),
-        dot(line.matrix[1], x, y, z),
-        dot(line.matrix[2], x, y, z),
+        dot(line.x, x, y, z),
+        dot(line.y, x, y, z),
+        dot(line.z, x, y, z),
     ]
 }
 

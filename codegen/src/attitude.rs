@@ -37,6 +37,16 @@ pub enum AttitudeRefusal {
         /// What would help.
         cure: &'static str,
     },
+    /// A straight line between words, or the observer, does not fit its words.
+    #[error(
+        "{what}: {value} cannot be brought into 32-bit words; check its unit and the stated ranges"
+    )]
+    NoLine {
+        /// The line.
+        what: &'static str,
+        /// The number that does not fit.
+        value: f64,
+    },
 }
 
 /// Largest β T: 2⁻⁸. With the largest half-angles the length of q then stays within 1e-4.
@@ -164,7 +174,8 @@ fn line(
             *word = matrix[(i, j)].round() as i32;
         }
     }
-    Ok(SensorLine { bias, matrix: rows })
+    let [x, y, z] = rows;
+    Ok(SensorLine { bias, x, y, z })
 }
 
 /// Largest sum of magnitudes in a row.

@@ -28,6 +28,7 @@ pub mod emit;
 pub mod exact;
 pub mod file;
 pub mod format;
+pub mod hardware;
 pub mod helpers;
 pub mod ir;
 pub mod refusal;
@@ -49,12 +50,15 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
     spec.validate()?;
     let law = control::derive(spec)?;
     stability::require_stable(spec, &law)?;
+    let hardware = hardware::derive(spec, &law)?;
 
     let mut files = vec![
         emit::cargo_toml::file(spec),
         emit::lib_rs::file(spec),
         emit::control_rs::file(spec, &law),
+        emit::constants_rs::file(spec, &law, &hardware),
     ];
+    files.extend(runtime::helpers(spec));
     files.push(emit::certificate::file(spec, &law, &files));
     Ok(EmittedCrate { files })
 }

@@ -82,6 +82,9 @@ pub enum Refusal {
         /// One count of the drive (A).
         count_a: String,
     },
+    /// Sensors, mounting or converter have numbers that the emitted step cannot hold.
+    #[error(transparent)]
+    Hardware(#[from] crate::attitude::AttitudeRefusal),
     /// The sampled linear loop with the quantised gains has an eigenvalue outside the unit circle.
     #[error(
         "claim `{}` fails: the sampled loop with these gains is unstable at a sample time of {sample_time_s} s; design the gains for this model and sample time, or shorten the sample time",
@@ -97,7 +100,7 @@ impl Refusal {
     /// The claim that would fail; `None` where the input is no usable number at all.
     pub fn claim(&self) -> Option<ClaimId> {
         match self {
-            Self::NotFinite { .. } | Self::NotPositive { .. } => None,
+            Self::NotFinite { .. } | Self::NotPositive { .. } | Self::Hardware(_) => None,
             Self::RangeTooLarge { .. }
             | Self::LimitAboveDrive { .. }
             | Self::LimitBelowResolution { .. }

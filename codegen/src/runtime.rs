@@ -1,17 +1,9 @@
 //! Carries hand-written helpers into the output.
 //!
-//! A helper is an ordinary Rust file in `codegen/runtime/` with its documentation and tests. It is
-//! compiled here as a module (`#[path]`), so that its tests run, and its text is included and
-//! carried: comments and layout stay as they are, its `#[cfg(test)]` items stay behind. To add one:
-//!
-//! ```text
-//! #[path = "../runtime/round.rs"]
-//! pub mod round;
-//! const ROUND: Helper = Helper { path: "src/round.rs", source: include_str!("../runtime/round.rs") };
-//! ```
-//!
-//! and append `ROUND.file(spec)?` to the list in [`crate::generate`] and `pub mod round;` to
-//! [`crate::emit::lib_rs`].
+//! A helper is an ordinary Rust file in `codegen/runtime/`. It is compiled in [`crate::helpers`],
+//! so that `codegen/tests/` can test it, and its text is carried: comments and layout stay as they
+//! are, its `#[cfg(test)]` items stay behind. To add one, append it to [`HELPERS`], to
+//! [`crate::helpers`] and to the list in [`crate::emit::lib_rs`].
 
 use syn::spanned::Spanned;
 
@@ -28,6 +20,16 @@ pub struct Helper {
     pub source: &'static str,
 }
 
+/// The helper in a file of `codegen/runtime/`.
+macro_rules! helper {
+    ($name:literal) => {
+        Helper {
+            path: concat!("src/", $name),
+            source: include_str!(concat!("../runtime/", $name)),
+        }
+    };
+}
+
 impl Helper {
     /// The file as it is emitted: header, then the text without its tests.
     ///
@@ -39,6 +41,35 @@ impl Helper {
             contents: emit::with_header(spec, &without_tests(self.source)?),
         })
     }
+}
+
+/// Every helper of the emitted crate.
+pub const HELPERS: [Helper; 13] = [
+    helper!("arc_tangent.rs"),
+    helper!("attitude.rs"),
+    helper!("bias_observer.rs"),
+    helper!("calibration.rs"),
+    helper!("controller.rs"),
+    helper!("filter.rs"),
+    helper!("lever_arm.rs"),
+    helper!("line.rs"),
+    helper!("madgwick.rs"),
+    helper!("pivot_angle.rs"),
+    helper!("product.rs"),
+    helper!("root.rs"),
+    helper!("scaling.rs"),
+];
+
+/// All helpers as they are emitted.
+pub fn helpers(spec: &ModuleSpec) -> Vec<EmittedFile> {
+    HELPERS
+        .iter()
+        .map(|helper| {
+            helper
+                .file(spec)
+                .expect("every helper parses; a test of this module says so")
+        })
+        .collect()
 }
 
 /// `source` without its items under `#[cfg(test)]`.
@@ -108,6 +139,14 @@ mod tests {
     fn left_behind() {}
 }
 ";
+
+    #[test]
+    fn every_helper_parses_and_is_formatted() {
+        for helper in HELPERS {
+            let carried = without_tests(helper.source).unwrap();
+            assert_eq!(carried, helper.source, "{}", helper.path);
+        }
+    }
 
     #[test]
     fn comments_stay_and_tests_do_not() {

@@ -1,5 +1,6 @@
 //! What the generator is told: plain numbers in SI units, from identification and design.
 
+use crate::hardware::HardwareSpec;
 use crate::refusal::Refusal;
 
 /// Everything from which a module is emitted.
@@ -21,6 +22,8 @@ pub struct ModuleSpec {
     pub ranges: PhysicalRanges,
     /// The drive that receives the command.
     pub drive: Drive,
+    /// The sensors that the states come from.
+    pub hardware: HardwareSpec,
     /// Identified parameters of the model behind the gains.
     pub parameters: Vec<Parameter>,
     /// Diagonal of the state weight Q.

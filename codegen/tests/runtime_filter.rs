@@ -359,7 +359,7 @@ fn constants() -> impl Strategy<Value = FilterConstants> {
             prop::array::uniform3(-0x1000_0000..=0x1000_0000),
             prop::array::uniform3(prop::array::uniform3(-0x2000_0000..=0x2000_0000)),
         )
-            .prop_map(|(bias, matrix)| SensorLine { bias, matrix })
+            .prop_map(|(bias, [x, y, z])| SensorLine { bias, x, y, z })
     };
     let arm = || {
         prop::array::uniform2(prop_oneof![

@@ -10,6 +10,38 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod arc_tangent;
+
+pub mod attitude;
+
+pub mod bias_observer;
+
+pub mod calibration;
+
+pub mod constants;
+
 pub mod control;
 
+pub mod controller;
+
+pub mod filter;
+
+pub mod lever_arm;
+
+pub mod line;
+
+pub mod madgwick;
+
+pub mod pivot_angle;
+
+pub mod product;
+
+pub mod root;
+
+pub mod scaling;
+
+pub use attitude::Attitude;
+
 pub use control::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed, control};
+
+pub use controller::{Controller, Duty, Sample, duty, wheel_speed};

@@ -28,6 +28,7 @@ use crate::spec::ModuleSpec;
 
 pub mod cargo_toml;
 pub mod certificate;
+pub mod constants_rs;
 pub mod control_rs;
 pub mod lib_rs;
 

@@ -1,6 +1,7 @@
 //! The bench of the thesis (matrix 4.4) as a specification, from golden numbers that were computed
 //! with SciPy, independently of this program.
 
+use codegen::hardware::HardwareSpec;
 use codegen::spec::{Drive, ModuleSpec, Parameter, PhysicalRanges};
 
 /// The thesis bench sampled at 1 ms, weights diag(25, 0.5, 5e-4) and 1, limit 2 A.
@@ -12,6 +13,7 @@ pub fn spec() -> ModuleSpec {
         sample_time_s: 0.001,
         ranges: PhysicalRanges::THESIS_BENCH,
         drive: Drive::THESIS_BENCH,
+        hardware: HardwareSpec::thesis_bench(),
         parameters: vec![
             parameter("total_inertia", 2.30344e-3, None, "kg m2"),
             parameter("gravity_torque", 0.245158, Some(1e-6), "N m"),

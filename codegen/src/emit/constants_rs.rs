@@ -1,0 +1,193 @@
+//! `src/constants.rs` of the emitted crate: the words of sensors, mounting, converter and drive.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use crate::emit::{inner_docs, integer, outer_docs, print};
+use crate::exact::Decimal;
+use crate::file::EmittedFile;
+use crate::hardware::HardwareWords;
+use crate::helpers::bias_observer::BiasObserver;
+use crate::helpers::calibration::SensorLine;
+use crate::helpers::filter::FilterConstants;
+use crate::helpers::line::Line;
+use crate::ir::ControlLaw;
+use crate::spec::ModuleSpec;
+
+/// Emits `src/constants.rs`.
+pub fn file(spec: &ModuleSpec, law: &ControlLaw, words: &HardwareWords) -> EmittedFile {
+    let number = |value: f64| Decimal::new(value).text;
+    let hardware = &spec.hardware;
+    let attitude = &hardware.attitude;
+    let docs = inner_docs(&[
+        "Numbers of this bench: sensors, mounting, converter and drive.",
+        "",
+        "Each word is the real number rounded once to the format stated at its field.",
+    ]);
+    let filter_docs = outer_docs(&[
+        format!(
+            "Attitude filter at {} s with beta = {} rad/s.",
+            number(spec.sample_time_s),
+            number(attitude.beta_rad_s)
+        ),
+        String::new(),
+        format!(
+            "Gravity {} m/s2, weakest usable field {} uT, lever arm ({}, {}) m.",
+            number(attitude.gravity_m_s2),
+            number(attitude.field_min_ut),
+            number(attitude.lever_arm_m[0]),
+            number(attitude.lever_arm_m[1])
+        ),
+        String::new(),
+        "| sensor | bias (counts) | matrix, row by row |".to_owned(),
+        "|---|---|---|".to_owned(),
+        sensor_row("gyroscope, rad/s per count", &attitude.gyro),
+        sensor_row("accelerometer, m/s2 per count", &attitude.accel),
+        sensor_row("magnetometer, uT per count", &attitude.mag),
+    ]);
+    let filter = filter(&words.filter);
+    let mounting_docs = outer_docs(&[format!(
+        "Mounting angle {} rad, wrapped, in Q28.",
+        number(attitude.mounting_angle_rad)
+    )]);
+    let mounting = integer(words.mounting_angle.into());
+    let [angle, rate, wheel_speed] = &law.terms;
+    let angle_docs = outer_docs(&[format!(
+        "From Q28 rad to the word of the angle ({}).",
+        angle.input.format.type_name()
+    )]);
+    let rate_docs = outer_docs(&[format!(
+        "From half-angles a step in Q32 to the word of the rate ({}).",
+        rate.input.format.type_name()
+    )]);
+    let wheel_docs = outer_docs(&[format!(
+        "From counts to the word of the wheel speed ({}): {} count + {} rad/s, within ±{} rad/s.",
+        wheel_speed.input.format.type_name(),
+        number(hardware.wheel_speed_per_count),
+        number(hardware.wheel_speed_at_zero),
+        number(spec.ranges.wheel_speed_rad_s)
+    )]);
+    let duty_docs = outer_docs(&[format!(
+        "From the word of the current ({}) to the duty: {} counts for {} A.",
+        law.current.type_name(),
+        spec.drive.counts(),
+        number(spec.drive.current_range_a)
+    )]);
+    let angle_line = line(&words.angle);
+    let rate_line = line(&words.rate);
+    let wheel_line = line(&words.wheel_speed);
+    let duty_line = line(&words.duty);
+    let zero = integer(words.zero_current.into());
+    let observer_docs = outer_docs(&[match &hardware.bias_observer {
+        None => "No observer of the angle's bias: the estimate is zero.".to_owned(),
+        Some(observer) => format!(
+            "Observer of the angle's bias with decay {} a step, within ±{} rad.",
+            number(observer.decay),
+            number(observer.limit_rad)
+        ),
+    }]);
+    let observer = bias_observer(&words.bias_observer);
+    let tokens = quote! {
+        #docs
+        use super::{
+            bias_observer::BiasObserver, calibration::SensorLine, filter::FilterConstants,
+            lever_arm::LeverArm, line::Line,
+        };
+        #filter_docs
+        pub const FILTER: FilterConstants = #filter;
+        #mounting_docs
+        pub const MOUNTING_ANGLE: i32 = #mounting;
+        #angle_docs
+        pub const ANGLE_LINE: Line = #angle_line;
+        #rate_docs
+        pub const RATE_LINE: Line = #rate_line;
+        #wheel_docs
+        pub const WHEEL_SPEED_LINE: Line = #wheel_line;
+        #duty_docs
+        pub const DUTY_LINE: Line = #duty_line;
+        /// Duty at zero current.
+        pub const ZERO_CURRENT: u16 = #zero;
+        #observer_docs
+        pub const BIAS_OBSERVER: BiasObserver = #observer;
+    };
+    EmittedFile {
+        path: "src/constants.rs".to_owned(),
+        contents: print(spec, tokens),
+    }
+}
+
+fn sensor_row(what: &str, line: &attitude::SensorLine) -> String {
+    let list = |values: Vec<f64>| {
+        values
+            .into_iter()
+            .map(|value| Decimal::new(value).text)
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    format!(
+        "| {what} | {} | {} |",
+        list(line.bias_counts.iter().copied().collect()),
+        list(line.matrix.transpose().iter().copied().collect())
+    )
+}
+
+fn filter(words: &FilterConstants) -> TokenStream {
+    let gyro = sensor_line(&words.gyro);
+    let accel = sensor_line(&words.accel);
+    let mag = sensor_line(&words.mag);
+    let gravity = integer(words.gravity_squared_min.into());
+    let field = integer(words.field_squared_min.into());
+    let centripetal = array(&words.lever_arm.centripetal);
+    let tangential = array(&words.lever_arm.tangential);
+    let beta = integer(words.beta.into());
+    quote!(FilterConstants {
+        gyro: #gyro,
+        accel: #accel,
+        mag: #mag,
+        gravity_squared_min: #gravity,
+        field_squared_min: #field,
+        lever_arm: LeverArm { centripetal: #centripetal, tangential: #tangential },
+        beta: #beta,
+    })
+}
+
+fn sensor_line(words: &SensorLine) -> TokenStream {
+    let bias = array(&words.bias);
+    let [x, y, z] = [words.x, words.y, words.z].map(|row| array(&row));
+    quote!(SensorLine { bias: #bias, x: #x, y: #y, z: #z })
+}
+
+fn line(words: &Line) -> TokenStream {
+    let scale = integer(words.scale.into());
+    let offset = integer(words.offset);
+    let shift = integer(words.shift.into());
+    let low = integer(words.low.into());
+    let high = integer(words.high.into());
+    quote!(Line { scale: #scale, offset: #offset, shift: #shift, low: #low, high: #high })
+}
+
+fn bias_observer(words: &BiasObserver) -> TokenStream {
+    let unit = integer(words.unit.into());
+    let decay = integer(words.decay.into());
+    let direct = array(&words.direct);
+    let from_states = array(&words.from_states);
+    let from_current = integer(words.from_current.into());
+    let state_shift = integer(words.state_shift.into());
+    let angle_shift = integer(words.angle_shift.into());
+    let limit = integer(words.limit.into());
+    quote!(BiasObserver {
+        unit: #unit,
+        decay: #decay,
+        direct: #direct,
+        from_states: #from_states,
+        from_current: #from_current,
+        state_shift: #state_shift,
+        angle_shift: #angle_shift,
+        limit: #limit,
+    })
+}
+
+fn array(values: &[i32]) -> TokenStream {
+    let values = values.iter().map(|&value| integer(value.into()));
+    quote!([#(#values),*])
+}
