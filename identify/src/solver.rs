@@ -144,51 +144,70 @@ fn damped(matrix: &mut DMatrix<f64>, damping: f64) {
 }
 
 fn reduce(assembled: &Assembled, globals: &[Vec<usize>], count: usize, damping: f64) -> Reduced {
+    let mut whole = Reduced {
+        matrix: DMatrix::zeros(count, count),
+        gradient: DVector::zeros(count),
+        windows: vec![],
+    };
+    for (list, globals) in assembled.windows.iter().zip(globals) {
+        let part = reduce_record(list, globals, count, damping);
+        whole.matrix += part.matrix;
+        whole.gradient += part.gradient;
+        whole.windows.push(part.windows);
+    }
+    whole
+}
+
+/// One record's share of the reduced system.
+struct ReducedRecord {
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+    windows: Vec<Option<Eliminated>>,
+}
+
+fn reduce_record(
+    list: &[WindowNormal],
+    globals: &[usize],
+    count: usize,
+    damping: f64,
+) -> ReducedRecord {
     let mut matrix = DMatrix::zeros(count, count);
-    let mut diagonal = DVector::<f64>::zeros(count);
     let mut gradient = DVector::zeros(count);
     let mut windows = vec![];
-    for (list, globals) in assembled.windows.iter().zip(globals) {
+    for normal in list {
         let p = globals.len();
-        let mut eliminated_list = vec![];
-        for normal in list {
-            let l = normal.gradient.len() - p;
-            let mut own = normal.hessian.view((p, p), (l, l)).into_owned();
-            // A tiny relative damping keeps a window whose unknowns its few samples cannot tell
-            // apart from spoiling the whole.
-            damped(&mut own, damping.max(1e-10));
-            let coupling = normal.hessian.view((p, 0), (l, p)).into_owned();
-            let own_gradient = normal.gradient.rows(p, l).into_owned();
-            let eliminated = Cholesky::new(own).map(|inverse| Eliminated {
-                inverse,
-                coupling,
-                gradient: own_gradient,
-            });
-            let mut block = normal.hessian.view((0, 0), (p, p)).into_owned();
-            let mut right = normal.gradient.rows(0, p).into_owned();
-            for (row, &global) in globals.iter().enumerate() {
-                diagonal[global] += block[(row, row)];
-            }
-            if let Some(eliminated) = &eliminated {
-                block -= eliminated.coupling.transpose()
-                    * eliminated.inverse.solve(&eliminated.coupling);
-                right -= eliminated.coupling.transpose()
-                    * eliminated.inverse.solve(&eliminated.gradient);
-            }
-            for (row, &to_row) in globals.iter().enumerate() {
-                gradient[to_row] += right[row];
-                for (column, &to_column) in globals.iter().enumerate() {
-                    matrix[(to_row, to_column)] += block[(row, column)];
-                }
-            }
-            eliminated_list.push(eliminated);
+        let l = normal.gradient.len() - p;
+        let mut own = normal.hessian.view((p, p), (l, l)).into_owned();
+        // A tiny relative damping keeps a window whose unknowns its few samples cannot tell apart
+        // from spoiling the whole.
+        damped(&mut own, damping.max(1e-10));
+        let coupling = normal.hessian.view((p, 0), (l, p)).into_owned();
+        let own_gradient = normal.gradient.rows(p, l).into_owned();
+        let eliminated = Cholesky::new(own).map(|inverse| Eliminated {
+            inverse,
+            coupling,
+            gradient: own_gradient,
+        });
+        let mut block = normal.hessian.view((0, 0), (p, p)).into_owned();
+        let mut right = normal.gradient.rows(0, p).into_owned();
+        for (row, &global) in globals.iter().enumerate() {
+            matrix[(global, global)] += damping * block[(row, row)];
         }
-        windows.push(eliminated_list);
+        if let Some(eliminated) = &eliminated {
+            block -=
+                eliminated.coupling.transpose() * eliminated.inverse.solve(&eliminated.coupling);
+            right -=
+                eliminated.coupling.transpose() * eliminated.inverse.solve(&eliminated.gradient);
+        }
+        for (row, &to_row) in globals.iter().enumerate() {
+            gradient[to_row] += right[row];
+            for (column, &to_column) in globals.iter().enumerate() {
+                matrix[(to_row, to_column)] += block[(row, column)];
+            }
+        }
+        windows.push(eliminated);
     }
-    for index in 0..count {
-        matrix[(index, index)] += damping * diagonal[index];
-    }
-    Reduced {
+    ReducedRecord {
         matrix,
         gradient,
         windows,
@@ -335,5 +354,85 @@ pub fn minimise(
         on_bound,
         outcome,
         evaluations,
+    }
+}
+
+/// What a full Gauss–Newton step from a point promises, without taking it: the score test.
+#[derive(Clone, Debug)]
+pub struct Promise {
+    /// Cost at the point.
+    pub cost: f64,
+    /// Cost that the quadratic model promises after the step.
+    pub promised_cost: f64,
+    /// For each record its share of the information on the free parameters (its windows' unknowns
+    /// eliminated), in the fit's coordinates.
+    pub information: Vec<DMatrix<f64>>,
+    /// For each record its share of the gradient.
+    pub gradient: Vec<DVector<f64>>,
+}
+
+/// Evaluates the normal equations once and says what they promise. Unknowns on a bound that would
+/// leave their range are held there.
+pub fn promise(
+    records: &[&Record],
+    model: &Model,
+    values: &[f64],
+    windows: &[Vec<Window>],
+    unknowns: &Unknowns,
+) -> Promise {
+    let count = unknowns.free.len();
+    let globals: Vec<Vec<usize>> = records
+        .iter()
+        .map(|record| relevant(record, model, unknowns))
+        .collect();
+    let assembled = assemble(records, &globals, windows, model, values, unknowns);
+    let mut information = vec![];
+    let mut gradient = vec![];
+    let mut own_promise = 0.0;
+    for (list, globals) in assembled.windows.iter().zip(&globals) {
+        let part = reduce_record(list, globals, count, 0.0);
+        own_promise += part
+            .windows
+            .iter()
+            .flatten()
+            .map(|window| window.gradient.dot(&window.inverse.solve(&window.gradient)))
+            .sum::<f64>();
+        information.push(part.matrix);
+        gradient.push(part.gradient);
+    }
+    let total: DMatrix<f64> = information
+        .iter()
+        .fold(DMatrix::zeros(count, count), |sum, part| sum + part);
+    let right: DVector<f64> = gradient
+        .iter()
+        .fold(DVector::zeros(count), |sum, part| sum + part);
+    let mut held = vec![false; count];
+    let mut promised_cost = assembled.cost;
+    // A step that leaves the range of an unknown is taken again with that unknown held.
+    for _ in 0..3 {
+        let Some(step) = solve(&total, &right, &held) else {
+            break;
+        };
+        promised_cost = assembled.cost - own_promise - step.dot(&right);
+        let mut changed = false;
+        for (index, &position) in unknowns.free.iter().enumerate() {
+            let (low, high) = unknowns.bounds[index];
+            let next = values[position] + step[index];
+            let beyond = (values[position] <= low && next < low)
+                || (values[position] >= high && next > high);
+            if !unknowns.logarithmic[index] && beyond && !held[index] {
+                held[index] = true;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    Promise {
+        cost: assembled.cost,
+        promised_cost,
+        information,
+        gradient,
     }
 }
