@@ -35,7 +35,7 @@ const C6: i32 = 468_103_215;
 #[cfg_attr(kani, kani::requires((0x2000_0000..=0x4000_0000).contains(&n)))]
 #[cfg_attr(kani, kani::ensures(|r| (0x1fff_ffe0..=0x4000_0020).contains(r)))]
 #[inline]
-fn reciprocal_q29(n: i32) -> i32 {
+pub fn reciprocal_q29(n: i32) -> i32 {
     let slope = 780_903_358 - mul_high(n, 1_388_272_791);
     let seed = (1_138_817_242 - mul_high(n, slope) * 8) * 2;
     refined(n, refined(n, seed))

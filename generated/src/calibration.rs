@@ -45,7 +45,7 @@ pub fn calibrate(raw: [i16; 3], line: &SensorLine) -> [i32; 3] {
 ))]
 #[cfg_attr(kani, kani::ensures(|r| (-0x2000_0000..=0x2000_0000).contains(r)))]
 #[inline]
-fn dot(row: [i32; 3], x: i32, y: i32, z: i32) -> i32 {
+pub fn dot(row: [i32; 3], x: i32, y: i32, z: i32) -> i32 {
     round_high(row[0] as i64 * x as i64 + row[1] as i64 * y as i64 + row[2] as i64 * z as i64)
 }
 

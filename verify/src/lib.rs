@@ -14,3 +14,5 @@ pub mod properties;
 
 #[cfg(kani)]
 mod proofs;
+#[cfg(kani)]
+mod proofs_attitude;

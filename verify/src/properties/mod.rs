@@ -1,3 +1,4 @@
 //! One module for each part of the emitted crate.
 
+pub mod attitude;
 pub mod control;

@@ -1,0 +1,108 @@
+//! The attitude filter and the whole step: ranges, whatever the sensors say.
+//!
+//! The state's invariant has two parts. The components' ranges are shown by induction for every
+//! bit pattern of every reading: [`step_keeps_ranges`]. The quaternion's length follows from
+//! exact arithmetic for states whose length is right, which no range of components can express:
+//! [`step_keeps_length`], on random states.
+
+use generated::constants::{FILTER, MOUNTING_ANGLE, ZERO_CURRENT};
+use generated::filter::{FilterState, step_imu, step_marg};
+use generated::madgwick::COMPONENT_MAX;
+use generated::pivot_angle::pivot_angle;
+use generated::{Attitude, Controller, Duty, Sample};
+
+/// Largest half-angle of a step: 2²⁹ in Q32.
+pub const RATE_MAX: i32 = 0x2000_0000;
+
+/// The quaternion's squared length stays within this of 1, in Q60: 2⁻¹¹.
+pub const LENGTH_TOLERANCE: i64 = 1 << 49;
+
+/// π in Q28, and one unit more for the rounding of the turn.
+const ANGLE_MAX: i32 = 843_314_858;
+
+/// Whether the ranges of the invariant hold.
+pub fn in_ranges(state: &FilterState) -> bool {
+    let component = |c: i32| (-COMPONENT_MAX..=COMPONENT_MAX).contains(&c);
+    let rate = |r: i32| (-RATE_MAX..=RATE_MAX).contains(&r);
+    let [w, x, y, z] = state.quaternion;
+    component(w)
+        && component(x)
+        && component(y)
+        && component(z)
+        && rate(state.rate)
+        && rate(state.slow_rate)
+}
+
+/// Whether the quaternion's length is that of the invariant.
+pub fn has_unit_length(state: &FilterState) -> bool {
+    let squared: i64 = state
+        .quaternion
+        .iter()
+        .map(|&c| i64::from(c) * i64::from(c))
+        .sum();
+    (squared - (1 << 60)).abs() <= LENGTH_TOLERANCE
+}
+
+/// Claim `filter-total`: from a state in its ranges and any reading, both steps are defined and
+/// lead to a state in its ranges, whose angle is within ±π.
+///
+/// # Panics
+/// If the claim does not hold for these words.
+pub fn step_keeps_ranges(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
+    for next in [
+        step_imu(state, gyro, accel, &FILTER),
+        step_marg(state, gyro, accel, mag, &FILTER),
+    ] {
+        assert!(in_ranges(&next), "a word is out of its range");
+        let angle = pivot_angle(next.quaternion, MOUNTING_ANGLE);
+        assert!(
+            (-ANGLE_MAX..=ANGLE_MAX).contains(&angle),
+            "the angle is beyond half a turn"
+        );
+    }
+}
+
+/// Claim `filter-length`: a quaternion whose squared length is 1 ± 2⁻¹¹ has such a length after
+/// any step.
+///
+/// # Panics
+/// If the claim does not hold for these words.
+pub fn step_keeps_length(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
+    for next in [
+        step_imu(state, gyro, accel, &FILTER),
+        step_marg(state, gyro, accel, mag, &FILTER),
+    ] {
+        assert!(has_unit_length(&next), "the length is wrong");
+    }
+}
+
+/// Claim `step-total`: the duty is within 10 % and 90 %, and that of zero current while not armed.
+///
+/// # Panics
+/// If the claim does not hold for these readings.
+pub fn duty_within_limits(controller: &mut Controller, sample: &Sample, is_armed: bool) {
+    if is_armed {
+        controller.arm();
+    } else {
+        controller.disarm();
+    }
+    let Duty(duty) = controller.step(sample);
+    assert!(
+        (6554..=58982).contains(&duty),
+        "the duty is beyond its limits"
+    );
+    assert!(
+        is_armed || duty == ZERO_CURRENT,
+        "a current while not armed"
+    );
+}
+
+/// The filter starts within its invariant.
+///
+/// # Panics
+/// If it does not.
+pub fn starts_in_the_invariant() {
+    let start = generated::filter::START;
+    assert!(in_ranges(&start) && has_unit_length(&start));
+    assert!(Attitude::new().quaternion().map(|c| c.to_bits()) == start.quaternion);
+}
