@@ -166,12 +166,12 @@ fn line(
     high: i32,
 ) -> Result<Line, AttitudeRefusal> {
     // The shift that brings the slope into [2²⁹, 2³⁰).
-    let shift = 29 - slope.abs().log2().floor() as i64;
+    let shift = 29.0 - slope.abs().log2().floor();
     let refused = |value: f64| AttitudeRefusal::NoLine { what, value };
-    if !(1..=62).contains(&shift) {
+    if !(1.0..=62.0).contains(&shift) {
         return Err(refused(slope));
     }
-    let scale = 2f64.powi(shift as i32);
+    let scale = 2f64.powf(shift);
     let offset = (at_zero + 0.5) * scale;
     if !offset.is_finite() || offset.abs() > 2f64.powi(61) {
         return Err(refused(at_zero));
