@@ -1,1 +1,42 @@
-//! To be written.
+//! The closed loop as it runs on the bench: the nonlinear plant with its effects, sensors with
+//! noise and steps, a command every sample, the drive's limits, and pushes.
+//!
+//! | file | job |
+//! |---|---|
+//! | [`law`] | control laws: exact, emitted, with bias observer; all behind one trait |
+//! | [`sensors`] | what the controller is told |
+//! | [`push`] | pushes on the body |
+//! | [`motion`] | the plant that is controlled: nonlinear, or its linear model |
+//! | [`closed_loop`] | the loop itself, and its record |
+//! | [`scenario`] | the runs of the thesis: transient, disturbance, half a minute with pushes |
+//! | [`transient`] | how well a transient went: oscillations, overshoot, settling |
+//! | [`recovery`] | the largest angle from which the loop recovers |
+//! | [`overlay`] | a simulated loop over a measured balance log |
+//! | [`linear_validity`] | how far the linear model can be trusted |
+//!
+//! Series are plain vectors in SI units; drawing and writing them is done elsewhere.
+
+#![warn(missing_docs)]
+
+pub mod closed_loop;
+mod error;
+pub mod law;
+pub mod linear_validity;
+pub mod motion;
+pub mod overlay;
+pub mod push;
+pub mod recovery;
+pub mod scenario;
+pub mod sensors;
+pub mod transient;
+
+pub use closed_loop::{Actuator, ClosedLoop, Deviation, Trace};
+pub use error::SimulateError;
+pub use law::{BiasObservingLaw, CompiledLaw, ExactLaw, Law, LawFailure, Measured};
+pub use motion::{LinearMotion, Motion};
+pub use overlay::{Overlay, overlay};
+pub use push::Push;
+pub use recovery::{Recovery, largest_recoverable_angle};
+pub use scenario::Scenario;
+pub use sensors::{Sensor, Sensors};
+pub use transient::{Transient, effects_on_transient};

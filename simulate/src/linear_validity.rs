@@ -1,0 +1,297 @@
+//! How far the linear model can be trusted: free swing (thesis figure 3.5, 20° against 60°) and
+//! spin-up (figure 3.6), as curves and as numbers.
+//!
+//! The linear model is the exact Jacobian at rest of the terms that have one there; dry friction
+//! and what lies between command and current have none and are left out, as in the design. Two
+//! nonlinear models are set against it: the whole one, which is what the bench does, and the one
+//! with just the terms that were linearised, which is what the large angle alone does.
+//!
+//! A pendulum's period grows as T/T₀ = 1 + A²/16 + 11A⁴/3072 + …, so the linear swing drifts out of
+//! phase however small A is: after n periods by 2πn A²/16. "Good" therefore needs a horizon. Here
+//! it is good while the root mean square of the error over n periods is below a share of the
+//! amplitude.
+
+use crate::SimulateError;
+use crate::error::check_positive;
+use crate::transient::values_of;
+use design::zero_order_hold::{exponential, zero_order_hold};
+use nalgebra::DMatrix;
+use plant::{Current, Drive, Dual, Kind, Linearised, Model, Plant, Scalar, State};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// The linear free swing over the nonlinear one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SwingComparison {
+    /// Angle at which the body is let go, in rad.
+    pub amplitude_rad: f64,
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// Angle of the whole model in rad.
+    pub whole_rad: Vec<f64>,
+    /// Angle of the nonlinear model with only the terms that were linearised, in rad.
+    pub smooth_rad: Vec<f64>,
+    /// Angle of the linear model in rad.
+    pub linear_rad: Vec<f64>,
+    /// Period of the linear model in s.
+    pub linear_period_s: f64,
+    /// First period of the whole model in s; none where it does not complete one.
+    pub first_period_s: Option<f64>,
+    /// Root mean square of linear − whole over the first period, over the amplitude.
+    pub error_over_first_period: f64,
+    /// Root mean square of linear − smooth over the first period, over the amplitude.
+    pub geometric_error_over_first_period: f64,
+}
+
+/// Samples of a linear period.
+const SAMPLES_A_PERIOD: usize = 200;
+
+/// Lets the body go at `amplitude_rad` for `duration_s` seconds in all three models.
+///
+/// # Errors
+/// An amplitude or a duration that is not positive; a model that does not swing.
+pub fn compare_free_swing(
+    model: &Model,
+    values: &[f64],
+    amplitude_rad: f64,
+    duration_s: f64,
+) -> Result<SwingComparison, SimulateError> {
+    check_positive("the amplitude in rad", amplitude_rad)?;
+    check_positive("the duration in s", duration_s)?;
+    let (smooth_model, smooth_values) = smooth_part(model, values);
+    let a = swing_matrix(&smooth_model, &smooth_values);
+    let linear_period_s = period_s(&a)?;
+    let step_s = linear_period_s / SAMPLES_A_PERIOD as f64;
+    let samples = ((duration_s / step_s).ceil() as usize).max(SAMPLES_A_PERIOD) + 1;
+    let time_s: Vec<f64> = (0..samples).map(|index| index as f64 * step_s).collect();
+
+    let linear_rad = linear_swing(&a, amplitude_rad, step_s, samples)?;
+    let whole_rad = swing(model, values, amplitude_rad, &time_s);
+    let smooth_rad = swing(&smooth_model, &smooth_values, amplitude_rad, &time_s);
+    let error = |other: &[f64]| relative_error(&linear_rad, other, amplitude_rad, SAMPLES_A_PERIOD);
+    Ok(SwingComparison {
+        amplitude_rad,
+        linear_period_s,
+        first_period_s: first_period_s(&time_s, &whole_rad),
+        error_over_first_period: error(&whole_rad),
+        geometric_error_over_first_period: error(&smooth_rad),
+        time_s,
+        whole_rad,
+        smooth_rad,
+        linear_rad,
+    })
+}
+
+/// The largest amplitude in rad at which the linear swing follows the nonlinear one with the same
+/// terms over `periods` periods to within `share` of the amplitude (root mean square).
+///
+/// # Errors
+/// Quantities that are not positive; a model that does not swing.
+pub fn largest_linear_amplitude(
+    model: &Model,
+    values: &[f64],
+    periods: usize,
+    share: f64,
+) -> Result<f64, SimulateError> {
+    check_positive("the number of periods", periods as f64)?;
+    check_positive("the share of the amplitude", share)?;
+    let (model, values) = smooth_part(model, values);
+    let a = swing_matrix(&model, &values);
+    let step_s = period_s(&a)? / SAMPLES_A_PERIOD as f64;
+    let samples = periods * SAMPLES_A_PERIOD;
+    let time_s: Vec<f64> = (0..=samples).map(|index| index as f64 * step_s).collect();
+    let error = |amplitude: f64| -> Result<f64, SimulateError> {
+        let linear = linear_swing(&a, amplitude, step_s, samples + 1)?;
+        let nonlinear = swing(&model, &values, amplitude, &time_s);
+        Ok(relative_error(&linear, &nonlinear, amplitude, samples))
+    };
+    // The error grows with the amplitude; half way to upright it is beyond any use.
+    let (mut good, mut bad) = (0.0, FRAC_PI_2);
+    if error(bad)? <= share {
+        return Ok(bad);
+    }
+    for _ in 0..30 {
+        let middle = 0.5 * (good + bad);
+        if error(middle)? <= share {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    Ok(good)
+}
+
+/// The linear spin-up over the nonlinear one, body clamped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpinUpComparison {
+    /// The current in A.
+    pub current_a: f64,
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// Wheel speed of the whole model in rad/s.
+    pub whole_rad_s: Vec<f64>,
+    /// Wheel speed of the linear model in rad/s.
+    pub linear_rad_s: Vec<f64>,
+    /// Speed of the whole model in rad/s at which the linear one is first off by more than the
+    /// share asked for; none where it never is.
+    pub good_up_to_rad_s: Option<f64>,
+}
+
+/// Drives the wheel from rest with a constant current for `duration_s`, body clamped. The linear
+/// model counts as good while its error is below `share` of the larger of the speed and a hundredth
+/// of the largest speed (without that floor the first instant would decide).
+///
+/// # Errors
+/// Quantities that are not positive.
+pub fn compare_spin_up(
+    model: &Model,
+    values: &[f64],
+    current_a: f64,
+    duration_s: f64,
+    share: f64,
+) -> Result<SpinUpComparison, SimulateError> {
+    check_positive("the duration in s", duration_s)?;
+    check_positive("the share of the speed", share)?;
+    const SAMPLES: usize = 1000;
+    let step_s = duration_s / SAMPLES as f64;
+    let time_s: Vec<f64> = (0..=SAMPLES).map(|index| index as f64 * step_s).collect();
+    let plant = Plant::new(model, values, Kind::SpinUp);
+    let mut whole_rad_s = vec![];
+    plant.run(
+        State::rest(),
+        &time_s,
+        0..time_s.len(),
+        Current::Held(current_a),
+        None,
+        |_, _, state| whole_rad_s.push(state.wheel_speed_rad_s),
+    );
+
+    let (smooth_model, smooth_values) = smooth_part(model, values);
+    let constants: Vec<Dual<2>> = smooth_values.iter().map(|v| Dual::constant(*v)).collect();
+    let linear = Plant::new(&smooth_model, &constants, Kind::SpinUp);
+    let at = State {
+        wheel_speed_rad_s: Dual::variable(0.0, 0),
+        ..State::rest()
+    };
+    let (_, slope) = linear.derivative(&at, Dual::variable(0.0, 1), 0.0);
+    let a = DMatrix::from_element(1, 1, slope.derivatives[0]);
+    let b = DMatrix::from_element(1, 1, slope.derivatives[1]);
+    let hold = zero_order_hold(&a, &b, step_s)?;
+    let mut speed = 0.0;
+    let linear_rad_s: Vec<f64> = time_s
+        .iter()
+        .map(|_| {
+            let now = speed;
+            speed = hold.state[0] * speed + hold.input[0] * current_a;
+            now
+        })
+        .collect();
+
+    let largest = whole_rad_s
+        .iter()
+        .map(|speed| speed.abs())
+        .fold(0.0, f64::max);
+    let good_up_to_rad_s = whole_rad_s
+        .iter()
+        .zip(&linear_rad_s)
+        .find(|(whole, linear)| (*whole - *linear).abs() > share * whole.abs().max(0.01 * largest))
+        .map(|(whole, _)| whole.abs());
+    Ok(SpinUpComparison {
+        current_a,
+        time_s,
+        whole_rad_s,
+        linear_rad_s,
+        good_up_to_rad_s,
+    })
+}
+
+/// The part of a model that has a Jacobian at rest, with its parameters.
+fn smooth_part(model: &Model, values: &[f64]) -> (Model, Vec<f64>) {
+    let effects: Vec<_> = model
+        .effects()
+        .iter()
+        .copied()
+        .filter(|effect| effect.info().linearised == Linearised::Exactly)
+        .collect();
+    let part = Model::with_effects(&effects);
+    let values = values_of(&part, model, values);
+    (part, values)
+}
+
+/// [[0, 1], [∂α̈/∂α, ∂α̈/∂α̇]] hanging, wheel locked.
+fn swing_matrix(model: &Model, values: &[f64]) -> DMatrix<f64> {
+    let constants: Vec<Dual<2>> = values.iter().map(|value| Dual::constant(*value)).collect();
+    let plant = Plant::new(model, &constants, Kind::FreeSwing);
+    let at = State {
+        angle_rad: Dual::variable(0.0, 0),
+        rate_rad_s: Dual::variable(0.0, 1),
+        ..State::rest()
+    };
+    let (rate_dot, _) = plant.derivative(&at, Dual::constant(0.0), 0.0);
+    let [by_angle, by_rate] = rate_dot.derivatives;
+    DMatrix::from_row_slice(2, 2, &[0.0, 1.0, by_angle, by_rate])
+}
+
+/// The period of the linear swing in s, damping included.
+fn period_s(a: &DMatrix<f64>) -> Result<f64, SimulateError> {
+    let square = -a[(1, 0)] - 0.25 * a[(1, 1)].powi(2);
+    check_positive("the square of the swing's frequency in 1/s2", square)?;
+    Ok(TAU / square.sqrt())
+}
+
+fn linear_swing(
+    a: &DMatrix<f64>,
+    amplitude_rad: f64,
+    step_s: f64,
+    samples: usize,
+) -> Result<Vec<f64>, SimulateError> {
+    let step = exponential(&(a * step_s))?;
+    let mut x = DMatrix::from_column_slice(2, 1, &[amplitude_rad, 0.0]);
+    Ok((0..samples)
+        .map(|_| {
+            let angle = x[0];
+            x = &step * &x;
+            angle
+        })
+        .collect())
+}
+
+fn swing(model: &Model, values: &[f64], amplitude_rad: f64, time_s: &[f64]) -> Vec<f64> {
+    let plant = Plant::new(model, values, Kind::FreeSwing);
+    let mut state = State {
+        angle_rad: amplitude_rad,
+        ..State::rest()
+    };
+    let drive = Drive {
+        current_a: 0.0,
+        push: [0.0; 3],
+    };
+    let mut angles = vec![amplitude_rad];
+    for pair in time_s.windows(2) {
+        state = plant.step(&state, &drive, pair[1] - pair[0]);
+        angles.push(state.angle_rad);
+    }
+    angles
+}
+
+/// Root mean square of the difference over the first `samples` steps, over the amplitude.
+fn relative_error(left: &[f64], right: &[f64], amplitude_rad: f64, samples: usize) -> f64 {
+    let squares: f64 = left
+        .iter()
+        .zip(right)
+        .take(samples + 1)
+        .map(|(left, right)| (left - right).powi(2))
+        .sum();
+    (squares / (samples + 1) as f64).sqrt() / amplitude_rad
+}
+
+/// Twice the time between the first two zero crossings, each found on a straight line between
+/// samples.
+fn first_period_s(time_s: &[f64], angle_rad: &[f64]) -> Option<f64> {
+    let mut crossings = time_s
+        .windows(2)
+        .zip(angle_rad.windows(2))
+        .filter(|(_, angle)| angle[0] * angle[1] < 0.0)
+        .map(|(time, angle)| time[0] + (time[1] - time[0]) * angle[0] / (angle[0] - angle[1]));
+    let (first, second) = (crossings.next()?, crossings.next()?);
+    Some(2.0 * (second - first))
+}

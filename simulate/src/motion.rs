@@ -1,0 +1,85 @@
+//! The plant that is controlled: the nonlinear one, or its linear model in its place.
+
+use nalgebra::Vector3;
+use plant::{Drive, LinearModel, Plant, Reading, State};
+use std::f64::consts::PI;
+
+/// The linear model as a plant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearMotion {
+    /// ẋ = A x + B u about upright.
+    pub model: LinearModel,
+    /// 1/(Θ − j_w) in 1/(kg m²): how a push f enters, (0, 1, −1)ᵀ f/(Θ − j_w).
+    pub per_push: f64,
+}
+
+impl LinearMotion {
+    fn derivative(&self, x: &Vector3<f64>, current_a: f64, push: f64) -> Vector3<f64> {
+        let push = push * self.per_push;
+        self.model.state * x + self.model.input * current_a + Vector3::new(0.0, push, -push)
+    }
+
+    /// One step of the classical Runge-Kutta method.
+    fn step(&self, x: &Vector3<f64>, drive: &Drive<f64>, h: f64) -> Vector3<f64> {
+        let [start, middle, end] = drive.push;
+        let u = drive.current_a;
+        let k1 = self.derivative(x, u, start);
+        let k2 = self.derivative(&(x + k1 * (0.5 * h)), u, middle);
+        let k3 = self.derivative(&(x + k2 * (0.5 * h)), u, middle);
+        let k4 = self.derivative(&(x + k3 * h), u, end);
+        x + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
+    }
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug)]
+pub enum Motion<'a> {
+    /// The model with all its effects.
+    Nonlinear(&'a Plant<f64>),
+    /// Its linear model.
+    Linear(&'a LinearMotion),
+}
+
+impl Motion<'_> {
+    /// The state after `step_s` seconds under `drive`.
+    pub fn step(&self, state: &State<f64>, drive: &Drive<f64>, step_s: f64) -> State<f64> {
+        match self {
+            Motion::Nonlinear(plant) => plant.step(state, drive, step_s),
+            Motion::Linear(linear) => {
+                let x = Vector3::new(
+                    state.angle_rad - PI,
+                    state.rate_rad_s,
+                    state.wheel_speed_rad_s,
+                );
+                let x = linear.step(&x, drive, step_s);
+                State {
+                    angle_rad: x[0] + PI,
+                    rate_rad_s: x[1],
+                    wheel_speed_rad_s: x[2],
+                    current_a: drive.current_a,
+                    ..*state
+                }
+            }
+        }
+    }
+
+    /// What ideal sensors say.
+    pub fn read(&self, state: &State<f64>) -> Reading<f64> {
+        match self {
+            Motion::Nonlinear(plant) => plant.read(state),
+            Motion::Linear(_) => Reading {
+                angle_rad: state.angle_rad,
+                rate_rad_s: state.rate_rad_s,
+                wheel_speed_rad_s: state.wheel_speed_rad_s,
+            },
+        }
+    }
+
+    /// How late the current comes by the model, in s.
+    pub fn delay_s(&self) -> f64 {
+        match self {
+            Motion::Nonlinear(plant) => plant.delay_s().unwrap_or(0.0).max(0.0),
+            Motion::Linear(_) => 0.0,
+        }
+    }
+}

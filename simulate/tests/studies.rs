@@ -1,0 +1,262 @@
+//! Linear against nonlinear, overlays, transients.
+
+mod bench;
+
+use bench::{BASE, bench, exact_law, plain_loop};
+use plant::{EffectId, Model};
+use simulate::linear_validity::{compare_free_swing, compare_spin_up, largest_linear_amplitude};
+use simulate::overlay::MeasuredLog;
+use simulate::scenario::Scale;
+use simulate::{
+    Actuator, ClosedLoop, Motion, Push, Scenario, Sensors, Transient, effects_on_transient, overlay,
+};
+use std::f64::consts::{PI, TAU};
+
+/// Without friction the nonlinear swing is late by 2πn A²/16 after n periods, so that the error of
+/// the linear one is that phase, on average over the run: amplitude·φ_n/√6 (root mean square of a
+/// sine times a ramp).
+#[test]
+fn small_swings_drift_as_the_period_formula_says() {
+    let values = [BASE[0], BASE[1], BASE[2], BASE[3], 0.0, 0.0];
+    for degrees in [5.0_f64, 10.0] {
+        let amplitude = degrees.to_radians();
+        let period = TAU * (BASE[0] / BASE[2]).sqrt();
+        let swing = compare_free_swing(&Model::base(), &values, amplitude, period).unwrap();
+        assert!((swing.linear_period_s - period).abs() < 1e-9);
+        let longer = 1.0 + amplitude.powi(2) / 16.0;
+        let first = swing.first_period_s.unwrap();
+        assert!((first / period - longer).abs() < 1e-4, "{first}");
+        let expected = TAU * amplitude.powi(2) / 16.0 / 6.0_f64.sqrt();
+        let ratio = swing.error_over_first_period / expected;
+        // The cubic term also distorts the sine, which the formula leaves out.
+        assert!((0.75..1.25).contains(&ratio), "{ratio} at {degrees}");
+        assert_eq!(
+            swing.error_over_first_period,
+            swing.geometric_error_over_first_period
+        );
+    }
+}
+
+#[test]
+fn the_linear_model_is_good_at_20_degrees_and_not_at_60() {
+    let (model, values) = bench::model(true);
+    let error = |degrees: f64| {
+        let swing = compare_free_swing(&model, &values, degrees.to_radians(), 5.0).unwrap();
+        swing.geometric_error_over_first_period
+    };
+    assert!(error(20.0) < 0.05 && error(60.0) > 0.15);
+    let once = largest_linear_amplitude(&model, &values, 1, 0.05).unwrap();
+    let often = largest_linear_amplitude(&model, &values, 10, 0.05).unwrap();
+    assert!(once > 20.0_f64.to_radians() && once < 60.0_f64.to_radians());
+    // The phase adds up over the periods and grows with the square of the amplitude.
+    let ratio = once / often;
+    assert!((ratio - 10.0_f64.sqrt()).abs() < 0.2 * ratio, "{ratio}");
+    // And at the amplitude found the error is the one asked for.
+    let at = compare_free_swing(&model, &values, once, 1.0).unwrap();
+    assert!((at.geometric_error_over_first_period - 0.05).abs() < 1e-3);
+}
+
+#[test]
+fn a_viscous_spin_up_is_linear_and_a_saturating_motor_is_not() {
+    let linear = compare_spin_up(&Model::base(), &BASE, 1.0, 20.0, 0.05).unwrap();
+    assert_eq!(linear.good_up_to_rad_s, None);
+    // φ̇ = (τ u/r_w)(1 − exp(−r_w t/j_w)).
+    let rate = BASE[5] / BASE[1];
+    for (time, speed) in linear.time_s.iter().zip(&linear.linear_rad_s) {
+        let exact = BASE[3] / BASE[5] * (1.0 - (-rate * time).exp());
+        assert!((speed - exact).abs() < 1e-6 * (1.0 + exact));
+    }
+    let model = Model::base().with(EffectId::WheelQuadraticDrag);
+    let mut values = BASE.to_vec();
+    let drag = 1e-8;
+    values.push(drag);
+    let bent = compare_spin_up(&model, &values, 1.0, 20.0, 0.05).unwrap();
+    // Until the drag takes 5 % of the work: between a twentieth of the torque at that instant and
+    // a few times that, as the error is the drag's average over the run-up.
+    let instant = (0.05 * BASE[3] / drag).sqrt();
+    let good = bent.good_up_to_rad_s.unwrap();
+    assert!(good > instant && good < 3.0 * instant, "{good} {instant}");
+}
+
+#[test]
+fn an_overlay_with_the_true_bench_fits_and_with_a_wrong_one_does_not() {
+    let plant = bench(true);
+    let mut on = plain_loop(Motion::Nonlinear(&plant));
+    on.sensors = Sensors::of_the_thesis();
+    on.actuator = Actuator::OF_THE_THESIS;
+    let start_s = 3.0;
+    let true_pushes = vec![Push::new(4.0, 0.03, 0.05), Push::new(8.0, -0.02, 0.05)];
+    on.pushes = true_pushes.clone();
+    // The "measurement": another seed, and a log whose clock starts at 3 s.
+    on.seed = 77;
+    let measured = on
+        .run(
+            &simulate::closed_loop::at_rest(0.05),
+            12.0,
+            &mut exact_law(),
+            false,
+        )
+        .unwrap();
+    let shifted: Vec<f64> = measured.time_s.iter().map(|time| time + start_s).collect();
+    let angle: Vec<f64> = measured
+        .measured_angle_rad
+        .iter()
+        .map(|angle| angle + PI)
+        .collect();
+    let log = MeasuredLog {
+        time_s: &shifted,
+        angle_rad: &angle,
+        rate_rad_s: Some(&measured.measured_rate_rad_s),
+        wheel_speed_rad_s: Some(&measured.measured_wheel_speed_rad_s),
+        current_a: None,
+    };
+    on.seed = 1;
+    on.pushes = true_pushes
+        .iter()
+        .map(|push| Push {
+            time_s: push.time_s + start_s,
+            ..*push
+        })
+        .collect();
+    let with = overlay(&log, &on, &mut exact_law()).unwrap();
+    let names: Vec<_> = with.channels.iter().map(|channel| channel.name).collect();
+    assert_eq!(names, ["angle", "rate", "wheel_speed"]);
+    for channel in &with.channels {
+        let noise = match channel.name {
+            "angle" => on.sensors.angle.noise_std,
+            "rate" => on.sensors.rate.noise_std,
+            _ => on.sensors.wheel_speed.noise_std,
+        };
+        // Two independent noises, and what they make the loop do.
+        assert!(
+            channel.rms_difference < 3.0 * noise,
+            "{} {}",
+            channel.name,
+            channel.rms_difference
+        );
+        assert!((channel.simulated_std / channel.measured_std - 1.0).abs() < 0.1);
+    }
+    on.pushes.clear();
+    let without = overlay(&log, &on, &mut exact_law()).unwrap();
+    assert!(without.channels[0].rms_difference > 2.0 * with.channels[0].rms_difference);
+}
+
+#[test]
+fn transients_are_measured_as_defined() {
+    let plant = bench(false);
+    let scale = Scale::new(&BASE, 2.0).unwrap();
+    let scenario = Scenario::transient(&scale);
+    let on = plain_loop(Motion::Nonlinear(&plant));
+    let mut law = exact_law();
+    let trace = scenario.run(&on, &mut [&mut law]).unwrap().remove(0);
+    let start = trace.angle_rad[0];
+    let transient = Transient::of(&trace, 0.02 * start);
+    assert!(!transient.fell);
+    assert_eq!(transient.swings, 1);
+    assert!(transient.overshoot_rad > 0.0 && transient.overshoot_rad < start);
+    let after = trace
+        .time_s
+        .iter()
+        .zip(&trace.angle_rad)
+        .filter(|(time, _)| **time > transient.settling_s);
+    for (_, angle) in after {
+        assert!(angle.abs() <= 0.02 * start);
+    }
+}
+
+#[test]
+fn effects_act_on_the_transient_each_and_all() {
+    // A late and slow motor takes damping away; the delay margin of the loop is 45 ms.
+    let model = Model::base()
+        .with(EffectId::BodyCoulombFriction)
+        .with(EffectId::InputDelay)
+        .with(EffectId::MotorLag);
+    let values: Vec<f64> = model
+        .parameters()
+        .iter()
+        .zip(0..)
+        .map(|(info, index)| match info.name {
+            "body_coulomb_torque" => bench::COULOMB_TORQUE,
+            "input_delay" => 0.010,
+            "motor_lag" => 0.012,
+            _ => BASE[index],
+        })
+        .collect();
+    let scale = Scale::new(&values, 2.0).unwrap();
+    let scenario = Scenario::transient(&scale);
+    let placeholder = bench(false);
+    let on: ClosedLoop<'_> = plain_loop(Motion::Nonlinear(&placeholder));
+    let runs = effects_on_transient(
+        &model,
+        &values,
+        &on,
+        &scenario,
+        &mut exact_law(),
+        0.02 * scale.holding_angle_rad(),
+    )
+    .unwrap();
+    assert_eq!(runs.len(), 5);
+    assert!(runs[0].effects.is_empty());
+    assert_eq!(runs[4].effects.len(), 3);
+    let overshoot: Vec<f64> = runs.iter().map(|run| run.transient.overshoot_rad).collect();
+    let of = |effect: EffectId| {
+        runs.iter()
+            .position(|run| run.effects == [effect])
+            .map(|index| overshoot[index])
+            .unwrap()
+    };
+    assert!(of(EffectId::InputDelay) > overshoot[0]);
+    assert!(of(EffectId::MotorLag) > overshoot[0]);
+    // Together they cost more than each alone.
+    assert!(overshoot[4] > of(EffectId::InputDelay));
+}
+
+/// Within five per cent of the delay margin the loop rings at the margin's frequency: at least an
+/// oscillation more than without delay. Started so gently that the current limit does not decide.
+#[test]
+fn a_delay_near_the_margin_makes_the_loop_ring() {
+    let plant = bench(false);
+    let (model, values) = bench::model(false);
+    let linear = plant::linearise(&model, &values, PI, None).unwrap();
+    let a = nalgebra::DMatrix::from_fn(3, 3, |row, column| linear.state[(row, column)]);
+    let b = nalgebra::DMatrix::from_fn(3, 1, |row, _| linear.input[row]);
+    let margins = design::margins::margins(
+        &a,
+        &b,
+        &design::LinearController::state_feedback(&bench::gains()),
+        bench::SAMPLE_TIME_S,
+    )
+    .unwrap();
+    let start = 0.01;
+    let run = |computation_s: f64| {
+        let mut on = plain_loop(Motion::Nonlinear(&plant));
+        on.computation_s = computation_s;
+        on.run(
+            &simulate::closed_loop::at_rest(start),
+            5.0,
+            &mut exact_law(),
+            false,
+        )
+        .unwrap()
+    };
+    let prompt = Transient::of(&run(0.0), 0.02 * start);
+    let late = run(0.95 * margins.delay_margin_s);
+    let ringing = Transient::of(&late, 0.02 * start);
+    assert_eq!(prompt.swings, 1);
+    assert!(ringing.swings >= prompt.swings + 2, "{ringing:?}");
+    // Half a period from swing to swing.
+    let crossings: Vec<f64> = late
+        .time_s
+        .windows(2)
+        .zip(late.angle_rad.windows(2))
+        .filter(|(_, angle)| angle[0] * angle[1] < 0.0)
+        .map(|(time, _)| time[0])
+        .take(6)
+        .collect();
+    let half_period_s = (crossings[5] - crossings[1]) / 4.0;
+    let frequency = PI / half_period_s;
+    assert!(
+        (frequency / margins.delay_frequency_rad_s - 1.0).abs() < 0.1,
+        "{frequency} against {margins:?}"
+    );
+}
