@@ -1,8 +1,6 @@
 //! Half a minute of the emitted fixed-point law beside the exact one.
 
-mod bench;
-
-use bench::{BASE, bench, exact_law, gains, plain_loop};
+use crate::bench::{BASE, bench, exact_law, gains, plain_loop};
 use design::zero_order_hold::zero_order_hold;
 use nalgebra::DMatrix;
 use plant::{LinearModel, Plant, linearise};
@@ -17,7 +15,7 @@ use simulate::{
 const LAW_ERROR_A: f64 = 5.95e-8 + 5.98e-8;
 
 fn linear_motion() -> LinearMotion {
-    let (model, values) = bench::model(false);
+    let (model, values) = crate::bench::model(false);
     LinearMotion {
         model: linearise(&model, &values, std::f64::consts::PI, None).unwrap(),
         per_push: 1.0 / (BASE[0] - BASE[1]),
@@ -38,7 +36,7 @@ fn half_minute(on: &ClosedLoop<'_>) -> [Trace; 2] {
 fn largest_gain(model: &LinearModel) -> [f64; 3] {
     let a = DMatrix::from_fn(3, 3, |row, column| model.state[(row, column)]);
     let b = DMatrix::from_fn(3, 1, |row, _| model.input[row]);
-    let hold = zero_order_hold(&a, &b, bench::SAMPLE_TIME_S).unwrap();
+    let hold = zero_order_hold(&a, &b, crate::bench::SAMPLE_TIME_S).unwrap();
     let closed = &hold.state - &hold.input * DMatrix::from_row_slice(1, 3, gains().as_slice());
     let mut response = hold.input;
     let mut sums = [0.0; 3];

@@ -1,8 +1,6 @@
 //! Laws of mechanics that every closed loop must keep, and theory that it must meet.
 
-mod bench;
-
-use bench::{BASE, SAMPLE_TIME_S, bench, exact_law, gains, plain_loop};
+use crate::bench::{BASE, SAMPLE_TIME_S, bench, exact_law, gains, plain_loop};
 use design::zero_order_hold::zero_order_hold;
 use design::{LinearController, angle_bias};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -16,7 +14,7 @@ use simulate::{
 use std::f64::consts::PI;
 
 fn linear_motion() -> LinearMotion {
-    let (model, values) = bench::model(false);
+    let (model, values) = crate::bench::model(false);
     LinearMotion {
         model: linearise(&model, &values, PI, None).unwrap(),
         per_push: 1.0 / (BASE[0] - BASE[1]),

@@ -1,8 +1,6 @@
 //! Linear against nonlinear, overlays, transients.
 
-mod bench;
-
-use bench::{BASE, bench, exact_law, plain_loop};
+use crate::bench::{BASE, bench, exact_law, plain_loop};
 use plant::{EffectId, Model};
 use simulate::linear_validity::{compare_free_swing, compare_spin_up, largest_linear_amplitude};
 use simulate::overlay::MeasuredLog;
@@ -39,7 +37,7 @@ fn small_swings_drift_as_the_period_formula_says() {
 
 #[test]
 fn the_linear_model_is_good_at_20_degrees_and_not_at_60() {
-    let (model, values) = bench::model(true);
+    let (model, values) = crate::bench::model(true);
     let error = |degrees: f64| {
         let swing = compare_free_swing(&model, &values, degrees.to_radians(), 5.0).unwrap();
         swing.geometric_error_over_first_period
@@ -176,7 +174,7 @@ fn effects_act_on_the_transient_each_and_all() {
         .iter()
         .zip(0..)
         .map(|(info, index)| match info.name {
-            "body_coulomb_torque" => bench::COULOMB_TORQUE,
+            "body_coulomb_torque" => crate::bench::COULOMB_TORQUE,
             "input_delay" => 0.010,
             "motor_lag" => 0.012,
             _ => BASE[index],
@@ -216,15 +214,15 @@ fn effects_act_on_the_transient_each_and_all() {
 #[test]
 fn a_delay_near_the_margin_makes_the_loop_ring() {
     let plant = bench(false);
-    let (model, values) = bench::model(false);
+    let (model, values) = crate::bench::model(false);
     let linear = plant::linearise(&model, &values, PI, None).unwrap();
     let a = nalgebra::DMatrix::from_fn(3, 3, |row, column| linear.state[(row, column)]);
     let b = nalgebra::DMatrix::from_fn(3, 1, |row, _| linear.input[row]);
     let margins = design::margins::margins(
         &a,
         &b,
-        &design::LinearController::state_feedback(&bench::gains()),
-        bench::SAMPLE_TIME_S,
+        &design::LinearController::state_feedback(&crate::bench::gains()),
+        crate::bench::SAMPLE_TIME_S,
     )
     .unwrap();
     let start = 0.01;

@@ -1,0 +1,7 @@
+//! Tests of whole closed loops on the thesis bench.
+
+mod bench;
+mod emitted_law;
+mod independent_simulation;
+mod physics;
+mod studies;
