@@ -1,1 +1,75 @@
-fn main() {}
+//! The command line: from measurements of a reaction-wheel pendulum to a verified fixed-point
+//! controller. One file per command in `commands/`; what they print is built in `report/`. No
+//! mathematics lives here.
+
+mod bench_folder;
+mod cli;
+mod commands;
+mod failure;
+mod fitted;
+mod model_design;
+mod progress;
+mod report;
+
+use std::io::Write;
+use std::panic;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::{Cli, Output};
+use crate::failure::Failure;
+use crate::report::Report;
+
+fn main() -> ExitCode {
+    // A panic is a bug of ours; a user gets one line, not a backtrace.
+    panic::set_hook(Box::new(|bug| {
+        let place = bug
+            .location()
+            .map_or(String::new(), |place| format!(" at {place}"));
+        eprintln!("error: internal error{place}: this is a bug in flywheel, please report it");
+    }));
+    let cli = Cli::parse();
+    match panic::catch_unwind(|| run(&cli)) {
+        Ok(Ok(code)) => code,
+        Ok(Err(failure)) => {
+            failure.print();
+            ExitCode::from(2)
+        }
+        Err(_) => ExitCode::from(2),
+    }
+}
+
+fn run(cli: &Cli) -> Result<ExitCode, Failure> {
+    let report = cli.command.run()?;
+    deliver(&report, cli.command.output())?;
+    Ok(ExitCode::from(u8::from(!report.passed)))
+}
+
+/// Prints the text, or writes the JSON; with `--json -` the JSON takes the text's place.
+fn deliver(report: &Report, output: &Output) -> Result<(), Failure> {
+    let json = || report.json_text();
+    match output.json.as_deref() {
+        Some(path) if path.as_os_str() == "-" => print(&json()?),
+        Some(path) => {
+            bench_files::write_atomically(path, json()?.as_bytes())?;
+            print(&report.text)
+        }
+        None => print(&report.text),
+    }
+}
+
+fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+    {
+        // The reader has seen enough (`flywheel … | head`).
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => Err(Failure::new(format!(
+            "cannot write to standard output: {error}"
+        ))),
+        Ok(()) => Ok(()),
+    }
+}

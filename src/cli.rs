@@ -1,0 +1,85 @@
+//! The arguments that commands share, and the list of commands.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::commands::{add, compare, design, generate, identify, remove};
+use crate::failure::Failure;
+use crate::report::Report;
+
+/// From measurements of a reaction-wheel pendulum to a verified fixed-point controller.
+#[derive(Parser)]
+#[command(
+    version,
+    about,
+    propagate_version = true,
+    arg_required_else_help = true
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Fit the base model and the effects that model.toml already has; write model.toml
+    Identify(identify::Arguments),
+    /// Show the model against the measurements, and where it fails
+    Compare(compare::Arguments),
+    /// Put an effect into model.toml and refit
+    Add(add::Arguments),
+    /// Take an effect out of model.toml and refit
+    Remove(remove::Arguments),
+    /// Linear model, poles, controllability, gains and margins
+    Design(design::Arguments),
+    /// Write the controller as a no_std fixed-point Rust crate
+    Generate(generate::Arguments),
+}
+
+impl Command {
+    /// Runs the command.
+    pub fn run(&self) -> Result<Report, Failure> {
+        match self {
+            Command::Identify(arguments) => identify::run(arguments),
+            Command::Compare(arguments) => compare::run(arguments),
+            Command::Add(arguments) => add::run(arguments),
+            Command::Remove(arguments) => remove::run(arguments),
+            Command::Design(arguments) => design::run(arguments),
+            Command::Generate(arguments) => generate::run(arguments),
+        }
+    }
+
+    /// Where the command's result goes.
+    pub fn output(&self) -> &Output {
+        match self {
+            Command::Identify(arguments) => &arguments.output,
+            Command::Compare(arguments) => &arguments.output,
+            Command::Add(arguments) => &arguments.output,
+            Command::Remove(arguments) => &arguments.output,
+            Command::Design(arguments) => &arguments.output,
+            Command::Generate(arguments) => &arguments.output,
+        }
+    }
+}
+
+/// Where the result goes.
+#[derive(Args)]
+pub struct Output {
+    /// Write everything that the text says to FILE as JSON ("-": standard output, instead of text)
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// A bench's files beside its folder.
+#[derive(Args)]
+pub struct BenchFiles {
+    /// The model of the bench [default: BENCH/model.toml]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Folder for figures and reports [default: BENCH/out]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}

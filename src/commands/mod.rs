@@ -1,0 +1,8 @@
+//! One file per command: its arguments, and what it does with them.
+
+pub mod add;
+pub mod compare;
+pub mod design;
+pub mod generate;
+pub mod identify;
+pub mod remove;

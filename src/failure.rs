@@ -1,0 +1,60 @@
+//! Why a command ends with exit code 2: bad input, with one clear message.
+
+use std::fmt;
+use std::io::IsTerminal;
+use std::path::Path;
+
+use miette::{Diagnostic, GraphicalReportHandler};
+
+/// Bad input, or a file that cannot be written.
+pub struct Failure(Box<dyn Diagnostic + Send + Sync>);
+
+/// A message that belongs to no line of a file.
+#[derive(Debug)]
+struct Message(String);
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Message {}
+impl Diagnostic for Message {}
+
+impl Failure {
+    /// A failure with this message.
+    pub fn new(message: impl Into<String>) -> Failure {
+        Failure(Box::new(Message(message.into())))
+    }
+
+    /// A failure that concerns this file.
+    pub fn in_file(file: &Path, message: impl fmt::Display) -> Failure {
+        Failure::new(format!("{}: {message}", file.display()))
+    }
+
+    /// One message on standard error; on a terminal with the lines of the file that it is about.
+    pub fn print(&self) {
+        if std::io::stderr().is_terminal() && self.0.source_code().is_some() {
+            let mut text = String::new();
+            let drawn = GraphicalReportHandler::new().render_report(&mut text, self.0.as_ref());
+            if drawn.is_ok() {
+                eprint!("{text}");
+                return;
+            }
+        }
+        eprintln!("error: {}", self.0);
+    }
+}
+
+impl From<bench_files::Error> for Failure {
+    fn from(error: bench_files::Error) -> Failure {
+        Failure(Box::new(error))
+    }
+}
+
+impl From<figures::FigureError> for Failure {
+    fn from(error: figures::FigureError) -> Failure {
+        Failure::new(error.to_string())
+    }
+}

@@ -1,0 +1,118 @@
+//! Numbers for people: as many digits as they deserve.
+
+/// A value with its standard error, both to the same decimal, the error with two digits:
+/// `(2.3034 ± 0.0012)e-3`. Without a standard error six digits.
+pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
+    match std {
+        Some(std) if std.is_finite() && std > 0.0 && value.is_finite() => {
+            let exponent = exponent_of(value.abs().max(std));
+            let plain = (-2..4).contains(&exponent);
+            let shift = if plain { 0 } else { exponent };
+            let decimals = usize::try_from(shift + 1 - exponent_of(std)).unwrap_or(0);
+            let scale = 10_f64.powi(-shift);
+            let text = format!("{:.decimals$} ± {:.decimals$}", value * scale, std * scale);
+            if plain {
+                text
+            } else {
+                format!("({text})e{exponent}")
+            }
+        }
+        _ => significant(value, 6),
+    }
+}
+
+/// A number with this many significant digits and no trailing zeros.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    // Rounded first: 9.9999996 has the exponent of 10.
+    let rounded: f64 = format!("{value:.*e}", digits.saturating_sub(1))
+        .parse()
+        .unwrap_or(value);
+    let exponent = exponent_of(rounded.abs());
+    if (-4..7).contains(&exponent) {
+        let decimals =
+            usize::try_from(i32::try_from(digits).unwrap_or(17) - 1 - exponent).unwrap_or(0);
+        without_zeros(&format!("{rounded:.decimals$}"))
+    } else {
+        let text = format!("{rounded:.*e}", digits.saturating_sub(1));
+        match text.split_once('e') {
+            Some((mantissa, exponent)) => format!("{}e{exponent}", without_zeros(mantissa)),
+            None => text,
+        }
+    }
+}
+
+fn without_zeros(text: &str) -> String {
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+fn exponent_of(positive: f64) -> i32 {
+    positive.log10().floor() as i32
+}
+
+/// A complex number as `a + bj`, or `a` where it is real.
+pub fn complex(re: f64, im: f64) -> String {
+    if im == 0.0 {
+        return significant(re, 6);
+    }
+    let sign = if im < 0.0 { '−' } else { '+' };
+    format!(
+        "{} {sign} {}j",
+        significant(re, 6),
+        significant(im.abs(), 6)
+    )
+}
+
+/// A number in a unit with the prefix that makes it readable: `22.3 mrad`.
+pub fn with_prefix(value: f64, unit: &str) -> String {
+    let (scale, prefix) = match value.abs() {
+        size if size == 0.0 || size >= 0.1 => (1.0, ""),
+        size if size >= 1e-4 => (1e3, "m"),
+        _ => (1e6, "µ"),
+    };
+    format!("{} {prefix}{unit}", significant(value * scale, 3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_carry_the_digits_that_their_errors_allow() {
+        let cases = [
+            (2.30344e-3, Some(1.2e-6), "(2.3034 ± 0.0012)e-3"),
+            (-2.30344e-3, Some(1.2e-6), "(-2.3034 ± 0.0012)e-3"),
+            (0.0335, Some(0.0001), "0.03350 ± 0.00010"),
+            (12.345678, Some(0.5), "12.35 ± 0.50"),
+            (1.0e-7, Some(3.0e-6), "(0.1 ± 3.0)e-6"),
+            (123456.0, Some(100.0), "(1.2346 ± 0.0010)e5"),
+            (1234.5, Some(100.0), "1234 ± 100"),
+            (0.245158, None, "0.245158"),
+            (2.30344e-3, None, "0.00230344"),
+            (1.36125e-5, None, "1.36125e-5"),
+            (9.81, None, "9.81"),
+            (0.99999999, None, "1"),
+            (0.0, Some(0.0), "0"),
+            (1e300, None, "1e300"),
+            (f64::NAN, None, "NaN"),
+        ];
+        for (value, std, expected) in cases {
+            assert_eq!(with_uncertainty(value, std), expected);
+        }
+    }
+
+    #[test]
+    fn prefixes_and_complex_numbers() {
+        assert_eq!(with_prefix(0.0223, "rad"), "22.3 mrad");
+        assert_eq!(with_prefix(0.598, "rad/s"), "0.598 rad/s");
+        assert_eq!(with_prefix(3.2e-5, "N m s"), "32 µN m s");
+        assert_eq!(complex(-11.9, 0.0), "-11.9");
+        assert_eq!(complex(-1.5, -2.25), "-1.5 − 2.25j");
+    }
+}

@@ -1,0 +1,516 @@
+//! The command line from outside: what a user types, sees and finds on disk.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn flywheel<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_flywheel"))
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Runs a command that must succeed and returns its text.
+fn done<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> String {
+    let output = flywheel(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "", "nothing on standard error");
+    stdout(&output)
+}
+
+fn json_of<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Value {
+    serde_json::from_str(&done(arguments)).expect("JSON on standard output")
+}
+
+/// Runs a command that must refuse its input: exit code 2, one message that holds all parts.
+fn refused<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>, parts: &[&str]) {
+    let output = flywheel(arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_eq!(stdout(&output), "", "nothing on standard output");
+    for part in parts {
+        assert!(message.contains(part), "{part:?} is not in: {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+}
+
+fn models() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("models")
+}
+
+/// A simulated bench, made here and by other means than the program's own: semi-implicit Euler in
+/// very small steps for Θ α̈ + r α̇ + μ sign α̇ + G sin α = 0, and the exact solution of
+/// j φ̈ + r_w φ̇ = τ u, with a little deterministic noise.
+mod bench {
+    use super::*;
+
+    pub const TOTAL_INERTIA: f64 = 2.3e-3;
+    pub const WHEEL_INERTIA: f64 = 1.36e-4;
+    pub const GRAVITY_TORQUE: f64 = 0.245;
+    pub const TORQUE_CONSTANT: f64 = 0.0335;
+    pub const BODY_FRICTION: f64 = 2e-5;
+    pub const COULOMB_TORQUE: f64 = 4.5e-4;
+    pub const WHEEL_FRICTION: f64 = 1.75e-5;
+
+    /// A number in (−0.5, 0.5) that depends on `index` alone (a hash; no generator needed).
+    fn noise(index: usize) -> f64 {
+        let mut x = index as u64 + 0x9e37_79b9_7f4a_7c15;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (x >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    }
+
+    fn free_swing(start_rad: f64) -> String {
+        let mut text = "t_ms,pend_deg\n".to_owned();
+        let (mut angle, mut rate) = (start_rad, 0.0_f64);
+        for sample in 0..6000 {
+            let seen = angle.to_degrees() + 0.2 * noise(sample);
+            text.push_str(&format!("{},{seen:.4}\n", sample * 4));
+            for _ in 0..400 {
+                let torque = -BODY_FRICTION * rate
+                    - COULOMB_TORQUE * (rate / 0.01).tanh()
+                    - GRAVITY_TORQUE * angle.sin();
+                rate += 1e-5 * torque / TOTAL_INERTIA;
+                angle += 1e-5 * rate;
+            }
+        }
+        text
+    }
+
+    fn spin_up(current: f64) -> String {
+        let mut text = "time_s,wheel_speed_rad_s,current_A\n".to_owned();
+        for sample in 0..800 {
+            let time = 0.01 * sample as f64;
+            let fall = (-WHEEL_FRICTION / WHEEL_INERTIA * time).exp();
+            let speed = TORQUE_CONSTANT * current / WHEEL_FRICTION * (1.0 - fall);
+            let seen = speed + 2.0 * noise(sample);
+            text.push_str(&format!("{time},{seen:.5},{current}\n"));
+        }
+        text
+    }
+
+    /// Writes the bench into a folder.
+    pub fn write(folder: &Path) {
+        let toml = format!(
+            "[bench]\nname = \"made here\"\n\n[known]\ntorque_constant = {TORQUE_CONSTANT}\n\
+             gravity_torque = {GRAVITY_TORQUE}\n\n\
+             [[experiment]]\nname = \"swing\"\nkind = \"free-swing\"\nfile = \"swing.csv\"\n\
+             columns = {{ time = \"t_ms\", angle = \"pend_deg\" }}\n\
+             units = {{ time = \"ms\", angle = \"deg\" }}\n\n\
+             [[experiment]]\nname = \"spin-up 0.5 A\"\nkind = \"spin-up\"\nfile = \"up.csv\"\n\n\
+             [[experiment]]\nname = \"spin-up -0.5 A\"\nkind = \"spin-up\"\nfile = \"down.csv\"\n"
+        );
+        for (name, text) in [
+            ("bench.toml", toml),
+            ("swing.csv", free_swing(0.35)),
+            ("up.csv", spin_up(0.5)),
+            ("down.csv", spin_up(-0.5)),
+        ] {
+            fs::write(folder.join(name), text).expect("write the bench");
+        }
+    }
+}
+
+fn parameter(json: &Value, name: &str) -> (f64, Option<f64>) {
+    let list = json["parameters"].as_array().expect("parameters");
+    let found = list
+        .iter()
+        .find(|parameter| parameter["name"] == name)
+        .unwrap_or_else(|| panic!("no {name} in {list:?}"));
+    (
+        found["value"].as_f64().expect("a value"),
+        found["std"].as_f64(),
+    )
+}
+
+/// Every file below a folder with its bytes.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder).expect("list") {
+        let path = entry.expect("entry").path();
+        if path.is_dir() {
+            all.extend(contents(&path));
+        } else {
+            let bytes = fs::read(&path).expect("read");
+            all.push((path, bytes));
+        }
+    }
+    all.sort();
+    all
+}
+
+/// From logs to the emitted crate: identify, compare, add, remove, design, generate, --check.
+#[test]
+fn the_whole_chain() {
+    let folder = tempfile::tempdir().expect("folder");
+    let bench = folder.path().join("bench");
+    fs::create_dir(&bench).expect("folder");
+    bench::write(&bench);
+    let untouched = contents(&bench);
+    let model = folder.path().join("model.toml");
+    let out = folder.path().join("figures");
+    let (bench, model, out) = (
+        bench.to_str().expect("path"),
+        model.to_str().expect("path"),
+        out.to_str().expect("path"),
+    );
+
+    let text = done(["identify", bench, "--model", model, "--out", out]);
+    for part in [
+        "made here: 3 experiments",
+        "total_inertia",
+        "±",
+        "swing",
+        "Written: ",
+    ] {
+        assert!(text.contains(part), "{part:?} is not in\n{text}");
+    }
+    let viscous = json_of([
+        "compare", bench, "--model", model, "--out", out, "--json", "-",
+    ]);
+    let rmse = |json: &Value| json["rmse"]["swing/angle"].as_f64().expect("RMSE");
+    let noise_rad = (0.2 / 12_f64.sqrt()).to_radians();
+    assert!(
+        rmse(&viscous) > 5.0 * noise_rad,
+        "dry friction is missing: {}",
+        rmse(&viscous)
+    );
+    for name in ["compare-swing.svg", "compare-spin-up-minus-0.5-a.svg"] {
+        let svg = fs::read_to_string(Path::new(out).join(name)).expect(name);
+        assert!(svg.contains("<svg"), "{name}");
+    }
+
+    let dry = json_of([
+        "add",
+        "body-coulomb-friction",
+        "--bench",
+        bench,
+        "--model",
+        model,
+        "--json",
+        "-",
+    ]);
+    assert!(
+        rmse(&dry) < 1.1 * noise_rad,
+        "down to the noise: {}",
+        rmse(&dry)
+    );
+    assert!(dry["rmse_before"]["swing/angle"].as_f64() > Some(5.0 * noise_rad));
+    for (name, truth, relative) in [
+        ("total_inertia", bench::TOTAL_INERTIA, 0.005),
+        ("wheel_inertia", bench::WHEEL_INERTIA, 0.005),
+        ("body_coulomb_torque", bench::COULOMB_TORQUE, 0.03),
+        ("wheel_viscous_friction", bench::WHEEL_FRICTION, 0.02),
+    ] {
+        let (value, std) = parameter(&dry, name);
+        assert!(
+            (value / truth - 1.0).abs() < relative,
+            "{name} = {value}, the truth is {truth}"
+        );
+        assert!(
+            std.is_some_and(|std| std > 0.0 && std < 0.1 * truth),
+            "{name}: {std:?}"
+        );
+    }
+    assert_eq!(
+        parameter(&dry, "gravity_torque"),
+        (bench::GRAVITY_TORQUE, None)
+    );
+    let again = json_of([
+        "compare", bench, "--model", model, "--out", out, "--json", "-",
+    ]);
+    assert!(
+        (rmse(&again) / rmse(&dry) - 1.0).abs() < 1e-3,
+        "compare shows what was fitted"
+    );
+
+    let gone = json_of([
+        "remove",
+        "body-coulomb-friction",
+        "--bench",
+        bench,
+        "--model",
+        model,
+        "--json",
+        "-",
+    ]);
+    assert!((rmse(&gone) / rmse(&viscous) - 1.0).abs() < 1e-3);
+    done([
+        "add",
+        "body-coulomb-friction",
+        "--bench",
+        bench,
+        "--model",
+        model,
+    ]);
+
+    let design = json_of(["design", model, "--out", out, "--json", "-"]);
+    assert_eq!(design["controllability_rank"], 3);
+    let crate_folder = folder.path().join("emitted");
+    let emitted = crate_folder.to_str().expect("path");
+    let generated = json_of(["generate", model, "--out", emitted, "--json", "-"]);
+    assert_eq!(generated["gains"], design["gains"]);
+    for name in ["Cargo.toml", "src/lib.rs", "certificate.json"] {
+        assert!(crate_folder.join(name).is_file(), "{name}");
+    }
+    done(["generate", model, "--out", emitted, "--check"]);
+
+    // --reset goes back to the base model.
+    let reset = json_of([
+        "identify", bench, "--reset", "--model", model, "--json", "-",
+    ]);
+    assert_eq!(
+        reset["effects"],
+        serde_json::json!(["body-viscous-friction", "wheel-viscous-friction"])
+    );
+    assert_eq!(
+        contents(Path::new(bench)),
+        untouched,
+        "the bench's own folder stays as it was"
+    );
+}
+
+/// `--check` is exit code 1, and changes nothing, as soon as one byte differs.
+#[test]
+fn check_finds_a_changed_byte() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().to_str().expect("path");
+    let model = models().join("thesis-4.4.toml");
+    let model = model.to_str().expect("path");
+    done(["generate", model, "--out", out]);
+    done(["generate", model, "--out", out, "--check"]);
+    let file = folder.path().join("src/control.rs");
+    let changed = fs::read_to_string(&file)
+        .expect("control.rs")
+        .replace("HALF", "HALVE");
+    fs::write(&file, &changed).expect("write");
+
+    let output = flywheel(["generate", model, "--out", out, "--check"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stdout(&output).contains("control.rs"),
+        "{}",
+        stdout(&output)
+    );
+    assert_eq!(fs::read_to_string(&file).expect("control.rs"), changed);
+    done(["generate", model, "--out", out]);
+    done(["generate", model, "--out", out, "--check"]);
+}
+
+/// The thesis' own numbers: matrix 4.4 and 4.5 as printed, poles, gains of the sampled loop.
+#[test]
+fn the_thesis_design() {
+    let folder = tempfile::tempdir().expect("folder");
+    let model = models().join("thesis-4.4.toml");
+    let json = json_of([
+        "design".as_ref(),
+        model.as_os_str(),
+        "--out".as_ref(),
+        folder.path().as_os_str(),
+        "--json".as_ref(),
+        "-".as_ref(),
+    ]);
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let near = |found: f64, expected: f64, relative: f64| {
+        assert!(
+            (found / expected - 1.0).abs() < relative,
+            "{found} is not {expected}"
+        );
+    };
+    // The model file holds the parameters to the six digits of the printed matrix.
+    let digits = 1e-5;
+    near(number(&json["A"][1][0]), 113.116, digits);
+    near(number(&json["A"][2][2]), -0.136792, digits);
+    near(number(&json["B"][2]), 261.555, digits);
+    for (found, golden) in json["gains"].as_array().expect("gains").iter().zip([
+        -24.2672423,
+        -2.12973867,
+        -0.0225875821,
+    ]) {
+        near(number(found), golden, digits);
+    }
+    let poles = json["closed_loop_poles"].as_array().expect("poles");
+    for (found, golden) in poles.iter().zip([0.98272043, 0.99219767, 0.99544999]) {
+        near(number(&found[0]), golden, 1e-6);
+        assert_eq!(number(&found[1]), 0.0);
+    }
+    near(number(&json["open_loop_poles"][2][0]), 9.47577372, digits);
+    near(
+        number(&json["recovery_angle_rad"]).to_degrees(),
+        15.86,
+        5e-4,
+    );
+    assert_eq!(json["controllability_rank"], 3);
+    assert_eq!(json["observability_rank"], 3);
+    assert!(number(&json["dare_residual"]) < 1e-12);
+}
+
+#[test]
+fn bad_input_is_refused_with_one_message() {
+    let folder = tempfile::tempdir().expect("folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(
+        path("bench.toml"),
+        "[[experiment]]\nname = \"one\"\nkind = \"freeswing\"\nfile = \"log.csv\"\n",
+    )
+    .expect("write");
+    let bench = folder.path().display().to_string();
+    refused(
+        ["identify", &bench],
+        &["bench.toml:3:8", "\"freeswing\"", "free-swing"],
+    );
+
+    fs::write(
+        path("bench.toml"),
+        "[[experiment]]\nname = \"one\"\nkind = \"free-swing\"\nfile = \"log.csv\"\n",
+    )
+    .expect("write");
+    fs::write(path("log.csv"), "time_s,angle_rad\n0,0.1\n0.1,NaN\n").expect("write");
+    refused(
+        ["identify", &bench],
+        &["log.csv:3", "angle_rad", "not a finite number"],
+    );
+    refused(["compare", &bench], &["log.csv:3"]);
+    assert!(
+        !folder.path().join("model.toml").exists(),
+        "nothing is written"
+    );
+
+    let swing: String = (0..200)
+        .map(|i| {
+            format!(
+                "{},{}\n",
+                0.01 * f64::from(i),
+                0.3 * (0.1 * f64::from(i)).cos()
+            )
+        })
+        .collect();
+    fs::write(path("log.csv"), format!("time_s,angle_rad\n{swing}")).expect("write");
+    refused(
+        ["compare", &bench],
+        &["model.toml", "no model yet", "flywheel identify"],
+    );
+    refused(
+        ["remove", "angle-offset", "--bench", &bench],
+        &["model.toml", "no model yet"],
+    );
+    refused(
+        ["identify", &path("nowhere")],
+        &["nowhere", "no such bench"],
+    );
+    refused(
+        ["design", &path("nowhere.toml")],
+        &["nowhere.toml", "no such file"],
+    );
+    refused(
+        ["generate", &path("bench.toml"), "--out", &path("out")],
+        &["bench.toml:1:1", "lacks \"parameters\""],
+    );
+    refused(
+        ["add", "body-coulomb-fricton", "--bench", &bench],
+        &["body-coulomb-fricton", "body-coulomb-friction"],
+    );
+    refused(["identify"], &["<BENCH>"]);
+    refused(["identfy", &bench], &["identfy", "identify"]);
+    refused(
+        ["identify", &bench, "--model", &path("no/folder/model.toml")],
+        &["no/folder/model.toml", "cannot be written", "--model"],
+    );
+    assert!(!folder.path().join("out").exists(), "nothing is written");
+
+    // A design that the numbers do not allow names the file and the cure.
+    let thesis = fs::read_to_string(models().join("thesis-4.4.toml")).expect("thesis");
+    let cases = [
+        (
+            "sample_time = 0.001",
+            "sample_time = 0.5",
+            "0.5 s is too long",
+        ),
+        ("value = 2.30344e-3", "value = 1.0e-4", "inertia"),
+        (
+            "current_limit = 2.0",
+            "current_limit = 3.0",
+            "current limit 3 A",
+        ),
+    ];
+    for (from, to, part) in cases {
+        fs::write(path("other.toml"), thesis.replace(from, to)).expect("write");
+        refused(
+            ["generate", &path("other.toml"), "--out", &path("out")],
+            &["other.toml", part],
+        );
+    }
+    assert!(!folder.path().join("out").exists(), "nothing is written");
+}
+
+#[test]
+fn an_effect_that_is_there_is_not_added_again() {
+    let folder = tempfile::tempdir().expect("folder");
+    bench::write(folder.path());
+    let bench = folder.path().to_str().expect("path");
+    refused(
+        ["add", "body-viscous-friction", "--bench", bench],
+        &["body-viscous-friction is not added", "already"],
+    );
+    done(["identify", bench]);
+    refused(
+        ["remove", "wheel-cogging", "--bench", bench],
+        &[
+            "does not have wheel-cogging",
+            "body-viscous-friction, wheel-viscous-friction",
+        ],
+    );
+}
+
+/// JSON to a file leaves the text on standard output, and the two say the same.
+#[test]
+fn json_to_a_file() {
+    let folder = tempfile::tempdir().expect("folder");
+    let json = folder.path().join("design.json");
+    let text = done([
+        "design".as_ref(),
+        models().join("thesis-3.5.3.toml").as_os_str(),
+        "--out".as_ref(),
+        folder.path().as_os_str(),
+        "--json".as_ref(),
+        json.as_os_str(),
+    ]);
+    assert!(text.starts_with("thesis-3.5.3: "), "{text}");
+    let json: Value =
+        serde_json::from_str(&fs::read_to_string(json).expect("written")).expect("JSON");
+    for key in [
+        "A",
+        "B",
+        "Ad",
+        "Bd",
+        "gains",
+        "open_loop_poles",
+        "closed_loop_poles",
+        "controllability_rank",
+        "observability_rank",
+        "recovery_angle_rad",
+        "dare_residual",
+    ] {
+        assert!(!json[key].is_null(), "{key}");
+    }
+}
+
+#[test]
+fn help_names_every_command() {
+    let text = done(["--help"]);
+    for command in ["identify", "compare", "add", "remove", "design", "generate"] {
+        assert!(text.contains(command), "{command}");
+        assert!(done([command, "--help"]).contains("--json"), "{command}");
+    }
+}
