@@ -89,6 +89,63 @@ impl Law for CompiledLaw {
     }
 }
 
+/// A law in fixed-point words: what is emitted for a model, run from its source or in any other
+/// way that maps the words of the measured state to the word of the current.
+pub struct WordLaw<F> {
+    name: String,
+    formats: WordFormats,
+    call: F,
+}
+
+/// Bits after the binary point of the words of an emitted law, all of them signed 32-bit words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WordFormats {
+    /// Of `Angle`, `Rate` and `WheelSpeed`.
+    pub state: [u32; 3],
+    /// Of `Current`.
+    pub current: u32,
+}
+
+impl<F: FnMut([i32; 3]) -> Result<i32, LawFailure>> WordLaw<F> {
+    /// The law that `call` computes on words of these formats.
+    pub fn new(name: impl Into<String>, formats: WordFormats, call: F) -> Self {
+        WordLaw {
+            name: name.into(),
+            formats,
+            call,
+        }
+    }
+}
+
+impl<F: FnMut([i32; 3]) -> Result<i32, LawFailure>> Law for WordLaw<F> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn command_a(&mut self, measured: &Measured) -> Result<f64, LawFailure> {
+        let state = measured.vector();
+        let mut words = [0; 3];
+        for ((word, value), fraction_bits) in
+            words.iter_mut().zip(state.iter()).zip(self.formats.state)
+        {
+            if !value.is_finite() {
+                return Err(LawFailure {
+                    message: "a measured value is not finite".to_owned(),
+                });
+            }
+            // To the nearest word, as the crate `fixed` converts; beyond the format to its end,
+            // as `as` does.
+            *word = (value * unit(fraction_bits)).round_ties_even() as i32;
+        }
+        (self.call)(words).map(|word| f64::from(word) / unit(self.formats.current))
+    }
+}
+
+/// Units of a word per one.
+fn unit(fraction_bits: u32) -> f64 {
+    2.0_f64.powi(fraction_bits as i32)
+}
+
 /// The exact law on an angle from which the observed bias has been taken out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BiasObservingLaw {
@@ -166,6 +223,39 @@ mod tests {
         }
     }
 
+    /// The words of the compiled law, called through the interface that interpreted laws use.
+    fn word_law() -> impl Law {
+        let formats = WordFormats {
+            state: [
+                generated::Angle::FRAC_NBITS,
+                generated::Rate::FRAC_NBITS,
+                generated::WheelSpeed::FRAC_NBITS,
+            ],
+            current: generated::Current::FRAC_NBITS,
+        };
+        WordLaw::new("words", formats, |[angle, rate, wheel_speed]| {
+            Ok(generated::control(
+                generated::Angle::from_bits(angle),
+                generated::Rate::from_bits(rate),
+                generated::WheelSpeed::from_bits(wheel_speed),
+            )
+            .to_bits())
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn words_are_converted_as_the_compiled_law_converts_them(
+            angle_rad in -6.0..6.0_f64,
+            rate_rad_s in -100.0..100.0_f64,
+            wheel_speed_rad_s in -2000.0..2000.0_f64,
+        ) {
+            let measured = Measured { angle_rad, rate_rad_s, wheel_speed_rad_s };
+            let one = CompiledLaw.command_a(&measured).unwrap();
+            prop_assert_eq!(one, word_law().command_a(&measured).unwrap());
+        }
+    }
+
     #[test]
     fn values_beyond_every_format_still_give_the_limit() {
         let measured = Measured {
@@ -175,10 +265,12 @@ mod tests {
         };
         // Falling forward: positive current drives the body backward.
         assert_eq!(CompiledLaw.command_a(&measured).unwrap(), 2.0);
+        assert_eq!(word_law().command_a(&measured).unwrap(), 2.0);
         let not_a_number = Measured {
             angle_rad: f64::NAN,
             ..measured
         };
         assert!(CompiledLaw.command_a(&not_a_number).is_err());
+        assert!(word_law().command_a(&not_a_number).is_err());
     }
 }

@@ -32,7 +32,9 @@ pub mod transient;
 
 pub use closed_loop::{Actuator, ClosedLoop, Deviation, Trace};
 pub use error::SimulateError;
-pub use law::{BiasObservingLaw, CompiledLaw, ExactLaw, Law, LawFailure, Measured};
+pub use law::{
+    BiasObservingLaw, CompiledLaw, ExactLaw, Law, LawFailure, Measured, WordFormats, WordLaw,
+};
 pub use motion::{LinearMotion, Motion};
 pub use overlay::{Overlay, overlay};
 pub use push::Push;
