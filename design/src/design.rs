@@ -15,7 +15,7 @@ use crate::{DareSolution, DesignError};
 use nalgebra::{Complex, DMatrix, RowVector3, Vector3};
 use plant::LinearModel;
 
-/// What a design is asked for; the table [design] of model.toml.
+/// What a design is asked for; the table `[design]` of model.toml.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Sample time in s.

@@ -11,7 +11,7 @@
 //! | [`scenario`] | the runs of the thesis: transient, disturbance, half a minute with pushes |
 //! | [`transient`] | how well a transient went: oscillations, overshoot, settling |
 //! | [`recovery`] | the largest angle from which the loop recovers |
-//! | [`overlay`] | a simulated loop over a measured balance log |
+//! | [`mod@overlay`] | a simulated loop over a measured balance log |
 //! | [`linear_validity`] | how far the linear model can be trusted |
 //!
 //! Series are plain vectors in SI units; drawing and writing them is done elsewhere.
