@@ -1,0 +1,62 @@
+//! Recordings that cannot be calibrated from.
+
+/// Why a recording yields no calibration.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// Not enough data.
+    #[error("{what}: {found} given, at least {needed} needed")]
+    TooFew {
+        /// What there is too little of.
+        what: &'static str,
+        /// How much there is.
+        found: usize,
+        /// How much is needed.
+        needed: usize,
+    },
+    /// A number is NaN or infinite, or not positive where it must be.
+    #[error(
+        "{what} is {value}: a finite number is needed, greater than zero where it is a scale or a deviation"
+    )]
+    BadNumber {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The data leaves a direction open.
+    #[error("{what}: {why}; {cure}")]
+    NotDetermined {
+        /// What was to be found.
+        what: &'static str,
+        /// What is missing.
+        why: &'static str,
+        /// What to record instead.
+        cure: &'static str,
+    },
+}
+
+/// `value` if it is finite and positive.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, CalibrationError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(CalibrationError::BadNumber { what, value })
+    }
+}
+
+/// Refuses fewer than `needed`.
+pub(crate) fn at_least(
+    what: &'static str,
+    found: usize,
+    needed: usize,
+) -> Result<(), CalibrationError> {
+    if found < needed {
+        Err(CalibrationError::TooFew {
+            what,
+            found,
+            needed,
+        })
+    } else {
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! Magnetometer: hard iron (bias) and soft iron (matrix) from readings all round.
+
+use crate::sphere_fit::{Shape, fit_sphere};
+use crate::{CalibrationError, SensorCalibration, error::positive};
+use attitude::SensorLine;
+use nalgebra::{Matrix3, Vector3};
+
+/// Share of the sphere that must be covered for the result to be trusted.
+///
+/// Half a sphere leaves bias and scale along its axis apart only by the curvature at its rim.
+pub const COVERAGE_MIN: f64 = 0.75;
+
+/// Directions of the coverage figure.
+const DIRECTIONS: usize = 100;
+
+/// A calibrated magnetometer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MagnetometerCalibration {
+    /// Line in µT per count.
+    pub sensor: SensorCalibration,
+    /// Standard deviation of the length before (about the mean, bias not removed), as a share
+    /// of it.
+    pub spread_before: f64,
+    /// The same after.
+    pub spread_after: f64,
+    /// Share of the sphere's directions with a reading within 15°.
+    pub coverage: f64,
+    /// Condition number of the fit.
+    pub condition: f64,
+    /// Readings in µT after calibration, for the figure.
+    pub points_ut: Vec<Vector3<f64>>,
+}
+
+impl MagnetometerCalibration {
+    /// Whether enough of the sphere was covered.
+    pub fn is_covered(&self) -> bool {
+        self.coverage >= COVERAGE_MIN
+    }
+}
+
+/// Fits bias and symmetric soft-iron matrix to raw counts taken in all directions, so that the
+/// field has the length `field_ut` (µT; the local field, or mean length times the data sheet's
+/// scale).
+///
+/// The length of a reading with noise σ across the field is too long by σ²/R on average; this is
+/// taken out with σ from the residuals.
+///
+/// # Errors
+/// Fewer than 50 readings; readings that lie on no ellipsoid.
+pub fn magnetometer(
+    samples: &[[i16; 3]],
+    field_ut: f64,
+) -> Result<MagnetometerCalibration, CalibrationError> {
+    let field = positive("the field", field_ut)?;
+    crate::error::at_least("magnetometer readings", samples.len(), 50)?;
+    let points: Vec<Vector3<f64>> = samples
+        .iter()
+        .map(|raw| Vector3::from(raw.map(f64::from)))
+        .collect();
+    let fit = fit_sphere(&points, &vec![1.0; points.len()], Shape::Symmetric, false)?;
+    let to_field = field * (1.0 + fit.residual_rms * fit.residual_rms);
+    let matrix: Matrix3<f64> = fit.matrix * to_field;
+    let line = SensorLine {
+        bias_counts: fit.bias,
+        matrix,
+    };
+    let points_ut: Vec<Vector3<f64>> = points.iter().map(|p| matrix * (p - fit.bias)).collect();
+    Ok(MagnetometerCalibration {
+        sensor: SensorCalibration {
+            line,
+            bias_std: fit.bias_std,
+            matrix_std: fit.matrix_std * to_field,
+        },
+        spread_before: spread(&points),
+        spread_after: spread(&points_ut),
+        coverage: sphere_coverage(&points_ut),
+        condition: fit.condition,
+        points_ut,
+    })
+}
+
+/// Standard deviation of the lengths over their mean.
+fn spread(points: &[Vector3<f64>]) -> f64 {
+    let count = points.len() as f64;
+    let mean = points.iter().map(Vector3::norm).sum::<f64>() / count;
+    let variance = points
+        .iter()
+        .map(|point| (point.norm() - mean).powi(2))
+        .sum::<f64>()
+        / count;
+    variance.sqrt() / mean
+}
+
+/// Share of 100 evenly spread directions (Fibonacci lattice) that have a point within 15°.
+pub fn sphere_coverage(points: &[Vector3<f64>]) -> f64 {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let near = 15.0_f64.to_radians().cos();
+    let covered = (0..DIRECTIONS).filter(|&index| {
+        let z = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
+        let radius = (1.0 - z * z).sqrt();
+        let turn = golden * index as f64;
+        let direction = Vector3::new(radius * turn.cos(), radius * turn.sin(), z);
+        points
+            .iter()
+            .any(|point| point.dot(&direction) >= near * point.norm() && point.norm() > 0.0)
+    });
+    covered.count() as f64 / DIRECTIONS as f64
+}

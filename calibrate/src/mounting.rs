@@ -1,0 +1,92 @@
+//! How the sensor sits on the body: the swing shows the axis, hanging at rest the angle.
+//!
+//! While the body swings about the pivot, the rate's direction is that of the axis: the
+//! eigenvector of Σ ω ωᵀ with the largest eigenvalue λ₁. Noise of variance σ² across it tilts it
+//! by σ/√(Σω²) rad, with σ² from the two small eigenvalues.
+//!
+//! Hanging at rest (α = 0, θ = −π) the mounting angle is m = atan2(−v_y, v_x) − θ, with v the
+//! accelerometer's mean after the axis has been turned onto z.
+
+use crate::{CalibrationError, error::at_least};
+use attitude::{SensorLine, pivot_angle_of_gravity, wrap_angle};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
+
+/// The sensor's place on the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mounting {
+    /// Pivot axis in the sensor's frame, a unit vector; of the two the one nearer to z.
+    pub axis: Vector3<f64>,
+    /// Standard error of its direction, rad.
+    pub axis_std_rad: f64,
+    /// The turn that takes the axis to z, to be put in front of every sensor's matrix.
+    pub alignment: Rotation3<f64>,
+    /// Angle from the body's axis to the sensor's x axis after the alignment, rad in [−π, π).
+    pub angle_rad: f64,
+    /// Its standard error from the noise of the accelerometer's mean, rad.
+    pub angle_std_rad: f64,
+}
+
+/// Axis and angle from a swing (raw gyroscope counts) and from hanging at rest (raw
+/// accelerometer counts).
+///
+/// # Errors
+/// Too few samples; a swing whose rate does not stand out from noise and other axes (λ₁ below a
+/// hundred times λ₂), or a pivot axis across the sensor's z axis.
+pub fn mounting(
+    swing: &[[i16; 3]],
+    gyro: &SensorLine,
+    hanging: &[[i16; 3]],
+    accel: &SensorLine,
+) -> Result<Mounting, CalibrationError> {
+    at_least("samples of the swing", swing.len(), 100)?;
+    let moment: Matrix3<f64> = swing
+        .iter()
+        .map(|&raw| gyro.apply(raw))
+        .map(|rate| rate * rate.transpose())
+        .sum();
+    let eigen = SymmetricEigen::new(moment);
+    let largest = eigen.eigenvalues.imax();
+    let along = eigen.eigenvalues[largest];
+    let across = eigen.eigenvalues.sum() - along;
+    if along.is_nan() || along <= 100.0 * across {
+        return Err(CalibrationError::NotDetermined {
+            what: "the pivot axis",
+            why: "the rate of the swing has no single direction",
+            cure: "record a swing of at least 20° with the wheel locked, the bias removed",
+        });
+    }
+    let axis: Vector3<f64> = eigen.eigenvectors.column(largest).into_owned();
+    let axis = if axis.z < 0.0 { -axis } else { axis };
+    if axis.z < 0.5_f64.sqrt() {
+        return Err(CalibrationError::NotDetermined {
+            what: "the mounting",
+            why: "the pivot axis is more than 45° from the sensor's z axis",
+            cure: "rename the sensor's axes so that z lies along the pivot axis",
+        });
+    }
+    let alignment = Rotation3::rotation_between(&axis, &Vector3::z()).unwrap_or_default();
+    // Two directions across, swing.len() − 1 degrees of freedom each; each tilts by σ²/λ₁.
+    let variance = across / (2.0 * (swing.len() - 1) as f64);
+    let axis_std_rad = (2.0 * variance / along).sqrt();
+
+    let rest = crate::still::still(hanging)?;
+    let up = alignment * accel.matrix * (rest.mean - accel.bias_counts);
+    let up_std = alignment.matrix().abs() * accel.matrix.abs() * rest.mean_std;
+    let across_axis = up.x.hypot(up.y);
+    if across_axis.is_nan() || across_axis <= 0.5 * up.norm() {
+        return Err(CalibrationError::NotDetermined {
+            what: "the mounting angle",
+            why: "hanging at rest, gravity lies along the pivot axis",
+            cure: "put the pivot axis level",
+        });
+    }
+    let tangent = Vector3::new(-up.y, up.x, 0.0) / (across_axis * across_axis);
+    let angle = pivot_angle_of_gravity(&up, 0.0) + std::f64::consts::PI;
+    Ok(Mounting {
+        axis,
+        axis_std_rad,
+        alignment,
+        angle_rad: wrap_angle(angle),
+        angle_std_rad: tangent.component_mul(&up_std).norm(),
+    })
+}

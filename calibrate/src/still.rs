@@ -1,0 +1,62 @@
+//! Mean and its standard error of a sensor at rest.
+
+use crate::CalibrationError;
+use crate::error::at_least;
+use nalgebra::Vector3;
+
+/// Batches for the standard error of the mean.
+const BATCHES: usize = 20;
+
+/// Variance of rounding to a whole count.
+const ROUNDING: f64 = 1.0 / 12.0;
+
+/// What a sensor read at rest, in counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Still {
+    /// Mean.
+    pub mean: Vector3<f64>,
+    /// Standard error of the mean.
+    pub mean_std: Vector3<f64>,
+    /// Standard deviation of a sample.
+    pub deviation: Vector3<f64>,
+    /// Number of samples.
+    pub count: usize,
+}
+
+/// Mean, noise and standard error from at least 40 samples of a resting sensor.
+///
+/// The standard error comes from the means of 20 batches, so that slow noise counts as what it
+/// is (σ²/n would hold for white noise only). Where the noise is below half a count it does not
+/// average the rounding, so rounding's variance of 1/12 is added.
+///
+/// # Errors
+/// Fewer than 40 samples.
+pub fn still(samples: &[[i16; 3]]) -> Result<Still, CalibrationError> {
+    at_least("samples at rest", samples.len(), 2 * BATCHES)?;
+    let vector = |raw: &[i16; 3]| Vector3::from(raw.map(f64::from));
+    let count = samples.len() as f64;
+    let mean = samples.iter().map(vector).sum::<Vector3<f64>>() / count;
+    let variance = samples
+        .iter()
+        .map(|raw| (vector(raw) - mean).map(|x| x * x))
+        .sum::<Vector3<f64>>()
+        / (count - 1.0);
+    let length = samples.len() / BATCHES;
+    let between = samples
+        .chunks_exact(length)
+        .take(BATCHES)
+        .map(|batch| batch.iter().map(vector).sum::<Vector3<f64>>() / length as f64)
+        .map(|batch_mean| (batch_mean - mean).map(|x| x * x))
+        .sum::<Vector3<f64>>()
+        / ((BATCHES - 1) * BATCHES) as f64;
+    let mean_std = between.zip_map(&variance, |between, variance| {
+        let rounding = if variance < 0.25 { ROUNDING } else { 0.0 };
+        (between + rounding).sqrt()
+    });
+    Ok(Still {
+        mean,
+        mean_std,
+        deviation: variance.map(f64::sqrt),
+        count: samples.len(),
+    })
+}
