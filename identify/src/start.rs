@@ -245,7 +245,9 @@ pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64,
         }
     }
     let total = total.or(wheel.map(|j| 20.0 * j)).unwrap_or(1.0);
-    let wheel = wheel.unwrap_or(0.05 * total).min(0.9 * total);
+    // A guess must leave Θ > j_w; a given value (also the 1 that stands for an unknown scale) stays.
+    let wheel =
+        known[WHEEL_INERTIA].unwrap_or_else(|| wheel.unwrap_or(0.05 * total).min(0.9 * total));
     let gravity = gravity.unwrap_or(100.0 * total);
     let torque = torque.unwrap_or(100.0 * wheel);
     // Friction may come out negative from noise; the fit needs a start inside its bounds.
