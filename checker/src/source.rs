@@ -1,0 +1,46 @@
+//! Places in the emitted source, and what is said about them.
+
+use std::fmt;
+use std::sync::Arc;
+
+use proc_macro2::Span;
+
+/// File, line and column (both from one).
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Place {
+    /// Path inside the emitted crate, with `/`.
+    pub file: Arc<str>,
+    /// Line.
+    pub line: usize,
+    /// Column.
+    pub column: usize,
+}
+
+impl Place {
+    /// Where `span` starts in `file`.
+    pub fn of(file: &Arc<str>, span: Span) -> Place {
+        let start = span.start();
+        Place {
+            file: file.clone(),
+            line: start.line,
+            column: start.column + 1,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+/// Source that is not in the language of emitted code, with what was found and what would be
+/// right.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {message}")]
+pub struct SourceError {
+    /// Where.
+    pub place: Place,
+    /// What was found, and what is understood there.
+    pub message: String,
+}

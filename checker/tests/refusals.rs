@@ -1,0 +1,146 @@
+//! Whatever is not in the language is refused with its place.
+
+use checker::{Machine, Module};
+
+fn refused(body: &str) -> String {
+    let text = format!("pub fn f(a: i32, b: i32) -> i32 {{\n    {body}\n}}\n");
+    match Module::parse(&[("src/x.rs", &text)]) {
+        Ok(_) => panic!("understood: {body}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn constructs_outside_the_language() {
+    let cases = [
+        ("a / b", "2:7: found `/`"),
+        ("a % b", "2:7"),
+        ("a ^ b", "2:7"),
+        ("a | b", "2:7"),
+        ("loop {}", "2:5: found `loop {}`"),
+        ("while a < b {} a", "2:5"),
+        ("for i in 0..3 {} a", "2:5"),
+        ("a.wrapping_add(b)", "2:7: found `.wrapping_add()`"),
+        ("a.abs()", "found `.abs()`"),
+        ("a as f32 as i32", "found the type `f32`"),
+        ("1.5", "found `1.5`"),
+        ("unsafe { a }", "2:5"),
+        ("panic!()", "2:5"),
+        ("let x = |y: i32| y; x(a)", "2:13"),
+        ("g(a)", "`g` is no function"),
+        ("let x = a; y", "`y` is not known"),
+        ("a + (b as i64)", "a i32 is expected, found a i64"),
+        (
+            "if a < b { a } else { true }",
+            "a i32 is expected, found a bool",
+        ),
+        ("f(a, b)", "calls itself"),
+        ("5_000_000_000", "is no i32"),
+        ("let [x, y] = [a, b]; x", "2:9"),
+        ("[a, b][2]", "a literal below 2"),
+        ("[a, b][a]", "a literal below 2"),
+        ("a as i128 as i32", "128 bits stand in assertions only"),
+        ("a; b", "its value is not used"),
+        ("(a, b)", "returns a i32"),
+    ];
+    for (body, said) in cases {
+        let message = refused(body);
+        assert!(message.starts_with("src/x.rs:"), "{body}: {message}");
+        assert!(message.contains(said), "{body}: {message}");
+    }
+}
+
+#[test]
+fn items_outside_the_language() {
+    let cases = [
+        ("pub fn f<T>(a: T) -> i32 { 1 }", "nothing is generic"),
+        ("static X: i32 = 1;", "found `static X"),
+        ("pub enum E { A }", "found `pub enum"),
+        ("pub type A = fixed::types::I16F15;", "x + y = 32"),
+        ("pub type A = i32;", "fixed::types::IxFy"),
+        ("use core::mem::swap;", "is not known in this crate"),
+        ("#[cfg(test)] pub fn f() -> i32 { 1 }", "not an attribute"),
+        ("const X: i32 = X;", "a constant that needs itself"),
+        (
+            "const X: i32 = i32::MAX + 1;",
+            "the sum of 2147483647 and 1 overflows",
+        ),
+        ("const _: () = { assert!(1 < 1i32, \"no\"); };", "assertion"),
+        ("fn f() -> i32 { 1 } fn f() -> i32 { 2 }", "defined twice"),
+        ("impl Clone for X {}", "only `Default`"),
+        ("fn (", "no Rust"),
+        ("pub mod y;", "modules are declared in src/lib.rs"),
+        ("macro_rules! m { () => {} }", "found `macro_rules!"),
+    ];
+    for (text, said) in cases {
+        match Module::parse(&[("src/x.rs", text)]) {
+            Ok(_) => panic!("understood: {text}"),
+            Err(error) => assert!(error.to_string().contains(said), "{text}: {error}"),
+        }
+    }
+}
+
+/// Overflows are found where Rust would panic, and where it would silently lose bits.
+#[test]
+fn traps() {
+    let cases = [
+        (
+            "a + b",
+            [i32::MAX, 1],
+            "the sum of 2147483647 and 1 overflows",
+        ),
+        ("a - b", [i32::MIN, 1], "the difference"),
+        ("-a", [i32::MIN, 0], "the difference of 0 and -2147483648"),
+        ("a * b", [1 << 16, 1 << 15], "the product"),
+        ("a << b", [1, 32], "the left shift"),
+        ("a << b", [3, 31], "the left shift"),
+        ("a >> b", [1, -1], "the right shift"),
+        (
+            "(a as i64 * b as i64) as i32",
+            [1 << 16, 1 << 15],
+            "loses bits",
+        ),
+        ("a.clamp(b, -b)", [0, 1], "clamp to [1, -1]"),
+    ];
+    for (body, arguments, said) in cases {
+        let text = format!("pub fn f(a: i32, b: i32) -> i32 {{ {body} }}");
+        let module = Module::parse(&[("src/x.rs", &text)]).unwrap();
+        let program = module.function("f").unwrap();
+        let error = Machine::new(program)
+            .call(&arguments.map(i128::from))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(said), "{body}: {error}");
+    }
+    let text = "pub fn f(a: i32) -> i32 { a }";
+    let module = Module::parse(&[("src/x.rs", text)]).unwrap();
+    let mut machine = Machine::new(module.function("f").unwrap());
+    assert!(machine.call(&[1 << 40]).is_err());
+    assert!(machine.call(&[1, 2]).is_err());
+}
+
+/// What the language can do, each with its result for (7, -3).
+#[test]
+fn expressions() {
+    let cases = [
+        ("if a > b { return b; } a", -3),
+        ("let (x, y) = (a, b); y - x", -10),
+        ("let v = [a, b]; v[1] * v[0]", -21),
+        ("if a < 0 || b < 0 { 1 } else { 0 }", 1),
+        ("if a < 0 && (a >> 40) == 0 { 1 } else { 0 }", 0),
+        ("if !(a == b) && a != b { 1 } else { 0 }", 1),
+        ("(b >> 1) & 1", 0),
+        ("let mut x = a; if b < 0 { x = x + 1; } x", 8),
+        ("let x: i64 = (1 << (2 + 3)) * (a as i64); x as i32", 224),
+        ("i64::from(a) as i32 + (1i64 << 3) as i32", 15),
+        ("(0x10 - a) * -2", -18),
+        ("match Some(a) { Some(x) => x, None => b }", 7),
+    ];
+    for (body, expected) in cases {
+        let text = format!("pub fn f(a: i32, b: i32) -> i32 {{ {body} }}");
+        let module =
+            Module::parse(&[("src/x.rs", &text)]).unwrap_or_else(|error| panic!("{body}: {error}"));
+        let mut machine = Machine::new(module.function("f").unwrap());
+        assert_eq!(machine.call(&[7, -3]).unwrap(), [expected], "{body}");
+    }
+}
