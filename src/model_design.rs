@@ -45,6 +45,7 @@ impl ModelDesign {
             Some(FrictionExtremes {
                 none: upright(&values, None).map_err(in_file)?,
                 all: upright(&values, Some(steepest)).map_err(in_file)?,
+                smoothing_speed_rad_s: steepest,
             })
         } else {
             None

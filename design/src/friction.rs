@@ -4,11 +4,18 @@
 //! smoothing speed ι. That is a choice, not physics: at speeds well above ι the damping is not
 //! there, and where the pivot sticks there is more. So a design is checked against both extremes:
 //! all of μ/ι, and none of it.
+//!
+//! The two are not alike. Without the damping that it believed in, a loop that is unstable falls.
+//! With too much damping near rest it cannot fall, as the faster it moves the less the friction
+//! damps; it *hunts*: it swings slowly with an amplitude that stays. On a swing with rate amplitude
+//! V, dry friction of torque μ acts like the viscous friction 4μ/(πV) (its describing function;
+//! A. Gelb and W. Vander Velde, "Multiple-Input Describing Functions", 1968, table B.1), so the
+//! loop hunts at the V whose equivalent friction makes it marginal.
 
 use crate::DesignError;
 use crate::controller::LinearController;
 use crate::margins::{Margins, margins};
-use crate::matrix::of_model;
+use crate::matrix::{check_positive, of_model};
 use crate::poles::eigenvalues;
 use crate::zero_order_hold::zero_order_hold;
 use nalgebra::{Complex, RowVector3};
@@ -21,6 +28,29 @@ pub struct FrictionExtremes {
     pub none: LinearModel,
     /// All of it, as the viscous term μ/ι.
     pub all: LinearModel,
+    /// That ι, in rad/s.
+    pub smoothing_speed_rad_s: f64,
+}
+
+impl FrictionExtremes {
+    /// The bench with viscous friction of `share` times μ/ι.
+    fn with_share(&self, share: f64) -> LinearModel {
+        LinearModel {
+            state: self.none.state + (self.all.state - self.none.state) * share,
+            input: self.none.input,
+        }
+    }
+}
+
+/// A swing that dry friction keeps up around upright.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hunting {
+    /// Amplitude of the body rate in rad/s.
+    pub rate_rad_s: f64,
+    /// Amplitude of the angle in rad.
+    pub angle_rad: f64,
+    /// Frequency in rad/s.
+    pub frequency_rad_s: f64,
 }
 
 /// The designed loop around one of the extremes.
@@ -48,6 +78,9 @@ pub struct FrictionCheck {
     pub none: ExtremeCheck,
     /// With all of it as damping.
     pub all: ExtremeCheck,
+    /// The swing that friction without any smoothing keeps up; none where no amount of damping
+    /// makes the loop unstable.
+    pub hunting: Option<Hunting>,
 }
 
 /// The loop that `gains` close at `sample_time_s` around both extremes.
@@ -63,7 +96,66 @@ pub fn friction_check(
     Ok(FrictionCheck {
         none: check(&extremes.none, gains, sample_time_s)?,
         all: check(&extremes.all, gains, sample_time_s)?,
+        hunting: hunting(extremes, gains, sample_time_s)?,
     })
+}
+
+/// The smallest friction that makes the loop marginal, as the swing that it belongs to.
+fn hunting(
+    extremes: &FrictionExtremes,
+    gains: &RowVector3<f64>,
+    sample_time_s: f64,
+) -> Result<Option<Hunting>, DesignError> {
+    check_positive(
+        "the speed of the friction's linearisation in rad/s",
+        extremes.smoothing_speed_rad_s,
+    )?;
+    let poles_at = |share: f64| -> Result<Vec<Complex<f64>>, DesignError> {
+        let (a, b) = of_model(&extremes.with_share(share))?;
+        let hold = zero_order_hold(&a, &b, sample_time_s)?;
+        let controller = LinearController::state_feedback(gains);
+        eigenvalues(&controller.closed_loop(&hold.state, &hold.input)?)
+    };
+    let is_stable = |share: f64| -> Result<bool, DesignError> {
+        Ok(poles_at(share)?.iter().all(|pole| pole.norm() < 1.0))
+    };
+    if !is_stable(0.0)? {
+        return Ok(None);
+    }
+    // In steps of ten per cent from friction that hardly matters, down to swings whose rate is a
+    // millionth of ι.
+    let (mut stable, mut unstable) = (0.0, 1e-3);
+    while is_stable(unstable)? {
+        stable = unstable;
+        unstable *= 1.1;
+        if unstable > 1e6 {
+            return Ok(None);
+        }
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (stable + unstable);
+        if is_stable(middle)? {
+            stable = middle;
+        } else {
+            unstable = middle;
+        }
+    }
+    let marginal = poles_at(unstable)?
+        .into_iter()
+        .max_by(|left, right| left.norm().total_cmp(&right.norm()));
+    // A real pole at one is no swing.
+    Ok(marginal
+        .map(|pole| pole.arg().abs() / sample_time_s)
+        .filter(|frequency| *frequency > 0.0)
+        .map(|frequency_rad_s| {
+            let rate_rad_s =
+                4.0 * extremes.smoothing_speed_rad_s / (std::f64::consts::PI * unstable);
+            Hunting {
+                rate_rad_s,
+                angle_rad: rate_rad_s / frequency_rad_s,
+                frequency_rad_s,
+            }
+        }))
 }
 
 fn check(
@@ -140,11 +232,37 @@ mod tests {
         let extremes = FrictionExtremes {
             none: bench(None),
             all: bench(Some(0.01)),
+            smoothing_speed_rad_s: 0.01,
         };
         let result = friction_check(&extremes, &thesis::golden_gains(), 1e-3).unwrap();
         assert!(result.none.is_stable());
         assert!(result.none.spectral_radius != result.all.spectral_radius);
         let reversed = friction_check(&extremes, &-thesis::golden_gains(), 1e-3).unwrap();
         assert!(!reversed.none.is_stable() && reversed.none.margins.is_none());
+    }
+
+    /// The amplitude follows from μ alone, however the friction was linearised.
+    #[test]
+    fn hunting_does_not_depend_on_the_linearisation() {
+        let at = |speed: f64| {
+            let extremes = FrictionExtremes {
+                none: bench(None),
+                all: bench(Some(speed)),
+                smoothing_speed_rad_s: speed,
+            };
+            hunting(&extremes, &thesis::golden_gains(), 1e-3)
+                .unwrap()
+                .unwrap()
+        };
+        let (one, other) = (at(0.01), at(0.2));
+        assert!((one.rate_rad_s / other.rate_rad_s - 1.0).abs() < 1e-9);
+        assert!((one.frequency_rad_s / other.frequency_rad_s - 1.0).abs() < 1e-9);
+        // The equivalent friction 4μ/(πV) makes the loop marginal.
+        let equivalent = 4.0 * COULOMB_TORQUE / (std::f64::consts::PI * one.rate_rad_s);
+        let marginal = bench(Some(COULOMB_TORQUE / equivalent));
+        let radius = check(&marginal, &thesis::golden_gains(), 1e-3)
+            .unwrap()
+            .spectral_radius;
+        assert!((radius - 1.0).abs() < 1e-9, "{radius}");
     }
 }

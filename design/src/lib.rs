@@ -47,7 +47,7 @@ pub use controller::LinearController;
 pub use dare::{DareSolution, solve_dare};
 pub use design::{Design, Settings};
 pub use error::DesignError;
-pub use friction::{ExtremeCheck, FrictionCheck, FrictionExtremes, friction_check};
+pub use friction::{ExtremeCheck, FrictionCheck, FrictionExtremes, Hunting, friction_check};
 pub use lqr::{
     ContinuousRegulator, DiscreteRegulator, Weights, continuous_regulator, discrete_regulator,
 };

@@ -258,3 +258,43 @@ fn a_delay_near_the_margin_makes_the_loop_ring() {
         "{frequency} against {margins:?}"
     );
 }
+
+/// A dry pivot makes the loop hunt; the design predicts how far by the describing function of the
+/// friction, which takes the swing for a sine (good to some ten per cent).
+#[test]
+fn a_dry_pivot_hunts_as_far_as_the_design_predicts() {
+    let model = Model::base().with(EffectId::BodyCoulombFriction);
+    for torque in [3e-3, 6e-3] {
+        let mut values = BASE.to_vec();
+        values.push(torque);
+        let speed = 0.01;
+        let extremes = design::FrictionExtremes {
+            none: plant::linearise(&model, &values, PI, None).unwrap(),
+            all: plant::linearise(&model, &values, PI, Some(speed)).unwrap(),
+            smoothing_speed_rad_s: speed,
+        };
+        let predicted = design::friction_check(&extremes, &crate::bench::gains(), 1e-3)
+            .unwrap()
+            .hunting
+            .unwrap();
+        let plant = plant::Plant::new(&model, &values, plant::Kind::Balance);
+        let trace = plain_loop(Motion::Nonlinear(&plant))
+            .run(
+                &simulate::closed_loop::at_rest(0.02),
+                60.0,
+                &mut exact_law(),
+                false,
+            )
+            .unwrap();
+        let late = &trace.angle_rad[trace.len() / 2..];
+        let amplitude = late.iter().map(|angle| angle.abs()).fold(0.0, f64::max);
+        let crossings = late
+            .windows(2)
+            .filter(|pair| pair[0] * pair[1] < 0.0)
+            .count();
+        let frequency = PI * crossings as f64 / (late.len() as f64 * 1e-3);
+        eprintln!("{torque}: {amplitude} {frequency} {predicted:?}");
+        assert!((amplitude / predicted.angle_rad - 1.0).abs() < 0.3);
+        assert!((frequency / predicted.frequency_rad_s - 1.0).abs() < 0.3);
+    }
+}
