@@ -180,21 +180,23 @@ fn add_channel(residual: &[f64], sensitivities: &[Vec<f64>], count: usize) -> DM
     };
     let transformed: Vec<Vec<Complex<f64>>> = sensitivities.iter().map(|s| spectrum(s)).collect();
     let p = sensitivities.len();
+    let weights: Vec<f64> = (0..bins)
+        .map(|k| {
+            // A real series has each inner frequency twice.
+            let multiplicity = if k == 0 || k == bins - 1 { 1.0 } else { 2.0 };
+            smooth(k) * multiplicity / length as f64
+        })
+        .collect();
     let mut out = DMatrix::zeros(p, p);
-    for k in 0..bins {
-        // A real series has each inner frequency twice.
-        let multiplicity = if k == 0 || k == bins - 1 { 1.0 } else { 2.0 };
-        let weight = smooth(k) * multiplicity / length as f64;
-        for row in 0..p {
-            for column in 0..=row {
-                let product = transformed[row][k] * transformed[column][k].conj();
-                out[(row, column)] += weight * product.re;
-            }
-        }
-    }
     for row in 0..p {
-        for column in 0..row {
-            out[(column, row)] = out[(row, column)];
+        for column in 0..=row {
+            let bins = transformed[row].iter().zip(&transformed[column]);
+            let sum: f64 = bins
+                .zip(&weights)
+                .map(|((a, b), weight)| weight * (a * b.conj()).re)
+                .sum();
+            out[(row, column)] = sum;
+            out[(column, row)] = sum;
         }
     }
     out

@@ -9,6 +9,7 @@
 //! | `solver` | nonlinear least squares over shared parameters and each window's start |
 //! | `fit` | the schedule from a plain start; model against measurement |
 //! | `covariance` | standard errors that account for correlated residuals |
+//! | `missing_torque` | the torque that a model lacks, over time |
 //! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
 //! | `whiteness` | what is left in a residual: noise or structure |
 //! | `identification` | a whole bench: what is known, what is free, what is open |
@@ -16,6 +17,7 @@
 mod covariance;
 mod fit;
 mod identification;
+mod missing_torque;
 mod noise;
 mod pushes;
 mod record;
@@ -26,10 +28,14 @@ mod whiteness;
 
 pub use covariance::pseudo_inverse;
 pub use fit::{
-    BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, refit, traces,
+    BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, joined,
+    refit, traces,
 };
 pub use identification::{
     Identification, IdentifyError, Setup, carry_over, extend, identify, scaled_start,
+};
+pub use missing_torque::{
+    MeasuredMotion, MissingTorque, TorqueOn, half_bump, missing_torque, missing_torques,
 };
 pub use noise::{noise_std, resolution};
 pub use pushes::{Push, PushModel, find_pushes, leave_out};

@@ -1,22 +1,17 @@
 //! Pushes on the body that no column records: found, located, sized, and kept out of the fit.
 //!
-//! The torque on the body follows from the measurements through the first equation of motion
-//! (thesis 1.26), f = Θ α̈ + j_w φ̈ + r_b α̇ + G sin α, and, with the motor's torque taken from the
-//! command instead of the wheel, from f = (Θ − j_w) α̈ + r_b α̇ + G sin α + τ i − r_w φ̇. Both are
-//! evaluated in the weak form: multiplied by a short bump and integrated by parts, so that no
-//! measurement is differentiated; the result is f smoothed by the bump, whose integral is that of f.
-//! The second has the lower noise, but an error of the motor's model (a lag, a dead zone) looks like
-//! a push in it; the first knows no motor. A push is what both show.
+//! A push is a torque on the body that the model lacks, and [`crate::missing_torque`] has it in two
+//! ways: by the momentum of body and wheel, and by the command. The second has the lower noise, but an
+//! error of the motor's model (a lag, a dead zone) looks like a push in it; the first knows no motor.
+//! A push is what both show.
 
-use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+use plant::{Kind, Model};
 
-use crate::record::{Output, Record};
-use crate::start::angle_samples;
+use crate::missing_torque::{MeasuredMotion, TorqueOn, half_samples, missing_torque};
+use crate::record::Record;
 
 /// Half-width of the bump in s: shorter than a push by hand.
 const HALF_BUMP_S: f64 = 0.025;
-/// Fewest samples on either side of the bump's centre.
-const HALF_BUMP_SAMPLES: usize = 4;
 /// Threshold in robust standard deviations of the torque estimate. In a minute of log there are
 /// some thousand independent values; six Gaussian standard deviations are exceeded by one in 5e8.
 const THRESHOLD: f64 = 6.0;
@@ -57,68 +52,24 @@ pub struct PushModel {
 /// The smoothed torque on the body at every sample, by the momentum of body and wheel (first) and
 /// by the command (second); NaN at the ends and where samples are missing.
 fn torque_on_body(record: &Record, model: &PushModel) -> Option<(Option<Vec<f64>>, Vec<f64>)> {
-    let angle = angle_samples(record)?;
-    let rate = record.channel(Output::Rate).map(|c| &c.samples);
-    let speed = record.channel(Output::WheelSpeed).map(|c| &c.samples);
-    if record.current_a.len() != record.len() || record.len() < 4 * HALF_BUMP_SAMPLES {
+    if record.current_a.len() != record.len() || record.is_empty() {
         return None;
     }
-    let n = record.len();
-    let mean_step_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
-    let half = ((HALF_BUMP_S / mean_step_s).round() as usize).max(HALF_BUMP_SAMPLES);
-    if n <= 2 * half + 1 {
-        return None;
-    }
-    let [total, wheel, gravity, torque] = [
-        model.base[TOTAL_INERTIA],
-        model.base[WHEEL_INERTIA],
-        model.base[GRAVITY_TORQUE],
-        model.base[TORQUE_CONSTANT],
-    ];
-    let mut momentum = speed.map(|_| vec![f64::NAN; n]);
-    let mut command = vec![f64::NAN; n];
-    for centre in half..n - half {
-        let (a, b) = (record.time_s[centre - half], record.time_s[centre + half]);
-        let (mut area, mut by_momentum, mut by_command) = (0.0, 0.0, 0.0);
-        for k in centre - half..centre + half {
-            // Midpoints: the bump and its derivatives vanish at both ends.
-            let (t, step) = (
-                0.5 * (record.time_s[k] + record.time_s[k + 1]),
-                record.time_s[k + 1] - record.time_s[k],
-            );
-            let mid = |series: &[f64]| 0.5 * (series[k] + series[k + 1]);
-            let (u, v) = (t - a, b - t);
-            let bump = u * u * v * v;
-            let slope = 2.0 * u * v * (v - u);
-            area += bump * step;
-            // ∫ψ α̈ = −∫ψ̇ α̇ = ∫ψ̈ α
-            let (acceleration, rate) = match rate {
-                Some(rate) => (-slope * mid(rate), bump * mid(rate)),
-                None => {
-                    let curvature = 2.0 * (v * v - 4.0 * u * v + u * u);
-                    (curvature * mid(&angle), -slope * mid(&angle))
-                }
-            };
-            let own = gravity * bump * mid(&angle).sin() + model.body_friction * rate;
-            let spin = speed.map_or(0.0, |speed| mid(speed));
-            by_momentum += step * (total * acceleration - wheel * slope * spin + own);
-            // A command holds from its sample to the next.
-            let current = if record.current_is_measured {
-                mid(&record.current_a)
-            } else {
-                record.current_a[k]
-            };
-            by_command += step
-                * ((total - wheel) * acceleration
-                    + own
-                    + bump * (torque * current - model.wheel_friction * spin));
+    let half = half_samples(record, HALF_BUMP_S);
+    let mut values = model.base.to_vec();
+    values.extend([model.body_friction, model.wheel_friction]);
+    let base = Model::base();
+    let motion = MeasuredMotion::new(record, &[], &base, &values, half)?;
+    let series = |on: TorqueOn| -> Option<Vec<f64>> {
+        // All samples: what a push spoils is what is looked for.
+        let found = missing_torque(record, &[], &motion, &base, &values, on, (half, 1))?;
+        let mut series = vec![f64::NAN; record.len()];
+        for (centre, torque) in found.centres.iter().zip(&found.torque_nm) {
+            series[*centre] = *torque;
         }
-        if let Some(momentum) = &mut momentum {
-            momentum[centre] = by_momentum / area;
-        }
-        command[centre] = by_command / area;
-    }
-    Some((momentum, command))
+        Some(series)
+    };
+    Some((series(TorqueOn::Body), series(TorqueOn::BodyByCommand)?))
 }
 
 /// Subtracts the running median and returns the robust standard deviation of what is left.
@@ -175,15 +126,17 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
     let mut pushes = vec![];
     let mut k = 0;
     while k < n {
-        // A NaN compares as false and is passed over.
-        if !(command[k].abs() > THRESHOLD * command_std) {
+        // A NaN compares as false, so that it is passed over here and ends a push below.
+        let exceeds = command[k].abs() > THRESHOLD * command_std;
+        if !exceeds {
             k += 1;
             continue;
         }
         let sign = command[k].signum();
         let end = (k..n)
-            .find(|&k| !(sign * command[k] > FOOT * command_std))
-            .unwrap_or(n);
+            .take_while(|&k| sign * command[k] > FOOT * command_std)
+            .last()
+            .map_or(k, |last| last + 1);
         let top = (k..end)
             .max_by(|&a, &b| (sign * command[a]).total_cmp(&(sign * command[b])))
             .unwrap_or(k);

@@ -96,6 +96,8 @@ pub struct Plant<S> {
 const STEP_RAD: f64 = 0.1;
 /// Steps are at most this many time constants of the fastest friction (RK4 is stable to 2.78).
 const STEP_TIME_CONSTANTS: f64 = 1.0;
+/// Shortest step that presliding friction asks for.
+const CONTACT_STEP_S: f64 = 2e-3;
 /// A step in which dry friction changes its sign is repeated in this many parts.
 const KINK_PARTS: usize = 8;
 /// Below this step the repetition gains nothing that a sensor could show.
@@ -189,11 +191,14 @@ impl<S: Scalar> Plant<S> {
     fn stable_step_s(&self) -> f64 {
         let inverse_body = self.inverse_body.value().abs();
         let inverse_wheel = self.inverse_wheel.value().abs();
-        let mut stiffness = self.gravity_torque.value().abs();
+        let gravity = self.gravity_torque.value().abs();
+        let mut step = STEP_RAD / (gravity * inverse_body).sqrt().max(1e-9);
         if let Some(term) = self.presliding {
-            stiffness += term.p[1].value().abs();
+            // The contact's own oscillation is resolved down to steps of two milliseconds. A stiffer
+            // contact yields before any sensor could see it bend; its force stays bounded by μ.
+            let stiffness = gravity + term.p[1].value().abs();
+            step = step.min((STEP_RAD / (stiffness * inverse_body).sqrt()).max(CONTACT_STEP_S));
         }
-        let mut step = STEP_RAD / (stiffness * inverse_body).sqrt().max(1e-9);
         let probe = |rate: f64, wheel: f64| Instant {
             angle_rad: S::zero(),
             rate_rad_s: S::constant(rate),
@@ -280,25 +285,40 @@ impl<S: Scalar> Plant<S> {
         self.accelerations(&mut at, state.friction_torque, current_a, push)
     }
 
+    /// The torque of presliding friction in N m after the body has moved by `displacement_rad` in
+    /// one direction since it was `memory`; unchanged in a model without it.
+    #[inline(always)]
+    pub fn remember(&self, memory: S, displacement_rad: S) -> S {
+        match &self.presliding {
+            Some(term) => term.effect.remember(&term.p, memory, displacement_rad),
+            None => memory,
+        }
+    }
+
+    /// The current in A behind the lag, `after_s` into an interval of `step_s`: `start_a` flowed at
+    /// its beginning, `drive_a` is the mean command over it (after any delay).
+    #[inline(always)]
+    pub fn flowing_current(&self, start_a: S, drive_a: S, after_s: f64, step_s: f64) -> S {
+        match self.lag_s {
+            Some(lag) if lag.value() > 0.0 => {
+                let decay = (S::constant(-after_s) / lag).exp();
+                drive_a + (start_a - drive_a) * decay
+            }
+            // The lag T → 0 delays the current by T: −T di/dt is left to first order so that the
+            // derivative with respect to T exists at T = 0.
+            Some(lag) => drive_a - lag * (drive_a - start_a) * (1.0 / step_s),
+            None => drive_a,
+        }
+    }
+
     /// One step of the classical Runge–Kutta method (Hairer, Nørsett, Wanner I, table II.1.2),
     /// without any check of its length. Lag and presliding friction use their exact solutions over
     /// the step, so that neither limits it.
     #[inline(always)]
     fn rk4(&self, start: &State<S>, drive: &Drive<S>, step_s: f64) -> State<S> {
         let half = 0.5 * step_s;
-        let current = |fraction_s: f64| match self.lag_s {
-            Some(lag) if lag.value() > 0.0 => {
-                let decay = (S::constant(-fraction_s) / lag).exp();
-                drive.current_a + (start.current_a - drive.current_a) * decay
-            }
-            // The lag T → 0 delays the current by T: −T di/dt is left to first order so that the
-            // derivative with respect to T exists at T = 0.
-            Some(lag) => {
-                let change = drive.current_a - start.current_a;
-                drive.current_a - lag * change * (1.0 / step_s)
-            }
-            None => drive.current_a,
-        };
+        let current =
+            |after_s: f64| self.flowing_current(start.current_a, drive.current_a, after_s, step_s);
         let moves_body = self.kind != Kind::SpinUp;
         let moves_wheel = self.kind != Kind::FreeSwing;
         let stage = |rate: S, rate_dot: S, wheel: S, wheel_dot: S, span: f64, push: f64| {
@@ -313,9 +333,7 @@ impl<S: Scalar> Plant<S> {
             if moves_body {
                 at.angle_rad += rate * span;
                 at.rate_rad_s += rate_dot * span;
-                if let Some(term) = &self.presliding {
-                    memory = term.effect.remember(&term.p, memory, rate * span);
-                }
+                memory = self.remember(memory, rate * span);
             }
             if moves_wheel {
                 at.wheel_angle_rad += wheel * span;
@@ -335,11 +353,7 @@ impl<S: Scalar> Plant<S> {
             let displacement = weighted(k1.0, k2.0, k3.0, k4.0);
             end.angle_rad += displacement;
             end.rate_rad_s += weighted(k1.1, k2.1, k3.1, k4.1);
-            if let Some(term) = &self.presliding {
-                end.friction_torque =
-                    term.effect
-                        .remember(&term.p, start.friction_torque, displacement);
-            }
+            end.friction_torque = self.remember(start.friction_torque, displacement);
         }
         if moves_wheel {
             end.wheel_angle_rad += weighted(k1.2, k2.2, k3.2, k4.2);
@@ -473,7 +487,7 @@ mod tests {
             start,
             &time_s,
             0..time_s.len(),
-            None,
+            Current::Held(0.0),
             None,
             |_, _, state| states.push(*state),
         );

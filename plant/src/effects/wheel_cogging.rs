@@ -37,7 +37,7 @@ impl Effect for WheelCogging {
             name: "cogging_phase",
             unit: "rad",
             meaning: "phase where a log starts",
-            plausible: (-3.1416, 3.1416),
+            plausible: (-std::f64::consts::PI, std::f64::consts::PI),
             bounds: (f64::NEG_INFINITY, f64::INFINITY),
             is_torque: false,
             logarithmic: false,
