@@ -2,11 +2,12 @@
 
 use fixed::types::I2F30;
 
-use super::constants::{ANGLE_LINE, FILTER, MOUNTING_ANGLE, RATE_LINE};
+use super::constants::{ANGLE_FACTOR, ANGLE_MAX, ANGLE_SHIFT, FILTER, MOUNTING_ANGLE, RATE_LINE};
 use super::control::{Angle, Rate};
 use super::filter::{FilterState, START, align, step_imu, step_marg};
 use super::line::on_line;
 use super::pivot_angle::pivot_angle;
+use super::product::clamp;
 
 /// Attitude of the sensor from raw counts, by Madgwick's filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +53,8 @@ impl Attitude {
     /// The body's angle about the pivot axis relative to upright, rad within ±π.
     pub fn angle(&self) -> Angle {
         let radians = pivot_angle(self.state.quaternion, MOUNTING_ANGLE);
-        Angle::from_bits(on_line(radians, &ANGLE_LINE))
+        let clamped = clamp(radians, -ANGLE_MAX, ANGLE_MAX);
+        Angle::from_bits((clamped * ANGLE_FACTOR) >> ANGLE_SHIFT)
     }
 
     /// The body's rate about the pivot axis in the last step, rad/s.

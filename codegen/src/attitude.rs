@@ -80,13 +80,15 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
     )?;
 
     let half_angle = spec.gyro.matrix * (0.5 * period * 2f64.powi(32 + 17));
-    at_most(
+    let sum = at_most(
         "the gyroscope's scale times half the sample time",
-        row_sum(&half_angle) / 2f64.powi(49),
+        positive("the gyroscope's scale", row_sum(&half_angle))? / 2f64.powi(49),
         ROW_SUM_MAX / 2f64.powi(49),
         "rad per count",
         "shorten the sample time or choose a smaller range",
     )?;
+    // As many more bits as fit, so that rounding down three products costs nothing.
+    let shift = (ROW_SUM_MAX / 2f64.powi(49) / sum).log2().floor().min(16.0) as u32;
     let accel_unit = ROW_SUM / positive("the accelerometer's scale", row_sum(&spec.accel.matrix))?;
     let mag_unit = ROW_SUM / positive("the magnetometer's scale", row_sum(&spec.mag.matrix))?;
 
@@ -111,16 +113,18 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
     };
 
     Ok(FilterConstants {
-        gyro: line("the gyroscope's bias", &spec.gyro, &half_angle)?,
+        gyro: line("the gyroscope's bias", &spec.gyro, &half_angle, shift)?,
         accel: line(
             "the accelerometer's bias",
             &spec.accel,
             &(spec.accel.matrix * accel_unit),
+            0,
         )?,
         mag: line(
             "the magnetometer's bias",
             &spec.mag,
             &(spec.mag.matrix * mag_unit),
+            0,
         )?,
         gravity_squared_min: squared_word(GRAVITY_SHARE_MIN * gravity * per_m_s2),
         field_squared_min: squared_word(field_min * mag_unit / 2f64.powi(17)),
@@ -156,6 +160,7 @@ fn line(
     what: &'static str,
     line: &attitude::SensorLine,
     matrix: &Matrix3<f64>,
+    shift: u32,
 ) -> Result<SensorLine, AttitudeRefusal> {
     let mut bias = [0; 3];
     for (word, counts) in bias.iter_mut().zip(line.bias_counts.iter()) {
@@ -171,11 +176,18 @@ fn line(
     let mut rows = [[0; 3]; 3];
     for (i, row) in rows.iter_mut().enumerate() {
         for (j, word) in row.iter_mut().enumerate() {
-            *word = matrix[(i, j)].round() as i32;
+            *word = (matrix[(i, j)] * f64::from(1u32 << shift)).round() as i32;
         }
     }
     let [x, y, z] = rows;
-    Ok(SensorLine { bias, x, y, z })
+    Ok(SensorLine {
+        bias,
+        x,
+        y,
+        z,
+        shift,
+        half_unit: ((1 << shift) >> 1) + 1,
+    })
 }
 
 /// Largest sum of magnitudes in a row.

@@ -74,8 +74,12 @@ pub struct HardwareWords {
     pub filter: FilterConstants,
     /// Mounting angle in Q28 rad.
     pub mounting_angle: i32,
-    /// From Q28 rad to the word of the angle.
-    pub angle: Line,
+    /// Largest angle whose word fits, less the largest bias, in Q28 rad.
+    pub angle_max: i32,
+    /// From Q28 rad to the word of the angle, before the shift: a power of two.
+    pub angle_factor: i32,
+    /// Bits that the angle's word has less than Q28.
+    pub angle_shift: u32,
     /// From half-angles a step in Q32 to the word of the rate.
     pub rate: Line,
     /// From the converter's counts to the word of the wheel speed.
@@ -100,7 +104,7 @@ pub fn derive(spec: &ModuleSpec, law: &ControlLaw) -> Result<HardwareWords, Atti
     };
     let [angle, rate, wheel_speed] = &law.terms;
     let unit = |bits: u32| 2f64.powi(bits as i32);
-    let angle_unit = unit(angle.input.format.fraction_bits);
+    let angle_bits = angle.input.format.fraction_bits;
     let rate_unit = unit(rate.input.format.fraction_bits);
     let wheel_unit = unit(wheel_speed.input.format.fraction_bits);
     let current_unit = unit(law.current.fraction_bits);
@@ -110,7 +114,7 @@ pub fn derive(spec: &ModuleSpec, law: &ControlLaw) -> Result<HardwareWords, Atti
         Some(observer) => observer_words(observer, law)?,
     };
     // So that angle − bias cannot overflow.
-    let angle_max = i32::MAX - bias_observer.limit;
+    let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
     let wheel_max = word_at_most(spec.ranges.wheel_speed_rad_s * wheel_unit);
     let drive = &spec.drive;
     let counts = i32::from(drive.counts());
@@ -119,13 +123,9 @@ pub fn derive(spec: &ModuleSpec, law: &ControlLaw) -> Result<HardwareWords, Atti
     Ok(HardwareWords {
         filter: attitude_words::derive(&filter_spec)?,
         mounting_angle: attitude_words::mounting_word(filter_spec.mounting_angle_rad)?,
-        angle: line(
-            "the angle",
-            angle_unit / 2f64.powi(28),
-            0.0,
-            -angle_max,
-            angle_max,
-        )?,
+        angle_max,
+        angle_factor: 1 << angle_bits.saturating_sub(28),
+        angle_shift: 28u32.saturating_sub(angle_bits),
         rate: line(
             "the rate",
             2.0 / spec.sample_time_s * rate_unit / 2f64.powi(32),

@@ -358,8 +358,16 @@ fn constants() -> impl Strategy<Value = FilterConstants> {
         (
             prop::array::uniform3(-0x1000_0000..=0x1000_0000),
             prop::array::uniform3(prop::array::uniform3(-0x2000_0000..=0x2000_0000)),
+            0..=16u32,
         )
-            .prop_map(|(bias, [x, y, z])| SensorLine { bias, x, y, z })
+            .prop_map(|(bias, [x, y, z], shift)| SensorLine {
+                bias,
+                x,
+                y,
+                z,
+                shift,
+                half_unit: ((1 << shift) >> 1) + 1,
+            })
     };
     let arm = || {
         prop::array::uniform2(prop_oneof![

@@ -2,7 +2,7 @@
 
 //! Raw counts of a three-axis sensor to words, by bias and matrix.
 
-use super::product::round_high;
+use super::product::mul_high;
 
 /// Calibration of one sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,28 +10,32 @@ pub struct SensorLine {
     /// Bias in 2⁻¹⁵ counts, at most 2²⁸ (8192 counts).
     pub bias: [i32; 3],
     /// Row of the x output in the matrix of scale, cross-axis terms and alignment: output units
-    /// per count in Q17. The magnitudes of each row sum to at most 3·2²⁹.
+    /// per count in Q(17 + shift). The magnitudes of each row sum to at most 3·2²⁹.
     pub x: [i32; 3],
     /// Row of the y output.
     pub y: [i32; 3],
     /// Row of the z output.
     pub z: [i32; 3],
+    /// Bits that the sum of products has beyond the output, at most 16.
+    pub shift: u32,
+    /// Half a unit of the output, and one for the mean of what the products round down.
+    pub half_unit: i32,
 }
 
 /// Largest magnitude of a calibrated component: (2¹⁵ + 2¹³)·2¹⁵ counts times 3·2²⁹/2³², rounded
 /// up to a power of two.
 pub const CALIBRATED_MAX: i32 = 0x2000_0000;
 
-/// matrix · (raw − bias). Each component within ±2²⁹, its error at most half a unit.
+/// matrix · (raw − bias). Each component within ±2²⁹; its error at most ½ + 2/2^shift units.
 #[inline]
 pub fn calibrate(raw: [i16; 3], line: &SensorLine) -> [i32; 3] {
     let x = (raw[0] as i32) * 0x8000 - line.bias[0];
     let y = (raw[1] as i32) * 0x8000 - line.bias[1];
     let z = (raw[2] as i32) * 0x8000 - line.bias[2];
     [
-        dot(line.x, x, y, z),
-        dot(line.y, x, y, z),
-        dot(line.z, x, y, z),
+        (dot(line.x, x, y, z) + line.half_unit) >> line.shift,
+        (dot(line.y, x, y, z) + line.half_unit) >> line.shift,
+        (dot(line.z, x, y, z) + line.half_unit) >> line.shift,
     ]
 }
 
@@ -43,10 +47,10 @@ pub fn calibrate(raw: [i16; 3], line: &SensorLine) -> [i32; 3] {
         && row[0].unsigned_abs() as u64 + row[1].unsigned_abs() as u64
             + row[2].unsigned_abs() as u64 <= 0x6000_0000
 ))]
-#[cfg_attr(kani, kani::ensures(|r| (-0x2000_0000..=0x2000_0000).contains(r)))]
+#[cfg_attr(kani, kani::ensures(|r| (-0x1f00_0000..=0x1f00_0000).contains(r)))]
 #[inline]
 pub fn dot(row: [i32; 3], x: i32, y: i32, z: i32) -> i32 {
-    round_high(row[0] as i64 * x as i64 + row[1] as i64 * y as i64 + row[2] as i64 * z as i64)
+    mul_high(row[0], x) + mul_high(row[1], y) + mul_high(row[2], z)
 }
 
 /// Whether any axis is at a limit of its range, where the true value is unknown.

@@ -21,21 +21,27 @@ use super::{
 pub const FILTER: FilterConstants = FilterConstants {
     gyro: SensorLine {
         bias: [0, 0, 0],
-        x: [307_041_569, 0, 0],
-        y: [0, 307_041_569, 0],
-        z: [0, 0, 307_041_569],
+        x: [1_228_166_276, 0, 0],
+        y: [0, 1_228_166_276, 0],
+        z: [0, 0, 1_228_166_276],
+        shift: 2,
+        half_unit: 3,
     },
     accel: SensorLine {
         bias: [0, 0, 0],
         x: [1_073_741_824, 0, 0],
         y: [0, 1_073_741_824, 0],
         z: [0, 0, 1_073_741_824],
+        shift: 0,
+        half_unit: 1,
     },
     mag: SensorLine {
         bias: [0, 0, 0],
         x: [1_073_741_824, 0, 0],
         y: [0, 1_073_741_824, 0],
         z: [0, 0, 1_073_741_824],
+        shift: 0,
+        half_unit: 1,
     },
     gravity_squared_min: 4_096,
     field_squared_min: 156,
@@ -49,14 +55,14 @@ pub const FILTER: FilterConstants = FilterConstants {
 /// Mounting angle 0 rad, wrapped, in Q28.
 pub const MOUNTING_ANGLE: i32 = 0;
 
-/// From Q28 rad to the word of the angle (I3F29).
-pub const ANGLE_LINE: Line = Line {
-    scale: 536_870_912,
-    offset: 134_217_728,
-    shift: 28,
-    low: -2_147_483_647,
-    high: 2_147_483_647,
-};
+/// Largest angle whose word fits, less the largest bias, in Q28 rad.
+pub const ANGLE_MAX: i32 = 1_073_741_823;
+
+/// From Q28 rad to the word of the angle (I3F29), before the shift.
+pub const ANGLE_FACTOR: i32 = 2;
+
+/// Bits that the word of the angle has less than Q28.
+pub const ANGLE_SHIFT: u32 = 0;
 
 /// From half-angles a step in Q32 to the word of the rate (I7F25).
 pub const RATE_LINE: Line = Line {

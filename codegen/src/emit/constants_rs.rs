@@ -53,9 +53,12 @@ pub fn file(spec: &ModuleSpec, law: &ControlLaw, words: &HardwareWords) -> Emitt
     let mounting = integer(words.mounting_angle.into());
     let [angle, rate, wheel_speed] = &law.terms;
     let angle_docs = outer_docs(&[format!(
-        "From Q28 rad to the word of the angle ({}).",
+        "From Q28 rad to the word of the angle ({}), before the shift.",
         angle.input.format.type_name()
     )]);
+    let angle_max = integer(words.angle_max.into());
+    let angle_factor = integer(words.angle_factor.into());
+    let angle_shift = integer(words.angle_shift.into());
     let rate_docs = outer_docs(&[format!(
         "From half-angles a step in Q32 to the word of the rate ({}).",
         rate.input.format.type_name()
@@ -73,7 +76,6 @@ pub fn file(spec: &ModuleSpec, law: &ControlLaw, words: &HardwareWords) -> Emitt
         spec.drive.counts(),
         number(spec.drive.current_range_a)
     )]);
-    let angle_line = line(&words.angle);
     let rate_line = line(&words.rate);
     let wheel_line = line(&words.wheel_speed);
     let duty_line = line(&words.duty);
@@ -97,8 +99,12 @@ pub fn file(spec: &ModuleSpec, law: &ControlLaw, words: &HardwareWords) -> Emitt
         pub const FILTER: FilterConstants = #filter;
         #mounting_docs
         pub const MOUNTING_ANGLE: i32 = #mounting;
+        /// Largest angle whose word fits, less the largest bias, in Q28 rad.
+        pub const ANGLE_MAX: i32 = #angle_max;
         #angle_docs
-        pub const ANGLE_LINE: Line = #angle_line;
+        pub const ANGLE_FACTOR: i32 = #angle_factor;
+        /// Bits that the word of the angle has less than Q28.
+        pub const ANGLE_SHIFT: u32 = #angle_shift;
         #rate_docs
         pub const RATE_LINE: Line = #rate_line;
         #wheel_docs
@@ -154,7 +160,16 @@ fn filter(words: &FilterConstants) -> TokenStream {
 fn sensor_line(words: &SensorLine) -> TokenStream {
     let bias = array(&words.bias);
     let [x, y, z] = [words.x, words.y, words.z].map(|row| array(&row));
-    quote!(SensorLine { bias: #bias, x: #x, y: #y, z: #z })
+    let shift = integer(words.shift.into());
+    let half_unit = integer(words.half_unit.into());
+    quote!(SensorLine {
+        bias: #bias,
+        x: #x,
+        y: #y,
+        z: #z,
+        shift: #shift,
+        half_unit: #half_unit,
+    })
 }
 
 fn line(words: &Line) -> TokenStream {

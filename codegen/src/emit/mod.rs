@@ -17,9 +17,23 @@
 //!   `x as i32` of a value clamped to the range of an `i32`.
 //!
 //! In these, every `i64` operation is meant to be exact: overflow is excluded, not wrapped.
-//! Runtime helpers (`codegen/runtime/`) are hand-written and may in addition use `if`, `else`,
-//! `struct`, struct literals, `impl` with plain methods, arrays of constants, and `for` over
-//! constant ranges.
+//! Runtime helpers (`codegen/runtime/`) are hand-written and may in addition use:
+//!
+//! - Files: `use super::module::{names};`, `#[inline]`, `#[derive(…)]` and contracts under
+//!   `#[cfg_attr(kani, …)]`, which are not code of the module.
+//! - Items: `pub struct` with named fields or one unnamed field, `impl` with `new`, methods on
+//!   `&self` and `&mut self`, `impl Default`; constants of struct type.
+//! - Types: `i16`, `u16`, `i32`, `i64`, `u32`, `bool`, arrays of two to four `i32` or `i16`,
+//!   the structs, references to them as arguments, `Option<[i16; 3]>` in one field, and a pair as
+//!   the result of one function.
+//! - Statements: `let` of a name or of a tuple of names, assignment to a field of `self`,
+//!   `if condition { return expression; }`, a final expression.
+//! - Expressions: `if`/`else` with values; `&&`, `||`, `!`; array and struct literals; tuples;
+//!   an index that is a literal; a field; calls of the helpers; widening `as i32`, `as i64`;
+//!   narrowing `as i32` and `as u16` of a value that is in range, and `as i32` of the upper word
+//!   `(x >> 32)`; `&` with 1; shifts by a constant or by a field of a constant; `match` on the
+//!   one option.
+//! - No loop, no recursion, no wrapping or saturating arithmetic, no division.
 
 use proc_macro2::TokenStream;
 use quote::quote;
