@@ -137,11 +137,6 @@ pub fn fit_from_scratch(
     free: &[usize],
 ) -> Minimum {
     let unknowns = Unknowns::new(model, free);
-    let period_s = std::f64::consts::TAU
-        / (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA])
-            .abs()
-            .sqrt()
-            .max(1e-3);
     let longest_s = records
         .iter()
         .map(|record| match record.kind {
@@ -152,7 +147,7 @@ pub fn fit_from_scratch(
             }
         })
         .fold(0.0, f64::max);
-    let mut window_s = FIRST_PERIODS * period_s;
+    let mut window_s = FIRST_PERIODS * period_s(&values);
     let mut values = values;
     let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
     loop {
@@ -175,6 +170,38 @@ pub fn fit_from_scratch(
         current = minimum.windows;
         window_s *= WINDOW_GROWTH;
     }
+}
+
+/// Fits with windows of `periods` periods of the pendulum (where the kind allows a choice), each
+/// with a start of its own. The cost is then nearly quadratic, whatever the model lacks.
+pub fn fit_windowed(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    free: &[usize],
+    periods: f64,
+    effort: Effort,
+) -> Minimum {
+    let window_s = periods * period_s(&values);
+    let windows = records
+        .iter()
+        .map(|record| match record.kind {
+            Kind::SpinUp => final_windows(record, &values),
+            _ => windows(record, &values, window_s, &[]),
+        })
+        .collect();
+    refit(records, model, values, windows, free, effort)
+}
+
+/// Windows of the last stage, whose starts continue those of shorter windows.
+pub fn joined(record: &Record, values: &[f64], shorter: &[Window]) -> Vec<Window> {
+    windows(record, values, f64::INFINITY, shorter)
+}
+
+/// Period of small oscillations in s.
+fn period_s(values: &[f64]) -> f64 {
+    let square = (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA]).abs();
+    std::f64::consts::TAU / square.sqrt().max(1e-3)
 }
 
 /// Fits again from a good start: parameters and windows of a neighbouring fit.

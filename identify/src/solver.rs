@@ -67,7 +67,7 @@ pub struct Effort {
 impl Effort {
     /// To a hundredth of a standard error.
     pub const FULL: Effort = Effort {
-        evaluations: 60,
+        evaluations: 30,
         tolerance: 1e-4,
     };
     /// Enough to hand over to the next stage of a schedule.

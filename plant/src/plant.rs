@@ -94,6 +94,9 @@ pub struct Plant<S> {
 /// Steps are at most this fraction of a radian of the pendulum's own oscillation: the phase error
 /// of RK4, (ω h)⁴/120 per radian, is then below 1e-6.
 const STEP_RAD: f64 = 0.1;
+/// Steps are at most this long, in s, whatever the parameters say: a coarsely sampled log may hold
+/// motion that they do not foresee.
+const LONGEST_STEP_S: f64 = 0.02;
 /// Steps are at most this many time constants of the fastest friction (RK4 is stable to 2.78).
 const STEP_TIME_CONSTANTS: f64 = 1.0;
 /// Shortest step that presliding friction asks for.
@@ -192,7 +195,10 @@ impl<S: Scalar> Plant<S> {
         let inverse_body = self.inverse_body.value().abs();
         let inverse_wheel = self.inverse_wheel.value().abs();
         let gravity = self.gravity_torque.value().abs();
-        let mut step = STEP_RAD / (gravity * inverse_body).sqrt().max(1e-9);
+        let mut step = LONGEST_STEP_S;
+        if self.kind != Kind::SpinUp {
+            step = step.min(STEP_RAD / (gravity * inverse_body).sqrt().max(1e-9));
+        }
         if let Some(term) = self.presliding {
             // The contact's own oscillation is resolved down to steps of two milliseconds. A stiffer
             // contact yields before any sensor could see it bend; its force stays bounded by μ.

@@ -1,0 +1,61 @@
+//! How strongly the measurements speak for one model against another.
+//!
+//! For a series of n independent Gaussian errors with unknown variance the logarithm of the
+//! likelihood at its maximum is −(n/2) ln(rms²) and a constant. The errors of a model that lacks
+//! something are correlated over hundreds of samples; n is then the effective sample size, taken
+//! from what the best model of all leaves (its residual is the closest there is to the errors that
+//! no model explains). Each free parameter costs (1/2) ln n (Schwarz, Ann. Stat. 6 (1978)), with
+//! the same effective n.
+
+use identify::{Record, effective_samples};
+
+use crate::candidate::Candidate;
+
+/// Difference of the logarithm of the evidence beyond which one model is preferred: odds of 150 to
+/// one, "very strong" in the scale of Kass & Raftery (JASA 90 (1995)).
+pub const DECISIVE: f64 = 5.0;
+/// Difference below which two models tie: odds of less than 20 to one.
+pub const TIE: f64 = 3.0;
+
+/// The effective sample size of every series, in the order of [`Candidate::rmse`].
+pub fn effective(records: &[&Record], best: &Candidate) -> Vec<f64> {
+    records
+        .iter()
+        .zip(&best.traces)
+        .flat_map(|(record, traces)| {
+            record.channels.iter().zip(traces).map(|(channel, trace)| {
+                effective_samples(
+                    &residual(&channel.samples, &trace.predicted),
+                    &record.weight,
+                )
+            })
+        })
+        .collect()
+}
+
+/// Measured minus predicted, NaN where either is missing.
+pub fn residual(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
+    measured
+        .iter()
+        .zip(predicted)
+        .map(|(measured, predicted)| measured - predicted)
+        .collect()
+}
+
+/// Logarithm of the evidence for a model, up to a constant that all models of the same records
+/// share. `noise` is the standard deviation of each series' sensor: errors below it are not
+/// rewarded.
+pub fn log_evidence(candidate: &Candidate, effective: &[f64], noise: &[f64]) -> f64 {
+    let likelihood: f64 = candidate
+        .rmse()
+        .iter()
+        .zip(effective)
+        .zip(noise)
+        .map(|((rmse, n), noise)| {
+            // A noise-free log has a floor too: half of the noise estimate.
+            -0.5 * n * rmse.max(0.5 * noise).powi(2).ln()
+        })
+        .sum();
+    let total: f64 = effective.iter().sum();
+    likelihood - 0.5 * candidate.parameters as f64 * total.max(2.0).ln()
+}

@@ -1,0 +1,270 @@
+//! The search for the set of effects that explains the measurements.
+
+use identify::{Record, Setup, structure, without_rounding};
+use plant::EffectId;
+
+use crate::candidate::Candidate;
+use crate::evidence::{DECISIVE, TIE, effective, log_evidence, residual};
+use crate::suspects::{MOST_FITS, try_all, without};
+
+/// Most effects that are added in one diagnosis.
+const MOST_EFFECTS: usize = 4;
+/// How many sets are extended further in each round: the best first step need not belong to the
+/// best pair.
+const BEAM: usize = 3;
+/// An effect must lower the error of some series by at least this share of the series' noise (root
+/// of the difference of the mean squares). What is smaller may be significant in ten thousand
+/// samples, and yet be the imperfection of an integration rule or of a clock.
+const LEAST_TRACE: f64 = 0.2;
+/// Structure of this size in units of a channel's noise counts as "something remains". The noise
+/// itself is the scale below which nobody looking at the figure would see a misfit.
+pub const REMAINS: f64 = 1.0;
+
+/// Everything that was tried, with the evidence for it.
+#[derive(Clone, Debug)]
+pub struct Search {
+    /// The candidates; the first is the model as it was.
+    pub pool: Vec<Candidate>,
+    /// Logarithm of the evidence of each.
+    pub evidence: Vec<f64>,
+    /// Index of the chosen one.
+    pub best: usize,
+    /// Indices of candidates that tie with the chosen one, itself among them where there are any.
+    pub ties: Vec<usize>,
+}
+
+/// For every series, the structured remainder in units of its noise (0 where not significant).
+pub fn remainders(records: &[&Record], candidate: &Candidate) -> Vec<Vec<f64>> {
+    records
+        .iter()
+        .zip(&candidate.traces)
+        .map(|(record, traces)| {
+            record
+                .channels
+                .iter()
+                .zip(traces)
+                .map(|(channel, trace)| {
+                    let raw = residual(&channel.samples, &trace.predicted);
+                    let left = match channel.quantum {
+                        Some(quantum) => without_rounding(
+                            &channel.samples,
+                            &trace.predicted,
+                            channel.noise_std,
+                            quantum,
+                        ),
+                        None => raw,
+                    };
+                    let found = structure(&left, channel.noise_std, &record.weight);
+                    if found.is_significant() {
+                        found.rms_over_noise
+                    } else {
+                        0.0
+                    }
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// The largest structured remainder over all series, in units of noise.
+pub fn largest_remainder(records: &[&Record], candidate: &Candidate) -> f64 {
+    remainders(records, candidate)
+        .into_iter()
+        .flatten()
+        .fold(0.0, f64::max)
+}
+
+/// The largest fall of an error from `before` to `after` in units of the series' noise: the root of
+/// the difference of the mean squares.
+pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate) -> f64 {
+    let noise = noise(records);
+    before
+        .rmse()
+        .iter()
+        .zip(after.rmse())
+        .zip(noise)
+        .map(|((before, after), noise)| (before * before - after * after).max(0.0).sqrt() / noise)
+        .fold(0.0, f64::max)
+}
+
+/// The noise of every series, in the order of [`Candidate::rmse`].
+pub fn noise(records: &[&Record]) -> Vec<f64> {
+    records
+        .iter()
+        .flat_map(|record| record.channels.iter().map(|channel| channel.noise_std))
+        .collect()
+}
+
+fn evidences(records: &[&Record], pool: &[Candidate]) -> Vec<f64> {
+    let best = pool
+        .iter()
+        .min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost));
+    let Some(best) = best else { return vec![] };
+    let effective = effective(records, best);
+    let noise = noise(records);
+    pool.iter()
+        .map(|candidate| log_evidence(candidate, &effective, &noise))
+        .collect()
+}
+
+/// Adds candidates whose set of effects the pool does not have yet, or has with a higher cost.
+/// Returns where they are now.
+fn merge(pool: &mut Vec<Candidate>, found: Vec<Candidate>) -> Vec<usize> {
+    let mut places = vec![];
+    for candidate in found {
+        match pool.iter().position(|old| old.set() == candidate.set()) {
+            Some(at) => {
+                if candidate.minimum.cost < pool[at].minimum.cost {
+                    pool[at] = candidate;
+                }
+                places.push(at);
+            }
+            None => {
+                places.push(pool.len());
+                pool.push(candidate);
+            }
+        }
+    }
+    places
+}
+
+/// The simplest candidate that `top` contains and that explains the measurements as well: its
+/// evidence is not decisively lower, or no sensor would show the difference.
+fn simplest(records: &[&Record], pool: &[Candidate], evidence: &[f64], top: usize) -> usize {
+    (0..pool.len())
+        .filter(|&index| {
+            pool[top].strictly_contains(&pool[index])
+                && (evidence[top] - evidence[index] < DECISIVE
+                    || largest_trace(records, &pool[index], &pool[top]) < LEAST_TRACE)
+        })
+        .min_by_key(|&index| pool[index].parameters)
+        .unwrap_or(top)
+}
+
+fn argmax(values: &[f64], among: impl Iterator<Item = usize>) -> Option<usize> {
+    among.max_by(|&a, &b| values[a].total_cmp(&values[b]))
+}
+
+/// Searches from `start` (the fitted model as it is) for the effects that are missing.
+/// `progress` is told what is going on, in words.
+pub fn search(setup: &Setup, start: Candidate, progress: &dyn Fn(&str)) -> Search {
+    let records = setup.all_records();
+    let mut pool = vec![start];
+    let mut beam = vec![0usize];
+    let mut best = 0usize;
+    for depth in 1..=MOST_EFFECTS {
+        let mut found = vec![];
+        for &index in &beam {
+            let names = names(&pool[index].added);
+            progress(&format!("trying every effect on top of {names}"));
+            let most = if depth == 1 { MOST_FITS } else { MOST_FITS / 2 };
+            found.extend(try_all(setup, &records, &pool[index], most));
+        }
+        if found.is_empty() {
+            break;
+        }
+        let newest = merge(&mut pool, found);
+        let evidence = evidences(&records, &pool);
+        let Some(top) = argmax(&evidence, newest.iter().copied().chain([best])) else {
+            break;
+        };
+        let next = simplest(&records, &pool, &evidence, top);
+        if next == best || evidence[next] - evidence[best] < DECISIVE {
+            break;
+        }
+        best = next;
+        if largest_remainder(&records, &pool[best]) == 0.0 {
+            break;
+        }
+        let mut order = newest;
+        order.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
+        order.truncate(BEAM);
+        beam = order;
+    }
+
+    prune_and_swap(setup, &records, &mut pool, &mut best, progress);
+    let evidence = evidences(&records, &pool);
+    let ties = ties(&records, &pool, &evidence, best);
+    Search {
+        pool,
+        evidence,
+        best,
+        ties,
+    }
+}
+
+/// Drops effects that later ones made needless, and tries others in the place of each.
+fn prune_and_swap(
+    setup: &Setup,
+    records: &[&Record],
+    pool: &mut Vec<Candidate>,
+    best: &mut usize,
+    progress: &dyn Fn(&str),
+) {
+    for _ in 0..MOST_EFFECTS {
+        let chosen = pool[*best].clone();
+        if chosen.added.len() < 2 {
+            break;
+        }
+        progress("trying others in the place of each effect");
+        let smaller: Vec<Candidate> = chosen
+            .added
+            .iter()
+            .map(|&effect| without(setup, records, &chosen, effect))
+            .collect();
+        let mut found = vec![];
+        for candidate in &smaller {
+            found.extend(try_all(setup, records, candidate, MOST_FITS / 2));
+        }
+        merge(pool, smaller);
+        merge(pool, found);
+        let evidence = evidences(records, pool);
+        let Some(top) = argmax(&evidence, 0..pool.len()) else {
+            break;
+        };
+        let next = simplest(records, pool, &evidence, top);
+        if pool[next].set() == chosen.set() {
+            break;
+        }
+        *best = next;
+    }
+}
+
+/// Candidates that the measurements cannot tell from the chosen one.
+fn ties(records: &[&Record], pool: &[Candidate], evidence: &[f64], best: usize) -> Vec<usize> {
+    if pool[best].added.is_empty() {
+        return vec![];
+    }
+    let mut ties: Vec<usize> = (0..pool.len())
+        .filter(|&index| {
+            index == best
+                || (evidence[best] - evidence[index] < TIE
+                    && !pool[index].added.is_empty()
+                    && !pool[index].strictly_contains(&pool[best])
+                    && !pool[best].strictly_contains(&pool[index]))
+        })
+        .collect();
+    // Of two tying sets of which one contains the other, the smaller one speaks for both.
+    let all = ties.clone();
+    ties.retain(|&index| {
+        !all.iter().any(|&other| {
+            other != index
+                && pool[index].strictly_contains(&pool[other])
+                && largest_trace(records, &pool[other], &pool[index]) < LEAST_TRACE
+        })
+    });
+    ties.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
+    if ties.len() < 2 { vec![] } else { ties }
+}
+
+/// The effects in words.
+pub fn names(effects: &[EffectId]) -> String {
+    if effects.is_empty() {
+        return "the model as it is".to_owned();
+    }
+    effects
+        .iter()
+        .map(|effect| effect.name())
+        .collect::<Vec<_>>()
+        .join(" + ")
+}
