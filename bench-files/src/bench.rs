@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use plant::Kind;
 
 use crate::channel::Channel;
+use crate::csv_table::{self, OpenTable};
 use crate::error::{Error, Names, Problem};
 use crate::known::Known;
-use crate::log::{self, ColumnUse, LoadReport, Log, Note, OpenLog};
+use crate::log::{self, ColumnUse, LoadReport, Log, Note};
 use crate::toml_source::{Located, Section, TomlSource};
 
 /// A bench with all its measurements, checked and in SI units.
@@ -316,19 +317,21 @@ impl Plan {
     }
 
     fn load(self, source: &TomlSource, section: &Section) -> Result<Experiment, Error> {
-        let log = log::open(&self.file).map_err(|error| match error.problem() {
-            // The place to mend is where the file is named.
-            Problem::NotFound | Problem::NotAFile { .. } => source.error(
-                self.file_key.span.clone(),
-                Problem::NoLog {
-                    path: self.file.display().to_string(),
-                    reason: error.problem().to_string(),
-                },
-            ),
-            _ => error,
-        })?;
-        let uses = self.column_uses(source, section, &log)?;
-        let (mut samples, mut report) = log.read(&uses, self.from_s, self.until_s)?;
+        let header = Channel::ALL.map(Channel::standard_name).join(",");
+        let table =
+            csv_table::open(&self.file, &header).map_err(|error| match error.problem() {
+                // The place to mend is where the file is named.
+                Problem::NotFound | Problem::NotAFile { .. } => source.error(
+                    self.file_key.span.clone(),
+                    Problem::NoLog {
+                        path: self.file.display().to_string(),
+                        reason: error.problem().to_string(),
+                    },
+                ),
+                _ => error,
+            })?;
+        let uses = self.column_uses(source, section, &table)?;
+        let (mut samples, mut report) = log::read(table, &uses, self.from_s, self.until_s)?;
 
         for (channel, sign) in &self.signs {
             if sign.value.abs() != 1.0 {
@@ -362,7 +365,7 @@ impl Plan {
         &self,
         source: &TomlSource,
         section: &Section,
-        log: &OpenLog,
+        log: &OpenTable,
     ) -> Result<Vec<ColumnUse>, Error> {
         let present = log.columns();
         for (channel, column) in &self.columns {

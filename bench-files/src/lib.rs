@@ -13,6 +13,7 @@
 
 mod bench;
 mod channel;
+mod csv_table;
 mod drop_out;
 mod error;
 mod known;
@@ -23,9 +24,10 @@ mod write;
 
 pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
 pub use channel::Channel;
+pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use error::{Error, Place, Problem};
 pub use known::{Known, MissingKnowns};
-pub use log::{LoadReport, Log, MAX_LOG_BYTES, MAX_LOG_ROWS, MIN_SAMPLES, Note};
+pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};
 pub use write::write_atomically;

@@ -1,36 +1,15 @@
-//! Logs: CSV with a header line, one sample a line.
-//!
-//! A log is streamed: no more of it is in memory than the numbers that are kept. Lines that begin
-//! with `#` and blank lines are passed over; cells are separated by commas, or by the semicolons or
-//! tabs that the header line uses. Columns that nobody asked for may hold anything.
+//! Logs: CSV with a header line, one sample a line, times rising.
 
-use std::cell::Cell;
 use std::fmt;
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
-use std::path::Path;
-use std::rc::Rc;
-
-use csv::{ErrorKind, StringRecord};
 
 use crate::channel::Channel;
+use crate::csv_table::OpenTable;
 use crate::drop_out::drop_outs;
-use crate::error::{Error, Names, Place, Problem, shortened};
-use crate::toml_source::open_regular;
-use crate::write::reason;
+use crate::error::{Error, Problem, shortened};
 
-/// Largest log that is read, in bytes.
-pub const MAX_LOG_BYTES: u64 = 1 << 30;
-/// Most lines of a log that are read: two hours and three quarters at 1 kHz.
-pub const MAX_LOG_ROWS: usize = 10_000_000;
 /// Fewest samples that a log must have in its window: a drop-out is judged by two samples on
 /// either side of it.
 pub const MIN_SAMPLES: usize = 5;
-/// What some editors put in front of UTF-8 text.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-/// Longest line that is read, in bytes.
-const MAX_LINE_BYTES: usize = 1 << 20;
-
 /// The samples of one experiment in SI units. All vectors have the length of `time_s`; a sample
 /// that dropped out is NaN in its channel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -217,291 +196,142 @@ pub(crate) struct ColumnUse {
     pub offset: f64,
 }
 
-/// A log that was opened: the header is read, the samples are not.
-pub(crate) struct OpenLog<'p> {
-    path: &'p Path,
-    reader: csv::Reader<Bounded<File>>,
-    budget: Rc<Cell<usize>>,
-    columns: Vec<String>,
-    header_line: u64,
-}
+/// Reads the samples of these columns between `from_s` and `until_s` (both included).
+/// Time must be the first column in use.
+pub(crate) fn read(
+    mut table: OpenTable,
+    uses: &[ColumnUse],
+    from_s: Option<f64>,
+    until_s: Option<f64>,
+) -> Result<(Log, LoadReport), Error> {
+    let names: Vec<String> = uses.iter().map(|column| column.name.clone()).collect();
+    let mut series: Vec<Vec<f64>> = vec![Vec::new(); uses.len()];
+    let mut values = vec![0.0; uses.len()];
+    let mut rows_in_window = 0_usize;
+    let mut merged = 0_usize;
+    // How many lines the last sample is the mean of.
+    let mut in_last = 1.0_f64;
+    let mut first_s = f64::NAN;
+    let mut before_s = f64::NEG_INFINITY;
 
-/// Opens a log and reads its header line.
-pub(crate) fn open(path: &Path) -> Result<OpenLog<'_>, Error> {
-    let file = open_regular(path)?;
-    let bytes = file
-        .metadata()
-        .map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))?
-        .len();
-    if bytes > MAX_LOG_BYTES {
-        return Err(Error::in_file(
-            path,
-            Problem::TooLarge {
-                bytes,
-                limit: MAX_LOG_BYTES,
-                advice: "log at a lower rate or cut the log into several files",
-            },
-        ));
-    }
-    let budget = Rc::new(Cell::new(MAX_LINE_BYTES));
-    let mut bounded = Bounded {
-        inner: file.take(MAX_LOG_BYTES),
-        budget: budget.clone(),
-        ahead: Vec::new(),
-    };
-    let delimiter = bounded
-        .delimiter()
-        .map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))?;
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .delimiter(delimiter)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bounded);
-
-    let mut header = StringRecord::new();
-    let found = reader
-        .read_record(&mut header)
-        .map_err(|error| csv_error(path, reader.position(), error))?;
-    if !found {
-        return Err(Error::in_file(path, Problem::EmptyLog));
-    }
-    let line = line_of(path, header.position());
-    if header.iter().any(|cell| cell.parse::<f64>().is_ok()) {
-        let first = header.iter().collect::<Vec<_>>().join(",");
-        return Err(Error::at(
-            at_line(path, line, None),
-            Problem::NoHeader {
-                first: shortened(&first),
-                example: Channel::ALL.map(Channel::standard_name).join(","),
-            },
-        ));
-    }
-    Ok(OpenLog {
-        path,
-        reader,
-        budget,
-        columns: header.iter().map(str::to_string).collect(),
-        header_line: line,
-    })
-}
-
-impl OpenLog<'_> {
-    /// The column names.
-    pub fn columns(&self) -> &[String] {
-        &self.columns
-    }
-
-    /// An error at the header line.
-    pub fn header_error(&self, column: Option<&str>, problem: Problem) -> Error {
-        Error::at(at_line(self.path, self.header_line, column), problem)
-    }
-
-    /// Reads the samples of these columns between `from_s` and `until_s` (both included).
-    /// Time must be the first column in use.
-    pub fn read(
-        mut self,
-        uses: &[ColumnUse],
-        from_s: Option<f64>,
-        until_s: Option<f64>,
-    ) -> Result<(Log, LoadReport), Error> {
-        let indices = uses
-            .iter()
-            .map(|column| self.index_of(&column.name))
-            .collect::<Result<Vec<usize>, Error>>()?;
-        let mut series: Vec<Vec<f64>> = vec![Vec::new(); uses.len()];
-        let mut record = StringRecord::new();
-        let mut values = vec![0.0; uses.len()];
-        let mut rows = 0_usize;
-        let mut rows_in_window = 0_usize;
-        let mut merged = 0_usize;
-        // How many lines the last sample is the mean of.
-        let mut in_last = 1.0_f64;
-        let mut first_s = f64::NAN;
-        let mut before_s = f64::NEG_INFINITY;
-
-        loop {
-            self.budget.set(MAX_LINE_BYTES);
-            let found = self
-                .reader
-                .read_record(&mut record)
-                .map_err(|error| csv_error(self.path, self.reader.position(), error))?;
-            if !found {
-                break;
-            }
-            rows += 1;
-            if rows > MAX_LOG_ROWS {
-                return Err(Error::in_file(
-                    self.path,
-                    Problem::TooManySamples {
-                        limit: MAX_LOG_ROWS,
-                    },
-                ));
-            }
-            let error_in = |k: usize, problem: Problem| {
-                let line = line_of(self.path, record.position());
-                Error::at(at_line(self.path, line, Some(&uses[k].name)), problem)
-            };
-            let cell = |k: usize| -> Result<f64, Error> {
-                let text = record.get(indices[k]).unwrap_or("");
-                number(text, &uses[k]).map_err(|problem| error_in(k, *problem))
-            };
-            let time_s = cell(0)?;
-            if time_s < before_s {
-                return Err(error_in(
-                    0,
-                    Problem::TimeBackwards {
-                        before_s,
-                        after_s: time_s,
-                    },
-                ));
-            }
-            let repeated = time_s == before_s;
-            before_s = time_s;
-            if rows == 1 {
-                first_s = time_s;
-            }
-            if from_s.is_some_and(|from| time_s < from)
-                || until_s.is_some_and(|until| time_s > until)
-            {
-                continue;
-            }
-            rows_in_window += 1;
-            values[0] = time_s;
-            for (k, value) in values.iter_mut().enumerate().skip(1) {
-                *value = cell(k)?;
-            }
-            if repeated && rows_in_window > 1 {
-                merged += 1;
-                in_last += 1.0;
-                for (samples, value) in series.iter_mut().zip(&values) {
-                    if let Some(mean) = samples.last_mut() {
-                        *mean += (value - *mean) / in_last;
-                    }
-                }
+    let rows = table.read_rows(&names, |row| {
+        let cell = |k: usize| -> Result<f64, Error> {
+            let column = &uses[k];
+            let value = column.scale * row.number(k)? + column.offset;
+            if value.is_finite() {
+                Ok(value)
             } else {
-                in_last = 1.0;
-                for (samples, value) in series.iter_mut().zip(&values) {
-                    samples.push(*value);
-                }
+                let cell = shortened(row.text(k));
+                Err(row.error(k, Problem::NotFinite { cell }))
             }
-        }
-
-        let kept = series.first().map_or(0, Vec::len);
-        if 2 * merged > rows_in_window {
-            return Err(Error::at(
-                at_line(self.path, self.header_line, Some(&uses[0].name)),
-                Problem::TimeTooCoarse {
-                    merged,
-                    rows: rows_in_window,
-                },
-            ));
-        }
-        if kept < MIN_SAMPLES {
-            let remark = if rows == 0 {
-                "; the file holds only a header line".to_string()
-            } else {
-                format!("; the file covers {first_s} s to {before_s} s")
-            };
-            return Err(Error::in_file(
-                self.path,
-                Problem::TooFewSamples {
-                    found: kept,
-                    needed: MIN_SAMPLES,
-                    remark,
-                },
-            ));
-        }
-
-        let mut log = Log::default();
-        for (column, samples) in uses.iter().zip(series) {
-            match column.channel {
-                Channel::Time => log.time_s = samples,
-                Channel::Angle => log.angle_rad = Some(samples),
-                Channel::Rate => log.rate_rad_s = Some(samples),
-                Channel::WheelSpeed => log.wheel_speed_rad_s = Some(samples),
-                Channel::Current => log.current_a = Some(samples),
-            }
-        }
-        let mut report = LoadReport {
-            rows_in_file: rows,
-            notes: Vec::new(),
         };
-        if merged > 0 {
-            report.notes.push(Note::MergedRows { count: merged });
+        let time_s = cell(0)?;
+        if time_s < before_s {
+            return Err(row.error(
+                0,
+                Problem::TimeBackwards {
+                    before_s,
+                    after_s: time_s,
+                },
+            ));
         }
-        report.notes.extend(gaps(&log.time_s));
-        if let Some(angle) = &mut log.angle_rad {
-            let count = unwrap_turns(angle);
-            if count > 0 {
-                report.notes.push(Note::AngleUnwrapped { count });
-            }
+        let repeated = time_s == before_s;
+        before_s = time_s;
+        if row.index == 0 {
+            first_s = time_s;
         }
-        // The current is an input, not a state: it may really jump for one sample.
-        for channel in [Channel::Angle, Channel::Rate, Channel::WheelSpeed] {
-            let time_s = log.time_s.clone();
-            if let Some(samples) = log.channel_mut(channel) {
-                let found = drop_outs(&time_s, samples);
-                if !found.is_empty() {
-                    for &i in &found {
-                        samples[i] = f64::NAN;
-                    }
-                    report.notes.push(Note::DropOuts {
-                        channel,
-                        times_s: found.iter().map(|&i| time_s[i]).collect(),
-                    });
+        if from_s.is_some_and(|from| time_s < from) || until_s.is_some_and(|until| time_s > until) {
+            return Ok(());
+        }
+        rows_in_window += 1;
+        values[0] = time_s;
+        for (k, value) in values.iter_mut().enumerate().skip(1) {
+            *value = cell(k)?;
+        }
+        if repeated && rows_in_window > 1 {
+            merged += 1;
+            in_last += 1.0;
+            for (samples, value) in series.iter_mut().zip(&values) {
+                if let Some(mean) = samples.last_mut() {
+                    *mean += (value - *mean) / in_last;
                 }
             }
-        }
-        Ok((log, report))
-    }
-
-    fn index_of(&self, name: &str) -> Result<usize, Error> {
-        let mut places = self
-            .columns
-            .iter()
-            .enumerate()
-            .filter(|(_, column)| *column == name);
-        match (places.next(), places.count()) {
-            (Some((index, _)), 0) => Ok(index),
-            (Some(_), more) => {
-                Err(self.header_error(Some(name), Problem::DuplicateColumn { times: more + 1 }))
+        } else {
+            in_last = 1.0;
+            for (samples, value) in series.iter_mut().zip(&values) {
+                samples.push(*value);
             }
-            // Whoever built the uses took the names from the header.
-            (None, _) => Err(self.header_error(
-                Some(name),
-                Problem::UnknownName {
-                    what: "column".to_string(),
-                    name: name.to_string(),
-                    names: Names::new(&self.columns),
-                },
-            )),
+        }
+        Ok(())
+    })?;
+
+    let kept = series.first().map_or(0, Vec::len);
+    if 2 * merged > rows_in_window {
+        return Err(table.header_error(
+            Some(&uses[0].name),
+            Problem::TimeTooCoarse {
+                merged,
+                rows: rows_in_window,
+            },
+        ));
+    }
+    if kept < MIN_SAMPLES {
+        let remark = if rows == 0 {
+            "; the file holds only a header line".to_string()
+        } else {
+            format!("; the file covers {first_s} s to {before_s} s")
+        };
+        return Err(Error::in_file(
+            table.path(),
+            Problem::TooFewSamples {
+                found: kept,
+                needed: MIN_SAMPLES,
+                remark,
+            },
+        ));
+    }
+
+    let mut log = Log::default();
+    for (column, samples) in uses.iter().zip(series) {
+        match column.channel {
+            Channel::Time => log.time_s = samples,
+            Channel::Angle => log.angle_rad = Some(samples),
+            Channel::Rate => log.rate_rad_s = Some(samples),
+            Channel::WheelSpeed => log.wheel_speed_rad_s = Some(samples),
+            Channel::Current => log.current_a = Some(samples),
         }
     }
-}
-
-/// A cell in SI.
-fn number(cell: &str, column: &ColumnUse) -> Result<f64, Box<Problem>> {
-    if cell.is_empty() {
-        return Err(Box::new(Problem::EmptyCell));
+    let mut report = LoadReport {
+        rows_in_file: rows,
+        notes: Vec::new(),
+    };
+    if merged > 0 {
+        report.notes.push(Note::MergedRows { count: merged });
     }
-    let raw: f64 = cell.parse().map_err(|_| {
-        Box::new(Problem::NotANumber {
-            cell: shortened(cell),
-            hint: if cell.replacen(',', ".", 1).parse::<f64>().is_ok() {
-                " (a point, not a comma, before the decimals)"
-            } else {
-                ""
-            },
-        })
-    })?;
-    let value = column.scale * raw + column.offset;
-    if !value.is_finite() {
-        return Err(Box::new(Problem::NotFinite {
-            cell: shortened(cell),
-        }));
+    report.notes.extend(gaps(&log.time_s));
+    if let Some(angle) = &mut log.angle_rad {
+        let count = unwrap_turns(angle);
+        if count > 0 {
+            report.notes.push(Note::AngleUnwrapped { count });
+        }
     }
-    Ok(value)
+    // The current is an input, not a state: it may really jump for one sample.
+    for channel in [Channel::Angle, Channel::Rate, Channel::WheelSpeed] {
+        let time_s = log.time_s.clone();
+        if let Some(samples) = log.channel_mut(channel) {
+            let found = drop_outs(&time_s, samples);
+            if !found.is_empty() {
+                for &i in &found {
+                    samples[i] = f64::NAN;
+                }
+                report.notes.push(Note::DropOuts {
+                    channel,
+                    times_s: found.iter().map(|&i| time_s[i]).collect(),
+                });
+            }
+        }
+    }
+    Ok((log, report))
 }
 
 /// Pauses of more than twenty usual intervals: in an irregular log intervals vary, but not so far.
@@ -544,151 +374,4 @@ fn unwrap_turns(angle_rad: &mut [f64]) -> usize {
         *angle += turns * TAU;
     }
     count
-}
-
-fn at_line(path: &Path, line: u64, column: Option<&str>) -> Place {
-    Place {
-        file: path.to_path_buf(),
-        line: usize::try_from(line).ok(),
-        position: None,
-        column: column.map(shortened),
-    }
-}
-
-/// The line on which the record at this position begins. The CSV reader's own position lies before
-/// the blank lines, comments and half line ends that it passes over ahead of a record, so the file
-/// is looked at once more from there; this happens only on the way to an error.
-fn line_of(path: &Path, position: Option<&csv::Position>) -> u64 {
-    let Some(position) = position else {
-        return 1;
-    };
-    let mut line = position.line();
-    let Ok(mut file) = File::open(path) else {
-        return line;
-    };
-    let mut start = [0; 3];
-    let mark = match file.read(&mut start) {
-        Ok(3) if start == *BYTE_ORDER_MARK => 3,
-        _ => 0,
-    };
-    if file.seek(SeekFrom::Start(position.byte() + mark)).is_err() {
-        return line;
-    }
-    let mut in_comment = false;
-    for byte in io::BufReader::new(file).bytes().map_while(Result::ok) {
-        match byte {
-            b'\n' => {
-                line += 1;
-                in_comment = false;
-            }
-            b'\r' => {}
-            b'#' => in_comment = true,
-            _ if in_comment => {}
-            _ => break,
-        }
-    }
-    line
-}
-
-fn csv_error(path: &Path, reader_at: &csv::Position, error: csv::Error) -> Error {
-    let line = line_of(path, Some(error.position().unwrap_or(reader_at)));
-    let place = at_line(path, line, None);
-    match error.into_kind() {
-        ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => Error::at(
-            place,
-            Problem::RaggedRow {
-                expected: expected_len,
-                found: len,
-            },
-        ),
-        ErrorKind::Utf8 { pos, err } => {
-            let start = pos.map_or(0, |pos| pos.byte());
-            let byte = start + err.valid_up_to() as u64;
-            Error::at(place, Problem::NotUtf8 { byte })
-        }
-        ErrorKind::Io(error)
-            if error
-                .get_ref()
-                .is_some_and(|inner| inner.is::<LineTooLong>()) =>
-        {
-            Error::at(
-                place,
-                Problem::LineTooLong {
-                    limit: MAX_LINE_BYTES,
-                },
-            )
-        }
-        ErrorKind::Io(error) => Error::in_file(path, Problem::Unreadable(reason(&error))),
-        other => Error::in_file(path, Problem::Unreadable(format!("{other:?}"))),
-    }
-}
-
-/// A line was longer than [`MAX_LINE_BYTES`].
-#[derive(Debug)]
-struct LineTooLong;
-
-impl fmt::Display for LineTooLong {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line too long")
-    }
-}
-
-impl std::error::Error for LineTooLong {}
-
-/// A reader that gives out at most `budget` bytes until the budget is filled up again, which
-/// happens after each line: a file without line ends does not fill the memory.
-struct Bounded<R> {
-    inner: io::Take<R>,
-    budget: Rc<Cell<usize>>,
-    /// Bytes that were looked at to find the delimiter and are still to be given out.
-    ahead: Vec<u8>,
-}
-
-impl<R: Read> Bounded<R> {
-    /// Looks at the first line that is neither blank nor a comment: the separator that occurs most
-    /// often in it is the delimiter; a comma where there is none. A byte order mark is swallowed.
-    fn delimiter(&mut self) -> io::Result<u8> {
-        self.inner
-            .by_ref()
-            .take(64 << 10)
-            .read_to_end(&mut self.ahead)?;
-        if self.ahead.starts_with(BYTE_ORDER_MARK) {
-            self.ahead.drain(..3);
-        }
-        let header = self
-            .ahead
-            .split(|byte| *byte == b'\n')
-            .find(|line| !line.trim_ascii().is_empty() && !line.starts_with(b"#"))
-            .unwrap_or(b"");
-        let count = |delimiter: u8| header.iter().filter(|byte| **byte == delimiter).count();
-        let delimiter = [b',', b';', b'\t']
-            .into_iter()
-            .rev()
-            .max_by_key(|delimiter| count(*delimiter))
-            .unwrap_or(b',');
-        self.ahead.reverse();
-        Ok(delimiter)
-    }
-}
-
-impl<R: Read> Read for Bounded<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let allowed = self.budget.get().min(buffer.len());
-        if allowed == 0 && !buffer.is_empty() {
-            return Err(io::Error::other(LineTooLong));
-        }
-        let read = if self.ahead.is_empty() {
-            self.inner.read(&mut buffer[..allowed])?
-        } else {
-            let n = allowed.min(self.ahead.len());
-            for slot in &mut buffer[..n] {
-                *slot = self.ahead.pop().unwrap_or(b'\n');
-            }
-            n
-        };
-        self.budget.set(self.budget.get() - read);
-        Ok(read)
-    }
 }
