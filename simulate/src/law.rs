@@ -64,7 +64,8 @@ impl Law for ExactLaw {
 }
 
 /// The emitted fixed-point law of the thesis bench, as compiled into this program (crate
-/// `generated`). Laws emitted for other models are run from their source instead.
+/// `generated`). Laws emitted for other models are run from their source instead,
+/// [`crate::InterpretedLaw`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CompiledLaw;
 

@@ -4,6 +4,7 @@
 //! | file | job |
 //! |---|---|
 //! | [`law`] | control laws: exact, emitted, with bias observer; all behind one trait |
+//! | [`interpreted`] | the emitted law of any model, run from its source |
 //! | [`sensors`] | what the controller is told |
 //! | [`push`] | pushes on the body |
 //! | [`motion`] | the plant that is controlled: nonlinear, or its linear model |
@@ -20,6 +21,7 @@
 
 pub mod closed_loop;
 mod error;
+pub mod interpreted;
 pub mod law;
 pub mod linear_validity;
 pub mod motion;
@@ -32,6 +34,7 @@ pub mod transient;
 
 pub use closed_loop::{Actuator, ClosedLoop, Deviation, Trace};
 pub use error::SimulateError;
+pub use interpreted::InterpretedLaw;
 pub use law::{
     BiasObservingLaw, CompiledLaw, ExactLaw, Law, LawFailure, Measured, WordFormats, WordLaw,
 };

@@ -3,5 +3,6 @@
 mod bench;
 mod emitted_law;
 mod independent_simulation;
+mod interpreted_law;
 mod physics;
 mod studies;
