@@ -76,18 +76,8 @@ impl Bench {
     /// # Errors
     /// The first thing that is wrong, see [`Problem`].
     pub fn load(path: &Path) -> Result<Bench, Error> {
-        let file = if path.is_dir() {
-            path.join("bench.toml")
-        } else {
-            path.to_path_buf()
-        };
-        if !file.exists() && !path.is_dir() {
-            return Err(Error::in_file(path, Problem::NoBench));
-        }
-        let folder = match file.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
-            _ => PathBuf::from("."),
-        };
+        let file = bench_file(path)?;
+        let folder = folder_of(&file);
         let source = TomlSource::read(&file)?;
         let document = source.parse()?;
         read_bench(&source, &source.root(&document), folder)
@@ -101,8 +91,31 @@ impl Bench {
     }
 }
 
+/// The sections of bench.toml.
+pub(crate) const SECTIONS: [&str; 5] =
+    ["bench", "known", "controller", "experiment", "calibration"];
+
+/// The bench.toml of a bench that is named by its folder or that file.
+pub(crate) fn bench_file(path: &Path) -> Result<PathBuf, Error> {
+    if path.is_dir() {
+        return Ok(path.join("bench.toml"));
+    }
+    if path.exists() {
+        return Ok(path.to_path_buf());
+    }
+    Err(Error::in_file(path, Problem::NoBench))
+}
+
+/// The folder of a file.
+pub(crate) fn folder_of(file: &Path) -> PathBuf {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}
+
 fn read_bench(source: &TomlSource, root: &Section, folder: PathBuf) -> Result<Bench, Error> {
-    root.allow_only(&["bench", "known", "controller", "experiment"])?;
+    root.allow_only(&SECTIONS)?;
     let mut name = None;
     if let Some(section) = root.section("bench")? {
         section.allow_only(&["name"])?;

@@ -217,6 +217,35 @@ pub enum Problem {
         present: Vec<String>,
     },
 
+    /// An entry of `[calibration]` that needs another.
+    #[error("\"{key}\" needs \"{missing}\" beside it, for example {example}")]
+    NeedsBeside {
+        /// The entry.
+        key: &'static str,
+        /// What is missing.
+        missing: &'static str,
+        /// A line that would be right.
+        example: &'static str,
+    },
+    /// A recording lacks a column.
+    #[error("there is no column \"{column}\" for {key}; {} (other names go to columns = {{ {key} = \"…\" }} under [calibration])", .names.advice(.column))]
+    MissingRecordingColumn {
+        /// What the column holds.
+        key: String,
+        /// The name that was looked for.
+        column: String,
+        /// The columns of the file.
+        names: Names,
+    },
+    /// A raw count that no 16-bit register holds.
+    #[error(
+        "{value} is no raw count; whole numbers from -32768 to 32767 are needed, as the sensor's registers hold them"
+    )]
+    NotACount {
+        /// What stands there.
+        value: f64,
+    },
+
     // --- model.toml ---------------------------------------------------------------------------
     /// A parameter that the model needs.
     #[error(

@@ -12,6 +12,7 @@
 #![warn(missing_docs)]
 
 mod bench;
+mod calibration;
 mod channel;
 mod csv_table;
 mod drop_out;
@@ -23,6 +24,10 @@ mod toml_source;
 mod write;
 
 pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
+pub use calibration::{
+    Calibration, CalibrationRecordings, CountsRecording, LineCalibration, MountingCalibration,
+    PlumbLines, SensorCalibration,
+};
 pub use channel::Channel;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};

@@ -8,14 +8,19 @@ use std::path::{Path, PathBuf};
 use plant::{BASE_PARAMETERS, EffectId, Model, ParameterInfo};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
+use crate::calibration::Calibration;
 use crate::error::{Error, Names, Problem};
 use crate::toml_source::{Section, TomlSource};
 use crate::write::write_atomically;
 
 /// What a parameter's unit ends in where torques are known only per unit of inertia.
 const PER_INERTIA: &str = " per kg m2";
-/// j_b follows from Θ (thesis, after 1.29) and is no parameter of the motion, but may stand here.
-const BODY_INERTIA: &str = "body_inertia";
+/// Quantities that are no parameters of the motion but may stand here, with unit and range: j_b,
+/// which follows from Θ (thesis, after 1.29), and l from plumb lines (thesis 3.4).
+const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
+    ("body_inertia", "kg m2", (0.0, 1e3)),
+    ("pivot_to_com", "m", (-10.0, 10.0)),
+];
 
 /// One parameter of a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +69,8 @@ pub struct ModelFile {
     pub effects: Vec<EffectId>,
     /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,
+    /// What calibration found, if the file has any.
+    pub calibration: Option<Calibration>,
     /// Where the file was read from.
     path: Option<PathBuf>,
     /// The text as it was read, for everything that the fields above do not hold.
@@ -82,6 +89,7 @@ impl PartialEq for ModelFile {
         self.parameters == other.parameters
             && self.effects == other.effects
             && self.design == other.design
+            && self.calibration == other.calibration
     }
 }
 
@@ -92,6 +100,7 @@ impl ModelFile {
             parameters: Vec::new(),
             effects: Model::base().effects().to_vec(),
             design: None,
+            calibration: None,
             path: None,
             document: DocumentMut::new(),
         }
@@ -116,7 +125,7 @@ impl ModelFile {
     fn from_source(source: &TomlSource) -> Result<ModelFile, Error> {
         let document = source.parse()?;
         let root = source.root(&document);
-        root.refuse_slips(&["parameters", "effects", "design"])?;
+        root.refuse_slips(&["parameters", "effects", "design", "calibration"])?;
 
         let section = root.section("parameters")?.ok_or_else(|| {
             root.error(root.missing(
@@ -126,7 +135,7 @@ impl ModelFile {
         })?;
         let mut parameters = Vec::new();
         for key in section.keys() {
-            let info = parameter_info(&key.value).ok_or_else(|| {
+            let info = unit_and_bounds(&key.value).ok_or_else(|| {
                 source.error(
                     key.span.clone(),
                     Problem::UnknownName {
@@ -178,10 +187,15 @@ impl ModelFile {
             .section("design")?
             .map(|section| read_design(&section))
             .transpose()?;
+        let calibration = root
+            .section("calibration")?
+            .map(|section| Calibration::read(&section))
+            .transpose()?;
         Ok(ModelFile {
             parameters,
             effects,
             design,
+            calibration,
             path: Some(source.path().to_path_buf()),
             document: source.parse()?.into_mut(),
         })
@@ -203,6 +217,23 @@ impl ModelFile {
         {
             Some(old) => *old = parameter,
             None => self.parameters.push(parameter),
+        }
+    }
+
+    /// Puts in the parameters of a model in place of those of another; what stands beside the motion
+    /// (a centre of mass from plumb lines, say) stays.
+    pub fn replace_model_parameters(&mut self, parameters: Vec<Parameter>) {
+        let beside = |old: &Parameter| {
+            BESIDE_THE_MOTION
+                .iter()
+                .any(|(name, _, _)| *name == old.name)
+        };
+        self.parameters.retain(beside);
+        let beside = std::mem::replace(&mut self.parameters, parameters);
+        for parameter in beside {
+            if self.parameter(&parameter.name).is_none() {
+                self.parameters.push(parameter);
+            }
         }
     }
 
@@ -324,6 +355,12 @@ impl ModelFile {
                 }
             }
         }
+        match &self.calibration {
+            None => {
+                root.remove("calibration");
+            }
+            Some(calibration) => calibration.write(root),
+        }
         document.to_string()
     }
 
@@ -341,30 +378,34 @@ fn excludes(a: EffectId, b: EffectId) -> bool {
     a == b || a.info().replaces.contains(&b.name()) || b.info().replaces.contains(&a.name())
 }
 
-/// What the library knows of a parameter: `Some(None)` for the body's inertia, which is derived.
-fn parameter_info(name: &str) -> Option<Option<&'static ParameterInfo>> {
-    if name == BODY_INERTIA {
-        return Some(None);
-    }
-    BASE_PARAMETERS
+/// Unit and bounds of a parameter, if there is one with this name.
+fn unit_and_bounds(name: &str) -> Option<(&'static str, (f64, f64))> {
+    let beside = BESIDE_THE_MOTION
         .iter()
-        .chain(
-            EffectId::ALL
-                .iter()
-                .flat_map(|effect| effect.info().parameters),
-        )
+        .find(|(known, _, _)| *known == name);
+    if let Some((_, unit, bounds)) = beside {
+        return Some((unit, *bounds));
+    }
+    library_parameters()
         .find(|info| info.name == name)
-        .map(Some)
+        .map(|info| (info.unit, info.bounds))
+}
+
+/// The parameters of every model and of every effect.
+fn library_parameters() -> impl Iterator<Item = &'static ParameterInfo> {
+    BASE_PARAMETERS.iter().chain(
+        EffectId::ALL
+            .iter()
+            .flat_map(|effect| effect.info().parameters),
+    )
 }
 
 fn parameter_names() -> Vec<&'static str> {
-    let mut names: Vec<&str> = BASE_PARAMETERS.iter().map(|info| info.name).collect();
-    names.push(BODY_INERTIA);
-    for effect in EffectId::ALL {
-        for info in effect.info().parameters {
-            if !names.contains(&info.name) {
-                names.push(info.name);
-            }
+    let mut names: Vec<&str> = Vec::new();
+    let beside = BESIDE_THE_MOTION.iter().map(|(name, _, _)| *name);
+    for name in library_parameters().map(|info| info.name).chain(beside) {
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
     names
@@ -372,7 +413,7 @@ fn parameter_names() -> Vec<&'static str> {
 
 fn read_parameter(
     name: String,
-    info: Option<&'static ParameterInfo>,
+    (si, (low, high)): (&'static str, (f64, f64)),
     entry: &Section,
 ) -> Result<Parameter, Error> {
     entry.allow_only(&["value", "std", "unit", "source"])?;
@@ -394,7 +435,6 @@ fn read_parameter(
         ));
     }
     let unit = entry.text("unit")?.map_or(String::new(), |unit| unit.value);
-    let (si, (low, high)) = info.map_or(("kg m2", (0.0, 1e3)), |info| (info.unit, info.bounds));
     let per_inertia = unit.ends_with(PER_INERTIA);
     let bare = unit.strip_suffix(PER_INERTIA).unwrap_or(&unit);
     if !unit.is_empty() && plain_unit(bare) != plain_unit(si) {
@@ -464,7 +504,7 @@ fn read_design(section: &Section) -> Result<DesignSection, Error> {
 
 /// The table under a key, made where there is none. `header_only` tables hold nothing but other
 /// tables and get no line of their own.
-fn table_in<'a>(
+pub(crate) fn table_in<'a>(
     parent: &'a mut dyn TableLike,
     key: &str,
     header_only: bool,
@@ -482,7 +522,7 @@ fn table_in<'a>(
 }
 
 /// Sets a value, keeping the comment beside it; a value that says the same stays as it is written.
-fn set(table: &mut dyn TableLike, key: &str, value: Value) {
+pub(crate) fn set(table: &mut dyn TableLike, key: &str, value: Value) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) if same(old, &value) => {}
         Some(old) => {
@@ -515,7 +555,7 @@ fn same(a: &Value, b: &Value) -> bool {
 }
 
 /// A number as TOML, in the shortest form that reads back as the same number.
-fn number(value: f64) -> Value {
+pub(crate) fn number(value: f64) -> Value {
     let text = if value == 0.0 || (1e-2..1e6).contains(&value.abs()) {
         format!("{value:?}")
     } else {

@@ -366,6 +366,44 @@ impl<'a> Section<'a> {
             .map(Some)
     }
 
+    /// The number under a key that must be there.
+    pub fn required_number(&self, key: &str) -> Result<f64, Error> {
+        match self.number(key)? {
+            Some(number) => Ok(number.value),
+            None => Err(self.error(self.missing(key, "a number"))),
+        }
+    }
+
+    /// Finite numbers in nested lists of this shape, flattened; 0 in the shape allows any length.
+    pub fn numbers(
+        &self,
+        key: &str,
+        shape: &[usize],
+        expected: &str,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        let Some((_, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        let mut numbers = Vec::new();
+        let fits = item
+            .as_value()
+            .is_some_and(|value| flatten(value, shape, &mut numbers));
+        if !fits {
+            return Err(self.wrong_type(key, item, expected));
+        }
+        if numbers.iter().any(|number| !number.is_finite()) {
+            return Err(self.error_at(
+                key,
+                Problem::OutOfRange {
+                    key: key.to_string(),
+                    value: f64::NAN,
+                    must_be: "finite numbers".to_string(),
+                },
+            ));
+        }
+        Ok(Some(numbers))
+    }
+
     /// Three finite numbers under this key, in the order of the state: angle, rate, wheel speed.
     pub fn three_numbers(&self, key: &str) -> Result<Option<Located<[f64; 3]>>, Error> {
         let Some((found, item)) = self.table.get_key_value(key) else {
@@ -413,6 +451,20 @@ impl<'a> Section<'a> {
                 found: describe(item),
             },
         )
+    }
+}
+
+/// Collects the numbers of nested lists; false where they do not have the shape.
+fn flatten(value: &Value, shape: &[usize], numbers: &mut Vec<f64>) -> bool {
+    match (shape, value.as_array()) {
+        ([], None) => as_number(value)
+            .map(|number| numbers.push(number))
+            .is_some(),
+        ([length, inner @ ..], Some(list)) => {
+            (*length == 0 || list.len() == *length)
+                && list.iter().all(|value| flatten(value, inner, numbers))
+        }
+        _ => false,
     }
 }
 

@@ -59,7 +59,7 @@ pub fn fit<'a>(folder: &'a BenchFolder, model: &Model) -> Result<Fitted<'a>, Fai
 /// Writes a fit to the bench's model.toml; `file` is what stood there. Returns what to say about it.
 pub fn save(folder: &BenchFolder, mut file: ModelFile, fitted: &Fitted) -> Result<String, Failure> {
     let had_design = file.design.is_some();
-    file.parameters = fitted.parameters.clone();
+    file.replace_model_parameters(fitted.parameters.clone());
     file.effects = fitted.model.effects().to_vec();
     file.design.get_or_insert_with(|| folder.usual_design());
     folder.write_model(&file)?;

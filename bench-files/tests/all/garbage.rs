@@ -50,8 +50,18 @@ state_weights = [25.0, 0.5, 5e-4]
 current_weight = 1.0
 current_limit = 2.0
 friction_linearisation_speed = 0.08
-[calibration]
-other = "tool"
+[other]
+tool = "its own"
+[calibration.wheel_speed]
+slope = 0.9
+slope_std = 1e-5
+offset = -690.5
+offset_std = 1e-2
+[calibration.mounting]
+axis = [0.0, 0.0, 1.0]
+axis_std_rad = 1e-4
+angle = 2.3
+angle_std = 1e-3
 "#;
 
 /// A healthy text with a few bytes changed, taken out, put in or doubled: reaches far deeper than

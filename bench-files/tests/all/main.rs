@@ -1,5 +1,6 @@
 //! Tests of what a user of the crate sees.
 
+mod calibration;
 mod common;
 mod drop_outs;
 mod errors;
