@@ -53,6 +53,7 @@ pub const START: FilterState = FilterState {
 };
 
 /// One step with gyroscope and accelerometer.
+#[inline]
 pub fn step_imu(
     state: &FilterState,
     gyro: [i16; 3],
@@ -70,6 +71,7 @@ pub fn step_imu(
 }
 
 /// One step with gyroscope, accelerometer and magnetometer.
+#[inline]
 pub fn step_marg(
     state: &FilterState,
     gyro: [i16; 3],
@@ -99,6 +101,7 @@ pub fn step_marg(
 
 /// The attitude by the accelerometer alone, and whether the reading could be used; otherwise the
 /// state is unchanged.
+#[inline]
 pub fn align(
     state: &FilterState,
     accel: [i16; 3],

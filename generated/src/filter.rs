@@ -55,6 +55,7 @@ pub const START: FilterState = FilterState {
 };
 
 /// One step with gyroscope and accelerometer.
+#[inline]
 pub fn step_imu(
     state: &FilterState,
     gyro: [i16; 3],
@@ -72,6 +73,7 @@ pub fn step_imu(
 }
 
 /// One step with gyroscope, accelerometer and magnetometer.
+#[inline]
 pub fn step_marg(
     state: &FilterState,
     gyro: [i16; 3],
@@ -101,6 +103,7 @@ pub fn step_marg(
 
 /// The attitude by the accelerometer alone, and whether the reading could be used; otherwise the
 /// state is unchanged.
+#[inline]
 pub fn align(
     state: &FilterState,
     accel: [i16; 3],
