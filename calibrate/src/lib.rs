@@ -54,6 +54,7 @@ mod line_fit;
 mod magnetometer;
 mod mounting;
 mod plumb_lines;
+mod specification;
 mod sphere_fit;
 mod still;
 mod still_poses;
@@ -61,9 +62,12 @@ mod still_poses;
 pub use error::CalibrationError;
 pub use gyroscope::{GyroscopeRest, gyroscope_rest};
 pub use line_fit::{LineFit, fit_line};
-pub use magnetometer::{COVERAGE_MIN, MagnetometerCalibration, magnetometer, sphere_coverage};
-pub use mounting::{Mounting, mounting};
+pub use magnetometer::{
+    COVERAGE_MIN, MagnetometerCalibration, magnetometer, mean_field_ut, sphere_coverage,
+};
+pub use mounting::{Mounting, alignment, mounting};
 pub use plumb_lines::{CentreOfMass, PlumbLine, centre_of_mass};
+pub use specification::{Calibrated, attitude_spec};
 pub use sphere_fit::{Shape, SphereFit, fit_sphere};
 pub use still::{Still, still};
 pub use still_poses::{AccelerometerCalibration, accelerometer};
@@ -79,14 +83,4 @@ pub struct SensorCalibration {
     pub bias_std: Vector3<f64>,
     /// Standard errors of the matrix, SI per count; zero for entries that are not identified.
     pub matrix_std: Matrix3<f64>,
-}
-
-impl SensorCalibration {
-    /// The same sensor in a frame turned by `rotation` (sensor to new frame).
-    pub fn turned(&self, rotation: &nalgebra::Rotation3<f64>) -> attitude::SensorLine {
-        attitude::SensorLine {
-            bias_counts: self.line.bias_counts,
-            matrix: rotation.matrix() * self.line.matrix,
-        }
-    }
 }

@@ -79,6 +79,20 @@ pub fn magnetometer(
     })
 }
 
+/// The field in µT by a sensor with the data sheet's scale `ut_per_count`: mean length of the raw
+/// counts about the fitted bias.
+///
+/// # Errors
+/// As for [`magnetometer`]; a scale that is not positive.
+pub fn mean_field_ut(samples: &[[i16; 3]], ut_per_count: f64) -> Result<f64, CalibrationError> {
+    let scale = positive("the magnetometer's scale", ut_per_count)?;
+    let bias = magnetometer(samples, 1.0)?.sensor.line.bias_counts;
+    let lengths = samples
+        .iter()
+        .map(|raw| (Vector3::from(raw.map(f64::from)) - bias).norm());
+    Ok(scale * lengths.sum::<f64>() / samples.len() as f64)
+}
+
 /// Standard deviation of the lengths over their mean.
 fn spread(points: &[Vector3<f64>]) -> f64 {
     let count = points.len() as f64;
@@ -105,4 +119,28 @@ pub fn sphere_coverage(points: &[Vector3<f64>]) -> f64 {
             .any(|point| point.dot(&direction) >= near * point.norm() && point.norm() > 0.0)
     });
     covered.count() as f64 / DIRECTIONS as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lattice on a sphere of 480 counts about a bias: 48 µT at 0.1 µT per count.
+    #[test]
+    fn the_mean_field_does_not_contain_the_bias() {
+        let golden_angle = std::f64::consts::PI * (3.0 - 5_f64.sqrt());
+        let samples: Vec<[i16; 3]> = (0..400)
+            .map(|i| {
+                let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 400.0;
+                let across = (1.0 - z * z).sqrt();
+                let (sin, cos) = (golden_angle * f64::from(i)).sin_cos();
+                let counts = Vector3::new(across * cos, across * sin, z) * 480.0;
+                [counts.x + 200.0, counts.y - 350.0, counts.z + 90.0].map(|c| c.round() as i16)
+            })
+            .collect();
+        let field = mean_field_ut(&samples, 0.1).expect("covered all round");
+        // Rounding to counts: 0.3 counts a reading, a hundredth of that in the mean.
+        assert!((field - 48.0).abs() < 0.005, "{field}");
+        assert!(mean_field_ut(&samples, 0.0).is_err());
+    }
 }

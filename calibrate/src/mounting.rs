@@ -26,6 +26,11 @@ pub struct Mounting {
     pub angle_std_rad: f64,
 }
 
+/// The smallest turn that takes the pivot `axis` (in the sensor's frame, less than 90° from z) to z.
+pub fn alignment(axis: &Vector3<f64>) -> Rotation3<f64> {
+    Rotation3::rotation_between(axis, &Vector3::z()).unwrap_or_default()
+}
+
 /// Axis and angle from a swing (raw gyroscope counts) and from hanging at rest (raw
 /// accelerometer counts).
 ///
@@ -64,7 +69,7 @@ pub fn mounting(
             cure: "rename the sensor's axes so that z lies along the pivot axis",
         });
     }
-    let alignment = Rotation3::rotation_between(&axis, &Vector3::z()).unwrap_or_default();
+    let alignment = alignment(&axis);
     // Two directions across, swing.len() − 1 degrees of freedom each; each tilts by σ²/λ₁.
     let variance = across / (2.0 * (swing.len() - 1) as f64);
     let axis_std_rad = (2.0 * variance / along).sqrt();

@@ -4,10 +4,10 @@
 //! variances have mean one (a χ² over all seeds and parameters), so that a standard error that
 //! is too small fails, and one that is too large fails as well.
 
-use attitude::{SensorLine, wrap_angle};
+use attitude::{AttitudeSpec, RawFilter, SensorLine, wrap_angle};
 use calibrate::{
-    CalibrationError, PlumbLine, Shape, accelerometer, centre_of_mass, fit_line, gyroscope_rest,
-    magnetometer, mounting, sphere_coverage, still,
+    Calibrated, CalibrationError, PlumbLine, Shape, accelerometer, attitude_spec, centre_of_mass,
+    fit_line, gyroscope_rest, magnetometer, mounting, sphere_coverage, still,
 };
 use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -348,6 +348,71 @@ fn mounting_from_swing_and_rest() {
     }
     of_axis.assert_one("pivot axis", 2.0 * seeds as f64, 1.0);
     of_angle.assert_one("mounting angle", seeds as f64, 19.0 / 17.0);
+}
+
+/// A badly mounted sensor with all its errors, calibrated, shows the body angle.
+#[test]
+fn the_calibrated_filter_shows_the_body_angle() {
+    let mut noise = Noise::new(77);
+    let tilt = UnitVector3::new_normalize(Vector3::new(0.3, -1.0, 0.0));
+    let to_sensor = Rotation3::from_axis_angle(&tilt, 0.09)
+        * Rotation3::from_axis_angle(&Vector3::z_axis(), -2.1);
+    let accel_counts = Matrix3::from_diagonal(&Vector3::new(4180.0, 4010.0, 4095.0)) / GRAVITY;
+    let accel_bias = Vector3::new(150.0, -90.0, 60.0);
+    let gyro_bias = Vector3::new(14.0, -8.0, 21.0);
+    let scale = 62.5e-3_f64.to_radians();
+    let accel = |up: Vector3<f64>, noise: &mut Noise| {
+        counts(accel_counts * up * GRAVITY + accel_bias + noise.three(9.0))
+    };
+    let gyro =
+        |rate: Vector3<f64>, noise: &mut Noise| counts(rate / scale + gyro_bias + noise.three(4.0));
+
+    let poses: Vec<Vec<_>> = pose_directions(6, &mut noise)
+        .into_iter()
+        .map(|up| (0..2000).map(|_| accel(up, &mut noise)).collect())
+        .collect();
+    let accelerometer = accelerometer(&poses, GRAVITY).expect("six good poses");
+    let rest: Vec<_> = (0..4000)
+        .map(|_| gyro(Vector3::zeros(), &mut noise))
+        .collect();
+    let gyroscope = gyroscope_rest(&rest, scale, 1e-3).expect("enough samples");
+    let axis = to_sensor * Vector3::z();
+    let swing: Vec<_> = (0..4000)
+        .map(|k| gyro(axis * (3.0 * (f64::from(k) * 0.01).sin()), &mut noise))
+        .collect();
+    let hanging: Vec<_> = (0..2000)
+        .map(|_| accel(to_sensor * -Vector3::x(), &mut noise))
+        .collect();
+    let mounting = mounting(
+        &swing,
+        &gyroscope.sensor.line,
+        &hanging,
+        &accelerometer.sensor.line,
+    )
+    .expect("a good swing");
+    let spec = attitude_spec(
+        &AttitudeSpec::thesis(),
+        &Calibrated {
+            accelerometer: Some(&accelerometer.sensor),
+            gyroscope: Some(&gyroscope.sensor),
+            magnetometer: None,
+            mounting: Some(&mounting),
+            beta_rad_s: None,
+        },
+    );
+
+    // Held at several angles: the body's x axis (towards the centre of mass) at α from down.
+    for theta in [-2.5, -0.2, 0.0, 0.1, 1.4] {
+        let mut filter = RawFilter::new(&spec);
+        let alpha: f64 = theta + PI;
+        let up = to_sensor * Vector3::new(-alpha.cos(), alpha.sin(), 0.0);
+        filter.align(accel(up, &mut noise));
+        for _ in 0..3000 {
+            filter.update_imu(gyro(Vector3::zeros(), &mut noise), accel(up, &mut noise));
+        }
+        let error = wrap_angle(filter.angle_rad() - theta);
+        assert!(error.abs() < 2e-3, "{theta}: {error}");
+    }
 }
 
 #[test]
