@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::commands::{add, compare, design, generate, identify, remove};
+use crate::commands::{add, calibrate, compare, design, generate, identify, remove};
 use crate::failure::Failure;
 use crate::report::Report;
 
@@ -33,6 +33,8 @@ pub enum Command {
     Add(add::Arguments),
     /// Take an effect out of model.toml and refit
     Remove(remove::Arguments),
+    /// Calibrate sensors, mounting, converters and centre of mass from recordings
+    Calibrate(calibrate::Arguments),
     /// Linear model, poles, controllability, gains and margins
     Design(design::Arguments),
     /// Write the controller as a no_std fixed-point Rust crate
@@ -47,6 +49,7 @@ impl Command {
             Command::Compare(arguments) => compare::run(arguments),
             Command::Add(arguments) => add::run(arguments),
             Command::Remove(arguments) => remove::run(arguments),
+            Command::Calibrate(arguments) => calibrate::run(arguments),
             Command::Design(arguments) => design::run(arguments),
             Command::Generate(arguments) => generate::run(arguments),
         }
@@ -59,6 +62,7 @@ impl Command {
             Command::Compare(arguments) => &arguments.output,
             Command::Add(arguments) => &arguments.output,
             Command::Remove(arguments) => &arguments.output,
+            Command::Calibrate(arguments) => &arguments.output,
             Command::Design(arguments) => &arguments.output,
             Command::Generate(arguments) => &arguments.output,
         }

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use bench_files::Calibration;
 use codegen::hardware::HardwareSpec;
 use codegen::spec::{Drive, ModuleSpec, Parameter, PhysicalRanges};
 use codegen::{EmittedCrate, FileError};
+use nalgebra::{Matrix3, Rotation3};
 use serde::Serialize;
 
 use crate::cli::Output;
@@ -107,9 +109,11 @@ fn paths(emitted: &EmittedCrate, arguments: &Arguments) -> Vec<PathBuf> {
         .collect()
 }
 
-/// What the generator is told. Sensors, drive and ranges are those of the thesis bench.
+/// What the generator is told. Ranges are those of the thesis bench, and so are sensors and drive
+/// where they are not calibrated.
 fn spec(designed: &ModelDesign) -> ModuleSpec {
     let design = &designed.design;
+    let calibration = &designed.file.calibration.unwrap_or_default();
     let rows = |value: &dyn Fn(usize, usize) -> f64| {
         [0, 1, 2].map(|row| [0, 1, 2].map(|column| value(row, column)))
     };
@@ -119,8 +123,8 @@ fn spec(designed: &ModelDesign) -> ModuleSpec {
         current_limit_a: designed.wishes.current_limit_a,
         sample_time_s: designed.wishes.sample_time_s,
         ranges: PhysicalRanges::THESIS_BENCH,
-        drive: Drive::THESIS_BENCH,
-        hardware: HardwareSpec::thesis_bench(),
+        drive: drive(calibration),
+        hardware: hardware(calibration),
         parameters: designed
             .file
             .parameters
@@ -139,5 +143,53 @@ fn spec(designed: &ModelDesign) -> ModuleSpec {
         ad: rows(&|row, column| design.discrete.state[(row, column)]),
         bd: [0, 1, 2].map(|row| design.discrete.input[row]),
         closed_loop: None,
+    }
+}
+
+/// The sensors of the thesis bench, with the calibrated ones in their places.
+fn hardware(calibration: &Calibration) -> HardwareSpec {
+    let mut hardware = HardwareSpec::thesis_bench();
+    let attitude = &mut hardware.attitude;
+    let alignment = calibration
+        .mounting
+        .map_or_else(Rotation3::identity, |mounting| {
+            calibrate::alignment(&mounting.axis.into())
+        });
+    for (line, calibrated) in [
+        (&mut attitude.gyro, &calibration.gyroscope),
+        (&mut attitude.accel, &calibration.accelerometer),
+        (&mut attitude.mag, &calibration.magnetometer),
+    ] {
+        if let Some(sensor) = calibrated {
+            line.bias_counts = sensor.bias_counts.into();
+            line.matrix = Matrix3::from_fn(|row, column| sensor.matrix[row][column]);
+        }
+        line.matrix = alignment.matrix() * line.matrix;
+    }
+    if let Some(beta) = calibration.beta_rad_s {
+        attitude.beta_rad_s = beta;
+    }
+    if let Some(mounting) = calibration.mounting {
+        attitude.mounting_angle_rad = mounting.angle_rad;
+    }
+    if let Some(line) = calibration.wheel_speed {
+        hardware.wheel_speed_per_count = line.slope;
+        hardware.wheel_speed_at_zero = line.offset;
+    }
+    hardware
+}
+
+/// The drive of the thesis bench, its line as calibrated: the largest duty stays, and the current
+/// that it stands for follows.
+fn drive(calibration: &Calibration) -> Drive {
+    let thesis = Drive::THESIS_BENCH;
+    let Some(line) = calibration.duty else {
+        return thesis;
+    };
+    let duty_zero = line.offset.round().clamp(0.0, f64::from(thesis.duty_max)) as u16;
+    Drive {
+        current_range_a: f64::from(thesis.duty_max - duty_zero) / line.slope,
+        duty_zero,
+        ..thesis
     }
 }
