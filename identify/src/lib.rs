@@ -10,10 +10,12 @@
 //! | `fit` | the schedule from a plain start; model against measurement |
 //! | `covariance` | standard errors that account for correlated residuals |
 //! | `missing_torque` | the torque that a model lacks, over time |
+//! | `breakdown` | where a model fails: its residual over time, amplitude, angle, speed, current |
 //! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
 //! | `whiteness` | what is left in a residual: noise or structure |
 //! | `identification` | a whole bench: what is known, what is free, what is open |
 
+mod breakdown;
 mod covariance;
 mod fit;
 mod identification;
@@ -26,10 +28,13 @@ mod solver;
 mod start;
 mod whiteness;
 
+pub use breakdown::{
+    Bin, Breakdown, Coordinate, Explained, FailureMap, Quantity, Region, breakdown,
+};
 pub use covariance::pseudo_inverse;
 pub use fit::{
     BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, joined,
-    refit, traces,
+    period_s, refit, traces,
 };
 pub use identification::{
     Identification, IdentifyError, Setup, carry_over, extend, identify, scaled_start,

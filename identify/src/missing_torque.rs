@@ -33,6 +33,12 @@ const HALF_BUMP_PERIODS: f64 = 1.0 / 16.0;
 const HALF_BUMP_LOGS: f64 = 1.0 / 100.0;
 /// Length over which the drift of an integrated rate is averaged, in periods of the pendulum.
 const DRIFT_PERIODS: f64 = 4.0;
+/// Half of the span over which a measured speed is averaged before friction is computed from it, in
+/// half-widths of the bump: dry friction of a speed with noise is less than dry friction of the speed.
+const SPEED_MEAN: f64 = 0.25;
+/// A simulated speed agrees with a measured one within this many standard deviations of its noise: a
+/// Gaussian leaves them once in 16,000 times.
+const AGREEMENT: f64 = 4.0;
 /// Number of bumps from which the noise is computed.
 const NOISE_PROBES: usize = 32;
 
@@ -93,6 +99,14 @@ pub struct MissingTorque {
     pub stride: usize,
 }
 
+impl MissingTorque {
+    /// The weights with which the value at `centre` averages over the intervals from
+    /// `centre − half` to `centre + half` of its record; they sum to 1.
+    pub fn weights(&self, record: &Record, centre: usize) -> Vec<f64> {
+        Bump::around(&record.time_s, centre, self.half).intervals
+    }
+}
+
 /// The measured motion, the sensor effects of the model undone, at the middle of every interval
 /// between two samples.
 pub struct MeasuredMotion {
@@ -109,6 +123,8 @@ pub struct MeasuredMotion {
     pub rate_slope: Vec<f64>,
     /// Change of the wheel speed over the interval by its length, rad/s²; empty if not measured.
     pub wheel_speed_slope: Vec<f64>,
+    /// Whether speeds that agree with the fit's free run within their noise are those of the free run.
+    pub speeds_are_simulated: bool,
     /// Whether the rate was measured; else it is that of the smoothed angle and serves the friction
     /// terms only.
     pub rate_measured: bool,
@@ -247,16 +263,8 @@ impl MeasuredMotion {
                 dot(&bump.intervals, span.map(|k| mid(&angle, k)))
             }
         };
-        // Where nobody measured the wheel speed, that of the fit's free run has to do.
-        let simulated = (speed.is_none() && record.kind == Kind::Driven).then(|| {
-            let mut speed = vec![0.0; n];
-            for window in windows {
-                simulate(record, window, model, values, |k, _, state| {
-                    speed[k] = state.wheel_speed_rad_s;
-                });
-            }
-            speed
-        });
+        let simulated = simulated_speeds(record, windows, model, values);
+        let short = (half as f64 * SPEED_MEAN) as usize;
         let mut state = vec![State::rest(); n - 1];
         let mut wheel_angle = 0.0;
         let mut last_speed = 0.0;
@@ -267,18 +275,35 @@ impl MeasuredMotion {
             let step = time_s[k + 1] - time_s[k];
             state.angle_rad = mid(&angle, k);
             state.rate_rad_s = match &rate {
-                Some(rate) => mid(rate, k),
+                Some(rate) => short_mean(rate, k, short),
                 None if moves_body => smooth(k, true),
                 None => 0.0,
             };
-            if let Some(speed) = speed.as_ref().or(simulated.as_ref()) {
-                state.wheel_speed_rad_s = mid(speed, k);
-                if state.wheel_speed_rad_s.is_finite() {
-                    last_speed = state.wheel_speed_rad_s;
-                }
-                state.wheel_angle_rad = wheel_angle + 0.5 * step * last_speed;
-                wheel_angle += step * last_speed;
+            if rate.is_some()
+                && let Some(simulated) = &simulated
+            {
+                let std = noise_std[Output::Rate as usize] / ((2 * short + 2) as f64).sqrt();
+                state.rate_rad_s = agreeing(state.rate_rad_s, mid(&simulated.0, k), std);
             }
+            if let Some(speed) = &speed {
+                state.wheel_speed_rad_s = short_mean(speed, k, short);
+                if let Some(simulated) = &simulated {
+                    let std = noise_std[Output::WheelSpeed as usize];
+                    let std = std / ((2 * short + 2) as f64).sqrt();
+                    state.wheel_speed_rad_s =
+                        agreeing(state.wheel_speed_rad_s, mid(&simulated.1, k), std);
+                }
+            } else if record.kind == Kind::Driven
+                && let Some(simulated) = &simulated
+            {
+                // Where nobody measured the wheel speed, that of the fit's free run has to do.
+                state.wheel_speed_rad_s = mid(&simulated.1, k);
+            }
+            if state.wheel_speed_rad_s.is_finite() {
+                last_speed = state.wheel_speed_rad_s;
+            }
+            state.wheel_angle_rad = wheel_angle + 0.5 * step * last_speed;
+            wheel_angle += step * last_speed;
             if let Some(before) = smoothed_before {
                 // The path itself, not its noise: noise would work the contact to and fro.
                 let now = smooth(k, false);
@@ -297,6 +322,7 @@ impl MeasuredMotion {
             angle_slope: slopes(&angle),
             rate_slope: rate.as_deref().map(slopes).unwrap_or_default(),
             wheel_speed_slope: speed.as_deref().map(slopes).unwrap_or_default(),
+            speeds_are_simulated: simulated.is_some(),
             rate_measured: rate.is_some(),
             wheel_speed_measured: speed.is_some(),
             noise_std,
@@ -327,6 +353,79 @@ fn remove_drift(angle: &mut [f64], record: &Record, values: &[f64]) {
         .collect();
     for (k, value) in angle.iter_mut().enumerate() {
         *value -= drift[k.clamp(half, n - half - 1) - half];
+    }
+}
+
+impl MeasuredMotion {
+    /// All torques that this motion shows to be missing, by bumps of half-width `half` samples.
+    pub fn missing_torques(
+        &self,
+        record: &Record,
+        model: &Model,
+        values: &[f64],
+        half: usize,
+    ) -> Vec<MissingTorque> {
+        [TorqueOn::Body, TorqueOn::Wheel, TorqueOn::BodyByCommand]
+            .into_iter()
+            .filter(|on| match (on, record.kind) {
+                (TorqueOn::Body, Kind::FreeSwing) => true,
+                (TorqueOn::Body | TorqueOn::Wheel, _) => self.wheel_speed_measured,
+                // Body and wheel say the same and more.
+                (TorqueOn::BodyByCommand, _) => !self.wheel_speed_measured,
+            })
+            .filter_map(|on| {
+                let shape = (half, half / 2);
+                missing_torque(record, &record.weight, self, model, values, on, shape)
+            })
+            .collect()
+    }
+}
+
+/// Rate and wheel speed of the fit's free run at every sample; `None` without windows.
+fn simulated_speeds(
+    record: &Record,
+    windows: &[Window],
+    model: &Model,
+    values: &[f64],
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    if windows.is_empty() {
+        return None;
+    }
+    let mut speeds = (vec![f64::NAN; record.len()], vec![f64::NAN; record.len()]);
+    for window in windows {
+        simulate(record, window, model, values, |k, _, state| {
+            speeds.0[k] = state.rate_rad_s;
+            speeds.1[k] = state.wheel_speed_rad_s;
+        });
+    }
+    Some(speeds)
+}
+
+/// The simulated speed where it agrees with the measured one, else the measured one. Near standstill
+/// the noise of a speed decides the sign of dry friction, and the torque that seems to be missing
+/// then depends on the noise of the very speed over which it is broken down.
+fn agreeing(measured: f64, simulated: f64, std: f64) -> f64 {
+    if (measured - simulated).abs() < AGREEMENT * std {
+        simulated
+    } else {
+        measured
+    }
+}
+
+/// Mean of the finite samples from `k − short` to `k + 1 + short`: about the middle of interval k. NaN
+/// where one of the interval's own ends is missing.
+fn short_mean(samples: &[f64], k: usize, short: usize) -> f64 {
+    let short = short.min(k).min(samples.len() - 2 - k);
+    let (sum, count) = samples[k - short..=k + 1 + short]
+        .iter()
+        .filter(|sample| sample.is_finite())
+        .fold((0.0, 0.0), |(sum, count), sample| {
+            (sum + sample, count + 1.0)
+        });
+    if samples[k].is_finite() && samples[k + 1].is_finite() {
+        sum / count
+    } else {
+        f64::NAN
     }
 }
 
@@ -391,20 +490,7 @@ pub fn missing_torques(
     let Some(motion) = MeasuredMotion::new(record, windows, model, values, half) else {
         return vec![];
     };
-    let wheel_measured = motion.wheel_speed_measured;
-    [TorqueOn::Body, TorqueOn::Wheel, TorqueOn::BodyByCommand]
-        .into_iter()
-        .filter(|on| match (on, record.kind) {
-            (TorqueOn::Body, Kind::FreeSwing) => true,
-            (TorqueOn::Body | TorqueOn::Wheel, _) => wheel_measured,
-            // Body and wheel say the same and more.
-            (TorqueOn::BodyByCommand, _) => !wheel_measured,
-        })
-        .filter_map(|on| {
-            let shape = (half, half / 2);
-            missing_torque(record, &record.weight, &motion, model, values, on, shape)
-        })
-        .collect()
+    motion.missing_torques(record, model, values, half)
 }
 
 /// One torque that `model` lacks, smoothed by bumps of half-width `half` samples that begin `stride`
@@ -526,7 +612,11 @@ fn noise(
                     Output::Rate => moved.rate_rad_s += std,
                     Output::WheelSpeed => moved.wheel_speed_rad_s += std,
                 }
-                let change = modelled(&moved) - modelled(&motion.state[k]);
+                let change = if motion.speeds_are_simulated && output != Output::Angle {
+                    0.0
+                } else {
+                    modelled(&moved) - modelled(&motion.state[k])
+                };
                 weight[index] -= 0.5 * bump.intervals[index] * change;
                 weight[index + 1] -= 0.5 * bump.intervals[index] * change;
                 let of_slope = match output {
