@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::commands::{add, calibrate, compare, design, generate, identify, remove};
+use crate::commands::{add, calibrate, compare, design, generate, identify, remove, simulate};
 use crate::failure::Failure;
 use crate::report::Report;
 
@@ -37,6 +37,8 @@ pub enum Command {
     Calibrate(calibrate::Arguments),
     /// Linear model, poles, controllability, gains and margins
     Design(design::Arguments),
+    /// Closed loop of the emitted law on the nonlinear bench, with disturbances
+    Simulate(simulate::Arguments),
     /// Write the controller as a no_std fixed-point Rust crate
     Generate(generate::Arguments),
 }
@@ -51,6 +53,7 @@ impl Command {
             Command::Remove(arguments) => remove::run(arguments),
             Command::Calibrate(arguments) => calibrate::run(arguments),
             Command::Design(arguments) => design::run(arguments),
+            Command::Simulate(arguments) => simulate::run(arguments),
             Command::Generate(arguments) => generate::run(arguments),
         }
     }
@@ -64,6 +67,7 @@ impl Command {
             Command::Remove(arguments) => &arguments.output,
             Command::Calibrate(arguments) => &arguments.output,
             Command::Design(arguments) => &arguments.output,
+            Command::Simulate(arguments) => &arguments.output,
             Command::Generate(arguments) => &arguments.output,
         }
     }

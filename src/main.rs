@@ -8,6 +8,7 @@ mod commands;
 mod failure;
 mod fitted;
 mod model_design;
+mod module_spec;
 mod progress;
 mod report;
 

@@ -638,6 +638,35 @@ fn calibration_from_raw_counts() {
     );
 }
 
+/// The thesis bench under the emitted law: it balances, recovers from nearly 15° as the thesis
+/// reports, no law beats the current limit, and one seed gives one result.
+#[test]
+fn the_closed_loop_of_the_thesis_bench() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().to_str().expect("path");
+    let model = models().join("thesis-4.4.toml");
+    let model = model.to_str().expect("path");
+    let json = json_of(["simulate", model, "--out", out, "--json", "-"]);
+    let number = |value: &Value| value.as_f64().expect("a number");
+    for run in json["runs"].as_array().expect("runs") {
+        assert_eq!(run["fell"], false, "{run}");
+        assert!(number(&run["largest_current_a"]) <= 2.0, "{run}");
+        // A twentieth of the angle sensor's noise: one law for all purposes.
+        assert!(number(&run["difference_angle_rad"]) < 5e-5, "{run}");
+    }
+    let recovered = number(&json["recovery"]["emitted_law_rad"]).to_degrees();
+    let limit = number(&json["recovery"]["limit_rad"]).to_degrees();
+    assert!((limit - 15.86).abs() < 0.005, "asin(2 A · τ / G): {limit}");
+    assert!(recovered > 15.0 && recovered < limit, "{recovered}");
+    let table = fs::read_to_string(folder.path().join("simulate-half-minute.csv")).expect("CSV");
+    assert!(table.starts_with("time_s,angle_from_upright_rad,"));
+    assert_eq!(table.lines().count(), 1 + 30_001, "30 s at 1 kHz");
+    assert_eq!(
+        json,
+        json_of(["simulate", model, "--out", out, "--json", "-"])
+    );
+}
+
 #[test]
 fn help_names_every_command() {
     let text = done(["--help"]);
@@ -648,6 +677,7 @@ fn help_names_every_command() {
         "remove",
         "calibrate",
         "design",
+        "simulate",
         "generate",
     ] {
         assert!(text.contains(command), "{command}");

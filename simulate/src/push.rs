@@ -22,6 +22,16 @@ impl Push {
         }
     }
 
+    /// The push with this impulse in N m s and this largest torque in N m (of the same sign) at
+    /// `time_s`: b = π (a/∫ f dt)².
+    pub fn of_impulse(time_s: f64, impulse: f64, torque: f64) -> Push {
+        Push {
+            time_s,
+            torque,
+            sharpness_per_s2: std::f64::consts::PI * (torque / impulse).powi(2),
+        }
+    }
+
     /// f in N m at `time_s`.
     pub fn torque_at(&self, time_s: f64) -> f64 {
         let since = time_s - self.time_s;
@@ -51,6 +61,8 @@ mod tests {
             .map(|index| push.torque_at(f64::from(index) * step) * step)
             .sum();
         assert!((sum - push.impulse()).abs() < 1e-12);
+        let same = Push::of_impulse(4.0, push.impulse(), 0.02);
+        assert!((same.sharpness_per_s2 / push.sharpness_per_s2 - 1.0).abs() < 1e-12);
         assert!((push.torque_at(4.05) - 0.02 / std::f64::consts::E).abs() < 1e-15);
     }
 }

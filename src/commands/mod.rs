@@ -7,3 +7,4 @@ pub mod design;
 pub mod generate;
 pub mod identify;
 pub mod remove;
+pub mod simulate;
