@@ -1,5 +1,7 @@
 //! Contracts as ranges: the arguments that a function takes, and the results that it then gives.
 
+use crate::interpret::range_of;
+use crate::language::Type;
 use crate::program::Slot;
 
 /// The range of one word, by its position among the words of arguments or results.
@@ -23,6 +25,25 @@ pub struct Contract {
 }
 
 impl Contract {
+    /// Ranges of all words of the result; those without a promise have that of their type.
+    pub(crate) fn promised(&self, types: &[Type], slots: &[Slot]) -> Vec<(Slot, i128, i128)> {
+        let mut ranges: Vec<_> = slots
+            .iter()
+            .zip(types)
+            .map(|(slot, type_)| {
+                let (low, high) = range_of(type_);
+                (*slot, low, high)
+            })
+            .collect();
+        for range in &self.ensures {
+            if let Some(word) = ranges.get_mut(range.word) {
+                word.1 = word.1.max(range.low);
+                word.2 = word.2.min(range.high);
+            }
+        }
+        ranges
+    }
+
     /// Ranges with the slots in which their words stand.
     pub(crate) fn applied(&self, ranges: &[Range], slots: &[Slot]) -> Vec<(Slot, i128, i128)> {
         ranges

@@ -8,16 +8,31 @@
 //! | [`program`] | that form |
 //! | [`interpret`] | runs a function, finding every overflow |
 //! | [`contract`] | ranges that functions promise each other |
+//! | [`intervals`] | ranges of every word; contracts by halving the domain |
+//! | [`forms`] | words as linear forms of the arguments |
+//! | [`exact`], [`enclosure`] | rational numbers; outward-rounded intervals |
+//! | [`certificate`] | `certificate.json`, read strictly |
+//! | [`control_law`] | claims about the control law |
+//! | [`closed_loop`] | the loop for all time |
+//! | [`stability`] | sampling, stability, stability over the parameters' region |
 
 #![warn(missing_docs)]
 
+pub mod certificate;
+pub mod closed_loop;
 pub mod contract;
+pub mod control_law;
+pub mod enclosure;
+pub mod exact;
+pub mod forms;
 pub mod interpret;
+pub mod intervals;
 pub mod language;
 pub mod lower;
 pub mod module;
 pub mod program;
 pub mod source;
+pub mod stability;
 
 pub use interpret::{Machine, Trap};
 pub use module::{Module, ReadError};

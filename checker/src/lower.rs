@@ -1543,7 +1543,8 @@ impl<'a> Builder<'a> {
                 action: Action::Contract {
                     function: function.name.clone(),
                     requires: contract.applied(&contract.requires, &slots),
-                    ensures: contract.applied(&contract.ensures, &result.slots),
+                    ensures: contract
+                        .promised(&declarations.words(&function.result), &result.slots),
                 },
                 place,
             });

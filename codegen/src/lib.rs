@@ -23,6 +23,7 @@
 
 pub mod attitude;
 pub mod claims;
+pub mod closed_loop;
 pub mod control;
 pub mod emit;
 pub mod exact;
@@ -59,6 +60,10 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
         emit::constants_rs::file(spec, &law, &hardware),
     ];
     files.extend(runtime::helpers(spec));
-    files.push(emit::certificate::file(spec, &law, &files));
+    let closed_loop = match &spec.closed_loop {
+        Some(given) => Some(given.clone()),
+        None => closed_loop::certify(spec, &law),
+    };
+    files.push(emit::certificate::file(spec, &law, closed_loop, &files));
     Ok(EmittedCrate { files })
 }

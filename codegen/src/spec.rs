@@ -38,7 +38,8 @@ pub struct ModuleSpec {
     pub ad: [[f64; 3]; 3],
     /// Sampled linear model, Bd.
     pub bd: [f64; 3],
-    /// Certificate of the closed loop, computed elsewhere; put into `certificate.json` as it is.
+    /// Certificate of the closed loop, put into `certificate.json` as it is; where there is none,
+    /// [`crate::closed_loop`] finds one.
     pub closed_loop: Option<serde_json::Value>,
 }
 

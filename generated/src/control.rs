@@ -38,7 +38,12 @@
 //! | parameter | value | standard error | unit |
 //! |---|---|---|---|
 //! | `total_inertia` | 0.00230344 | not stated | kg m2 |
+//! | `wheel_inertia` | 0.000136125 | not stated | kg m2 |
 //! | `gravity_torque` | 0.245158 | 1e-6 | N m |
+//! | `torque_constant` | 0.0335 | not stated | N m/A |
+//! | `body_viscous_friction` | 2.12e-5 | not stated | N m s/rad |
+//! | `wheel_viscous_friction` | 1.75204e-5 | not stated | N m s/rad |
+//! | `body_coulomb_torque` | 0.0004485 | not stated | N m |
 
 /// Body angle relative to upright (rad), within ±3.141592653589793 on the bench.
 pub type Angle = fixed::types::I3F29;

@@ -40,7 +40,7 @@ struct Certificate<'a> {
     bounds: Bounds,
     claims: Vec<Claim>,
     /// Bounds of the closed loop for all time, where they have been computed.
-    closed_loop: &'a Option<serde_json::Value>,
+    closed_loop: Option<serde_json::Value>,
 }
 
 #[derive(Debug, Serialize)]
@@ -134,7 +134,12 @@ struct Claim {
 }
 
 /// Emits `certificate.json` for the `sources` emitted so far.
-pub fn file(spec: &ModuleSpec, law: &ControlLaw, sources: &[EmittedFile]) -> EmittedFile {
+pub fn file(
+    spec: &ModuleSpec,
+    law: &ControlLaw,
+    closed_loop: Option<serde_json::Value>,
+    sources: &[EmittedFile],
+) -> EmittedFile {
     let number = |value: f64| Decimal::new(value).text;
     let certificate = Certificate {
         generator: MARK,
@@ -195,7 +200,7 @@ pub fn file(spec: &ModuleSpec, law: &ControlLaw, sources: &[EmittedFile]) -> Emi
             state_rounding: outward(&law.bounds.state_rounding, BOUND_DIGITS),
         },
         claims: ClaimId::ALL.map(|id| claim(id, law)).into(),
-        closed_loop: &spec.closed_loop,
+        closed_loop,
     };
     let mut contents =
         serde_json::to_string_pretty(&certificate).expect("strings and integers serialise");

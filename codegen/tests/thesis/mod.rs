@@ -16,7 +16,12 @@ pub fn spec() -> ModuleSpec {
         hardware: HardwareSpec::thesis_bench(),
         parameters: vec![
             parameter("total_inertia", 2.30344e-3, None, "kg m2"),
+            parameter("wheel_inertia", 1.36125e-4, None, "kg m2"),
             parameter("gravity_torque", 0.245158, Some(1e-6), "N m"),
+            parameter("torque_constant", 0.0335, None, "N m/A"),
+            parameter("body_viscous_friction", 2.12e-5, None, "N m s/rad"),
+            parameter("wheel_viscous_friction", 1.75204e-5, None, "N m s/rad"),
+            parameter("body_coulomb_torque", 4.485e-4, None, "N m"),
         ],
         state_weights: [25.0, 0.5, 5e-4],
         current_weight: 1.0,

@@ -1,0 +1,288 @@
+//! Finds the certificate of the closed loop: an invariant ellipsoid and the bounds that follow.
+//!
+//! What the numbers mean, and why they prove what they claim, is said where they are checked (the
+//! checker's `closed_loop`), in exact arithmetic and by other code. Here they only have to be
+//! found, so plain floating point will do; every bound is rounded up by more than the floating
+//! point can be off.
+//!
+//! **Ellipsoid.** For F = Ad − Bd K and a γ between the spectral radius of F and 1, the solution of
+//! Fᵀ P F − γ² P = −(Kᵀ K + ε S) with a diagonal S that makes the states comparable gives a set
+//! which F maps into γ times itself; the weight Kᵀ K shapes it along the strip |K x| ≤ limit. It is
+//! scaled until a command or a state reaches its limit; the angle's is the one at which the largest
+//! current just holds the body against gravity, |B₂| L/A₂₁, because no loop returns from beyond it.
+//! γ and ε are searched for the largest volume that the perturbations cannot leave.
+
+use nalgebra::{DMatrix, DVector, Matrix3, RowVector3, Vector3};
+use num_traits::ToPrimitive;
+use serde::Serialize;
+
+use crate::exact::{Decimal, outward, parse};
+use crate::ir::ControlLaw;
+use crate::spec::ModuleSpec;
+
+/// Rounding up by this share covers what floating point may be off.
+const MARGIN: f64 = 1e-10;
+
+/// Significant digits of a bound.
+const DIGITS: u32 = 12;
+
+#[derive(Serialize)]
+struct Certificate {
+    ellipsoid: [[String; 3]; 3],
+    contraction: String,
+    extents: [String; 3],
+    #[serde(rename = "command_A")]
+    command: String,
+    sensor_steps: [String; 3],
+    perturbation_share: String,
+    terms: u32,
+    #[serde(rename = "rest_A")]
+    rest: String,
+    cases: Vec<Case>,
+}
+
+#[derive(Serialize)]
+struct Case {
+    name: &'static str,
+    #[serde(rename = "perturbation_A")]
+    perturbation: String,
+    states: [String; 3],
+    #[serde(rename = "command_A")]
+    command: String,
+}
+
+/// The loop in floating point.
+struct Loop {
+    f: Matrix3<f64>,
+    input: Vector3<f64>,
+    /// K.
+    gains: RowVector3<f64>,
+    /// N, the emitted gains, about −K.
+    emitted: RowVector3<f64>,
+    /// N + K.
+    gain_error: RowVector3<f64>,
+    limit: f64,
+    half_unit: f64,
+    ranges: Vector3<f64>,
+    half_words: Vector3<f64>,
+    half_sensors: Vector3<f64>,
+}
+
+impl Loop {
+    /// Largest perturbation of the command for states that are off by `steps`.
+    fn noise(&self, steps: &Vector3<f64>) -> f64 {
+        (self.emitted.abs() * steps)[0] + self.half_unit
+    }
+}
+
+/// The certificate for `spec`, as JSON; `None` if no ellipsoid was found that the perturbations
+/// cannot leave.
+pub fn certify(spec: &ModuleSpec, law: &ControlLaw) -> Option<serde_json::Value> {
+    let sensor_steps = sensor_steps(spec);
+    let unit = |bits: u32| 2f64.powi(-(bits as i32));
+    let half_words = Vector3::from_fn(|i, _| 0.5 * unit(law.terms[i].input.format.fraction_bits));
+    let gains = RowVector3::from_row_slice(&spec.gains);
+    let input = Vector3::from_column_slice(&spec.bd);
+    let ad = Matrix3::from_fn(|i, j| spec.ad[i][j]);
+    let problem = Loop {
+        f: ad - input * gains,
+        input,
+        gains,
+        emitted: RowVector3::from_fn(|_, i| {
+            let gain = &law.terms[i].gain;
+            f64::from(gain.raw) * unit(gain.fraction_bits)
+        }),
+        gain_error: RowVector3::from_fn(|_, i| {
+            law.terms[i].gain.error.to_f64().unwrap_or_default()
+        }),
+        limit: f64::from(law.limit_raw) * unit(law.current.fraction_bits),
+        half_unit: 0.5 * unit(law.current.fraction_bits),
+        ranges: Vector3::new(
+            spec.ranges.angle_rad.min(holdable_angle(spec)),
+            spec.ranges.rate_rad_s,
+            spec.ranges.wheel_speed_rad_s,
+        ),
+        half_words,
+        half_sensors: half_words + 0.5 * Vector3::from_column_slice(&sensor_steps),
+    };
+    let (p, gamma) = largest_ellipsoid(&problem)?;
+    Some(stated(&problem, &p, gamma, sensor_steps))
+}
+
+/// The angle at which the largest current just holds the linear body; infinite where the body does
+/// not fall.
+fn holdable_angle(spec: &ModuleSpec) -> f64 {
+    let (fall, push) = (spec.a[1][0], spec.b[1]);
+    if fall > 0.0 {
+        push.abs() * spec.current_limit_a / fall
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// One count: of the accelerometer as an angle against gravity, of the gyroscope about the pivot
+/// axis, of the converter.
+fn sensor_steps(spec: &ModuleSpec) -> [f64; 3] {
+    let attitude = &spec.hardware.attitude;
+    let rows = |matrix: &nalgebra::Matrix3<f64>, row: usize| {
+        matrix.row(row).iter().map(|entry| entry.abs()).sum::<f64>()
+    };
+    let accel = rows(&attitude.accel.matrix, 0).max(rows(&attitude.accel.matrix, 1));
+    [
+        accel / attitude.gravity_m_s2,
+        rows(&attitude.gyro.matrix, 2),
+        spec.hardware.wheel_speed_per_count.abs(),
+    ]
+}
+
+/// Searches γ and ε; P and γ of the ellipsoid with the largest volume.
+fn largest_ellipsoid(problem: &Loop) -> Option<(Matrix3<f64>, f64)> {
+    let radius = problem
+        .f
+        .complex_eigenvalues()
+        .iter()
+        .map(|value| value.norm())
+        .fold(0.0, f64::max);
+    let mut best: Option<(Matrix3<f64>, f64, f64)> = None;
+    // The nearer γ is to 1, the more terms a bound needs: half way is the limit.
+    for step in 1..=20 {
+        let gamma = radius + (1.0 - radius) * f64::from(step) / 40.0;
+        for exponent in -16..=4 {
+            let epsilon = 10f64.powf(f64::from(exponent) / 4.0);
+            let Some(p) = ellipsoid(problem, gamma, epsilon) else {
+                continue;
+            };
+            let volume = 1.0 / p.determinant().sqrt();
+            if volume.is_finite() && best.as_ref().is_none_or(|(_, _, other)| volume > *other) {
+                best = Some((p, gamma, volume));
+            }
+        }
+    }
+    best.map(|(p, gamma, _)| (p, gamma))
+}
+
+/// The scaled solution of the Lyapunov equation, if the perturbations cannot leave it.
+fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
+    // A state's share of the command at the end of its reach; wheel and rate rarely come near
+    // their ranges, so gains make the states comparable.
+    let scale = problem.gains.transpose().map(|gain| gain * gain);
+    let weight =
+        problem.gains.transpose() * problem.gains + Matrix3::from_diagonal(&scale) * epsilon;
+    let p = lyapunov(&(problem.f / gamma), &(weight / (gamma * gamma)))?;
+    let reach = |row: &RowVector3<f64>| dual_norm(&p, row);
+    let noise = problem.noise(&problem.half_sensors);
+    // How much larger the set xᵀ P x ≤ 1 may be made.
+    let mut growth = (problem.limit - noise) / reach(&problem.gains).max(reach(&problem.emitted));
+    for i in 0..3 {
+        let mut row = RowVector3::zeros();
+        row[i] = 1.0;
+        growth = growth.min((problem.ranges[i] - problem.half_sensors[i]) / reach(&row));
+    }
+    let growth = growth * (1.0 - 1e-6);
+    let p = p / (growth * growth);
+    let input_norm = (problem.input.transpose() * p * problem.input)[0].sqrt();
+    let is_invariant = input_norm * noise <= (1.0 - gamma) * (1.0 - 1e-6);
+    (growth > 0.0 && is_invariant).then_some(p)
+}
+
+/// P with Mᵀ P M − P = −Q.
+fn lyapunov(m: &Matrix3<f64>, q: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    // Column-major: vec(Mᵀ P M) = (Mᵀ ⊗ Mᵀ) vec P.
+    let transposed = m.transpose();
+    let system = DMatrix::identity(9, 9) - transposed.kronecker(&transposed);
+    let right = DVector::from_column_slice(q.as_slice());
+    let solution = system.lu().solve(&right)?;
+    let p = Matrix3::from_column_slice(solution.as_slice());
+    let p = (p + p.transpose()) * 0.5;
+    p.cholesky().map(|_| p)
+}
+
+fn stated(
+    problem: &Loop,
+    p: &Matrix3<f64>,
+    gamma: f64,
+    sensor_steps: [f64; 3],
+) -> serde_json::Value {
+    // The printed matrix is the one that counts from here on; its decimals are these doubles.
+    let reach = |row: &RowVector3<f64>| dual_norm(p, row);
+    let unit = |i: usize| {
+        let mut row = RowVector3::zeros();
+        row[i] = 1.0;
+        row
+    };
+    let rows = [unit(0), unit(1), unit(2), problem.gains];
+    let input_norm = (problem.input.transpose() * p * problem.input)[0].sqrt();
+    // Enough terms that the rest is below the rounding of the bounds.
+    let terms = (1e-14_f64.ln() / gamma.ln()).ceil().max(1.0) as u32;
+    let power = gamma.powf(f64::from(terms));
+    let geometric = input_norm * power / (1.0 - gamma);
+    let case = |name, steps: &Vector3<f64>| {
+        let noise = problem.noise(steps);
+        let worst = rows.map(|row| worst_difference(problem, p, &row, noise, terms, gamma));
+        Case {
+            name,
+            perturbation: up(noise),
+            states: [0, 1, 2].map(|i| up(worst[i])),
+            command: up(worst[3]),
+        }
+    };
+    let number = |value: f64| Decimal::new(value).text;
+    let certificate = Certificate {
+        ellipsoid: [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(p[(i, j)]))),
+        contraction: number(gamma),
+        extents: [0, 1, 2].map(|i| up(reach(&rows[i]))),
+        command: up(reach(&rows[3])),
+        sensor_steps: sensor_steps.map(number),
+        perturbation_share: up(input_norm * problem.noise(&problem.half_sensors) / (1.0 - gamma)),
+        terms,
+        rest: up(reach(&rows[3]) * geometric),
+        cases: vec![
+            case("words", &problem.half_words),
+            case("sensors", &problem.half_sensors),
+        ],
+    };
+    serde_json::to_value(certificate).expect("strings and integers serialise")
+}
+
+/// √(r P⁻¹ rᵀ), by Cholesky's factors, which keep their precision when P is thin.
+fn dual_norm(p: &Matrix3<f64>, row: &RowVector3<f64>) -> f64 {
+    p.cholesky()
+        .and_then(|factors| factors.l().solve_lower_triangular(&row.transpose()))
+        .map_or(f64::INFINITY, |solved| solved.norm())
+}
+
+/// The largest |C e| at any time: max over k of V Σ_{j<k} |C F̂ʲ Bd| + ‖C F̂ᵏ − C Fᵏ‖*.
+fn worst_difference(
+    problem: &Loop,
+    p: &Matrix3<f64>,
+    row: &RowVector3<f64>,
+    noise: f64,
+    terms: u32,
+    gamma: f64,
+) -> f64 {
+    let power = gamma.powf(f64::from(terms));
+    let shift = problem.input * problem.gain_error;
+    let quantised = problem.f + shift;
+    let (mut exact, mut with_quantised) = (*row, *row);
+    let mut difference = RowVector3::zeros();
+    let mut sum = 0.0;
+    let mut worst = 0.0_f64;
+    for _ in 0..terms {
+        sum += (with_quantised * problem.input)[0].abs();
+        // C F̂ᵏ⁺¹ − C Fᵏ⁺¹ without cancellation.
+        difference = difference * quantised + exact * shift;
+        exact *= problem.f;
+        with_quantised *= quantised;
+        worst = worst.max(noise * sum + dual_norm(p, &difference));
+    }
+    let reach = dual_norm(p, row);
+    let input_norm = (problem.input.transpose() * p * problem.input)[0].sqrt();
+    let rest = reach * input_norm * power / (1.0 - gamma);
+    worst.max(noise * (sum + rest) + 2.0 * reach * power)
+}
+
+/// A bound as text, rounded up.
+fn up(value: f64) -> String {
+    let text = Decimal::new(value * (1.0 + MARGIN)).text;
+    parse(&text).map_or(text, |exact| outward(&exact, DIGITS))
+}
