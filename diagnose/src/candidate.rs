@@ -14,6 +14,9 @@ pub struct Candidate {
     pub minimum: Minimum,
     /// For every record and channel, model against measurement.
     pub traces: Vec<Vec<Trace>>,
+    /// The same model fitted in windows of a few periods, each with a start of its own, where the
+    /// free run drifts away from the logs: what the model lacks cannot add up there.
+    pub windowed: Option<Minimum>,
     /// Number of free parameters that do not lie on a bound.
     pub parameters: usize,
 }
@@ -26,12 +29,14 @@ impl Candidate {
         added: Vec<EffectId>,
         model: Model,
         minimum: Minimum,
+        windowed: Option<Minimum>,
     ) -> Candidate {
         let traces = records
             .iter()
             .zip(&minimum.windows)
             .map(|(record, windows)| traces(record, windows, &model, &minimum.values))
             .collect();
+
         let parameters = setup
             .free(&model)
             .len()
@@ -41,6 +46,7 @@ impl Candidate {
             model,
             minimum,
             traces,
+            windowed,
             parameters,
         }
     }

@@ -7,28 +7,43 @@
 //! no model explains). Each free parameter costs (1/2) ln n (Schwarz, Ann. Stat. 6 (1978)), with
 //! the same effective n.
 
-use identify::{Record, effective_samples};
+use identify::{Record, effective_samples, period_s};
+use plant::Kind;
 
 use crate::candidate::Candidate;
 
-/// Difference of the logarithm of the evidence beyond which one model is preferred: odds of 150 to
-/// one, "very strong" in the scale of Kass & Raftery (JASA 90 (1995)).
-pub const DECISIVE: f64 = 5.0;
-/// Difference below which two models tie: odds of less than 20 to one.
+/// Difference of the logarithm of the evidence beyond which one model is preferred to another:
+/// odds of 20 to one, "strong" in the scale of Kass & Raftery (JASA 90 (1995)). Below it they tie.
 pub const TIE: f64 = 3.0;
 
-/// The effective sample size of every series, in the order of [`Candidate::rmse`].
+/// A misfit of an oscillation is a slow error of its amplitude and phase: two numbers. What causes
+/// it on a real bench (play, dust, a zero that creeps) is taken to renew itself every three
+/// periods, so that a log is worth at least one value for each one and a half of them.
+const PERIODS_PER_VALUE: f64 = 1.5;
+
+/// The effective sample size of every series, in the order of [`Candidate::rmse`]: from the
+/// autocorrelation of what the best model leaves, but not below [`PERIODS_PER_VALUE`].
 pub fn effective(records: &[&Record], best: &Candidate) -> Vec<f64> {
+    let period_s = period_s(&best.minimum.values);
     records
         .iter()
         .zip(&best.traces)
         .flat_map(|(record, traces)| {
-            record.channels.iter().zip(traces).map(|(channel, trace)| {
-                effective_samples(
-                    &residual(&channel.samples, &trace.predicted),
-                    &record.weight,
-                )
-            })
+            let least = match (record.kind, record.time_s.first(), record.time_s.last()) {
+                (Kind::FreeSwing | Kind::Driven, Some(first), Some(last)) => {
+                    (last - first) / (PERIODS_PER_VALUE * period_s)
+                }
+                _ => 1.0,
+            };
+            let least = least.min(record.len() as f64);
+            record
+                .channels
+                .iter()
+                .zip(traces)
+                .map(move |(channel, trace)| {
+                    let left = residual(&channel.samples, &trace.predicted);
+                    effective_samples(&left, &record.weight).max(least)
+                })
         })
         .collect()
 }

@@ -6,15 +6,25 @@
 //! | `suspects` | the score test of every effect, and the refit of those that promise something |
 //! | `evidence` | how strongly the measurements speak for one model against another |
 //! | `search` | the search for the set of effects that explains the measurements |
+//! | `validation` | how well a model predicts an experiment that its fit has not seen |
+//! | `next_experiment` | the experiment that would separate explanations which tie |
+//! | `diagnosis` | the verdict, and what it rests on |
 
 mod candidate;
+mod diagnosis;
 mod evidence;
+mod next_experiment;
 mod search;
 mod suspects;
+mod validation;
 
 pub use candidate::Candidate;
-pub use evidence::{DECISIVE, TIE, effective, log_evidence, residual};
+pub use diagnosis::{Diagnosis, Step, Suspect, Verdict, diagnose};
+pub use evidence::{TIE, effective, log_evidence, residual};
+pub use next_experiment::propose;
 pub use search::{
-    REMAINS, Search, largest_remainder, largest_trace, names, noise, remainders, search,
+    LEAST_TRACE, REMAINS, Search, largest_remainder, largest_trace, names, noise, remainders,
+    search,
 };
-pub use suspects::{applicable, try_all, without};
+pub use suspects::{Bench, applicable, try_all, without};
+pub use validation::held_out_fit_percent;

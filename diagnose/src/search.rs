@@ -1,24 +1,30 @@
 //! The search for the set of effects that explains the measurements.
 
-use identify::{Record, Setup, structure, without_rounding};
+use identify::{Effort, Record, Setup, fit_windowed, period_s, structure, without_rounding};
 use plant::EffectId;
 
 use crate::candidate::Candidate;
-use crate::evidence::{DECISIVE, TIE, effective, log_evidence, residual};
-use crate::suspects::{MOST_FITS, try_all, without};
+use crate::evidence::{TIE, effective, log_evidence, residual};
+use crate::suspects::{Bench, MOST_FITS, try_all, without};
 
 /// Most effects that are added in one diagnosis.
 const MOST_EFFECTS: usize = 4;
 /// How many sets are extended further in each round: the best first step need not belong to the
 /// best pair.
-const BEAM: usize = 3;
+const BEAM: usize = 2;
 /// An effect must lower the error of some series by at least this share of the series' noise (root
 /// of the difference of the mean squares). What is smaller may be significant in ten thousand
 /// samples, and yet be the imperfection of an integration rule or of a clock.
-const LEAST_TRACE: f64 = 0.2;
+pub const LEAST_TRACE: f64 = 0.2;
 /// Structure of this size in units of a channel's noise counts as "something remains". The noise
 /// itself is the scale below which nobody looking at the figure would see a misfit.
 pub const REMAINS: f64 = 1.0;
+
+/// Structured remainder, in units of noise, up to which a free run is close enough to the
+/// measurement for its sensitivities to mean something.
+const NEAR: f64 = 5.0;
+/// Periods in the short windows in which effects are scored where the free run has drifted away.
+const WINDOW_PERIODS: f64 = 3.0;
 
 /// Everything that was tried, with the evidence for it.
 #[derive(Clone, Debug)]
@@ -95,13 +101,14 @@ pub fn noise(records: &[&Record]) -> Vec<f64> {
         .collect()
 }
 
-fn evidences(records: &[&Record], pool: &[Candidate]) -> Vec<f64> {
+/// The evidence for every candidate, with the effective sample sizes that the best of them leaves.
+fn evidences(bench: &Bench, pool: &[Candidate]) -> Vec<f64> {
     let best = pool
         .iter()
         .min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost));
     let Some(best) = best else { return vec![] };
-    let effective = effective(records, best);
-    let noise = noise(records);
+    let effective = effective(&bench.records, best);
+    let noise = noise(&bench.records);
     pool.iter()
         .map(|candidate| log_evidence(candidate, &effective, &noise))
         .collect()
@@ -134,7 +141,7 @@ fn simplest(records: &[&Record], pool: &[Candidate], evidence: &[f64], top: usiz
     (0..pool.len())
         .filter(|&index| {
             pool[top].strictly_contains(&pool[index])
-                && (evidence[top] - evidence[index] < DECISIVE
+                && (evidence[top] - evidence[index] < TIE
                     || largest_trace(records, &pool[index], &pool[top]) < LEAST_TRACE)
         })
         .min_by_key(|&index| pool[index].parameters)
@@ -148,8 +155,36 @@ fn argmax(values: &[f64], among: impl Iterator<Item = usize>) -> Option<usize> {
 /// Searches from `start` (the fitted model as it is) for the effects that are missing.
 /// `progress` is told what is going on, in words.
 pub fn search(setup: &Setup, start: Candidate, progress: &dyn Fn(&str)) -> Search {
-    let records = setup.all_records();
+    let mut start = start;
+    let mut bench = Bench {
+        setup,
+        records: setup.all_records(),
+        window_s: None,
+    };
+    if largest_remainder(&bench.records, &start) > NEAR {
+        let window_s = WINDOW_PERIODS * period_s(&start.minimum.values);
+        bench.window_s = Some(window_s);
+        let windowed = fit_windowed(
+            &bench.records,
+            &start.model,
+            start.minimum.values.clone(),
+            &setup.free(&start.model),
+            window_s,
+            Effort::FULL,
+        );
+        start = Candidate::new(
+            setup,
+            &bench.records,
+            start.added,
+            start.model,
+            start.minimum,
+            Some(windowed),
+        );
+    }
+    let bench = bench;
+    let records = &bench.records;
     let mut pool = vec![start];
+    let mut extended = vec![];
     let mut beam = vec![0usize];
     let mut best = 0usize;
     for depth in 1..=MOST_EFFECTS {
@@ -158,22 +193,23 @@ pub fn search(setup: &Setup, start: Candidate, progress: &dyn Fn(&str)) -> Searc
             let names = names(&pool[index].added);
             progress(&format!("trying every effect on top of {names}"));
             let most = if depth == 1 { MOST_FITS } else { MOST_FITS / 2 };
-            found.extend(try_all(setup, &records, &pool[index], most));
+            extended.push(pool[index].set());
+            found.extend(try_all(&bench, &pool[index], most));
         }
         if found.is_empty() {
             break;
         }
         let newest = merge(&mut pool, found);
-        let evidence = evidences(&records, &pool);
+        let evidence = evidences(&bench, &pool);
         let Some(top) = argmax(&evidence, newest.iter().copied().chain([best])) else {
             break;
         };
-        let next = simplest(&records, &pool, &evidence, top);
-        if next == best || evidence[next] - evidence[best] < DECISIVE {
+        let next = simplest(records, &pool, &evidence, top);
+        if next == best || evidence[next] - evidence[best] < TIE {
             break;
         }
         best = next;
-        if largest_remainder(&records, &pool[best]) == 0.0 {
+        if largest_remainder(records, &pool[best]) < LEAST_TRACE {
             break;
         }
         let mut order = newest;
@@ -182,9 +218,9 @@ pub fn search(setup: &Setup, start: Candidate, progress: &dyn Fn(&str)) -> Searc
         beam = order;
     }
 
-    prune_and_swap(setup, &records, &mut pool, &mut best, progress);
-    let evidence = evidences(&records, &pool);
-    let ties = ties(&records, &pool, &evidence, best);
+    prune_and_swap(&bench, &mut pool, &mut best, &mut extended, progress);
+    let evidence = evidences(&bench, &pool);
+    let ties = ties(&pool, &evidence, best);
     Search {
         pool,
         evidence,
@@ -195,10 +231,10 @@ pub fn search(setup: &Setup, start: Candidate, progress: &dyn Fn(&str)) -> Searc
 
 /// Drops effects that later ones made needless, and tries others in the place of each.
 fn prune_and_swap(
-    setup: &Setup,
-    records: &[&Record],
+    bench: &Bench,
     pool: &mut Vec<Candidate>,
     best: &mut usize,
+    extended: &mut Vec<Vec<EffectId>>,
     progress: &dyn Fn(&str),
 ) {
     for _ in 0..MOST_EFFECTS {
@@ -210,19 +246,28 @@ fn prune_and_swap(
         let smaller: Vec<Candidate> = chosen
             .added
             .iter()
-            .map(|&effect| without(setup, records, &chosen, effect))
+            .filter(|&&effect| {
+                let mut rest = chosen.set();
+                rest.retain(|&other| other != effect);
+                !pool.iter().any(|candidate| candidate.set() == rest)
+            })
+            .map(|&effect| without(bench, &chosen, effect))
             .collect();
         let mut found = vec![];
         for candidate in &smaller {
-            found.extend(try_all(setup, records, candidate, MOST_FITS / 2));
+            if extended.contains(&candidate.set()) {
+                continue;
+            }
+            extended.push(candidate.set());
+            found.extend(try_all(bench, candidate, MOST_FITS / 2));
         }
         merge(pool, smaller);
         merge(pool, found);
-        let evidence = evidences(records, pool);
+        let evidence = evidences(bench, pool);
         let Some(top) = argmax(&evidence, 0..pool.len()) else {
             break;
         };
-        let next = simplest(records, pool, &evidence, top);
+        let next = simplest(&bench.records, pool, &evidence, top);
         if pool[next].set() == chosen.set() {
             break;
         }
@@ -231,7 +276,7 @@ fn prune_and_swap(
 }
 
 /// Candidates that the measurements cannot tell from the chosen one.
-fn ties(records: &[&Record], pool: &[Candidate], evidence: &[f64], best: usize) -> Vec<usize> {
+fn ties(pool: &[Candidate], evidence: &[f64], best: usize) -> Vec<usize> {
     if pool[best].added.is_empty() {
         return vec![];
     }
@@ -247,11 +292,8 @@ fn ties(records: &[&Record], pool: &[Candidate], evidence: &[f64], best: usize) 
     // Of two tying sets of which one contains the other, the smaller one speaks for both.
     let all = ties.clone();
     ties.retain(|&index| {
-        !all.iter().any(|&other| {
-            other != index
-                && pool[index].strictly_contains(&pool[other])
-                && largest_trace(records, &pool[other], &pool[index]) < LEAST_TRACE
-        })
+        !all.iter()
+            .any(|&other| pool[index].strictly_contains(&pool[other]))
     });
     ties.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
     if ties.len() < 2 { vec![] } else { ties }

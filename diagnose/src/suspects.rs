@@ -2,13 +2,12 @@
 
 use identify::{
     Effort, Minimum, Output, Record, RecordedCurrent, Setup, Unknowns, carry_over,
-    fit_from_scratch, fit_windowed, joined, promise, refit, scaled_start,
+    fit_from_scratch, joined, promise, refit, scaled_start,
 };
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
 
 use crate::candidate::Candidate;
-use crate::search::largest_remainder;
 
 /// A start from which an effect may be fitted.
 #[derive(Clone, Debug)]
@@ -20,33 +19,21 @@ struct Start {
     promised_cost: f64,
 }
 
-/// Periods in the windows of a score test when the free run has lost its phase.
-const SCORE_PERIODS: f64 = 3.0;
-/// Structured remainder, in units of noise, up to which the free run is close enough to the
-/// measurement for its sensitivities to mean something.
-const NEAR: f64 = 5.0;
-
-/// The minimum at which the score test of a candidate is made. A free run that has drifted away
-/// from the log says little about small changes; windows of a few periods, each with a start of its
-/// own, cannot drift.
-fn score_point(setup: &Setup, records: &[&Record], from: &Candidate) -> Minimum {
-    if largest_remainder(records, from) <= NEAR {
-        return from.minimum.clone();
-    }
-    fit_windowed(
-        records,
-        &from.model,
-        from.minimum.values.clone(),
-        &setup.free(&from.model),
-        SCORE_PERIODS,
-        Effort::ROUGH,
-    )
+/// What a search works on.
+#[derive(Clone, Debug)]
+pub struct Bench<'a> {
+    /// The bench with what is known of it.
+    pub setup: &'a Setup,
+    /// Its records.
+    pub records: Vec<&'a Record>,
+    /// Length of the short windows in s, where the model as it was drifts away from the logs.
+    pub window_s: Option<f64>,
 }
 
 /// Most suspects that are fitted in one round; the score test has sorted out the others.
 pub const MOST_FITS: usize = 8;
 /// A suspect that promises less than this share of the best one's gain is not fitted.
-const LEAST_SHARE: f64 = 0.02;
+const LEAST_SHARE: f64 = 0.1;
 /// Least gain of a suspect in χ²: the 1e-5 point for two parameters, so that even twenty suspects on
 /// white noise pass it once in five thousand benches.
 pub const LEAST_GAIN: f64 = 23.0;
@@ -78,13 +65,8 @@ pub fn applicable(setup: &Setup, effect: EffectId) -> bool {
 }
 
 /// The starts of an effect on top of a fitted model.
-fn starts(
-    setup: &Setup,
-    records: &[&Record],
-    from: &Candidate,
-    point: &Minimum,
-    effect: EffectId,
-) -> Vec<Start> {
+fn starts(bench: &Bench, from: &Candidate, point: &Minimum, effect: EffectId) -> Vec<Start> {
+    let (setup, records) = (bench.setup, &bench.records);
     let model = from.model.with(effect);
     let Some(at) = model.position(effect) else {
         return vec![];
@@ -198,12 +180,12 @@ fn cogging_starts(records: &[&Record], from: &Candidate) -> Vec<Vec<f64>> {
 /// Fits an effect on top of `from`, from the two starts that promise most: first in the windows of
 /// the score test, then over the whole logs.
 fn fit_best(
-    setup: &Setup,
-    records: &[&Record],
+    bench: &Bench,
     from: &Candidate,
     point: &Minimum,
     mut starts: Vec<Start>,
 ) -> Option<Candidate> {
+    let (setup, records) = (bench.setup, &bench.records);
     starts.sort_by(|a, b| a.promised_cost.total_cmp(&b.promised_cost));
     let mut best: Option<(Minimum, Start)> = None;
     for start in starts.into_iter().take(2) {
@@ -213,7 +195,11 @@ fn fit_best(
             start.values.clone(),
             point.windows.clone(),
             &setup.free(&start.model),
-            Effort::ROUGH,
+            if bench.window_s.is_some() {
+                Effort::FULL
+            } else {
+                Effort::ROUGH
+            },
         );
         if best
             .as_ref()
@@ -238,7 +224,7 @@ fn fit_best(
         Effort::FULL,
     );
     if minimum.cost > from.minimum.cost {
-        let again = fit_from_scratch(records, &start.model, rough.values, &free);
+        let again = fit_from_scratch(records, &start.model, rough.values.clone(), &free);
         if again.cost < minimum.cost {
             minimum = again;
         }
@@ -269,27 +255,32 @@ fn fit_best(
     let mut added = from.added.clone();
     added.retain(|effect| start.model.has(*effect));
     added.push(start.effect);
-    Some(Candidate::new(setup, records, added, start.model, minimum))
+    Some(Candidate::new(
+        setup,
+        records,
+        added,
+        start.model,
+        minimum,
+        bench.window_s.map(|_| rough),
+    ))
 }
 
 /// Tries every applicable effect on top of `from`: a score test for all, a full refit for those
 /// that promise something.
-pub fn try_all(
-    setup: &Setup,
-    records: &[&Record],
-    from: &Candidate,
-    most: usize,
-) -> Vec<Candidate> {
+pub fn try_all(bench: &Bench, from: &Candidate, most: usize) -> Vec<Candidate> {
     let suspects: Vec<EffectId> = EffectId::ALL
         .iter()
         .copied()
-        .filter(|&effect| from.model.with(effect) != from.model && applicable(setup, effect))
+        .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))
         .collect();
-    let point = score_point(setup, records, from);
+    let point = match &from.windowed {
+        Some(windowed) => windowed,
+        None => &from.minimum,
+    };
     let mut screened: Vec<(f64, Vec<Start>)> = suspects
         .par_iter()
         .map(|&effect| {
-            let starts = starts(setup, records, from, &point, effect);
+            let starts = starts(bench, from, point, effect);
             let best = starts
                 .iter()
                 .map(|start| start.promised_cost)
@@ -318,33 +309,24 @@ pub fn try_all(
     screened.truncate(most.min(MOST_FITS));
     screened
         .into_par_iter()
-        .filter_map(|(_, starts)| fit_best(setup, records, from, &point, starts))
+        .filter_map(|(_, starts)| fit_best(bench, from, point, starts))
         .collect()
 }
 
 /// Refits a candidate without one of its effects.
-pub fn without(
-    setup: &Setup,
-    records: &[&Record],
-    from: &Candidate,
-    effect: EffectId,
-) -> Candidate {
+pub fn without(bench: &Bench, from: &Candidate, effect: EffectId) -> Candidate {
+    let (setup, records) = (bench.setup, &bench.records);
     let model = from.model.without(effect);
-    let values = carry_over(
-        &from.model,
-        &from.minimum.values,
-        &model,
-        &vec![0.0; model.parameter_count()],
-    );
-    let minimum = refit(
-        records,
-        &model,
-        values,
-        from.minimum.windows.clone(),
-        &setup.free(&model),
-        Effort::FULL,
-    );
+    let free = setup.free(&model);
+    let again = |minimum: &Minimum| -> Minimum {
+        let start = vec![0.0; model.parameter_count()];
+        let values = carry_over(&from.model, &minimum.values, &model, &start);
+        let windows = minimum.windows.clone();
+        refit(records, &model, values, windows, &free, Effort::FULL)
+    };
+    let minimum = again(&from.minimum);
+    let windowed = from.windowed.as_ref().map(again);
     let mut added = from.added.clone();
     added.retain(|&present| present != effect);
-    Candidate::new(setup, records, added, model, minimum)
+    Candidate::new(setup, records, added, model, minimum, windowed)
 }

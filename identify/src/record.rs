@@ -169,6 +169,32 @@ impl Record {
         )
     }
 
+    /// Part of the record, as if it had been recorded on its own (the noise is that of the whole).
+    pub fn slice(&self, samples: std::ops::Range<usize>) -> Record {
+        let outputs = Output::ALL.map(|output| {
+            self.channel(output)
+                .map(|channel| channel.samples[samples.clone()].to_vec())
+        });
+        let current_a =
+            (!self.current_a.is_empty()).then(|| self.current_a[samples.clone()].to_vec());
+        let mut part = Record::new(
+            &self.name,
+            self.kind,
+            self.time_s[samples.clone()].to_vec(),
+            outputs,
+            current_a,
+            self.current_is_measured,
+        );
+        for channel in &mut part.channels {
+            if let Some(whole) = self.channel(channel.output) {
+                channel.noise_std = whole.noise_std;
+                channel.quantum = whole.quantum;
+            }
+        }
+        part.weight = self.weight[samples].to_vec();
+        part
+    }
+
     /// The channel that measures `output`, if there is one.
     pub fn channel(&self, output: Output) -> Option<&Channel> {
         self.channels

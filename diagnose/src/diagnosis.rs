@@ -1,0 +1,331 @@
+//! The verdict, and what it rests on.
+
+use identify::{Fit, Minimum, Setup, finish};
+use plant::{EffectId, Model};
+use rayon::prelude::*;
+
+use crate::candidate::Candidate;
+use crate::evidence::TIE;
+use crate::next_experiment::propose;
+use crate::search::{
+    LEAST_TRACE, REMAINS, Search, largest_remainder, largest_trace, noise, search,
+};
+use crate::suspects::Bench;
+use crate::validation::held_out_fit_percent;
+
+/// What the diagnosis says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The model explains the measurements down to the noise of the sensors.
+    NothingMissing,
+    /// With the added effects it does.
+    Explained,
+    /// Several sets of effects explain the measurements equally well.
+    Ambiguous,
+    /// Something remains that no effect of the library accounts for.
+    Unexplained,
+}
+
+impl Verdict {
+    /// The name in the contract.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::NothingMissing => "nothing-missing",
+            Verdict::Explained => "explained",
+            Verdict::Ambiguous => "ambiguous",
+            Verdict::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// The model as it was, or after one effect more.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// The effect that was added; `None` for the model as it was.
+    pub effect: Option<EffectId>,
+    /// The fit with standard errors.
+    pub fit: Fit,
+    /// The candidate that it came from.
+    pub candidate: Candidate,
+    /// Mean fit percent on experiments that the fit has not seen; NaN if there is none.
+    pub validation_fit_percent: f64,
+}
+
+/// An effect that could be missing.
+#[derive(Clone, Debug)]
+pub struct Suspect {
+    /// The effect.
+    pub effect: EffectId,
+    /// Probability that the model lacks it.
+    pub probability: f64,
+    /// The best model that has it.
+    pub fit: Fit,
+    /// Root mean square errors of all series with it, record by record.
+    pub rmse: Vec<f64>,
+    /// Mean fit percent on experiments that the fit has not seen; NaN if there is none.
+    pub validation_fit_percent: f64,
+    /// One sentence: what to look for, and what the fit gains by it.
+    pub fingerprint: String,
+}
+
+/// The result of a diagnosis.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The model as it was, then each effect added.
+    pub steps: Vec<Step>,
+    /// The effects that could be missing, most probable first.
+    pub suspects: Vec<Suspect>,
+    /// The sets of effects that tie; empty where none do.
+    pub ambiguous_between: Vec<Vec<EffectId>>,
+    /// The experiment that would settle what is open, in one sentence; empty where nothing is.
+    pub next_experiment: String,
+    /// The structured remainder of the last step in units of the noise of its worst series.
+    pub remainder: f64,
+}
+
+impl Diagnosis {
+    /// The last step: the model with everything that could be added.
+    pub fn last(&self) -> Option<&Step> {
+        self.steps.last()
+    }
+}
+
+/// Diagnoses a fitted model. `progress` is told in words what is going on.
+pub fn diagnose(
+    setup: &Setup,
+    model: &Model,
+    minimum: Minimum,
+    progress: &dyn Fn(&str),
+) -> Diagnosis {
+    let records = setup.all_records();
+    let start = Candidate::new(setup, &records, vec![], model.clone(), minimum, None);
+    let found = search(setup, start, progress);
+    progress("predicting experiments that the fit has not seen");
+    let bench = Bench {
+        setup,
+        records,
+        window_s: None,
+    };
+    let chosen = if found.ties.is_empty() {
+        found.best
+    } else {
+        common(&found).unwrap_or(0)
+    };
+    let remainder = largest_remainder(&bench.records, &found.pool[chosen]);
+    let verdict = if found.ties.len() > 1 {
+        Verdict::Ambiguous
+    } else if remainder > REMAINS {
+        Verdict::Unexplained
+    } else if found.pool[chosen].added.is_empty() {
+        Verdict::NothingMissing
+    } else {
+        Verdict::Explained
+    };
+    let steps = path(&found, chosen)
+        .into_par_iter()
+        .map(|(effect, index)| step(&bench, effect, &found.pool[index]))
+        .collect();
+    let suspects = suspects(&bench, &found, remainder);
+    let ambiguous_between: Vec<Vec<EffectId>> = found
+        .ties
+        .iter()
+        .map(|&index| found.pool[index].set())
+        .collect();
+    let next_experiment = match (found.ties.as_slice(), verdict) {
+        ([a, b, ..], _) => propose(setup, &found.pool[*a], &found.pool[*b]),
+        (_, Verdict::Unexplained) => "Repeat the experiment in which the error is largest: what \
+             comes back at the same place is physics that the library lacks, what does not is a \
+             disturbance."
+            .to_owned(),
+        _ => String::new(),
+    };
+    Diagnosis {
+        verdict,
+        steps,
+        suspects,
+        ambiguous_between,
+        next_experiment,
+        remainder,
+    }
+}
+
+fn step(bench: &Bench, effect: Option<EffectId>, candidate: &Candidate) -> Step {
+    let free = bench.setup.free(&candidate.model);
+    Step {
+        effect,
+        fit: finish(
+            &bench.records,
+            &candidate.model,
+            &free,
+            candidate.minimum.clone(),
+        ),
+        validation_fit_percent: held_out_fit_percent(bench, &candidate.model, &candidate.minimum),
+        candidate: candidate.clone(),
+    }
+}
+
+/// The largest candidate that every tying one contains: what they agree on.
+fn common(found: &Search) -> Option<usize> {
+    (0..found.pool.len())
+        .filter(|&index| {
+            found
+                .ties
+                .iter()
+                .all(|&tie| index == tie || found.pool[tie].strictly_contains(&found.pool[index]))
+        })
+        .max_by_key(|&index| found.pool[index].added.len())
+}
+
+/// The way from the model as it was to the chosen candidate, one effect a step, each time over the
+/// candidate with the highest evidence.
+fn path(found: &Search, chosen: usize) -> Vec<(Option<EffectId>, usize)> {
+    let mut path = vec![(None, 0)];
+    let mut current = 0;
+    while current != chosen {
+        let next = (0..found.pool.len())
+            .filter(|&index| {
+                index != current
+                    && (index == chosen || found.pool[chosen].strictly_contains(&found.pool[index]))
+                    && found.pool[index].strictly_contains(&found.pool[current])
+                    && new_effects(found, current, index).len() == 1
+            })
+            .max_by(|&a, &b| found.evidence[a].total_cmp(&found.evidence[b]));
+        let next = next.unwrap_or(chosen);
+        for effect in new_effects(found, current, next) {
+            path.push((Some(effect), next));
+        }
+        if next == current {
+            break;
+        }
+        current = next;
+    }
+    path
+}
+
+fn new_effects(found: &Search, from: usize, to: usize) -> Vec<EffectId> {
+    found.pool[to]
+        .added
+        .iter()
+        .copied()
+        .filter(|effect| !found.pool[from].added.contains(effect))
+        .collect()
+}
+
+/// Most suspects that are reported.
+const MOST_SUSPECTS: usize = 6;
+
+fn suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect> {
+    let base = &found.pool[0];
+    let best = &found.pool[found.best];
+    // Sets that add to the best one what no sensor would show do not vote.
+    let votes: Vec<f64> = found
+        .pool
+        .iter()
+        .zip(&found.evidence)
+        .map(|(candidate, evidence)| {
+            let needless = candidate.strictly_contains(best)
+                && (largest_trace(&bench.records, best, candidate) < LEAST_TRACE
+                    || evidence - found.evidence[found.best] < TIE);
+            if needless {
+                0.0
+            } else {
+                (evidence - found.evidence[found.best]).min(0.0).exp()
+            }
+        })
+        .collect();
+    let total: f64 = votes.iter().sum();
+    // Where something remains, an effect is credited with the share of the misfit that its set
+    // explains: the rest belongs to causes that the library does not know.
+    let observations: f64 = bench
+        .records
+        .iter()
+        .map(|record| record.observations() as f64)
+        .sum();
+    let excess = |candidate: &Candidate| (candidate.minimum.cost - observations).max(0.0);
+    let share = if remainder > REMAINS && excess(base) > 0.0 {
+        1.0 - excess(best) / excess(base)
+    } else {
+        1.0
+    };
+    let mut seen: Vec<EffectId> = found
+        .pool
+        .iter()
+        .flat_map(|candidate| candidate.added.clone())
+        .collect();
+    seen.sort();
+    seen.dedup();
+    let mut ranked: Vec<(EffectId, f64, f64, usize)> = seen
+        .into_iter()
+        .filter_map(|effect| {
+            let with = |index: &usize| found.pool[*index].added.contains(&effect);
+            let probability: f64 = (0..found.pool.len())
+                .filter(|index| with(index))
+                .map(|index| votes[index])
+                .sum::<f64>()
+                / total;
+            let index = (0..found.pool.len())
+                .filter(with)
+                .max_by(|&a, &b| found.evidence[a].total_cmp(&found.evidence[b]))?;
+            // Equal probabilities (all but zero) are ranked by what the effect gains alone.
+            let alone = found
+                .pool
+                .iter()
+                .filter(|candidate| candidate.added == [effect])
+                .map(|candidate| base.minimum.cost - candidate.minimum.cost)
+                .fold(0.0, f64::max);
+            Some((effect, probability * share, alone, index))
+        })
+        .collect();
+    ranked.sort_by(|a, b| {
+        (b.1 > 1e-6)
+            .cmp(&(a.1 > 1e-6))
+            .then(if a.1 > 1e-6 && (a.1 - b.1).abs() > 0.02 {
+                b.1.total_cmp(&a.1)
+            } else {
+                b.2.total_cmp(&a.2)
+            })
+    });
+    ranked.truncate(MOST_SUSPECTS);
+    ranked
+        .into_par_iter()
+        .map(|(effect, probability, _, index)| {
+            let candidate = &found.pool[index];
+            let step = step(bench, Some(effect), candidate);
+            Suspect {
+                effect,
+                probability,
+                fingerprint: fingerprint(bench, effect, base, candidate),
+                rmse: candidate.rmse(),
+                validation_fit_percent: step.validation_fit_percent,
+                fit: step.fit,
+            }
+        })
+        .collect()
+}
+
+/// What a person would look for, and the series in which the effect helps most.
+fn fingerprint(bench: &Bench, effect: EffectId, base: &Candidate, with: &Candidate) -> String {
+    let names = bench
+        .records
+        .iter()
+        .flat_map(|record| record.channels.iter().map(move |channel| (record, channel)));
+    let best = names
+        .zip(base.rmse().into_iter().zip(with.rmse()))
+        .zip(noise(&bench.records))
+        .map(|((name, (before, after)), noise)| (name, before, after, (before - after) / noise))
+        .max_by(|a, b| a.3.total_cmp(&b.3));
+    let text = effect.info().fingerprint;
+    match best {
+        Some(((record, channel), before, after, gain)) if gain > 0.0 => format!(
+            "{text}; with it the error of {}/{} falls from {:.3e} to {:.3e} {}",
+            record.name,
+            channel.output.name(),
+            before,
+            after,
+            channel.output.unit()
+        ),
+        _ => text.to_owned(),
+    }
+}

@@ -1,0 +1,148 @@
+//! How well a model predicts an experiment that its fit has not seen.
+//!
+//! Each experiment is left out in turn. The parameters that the others would give follow from the
+//! fit to all by one Newton step on the normal equations without that experiment's share; the start
+//! of the experiment is then fitted (nobody knows it) and nothing else. An experiment that alone
+//! determines a parameter cannot be predicted by the others and is passed over. A bench of one
+//! experiment, or of experiments that share nothing, is split in time: the first half predicts the
+//! second.
+
+use identify::{
+    Effort, Minimum, Record, Unknowns, final_windows, minimise, promise, pseudo_inverse, traces,
+};
+use plant::Model;
+
+use crate::suspects::Bench;
+
+/// A parameter counts as determined by the other experiments if they hold at least this share of
+/// the information on it.
+const LEAST_INFORMATION: f64 = 1e-2;
+
+/// Mean fit percent over the series of experiments that the parameters have not seen; NaN if there
+/// is no such series.
+pub fn held_out_fit_percent(bench: &Bench, model: &Model, minimum: &Minimum) -> f64 {
+    let percents = by_experiment(bench, model, minimum);
+    let percents = if percents.is_empty() {
+        by_halves(bench, model, minimum)
+    } else {
+        percents
+    };
+    if percents.is_empty() {
+        return f64::NAN;
+    }
+    percents.iter().sum::<f64>() / percents.len() as f64
+}
+
+/// Fit percents of a record's channels with given parameters; only its start is fitted.
+fn predicted(
+    record: &Record,
+    model: &Model,
+    values: &[f64],
+    windows: Vec<identify::Window>,
+) -> Vec<f64> {
+    let unknowns = Unknowns::new(model, &[]);
+    let minimum = minimise(
+        &[record],
+        model,
+        values.to_vec(),
+        vec![windows],
+        &unknowns,
+        Effort::ROUGH,
+    );
+    traces(record, &minimum.windows[0], model, values)
+        .iter()
+        .map(|trace| trace.fit_percent)
+        .filter(|percent| percent.is_finite())
+        .collect()
+}
+
+fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
+    let unknowns = Unknowns::new(model, &bench.setup.free(model));
+    let whole = promise(
+        &bench.records,
+        model,
+        &minimum.values,
+        &minimum.windows,
+        &unknowns,
+    );
+    let count = unknowns.free.len();
+    let information = whole
+        .information
+        .iter()
+        .fold(nalgebra::DMatrix::zeros(count, count), |sum, part| {
+            sum + part
+        });
+    let gradient = whole
+        .gradient
+        .iter()
+        .fold(nalgebra::DVector::zeros(count), |sum, part| sum + part);
+    let mut percents = vec![];
+    for (index, record) in bench.records.iter().enumerate() {
+        let others = &information - &whole.information[index];
+        let own = &whole.information[index];
+        let determined = (0..count).all(|at| {
+            own[(at, at)] <= 0.0
+                || minimum.on_bound[at]
+                || others[(at, at)] > LEAST_INFORMATION * information[(at, at)]
+        });
+        if !determined {
+            continue;
+        }
+        let Some(inverse) = pseudo_inverse(&others, &minimum.on_bound) else {
+            continue;
+        };
+        let step = inverse * (&gradient - &whole.gradient[index]);
+        let mut values = minimum.values.clone();
+        for (at, &position) in unknowns.free.iter().enumerate() {
+            let (low, high) = unknowns.bounds[at];
+            let next = if unknowns.logarithmic[at] {
+                values[position] * step[at].clamp(-1.0, 1.0).exp()
+            } else {
+                values[position] + step[at]
+            };
+            values[position] = next.clamp(low, high);
+        }
+        percents.extend(predicted(
+            record,
+            model,
+            &values,
+            minimum.windows[index].clone(),
+        ));
+    }
+    percents
+}
+
+fn by_halves(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
+    let mut percents = vec![];
+    let halves: Vec<(Record, Record)> = bench
+        .records
+        .iter()
+        .filter(|record| record.len() >= 40)
+        .map(|record| {
+            let middle = record.len() / 2;
+            (record.slice(0..middle), record.slice(middle..record.len()))
+        })
+        .collect();
+    let first: Vec<&Record> = halves.iter().map(|(first, _)| first).collect();
+    if first.is_empty() {
+        return percents;
+    }
+    let windows = first
+        .iter()
+        .map(|record| final_windows(record, &minimum.values))
+        .collect();
+    let unknowns = Unknowns::new(model, &bench.setup.free(model));
+    let fitted = minimise(
+        &first,
+        model,
+        minimum.values.clone(),
+        windows,
+        &unknowns,
+        Effort::ROUGH,
+    );
+    for (_, second) in &halves {
+        let windows = final_windows(second, &fitted.values);
+        percents.extend(predicted(second, model, &fitted.values, windows));
+    }
+    percents
+}
