@@ -178,18 +178,28 @@ fn common(found: &Search) -> Option<usize> {
         .max_by_key(|&index| found.pool[index].added.len())
 }
 
-/// The way from the model as it was to the chosen candidate, one effect a step, each time over the
-/// candidate with the highest evidence.
+/// The way from the model as it was to the chosen candidate, one effect a step: each time over the
+/// candidate with the highest evidence of those that contain no other one on the way (dry friction
+/// comes before the presliding that refines it).
 fn path(found: &Search, chosen: usize) -> Vec<(Option<EffectId>, usize)> {
     let mut path = vec![(None, 0)];
     let mut current = 0;
     while current != chosen {
-        let next = (0..found.pool.len())
+        let on_the_way: Vec<usize> = (0..found.pool.len())
             .filter(|&index| {
                 index != current
                     && (index == chosen || found.pool[chosen].strictly_contains(&found.pool[index]))
                     && found.pool[index].strictly_contains(&found.pool[current])
                     && new_effects(found, current, index).len() == 1
+            })
+            .collect();
+        let next = on_the_way
+            .iter()
+            .copied()
+            .filter(|&index| {
+                !on_the_way
+                    .iter()
+                    .any(|&other| found.pool[index].strictly_contains(&found.pool[other]))
             })
             .max_by(|&a, &b| found.evidence[a].total_cmp(&found.evidence[b]));
         let next = next.unwrap_or(chosen);

@@ -51,9 +51,19 @@ fn predicted(
     );
     traces(record, &minimum.windows[0], model, values)
         .iter()
-        .map(|trace| trace.fit_percent)
-        .filter(|percent| percent.is_finite())
+        .zip(&record.channels)
+        .filter(|(_, channel)| moves(channel))
+        .map(|(trace, _)| trace.fit_percent)
         .collect()
+}
+
+/// Whether a channel varies by more than its noise: a fit percent compares with the variation.
+fn moves(channel: &identify::Channel) -> bool {
+    let finite = channel.samples.iter().filter(|sample| sample.is_finite());
+    let n = finite.clone().count().max(1) as f64;
+    let mean = finite.clone().sum::<f64>() / n;
+    let variance = finite.map(|sample| (sample - mean).powi(2)).sum::<f64>() / n;
+    variance > (3.0 * channel.noise_std).powi(2)
 }
 
 fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
