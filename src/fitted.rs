@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use bench_files::{ModelFile, Parameter};
-use identify::{Fit, Identification, Push, Record, Trace};
+use identify::{FailureMap, Fit, Identification, Push, Quantity, Record, Region, Trace, Window};
 use plant::Model;
 use serde::Serialize;
 
@@ -28,7 +28,12 @@ pub struct Fitted<'a> {
     pub pushes: Vec<Vec<Push>>,
     /// What the logs leave open.
     pub statements: Vec<String>,
+    /// Where the model fails.
+    pub failure: FailureMap,
 }
+
+/// Most figures of broken-down residuals that are drawn.
+const MOST_BREAKDOWNS: usize = 4;
 
 /// The JSON of `identify` and `compare`.
 #[derive(Serialize)]
@@ -42,11 +47,27 @@ pub struct FittedJson {
     fit_percent: Keyed,
     /// Standard deviation of each sensor's noise in SI units.
     sensor_noise: Keyed,
+    #[serde(rename = "where")]
+    places: Vec<PlaceJson>,
     pushes: Vec<PushJson>,
     statements: Vec<String>,
     notes: Vec<NoteJson>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     figures: Vec<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct PlaceJson {
+    experiment: String,
+    channel: &'static str,
+    coordinate: &'static str,
+    from: f64,
+    to: f64,
+    share_of_error: f64,
+    /// "missing torque" or "output": in which residual it was seen.
+    residual: &'static str,
+    /// Whether there is anything beyond noise.
+    significant: bool,
 }
 
 #[derive(Serialize)]
@@ -67,7 +88,15 @@ struct NoteJson {
 impl<'a> Fitted<'a> {
     /// What an identification found.
     pub fn from_identification(folder: &'a BenchFolder, found: Identification) -> Fitted<'a> {
+        let fit = &found.fit;
         Fitted {
+            failure: identify::breakdown(
+                &folder.setup.records,
+                &fit.minimum.windows,
+                &found.traces,
+                &fit.model,
+                &fit.values,
+            ),
             folder,
             model: found.fit.model.clone(),
             parameters: parameters_of(folder, &found.fit),
@@ -77,14 +106,19 @@ impl<'a> Fitted<'a> {
         }
     }
 
-    /// A model as model.toml has it, with what it says about the experiments.
+    /// A model as model.toml has it (`values`: its parameter vector), with what it says about the
+    /// experiments from the starts in `windows`.
     pub fn from_model_file(
         folder: &'a BenchFolder,
         file: &ModelFile,
+        values: &[f64],
+        windows: &[Vec<Window>],
         traces: Vec<Vec<Trace>>,
         pushes: Vec<Vec<Push>>,
     ) -> Fitted<'a> {
+        let records = &folder.setup.records;
         Fitted {
+            failure: identify::breakdown(records, windows, &traces, &file.model(), values),
             folder,
             model: file.model(),
             parameters: file.parameters.clone(),
@@ -145,6 +179,21 @@ impl<'a> Fitted<'a> {
             rmse: self.keyed(|_, trace| trace.rmse),
             fit_percent: self.keyed(|_, trace| trace.fit_percent),
             sensor_noise: self.keyed(|noise, _| noise),
+            places: self
+                .failure
+                .regions
+                .iter()
+                .map(|region| PlaceJson {
+                    experiment: region.experiment.clone(),
+                    channel: region.channel,
+                    coordinate: region.coordinate.name(),
+                    from: region.from,
+                    to: region.to,
+                    share_of_error: region.share_of_error,
+                    residual: residual_name(region.quantity),
+                    significant: region.is_significant,
+                })
+                .collect(),
             pushes: self
                 .records()
                 .iter()
@@ -238,6 +287,30 @@ impl<'a> Fitted<'a> {
         format!("\nModel against measurement\n{}", table.text())
     }
 
+    /// Where the model fails, the plainest place first.
+    pub fn place_table(&self) -> String {
+        let regions = &self.failure.regions;
+        if !regions.iter().any(|region| region.is_significant) {
+            return "\nWhere the model fails\n  nowhere beyond the noise of the sensors\n"
+                .to_owned();
+        }
+        let mut table = Table::new(&[
+            ("experiment/channel", Align::Left),
+            ("seen in", Align::Left),
+            ("where", Align::Left),
+            ("of its error", Align::Right),
+        ]);
+        for region in regions.iter().filter(|region| region.is_significant) {
+            table.row([
+                format!("{}/{}", region.experiment, region.channel),
+                residual_name(region.quantity).to_owned(),
+                place(region),
+                format!("{:.0} %", 100.0 * region.share_of_error),
+            ]);
+        }
+        format!("\nWhere the model fails\n{}", table.text())
+    }
+
     /// Pushes and open questions, where there are any.
     pub fn remarks(&self) -> String {
         let mut text = String::new();
@@ -286,7 +359,98 @@ impl<'a> Fitted<'a> {
             figures::write_svg(&path, &svg)?;
             paths.push(path);
         }
+        for (name, svg) in self.breakdown_figures() {
+            let path = self.folder.out.join(format!("where-{name}.svg"));
+            figures::write_svg(&path, &svg)?;
+            paths.push(path);
+        }
         Ok(paths)
+    }
+
+    /// The residuals in which the model's failure is plainest, each over every coordinate.
+    fn breakdown_figures(&self) -> Vec<(String, String)> {
+        let mut shown: Vec<(&str, &str, Quantity)> = Vec::new();
+        for region in self.failure.regions.iter().filter(|r| r.is_significant) {
+            let residual = (region.experiment.as_str(), region.channel, region.quantity);
+            if !shown.contains(&residual) && shown.len() < MOST_BREAKDOWNS {
+                shown.push(residual);
+            }
+        }
+        shown
+            .into_iter()
+            .map(|(experiment, channel, quantity)| {
+                let parts: Vec<&identify::Breakdown> = self
+                    .failure
+                    .breakdowns
+                    .iter()
+                    .filter(|part| {
+                        part.experiment == experiment
+                            && part.channel == channel
+                            && part.quantity == quantity
+                    })
+                    .collect();
+                let what = residual_name(quantity);
+                let name = file_name(&format!("{experiment} {channel} {what}"));
+                (
+                    name,
+                    self.breakdown_figure(experiment, channel, what, &parts),
+                )
+            })
+            .collect()
+    }
+
+    fn breakdown_figure(
+        &self,
+        experiment: &str,
+        channel: &str,
+        what: &str,
+        parts: &[&identify::Breakdown],
+    ) -> String {
+        let bins: Vec<Vec<figures::ResidualBin>> = parts
+            .iter()
+            .map(|part| {
+                let bins = part.bins.iter().map(|bin| figures::ResidualBin {
+                    from: bin.from,
+                    until: bin.to,
+                    mean: bin.mean,
+                    mean_std: bin.mean_std,
+                    share_of_error: bin.share,
+                });
+                bins.collect()
+            })
+            .collect();
+        let panels: Vec<figures::BreakdownPanel> = parts
+            .iter()
+            .zip(&bins)
+            .map(|(part, bins)| figures::BreakdownPanel {
+                coordinate: figures::Quantity {
+                    name: spoken(part.coordinate.name()),
+                    unit: part.coordinate.unit(),
+                },
+                residual: figures::Quantity {
+                    name: "residual",
+                    unit: match part.quantity {
+                        Quantity::MissingTorque => "N m",
+                        Quantity::Output => identify::Output::ALL
+                            .iter()
+                            .find(|output| output.name() == part.channel)
+                            .map_or("", |output| output.unit()),
+                    },
+                },
+                bins,
+                sensor_std: part.noise_std,
+                note: "",
+            })
+            .collect();
+        figures::breakdown(&figures::Breakdown {
+            title: &format!(
+                "{}: {what} in {experiment} ({})",
+                self.folder.bench.name,
+                spoken(channel)
+            ),
+            subtitle: "What the model leaves unexplained, over each coordinate",
+            panels: &panels,
+        })
     }
 
     fn figure(&self, index: usize) -> Result<String, Failure> {
@@ -333,17 +497,65 @@ impl<'a> Fitted<'a> {
                 label,
             })
             .collect();
+        let in_time: Vec<(&Region, String)> = self
+            .failure
+            .regions
+            .iter()
+            .filter(|region| {
+                region.is_significant
+                    && region.experiment == record.name
+                    && region.coordinate == identify::Coordinate::Time
+            })
+            .map(|region| {
+                let label = format!("{:.0} % of the error", 100.0 * region.share_of_error);
+                (region, label)
+            })
+            .collect();
+        let regions: Vec<figures::Region> = in_time
+            .iter()
+            .map(|(region, label)| figures::Region {
+                from: region.from,
+                until: region.to,
+                label,
+            })
+            .collect();
         let effects: Vec<&str> = self.model.effects().iter().map(|e| e.name()).collect();
         Ok(figures::overlay(&figures::Overlay {
             title: &format!("{}: {}", self.folder.bench.name, record.name),
             subtitle: &format!("Model with {}", effects.join(", ")),
             time_s: &record.time_s,
             channels: &channels,
-            regions: &[],
+            regions: &regions,
             markers: &markers,
             zoom_s: None,
         })?)
     }
+}
+
+fn residual_name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::MissingTorque => "missing torque",
+        Quantity::Output => "output",
+    }
+}
+
+/// A name of the contract as it is spoken.
+fn spoken(name: &str) -> &str {
+    match name {
+        "wheel_speed" => "wheel speed",
+        "wheel_angle" => "wheel angle",
+        other => other,
+    }
+}
+
+fn place(region: &Region) -> String {
+    format!(
+        "{} {} to {} {}",
+        spoken(region.coordinate.name()),
+        significant(region.from, 3),
+        significant(region.to, 3),
+        region.coordinate.unit()
+    )
 }
 
 /// The parameters of a fit for model.toml: those that were given and those that were found; those

@@ -186,6 +186,11 @@ fn the_whole_chain() {
         "dry friction is missing: {}",
         rmse(&viscous)
     );
+    let place = &viscous["where"][0];
+    assert_eq!(place["experiment"], "swing", "{place}");
+    assert_eq!(place["significant"], true, "{place}");
+    let from = place["from"].as_f64().expect("from");
+    assert!(from < place["to"].as_f64().expect("to"), "{place}");
     for name in ["compare-swing.svg", "compare-spin-up-minus-0.5-a.svg"] {
         let svg = fs::read_to_string(Path::new(out).join(name)).expect(name);
         assert!(svg.contains("<svg"), "{name}");

@@ -83,6 +83,7 @@ pub fn change(
     let text = new.head()
         + &new.parameter_table()
         + &difference_table(&old, &new)
+        + &new.place_table()
         + &new.remarks()
         + &saved;
     Report::new(

@@ -31,6 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let mut text = fitted.head()
         + &fitted.parameter_table()
         + &fitted.error_table()
+        + &fitted.place_table()
         + &fitted.remarks()
         + "\nFigures\n";
     for path in &figures {
@@ -74,7 +75,14 @@ pub fn against_measurement<'a>(
         .iter()
         .map(|record| identify::find_pushes(record, &push_model))
         .collect();
-    Ok(Fitted::from_model_file(folder, file, traces, pushes))
+    Ok(Fitted::from_model_file(
+        folder,
+        file,
+        &minimum.values,
+        &minimum.windows,
+        traces,
+        pushes,
+    ))
 }
 
 /// The parameter vector of the file. What no log of this bench can show may be missing in it.

@@ -41,6 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         fitted.head()
             + &fitted.parameter_table()
             + &fitted.error_table()
+            + &fitted.place_table()
             + &fitted.remarks()
             + &text,
         &fitted.json(Vec::new()),
