@@ -147,26 +147,16 @@ pub fn prove(program: &Program, contract: &Contract, limit: usize) -> Result<Eff
         let Err(finding) = meets(program, &domain, contract) else {
             continue;
         };
-        // Halve the widest of the words that the contract bounds.
-        let widest = contract
-            .requires
-            .iter()
-            .filter(|range| range.word < domain.len())
-            .max_by_key(|range| domain[range.word].high - domain[range.word].low)
-            .map(|range| range.word)
+        let widest = (0..domain.len())
+            .max_by_key(|word| domain[*word].high - domain[*word].low)
             .filter(|word| domain[*word].high > domain[*word].low);
         let Some(word) = widest.filter(|_| boxes < limit) else {
             let place = finding.place;
-            let text: Vec<_> = contract
-                .requires
+            let text: Vec<_> = program
+                .inputs
                 .iter()
-                .filter_map(|range| {
-                    let interval = domain.get(range.word)?;
-                    Some(format!(
-                        "{} in [{}, {}]",
-                        program.inputs[range.word], interval.low, interval.high
-                    ))
-                })
+                .zip(&domain)
+                .map(|(name, interval)| format!("{name} in [{}, {}]", interval.low, interval.high))
                 .collect();
             return Err(Finding {
                 place,

@@ -12,19 +12,27 @@
 //! | [`forms`] | words as linear forms of the arguments |
 //! | [`exact`], [`enclosure`] | rational numbers; outward-rounded intervals |
 //! | [`certificate`] | `certificate.json`, read strictly |
+//! | [`claims`] | the claims |
+//! | [`consistency`] | the certificate against the source, field by field |
+//! | [`hardware`] | the words of sensors and drive against their real numbers |
 //! | [`control_law`] | claims about the control law |
+//! | [`filter`] | claims about the attitude filter and the full step |
 //! | [`closed_loop`] | the loop for all time |
 //! | [`stability`] | sampling, stability, stability over the parameters' region |
 
 #![warn(missing_docs)]
 
 pub mod certificate;
+pub mod claims;
 pub mod closed_loop;
+pub mod consistency;
 pub mod contract;
 pub mod control_law;
 pub mod enclosure;
 pub mod exact;
+pub mod filter;
 pub mod forms;
+pub mod hardware;
 pub mod interpret;
 pub mod intervals;
 pub mod language;

@@ -112,6 +112,11 @@ impl Module {
         self.programs.get(&self.function_number(name)?)
     }
 
+    /// A resolved function by its number.
+    pub fn program(&self, number: usize) -> Option<&Program> {
+        self.programs.get(&number)
+    }
+
     /// The same function with the calls of others represented by contracts.
     ///
     /// # Errors

@@ -1,0 +1,126 @@
+//! The claims, as the checker knows them: identifier, statement, domain and what they rest on.
+//!
+//! Written down here a second time on purpose: a certificate that states something else is
+//! rejected, not believed.
+
+/// A claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Claim {
+    /// Identifier.
+    pub id: &'static str,
+    /// One sentence.
+    pub statement: &'static str,
+    /// For which inputs.
+    pub domain: &'static str,
+    /// What is assumed; empty if nothing.
+    pub assumptions: &'static str,
+    /// Whether the certificate lists it.
+    pub is_in_certificate: bool,
+}
+
+/// Every claim, in the order in which they are shown.
+pub const CLAIMS: [Claim; 14] = [
+    Claim {
+        id: "source-understood",
+        statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
+        domain: "every emitted file",
+        assumptions: "",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "certificate-consistent",
+        statement: "Every number and name of the certificate is the one of the source, or follows from it.",
+        domain: "every field of certificate.json",
+        assumptions: "",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "hardware-words",
+        statement: "The words of sensors, mounting, converter and drive are the stated real numbers, rounded.",
+        domain: "every constant of src/constants.rs",
+        assumptions: "",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "control-total",
+        statement: "`control` neither overflows nor panics, and its command lies within ±CURRENT_LIMIT.",
+        domain: "every bit pattern of the three inputs",
+        assumptions: "",
+        is_in_certificate: true,
+    },
+    Claim {
+        id: "control-accurate",
+        statement: "The command lies within half a unit of its format of the saturated law with the quantised gains.",
+        domain: "every bit pattern of the three inputs",
+        assumptions: "",
+        is_in_certificate: true,
+    },
+    Claim {
+        id: "control-accurate-real-gains",
+        statement: "The command lies within the stated bound of the law -K x with the real gains, saturated at the real limit.",
+        domain: "every representable state within the physical ranges",
+        assumptions: "",
+        is_in_certificate: true,
+    },
+    Claim {
+        id: "control-monotone",
+        statement: "The command never falls when a state with a positive gain rises, nor rises when one with a negative gain does.",
+        domain: "every bit pattern of the three inputs",
+        assumptions: "",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "primitives",
+        statement: "Each primitive of the filter keeps the contract of ranges that stands at it.",
+        domain: "every argument that the contract allows",
+        assumptions: "Contracts that are no ranges are checked where the primitive is called, with the words of this bench.",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "filter-total",
+        statement: "No step of the attitude filter overflows, and each keeps its components and rates within the stated ranges.",
+        domain: "every sensor reading and every state within the invariant, which holds at the start",
+        assumptions: "",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "step-total",
+        statement: "Raw counts give a duty within the drive's limits, and the duty of zero current when not armed.",
+        domain: "every sample and every state within the invariant",
+        assumptions: "",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "filter-accurate",
+        statement: "The filter follows Madgwick's equations in double precision to within 1e-5 in each component.",
+        domain: "random attitudes and readings",
+        assumptions: "The reference is written from the paper, in floating point.",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "closed-loop-stable",
+        statement: "All eigenvalues of Ad - Bd K with the quantised gains lie inside the unit circle.",
+        domain: "the linear model sampled at the stated time",
+        assumptions: "",
+        is_in_certificate: true,
+    },
+    Claim {
+        id: "closed-loop-for-all-time",
+        statement: "From any start in the stated ellipsoid the loop with the emitted law never saturates and stays within the stated bounds of the loop in real numbers, at every step.",
+        domain: "all time; every start in the ellipsoid; every perturbation by words or sensor counts",
+        assumptions: "The plant is the stated linear model; the sensors return the nearest count, the angle directly and not through the filter; the other loop computes in real numbers.",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "stable-for-parameters",
+        statement: "The loop with the emitted gains is stable for every parameter vector that identification allows.",
+        domain: "the box around the 95 % ellipsoid of the stated standard errors",
+        assumptions: "The plant is the linear model; a parameter without a standard error is taken as exact.",
+        is_in_certificate: false,
+    },
+];
+
+/// A claim by its identifier.
+pub fn claim(id: &str) -> Option<&'static Claim> {
+    CLAIMS.iter().find(|claim| claim.id == id)
+}
