@@ -9,7 +9,7 @@ use bench_files::{
 
 use crate::common::Folder;
 
-const TOML: &str = r#"
+pub const TOML: &str = r#"
 [known]
 gravity = 9.81
 [calibration]
@@ -30,7 +30,7 @@ std = 0.0005
 lines = [[[0.1, 0.0], [0.02, -0.13]], [[-0.1, 0.0], [-0.01, -0.13]]]
 "#;
 
-fn folder(toml: &str) -> Folder {
+pub fn folder(toml: &str) -> Folder {
     let folder = Folder::new();
     folder.write("bench.toml", toml.as_bytes());
     folder.write("up.csv", b"acc_x,ay,az\n1,-2,4096\n3,4,-32768\n");

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use bench_files::{Bench, ModelFile};
+use bench_files::{Bench, CalibrationRecordings, ModelFile};
 use proptest::prelude::*;
 
 use crate::common::{Folder, one};
@@ -35,6 +35,8 @@ until = 60.0
 "#;
 
 const LOG: &str = "t,pend\n0,1.5\n10,2.5\n20,3e-1\n30,2\n40,1\n50,0\n";
+
+const COUNTS: &str = "gx,gy,gz\n1,-2,32767\n4,5,-32768\n";
 
 const MODEL: &str = r#"
 [parameters.total_inertia]
@@ -158,6 +160,18 @@ proptest! {
             log.push_str(&format!("{time:e},{angle:e}\n"));
         }
         load(one("free-swing", "").as_bytes(), log.as_bytes());
+    }
+
+    #[test]
+    fn damaged_recordings(bytes in damaged(crate::calibration::TOML), counts in damaged(COUNTS)) {
+        for (toml, still) in [(&bytes[..], COUNTS.as_bytes()), (crate::calibration::TOML.as_bytes(), &counts[..])] {
+            let folder = crate::calibration::folder("");
+            folder.write("bench.toml", toml);
+            folder.write("still.csv", still);
+            if let Err(error) = CalibrationRecordings::load(folder.path()) {
+                assert!(!error.to_string().contains(char::is_control), "{error:?}");
+            }
+        }
     }
 
     #[test]
