@@ -381,6 +381,51 @@ impl MeasuredMotion {
     }
 }
 
+impl MeasuredMotion {
+    /// For each value of a missing torque its derivative with respect to each parameter, in the
+    /// order of the parameter vector: what the torque would be if only the parameter were wrong.
+    pub fn parameter_slopes(
+        &self,
+        record: &Record,
+        model: &Model,
+        values: &[f64],
+        missing: &MissingTorque,
+    ) -> Vec<Vec<f64>> {
+        let mut slopes = vec![vec![0.0; values.len()]; missing.centres.len()];
+        let Some((of_body, of_wheel)) = missing.on.inertias(record.kind, values) else {
+            return slopes;
+        };
+        let modelled = |values: &[f64]| -> Vec<f64> {
+            let plant = Plant::new(model, values, record.kind);
+            self.state
+                .iter()
+                .map(|state| {
+                    let (body, wheel) = plant.derivative(state, state.current_a, 0.0);
+                    of_body * body + of_wheel * wheel
+                })
+                .collect()
+        };
+        let weights: Vec<Vec<f64>> = missing
+            .centres
+            .iter()
+            .map(|&centre| missing.weights(record, centre))
+            .collect();
+        let at = modelled(values);
+        for parameter in 0..values.len() {
+            let step = 1e-5 * values[parameter].abs().max(1e-9);
+            let mut moved = values.to_vec();
+            moved[parameter] += step;
+            let there = modelled(&moved);
+            for ((slopes, centre), weights) in slopes.iter_mut().zip(&missing.centres).zip(&weights)
+            {
+                let span = centre - missing.half..centre + missing.half;
+                slopes[parameter] = dot(weights, span.map(|k| (at[k] - there[k]) / step));
+            }
+        }
+        slopes
+    }
+}
+
 /// Rate and wheel speed of the fit's free run at every sample; `None` without windows.
 fn simulated_speeds(
     record: &Record,

@@ -1,0 +1,5 @@
+//! From logs to parameters and to the places where a model fails: recovery of known truth from
+//! simulated logs, and figures of real ones.
+
+mod breakdown;
+mod simulated;
