@@ -10,7 +10,7 @@
 
 use super::lever_arm::length_squared;
 use super::product::{clamp, mul_high, round_high};
-use super::root::{inverse_length, square_root_q30};
+use super::root::{coarse_inverse_length, inverse_length, square_root_q30};
 use super::scaling::{is_within, scaled_up3, scaled_up4};
 
 /// 1 in Q30.
@@ -44,7 +44,7 @@ pub const NO_CORRECTION: Correction = Correction {
 };
 
 /// Unit vector in Q28 along `v`, which is within ±2³⁰ and has a component of at least 2¹⁴.
-/// Error: at most 1e-8 a component. Each component within ±2²⁹ for any `v` in range.
+/// Error: at most 1e-8 a component. Each component within ±5·2²⁷ for any `v` in range.
 #[inline]
 pub fn unit_q28(v: [i32; 3]) -> [i32; 3] {
     let scaled = scaled_up3(v);
@@ -159,7 +159,7 @@ fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction {
         + (mul_high(direction[1], direction[1]) >> 2)
         + (mul_high(direction[2], direction[2]) >> 2)
         + (mul_high(direction[3], direction[3]) >> 2);
-    let inverse = inverse_length(clamp(squared, 0, 0x0fff_ffff) * 4);
+    let inverse = coarse_inverse_length(clamp(squared, 0, 0x0fff_ffff) * 4);
     Correction {
         direction,
         gain: mul_high(inverse, beta),

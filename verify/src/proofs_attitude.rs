@@ -8,7 +8,7 @@ use generated::calibration::dot;
 use generated::madgwick::COMPONENT_MAX;
 use generated::pivot_angle::wrapped;
 use generated::product::{clamp, clamp_wide, mul_high, round_high};
-use generated::root::{inverse_length, inverse_root_q30, square_root_q30};
+use generated::root::{inverse_length, inverse_root_q30, refined, seed, square_root_q30};
 use generated::scaling::{scaled_up2, scaled_up3, scaled_up4};
 use generated::{calibration, lever_arm, madgwick};
 
@@ -32,7 +32,19 @@ fn clamp_wide_contract() {
     clamp_wide(kani::any(), kani::any());
 }
 
+#[kani::proof_for_contract(seed)]
+fn seed_contract() {
+    seed(kani::any());
+}
+
+#[kani::proof_for_contract(refined)]
+fn refined_contract() {
+    refined(kani::any(), kani::any());
+}
+
 #[kani::proof_for_contract(inverse_root_q30)]
+#[kani::stub_verified(seed)]
+#[kani::stub_verified(refined)]
 fn inverse_root_contract() {
     inverse_root_q30(kani::any());
 }
