@@ -59,7 +59,8 @@ pub fn unit_q28(v: [i32; 3]) -> [i32; 3] {
     ]
 }
 
-/// The upward direction in the sensor's frame, in Q28 (eq. 25). Each component within 3·2²⁸ + 2¹⁸.
+/// The upward direction in the sensor's frame, in Q28 (eq. 25). Each component within 2³⁰ + 2²⁰ whatever
+/// the length of q.
 #[inline]
 pub fn up_q28(q: [i32; 4]) -> [i32; 3] {
     let (w, x, y, z) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
