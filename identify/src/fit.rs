@@ -172,17 +172,16 @@ pub fn fit_from_scratch(
     }
 }
 
-/// Fits with windows of `periods` periods of the pendulum (where the kind allows a choice), each
-/// with a start of its own. The cost is then nearly quadratic, whatever the model lacks.
+/// Fits with windows of `window_s` seconds (where the kind allows a choice), each with a start of
+/// its own. The cost is then nearly quadratic, whatever the model lacks.
 pub fn fit_windowed(
     records: &[&Record],
     model: &Model,
     values: Vec<f64>,
     free: &[usize],
-    periods: f64,
+    window_s: f64,
     effort: Effort,
 ) -> Minimum {
-    let window_s = periods * period_s(&values);
     let windows = records
         .iter()
         .map(|record| match record.kind {
@@ -198,8 +197,8 @@ pub fn joined(record: &Record, values: &[f64], shorter: &[Window]) -> Vec<Window
     windows(record, values, f64::INFINITY, shorter)
 }
 
-/// Period of small oscillations in s.
-fn period_s(values: &[f64]) -> f64 {
+/// Period of small oscillations in s, from a parameter vector.
+pub fn period_s(values: &[f64]) -> f64 {
     let square = (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA]).abs();
     std::f64::consts::TAU / square.sqrt().max(1e-3)
 }
