@@ -18,6 +18,9 @@
 //! | [`control_law`] | claims about the control law |
 //! | [`filter`] | claims about the attitude filter and the full step |
 //! | [`closed_loop`] | the loop for all time |
+//! | [`reference`] | the filter's equations in double precision, and random runs against them |
+//! | [`smt`] | questions to z3 |
+//! | [`prove`] | every claim by every engine |
 //! | [`stability`] | sampling, stability, stability over the parameters' region |
 
 #![warn(missing_docs)]
@@ -39,9 +42,13 @@ pub mod language;
 pub mod lower;
 pub mod module;
 pub mod program;
+pub mod prove;
+pub mod reference;
+pub mod smt;
 pub mod source;
 pub mod stability;
 
 pub use interpret::{Machine, Trap};
 pub use module::{Module, ReadError};
+pub use prove::{ClaimResult, Outcome, ProveError, Settings};
 pub use source::{Place, SourceError};

@@ -1,14 +1,7 @@
 use checker::*;
-use checker::certificate::Certificate;
-use checker::control_law::ControlLaw;
 use std::path::Path;
 #[test]
 fn scratch() {
     let dir = Path::new("../generated");
-    let module = Module::read(dir).unwrap();
-    let c = Certificate::read(dir).unwrap();
-    let law = ControlLaw::read(&module).unwrap();
-    let mut files: Vec<String> = module.texts().iter().map(|(p,_)| p.clone()).collect(); files.push("Cargo.toml".into());
-    println!("{:?}", consistency::check(&c, &module, &law, &files));
-    println!("{:?}", hardware::check(&c, &module, &law));
+    for r in prove::prove(dir, &Settings::default()).unwrap() { println!("{:26} {:26} {:8} {:.3} {}", r.id, r.engine, r.outcome.word(), r.seconds, r.outcome.detail()); }
 }
