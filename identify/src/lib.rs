@@ -11,12 +11,14 @@
 //! | `covariance` | standard errors that account for correlated residuals |
 //! | `missing_torque` | the torque that a model lacks, over time |
 //! | `breakdown` | where a model fails: its residual over time, amplitude, angle, speed, current |
+//! | `decay` | how a free swing dies out: amplitude, decay and period |
 //! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
 //! | `whiteness` | what is left in a residual: noise or structure |
 //! | `identification` | a whole bench: what is known, what is free, what is open |
 
 mod breakdown;
 mod covariance;
+mod decay;
 mod fit;
 mod identification;
 mod missing_torque;
@@ -32,6 +34,7 @@ pub use breakdown::{
     Bin, Breakdown, Coordinate, Explained, FailureMap, Quantity, Region, breakdown,
 };
 pub use covariance::pseudo_inverse;
+pub use decay::{AtAmplitude, Decay, DecayLaw, Estimate, decay};
 pub use fit::{
     BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, joined,
     period_s, refit, traces,

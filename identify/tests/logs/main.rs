@@ -2,4 +2,5 @@
 //! simulated logs, and figures of real ones.
 
 mod breakdown;
+mod real;
 mod simulated;
