@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::commands::{add, calibrate, compare, design, generate, identify, remove, simulate};
+use crate::commands::{
+    add, calibrate, compare, demo, design, diagnose, generate, identify, remove, simulate,
+};
 use crate::failure::Failure;
 use crate::report::Report;
 
@@ -25,6 +27,8 @@ pub struct Cli {
 /// The commands.
 #[derive(Subcommand)]
 pub enum Command {
+    /// The whole chain on the bench that ships inside the program
+    Demo(demo::Arguments),
     /// Fit the base model and the effects that model.toml already has; write model.toml
     Identify(identify::Arguments),
     /// Show the model against the measurements, and where it fails
@@ -33,6 +37,8 @@ pub enum Command {
     Add(add::Arguments),
     /// Take an effect out of model.toml and refit
     Remove(remove::Arguments),
+    /// Which physical effects the model lacks: verdict, suspects, and where it fails
+    Diagnose(diagnose::Arguments),
     /// Calibrate sensors, mounting, converters and centre of mass from recordings
     Calibrate(calibrate::Arguments),
     /// Linear model, poles, controllability, gains and margins
@@ -47,10 +53,12 @@ impl Command {
     /// Runs the command.
     pub fn run(&self) -> Result<Report, Failure> {
         match self {
+            Command::Demo(arguments) => demo::run(arguments),
             Command::Identify(arguments) => identify::run(arguments),
             Command::Compare(arguments) => compare::run(arguments),
             Command::Add(arguments) => add::run(arguments),
             Command::Remove(arguments) => remove::run(arguments),
+            Command::Diagnose(arguments) => diagnose::run(arguments),
             Command::Calibrate(arguments) => calibrate::run(arguments),
             Command::Design(arguments) => design::run(arguments),
             Command::Simulate(arguments) => simulate::run(arguments),
@@ -61,10 +69,12 @@ impl Command {
     /// Where the command's result goes.
     pub fn output(&self) -> &Output {
         match self {
+            Command::Demo(arguments) => &arguments.output,
             Command::Identify(arguments) => &arguments.output,
             Command::Compare(arguments) => &arguments.output,
             Command::Add(arguments) => &arguments.output,
             Command::Remove(arguments) => &arguments.output,
+            Command::Diagnose(arguments) => &arguments.output,
             Command::Calibrate(arguments) => &arguments.output,
             Command::Design(arguments) => &arguments.output,
             Command::Simulate(arguments) => &arguments.output,

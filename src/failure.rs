@@ -47,6 +47,12 @@ impl Failure {
     }
 }
 
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
 impl From<bench_files::Error> for Failure {
     fn from(error: bench_files::Error) -> Failure {
         Failure(Box::new(error))

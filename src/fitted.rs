@@ -2,7 +2,7 @@
 //! `compare`, `add` and `remove` share.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bench_files::{ModelFile, Parameter};
 use identify::{FailureMap, Fit, Identification, Push, Quantity, Record, Region, Trace, Window};
@@ -56,8 +56,9 @@ pub struct FittedJson {
     figures: Vec<PathBuf>,
 }
 
+/// A place where the model fails.
 #[derive(Serialize)]
-struct PlaceJson {
+pub struct PlaceJson {
     experiment: String,
     channel: &'static str,
     coordinate: &'static str,
@@ -70,8 +71,9 @@ struct PlaceJson {
     significant: bool,
 }
 
+/// A push that nobody recorded.
 #[derive(Serialize)]
-struct PushJson {
+pub struct PushJson {
     experiment: String,
     time_s: f64,
     impulse_nms: f64,
@@ -166,51 +168,49 @@ impl<'a> Fitted<'a> {
             bench: self.folder.bench.name.clone(),
             model: self.folder.model_path.clone(),
             effects: self.model.effects().iter().map(|e| e.name()).collect(),
-            parameters: self
-                .parameters
-                .iter()
-                .map(|parameter| json::Parameter {
-                    name: parameter.name.clone(),
-                    value: parameter.value,
-                    std: parameter.std,
-                    unit: parameter.unit.clone(),
-                })
-                .collect(),
+            parameters: json::parameters(&self.parameters),
             rmse: self.keyed(|_, trace| trace.rmse),
             fit_percent: self.keyed(|_, trace| trace.fit_percent),
             sensor_noise: self.keyed(|noise, _| noise),
-            places: self
-                .failure
-                .regions
-                .iter()
-                .map(|region| PlaceJson {
-                    experiment: region.experiment.clone(),
-                    channel: region.channel,
-                    coordinate: region.coordinate.name(),
-                    from: region.from,
-                    to: region.to,
-                    share_of_error: region.share_of_error,
-                    residual: residual_name(region.quantity),
-                    significant: region.is_significant,
-                })
-                .collect(),
-            pushes: self
-                .records()
-                .iter()
-                .zip(&self.pushes)
-                .flat_map(|(record, pushes)| {
-                    pushes.iter().map(|push| PushJson {
-                        experiment: record.name.clone(),
-                        time_s: push.time_s,
-                        impulse_nms: push.impulse_nms,
-                        impulse_std_nms: push.impulse_std_nms,
-                    })
-                })
-                .collect(),
+            places: self.places(),
+            pushes: self.pushes_json(),
             statements: self.statements.clone(),
             notes: self.notes(),
             figures,
         }
+    }
+
+    /// Where the model fails, for programs.
+    pub fn places(&self) -> Vec<PlaceJson> {
+        let regions = self.failure.regions.iter();
+        regions
+            .map(|region| PlaceJson {
+                experiment: region.experiment.clone(),
+                channel: region.channel,
+                coordinate: region.coordinate.name(),
+                from: region.from,
+                to: region.to,
+                share_of_error: region.share_of_error,
+                residual: residual_name(region.quantity),
+                significant: region.is_significant,
+            })
+            .collect()
+    }
+
+    /// The pushes that nobody recorded, for programs.
+    pub fn pushes_json(&self) -> Vec<PushJson> {
+        self.records()
+            .iter()
+            .zip(&self.pushes)
+            .flat_map(|(record, pushes)| {
+                pushes.iter().map(|push| PushJson {
+                    experiment: record.name.clone(),
+                    time_s: push.time_s,
+                    impulse_nms: push.impulse_nms,
+                    impulse_std_nms: push.impulse_std_nms,
+                })
+            })
+            .collect()
     }
 
     fn notes(&self) -> Vec<NoteJson> {
@@ -346,6 +346,11 @@ impl<'a> Fitted<'a> {
 
     /// Draws every experiment: overlay and residual on one time axis.
     pub fn figures(&self) -> Result<Vec<PathBuf>, Failure> {
+        self.figures_in(&self.folder.out)
+    }
+
+    /// As [`Fitted::figures`], into another folder.
+    pub fn figures_in(&self, out: &Path) -> Result<Vec<PathBuf>, Failure> {
         let mut used = BTreeSet::new();
         let mut paths = Vec::new();
         for (index, record) in self.records().iter().enumerate() {
@@ -355,12 +360,12 @@ impl<'a> Fitted<'a> {
             while !used.insert(name.clone()) {
                 name.push_str("-2");
             }
-            let path = self.folder.out.join(format!("compare-{name}.svg"));
+            let path = out.join(format!("compare-{name}.svg"));
             figures::write_svg(&path, &svg)?;
             paths.push(path);
         }
         for (name, svg) in self.breakdown_figures() {
-            let path = self.folder.out.join(format!("where-{name}.svg"));
+            let path = out.join(format!("where-{name}.svg"));
             figures::write_svg(&path, &svg)?;
             paths.push(path);
         }
@@ -548,7 +553,13 @@ fn spoken(name: &str) -> &str {
     }
 }
 
-fn place(region: &Region) -> String {
+/// Middle of a region in the unit of its coordinate.
+pub fn middle_of(region: &Region) -> f64 {
+    0.5 * (region.from + region.to)
+}
+
+/// A region in words: "angle 0.1 to 0.2 rad".
+pub fn place(region: &Region) -> String {
     format!(
         "{} {} to {} {}",
         spoken(region.coordinate.name()),
@@ -560,7 +571,7 @@ fn place(region: &Region) -> String {
 
 /// The parameters of a fit for model.toml: those that were given and those that were found; those
 /// that no log can show are left out.
-fn parameters_of(folder: &BenchFolder, fit: &Fit) -> Vec<Parameter> {
+pub fn parameters_of(folder: &BenchFolder, fit: &Fit) -> Vec<Parameter> {
     let setup = &folder.setup;
     let infos = fit.model.parameters();
     (0..infos.len())

@@ -5,6 +5,8 @@
 mod bench_folder;
 mod cli;
 mod commands;
+mod design_change;
+mod diagnosed;
 mod failure;
 mod fitted;
 mod model_design;

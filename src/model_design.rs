@@ -26,7 +26,11 @@ pub struct ModelDesign {
 impl ModelDesign {
     /// Reads the file and designs the controller.
     pub fn new(path: &Path) -> Result<ModelDesign, Failure> {
-        let file = ModelFile::read(path)?;
+        ModelDesign::of(ModelFile::read(path)?, path)
+    }
+
+    /// Designs the controller of a file that was read already, or is to be written to `path`.
+    pub fn of(file: ModelFile, path: &Path) -> Result<ModelDesign, Failure> {
         let wishes = file.require_design()?;
         let model = file.model();
         let values = file.parameter_vector()?;

@@ -11,7 +11,7 @@ use crate::search::{
     LEAST_TRACE, REMAINS, Search, largest_remainder, largest_trace, noise, search,
 };
 use crate::suspects::Bench;
-use crate::validation::held_out_fit_percent;
+use crate::validation::{HeldOut, held_out, mean_fit_percent};
 
 /// What the diagnosis says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +49,8 @@ pub struct Step {
     pub candidate: Candidate,
     /// Mean fit percent on experiments that the fit has not seen; NaN if there is none.
     pub validation_fit_percent: f64,
+    /// The same series by series, with the errors.
+    pub held_out: Vec<HeldOut>,
 }
 
 /// An effect that could be missing.
@@ -153,6 +155,7 @@ pub fn diagnose(
 
 fn step(bench: &Bench, effect: Option<EffectId>, candidate: &Candidate) -> Step {
     let free = bench.setup.free(&candidate.model);
+    let held_out = held_out(bench, &candidate.model, &candidate.minimum);
     Step {
         effect,
         fit: finish(
@@ -161,7 +164,8 @@ fn step(bench: &Bench, effect: Option<EffectId>, candidate: &Candidate) -> Step 
             &free,
             candidate.minimum.clone(),
         ),
-        validation_fit_percent: held_out_fit_percent(bench, &candidate.model, &candidate.minimum),
+        validation_fit_percent: mean_fit_percent(&held_out),
+        held_out,
         candidate: candidate.clone(),
     }
 }

@@ -27,4 +27,4 @@ pub use search::{
     search,
 };
 pub use suspects::{Bench, applicable, try_all, without};
-pub use validation::held_out_fit_percent;
+pub use validation::{HeldOut, held_out, mean_fit_percent};

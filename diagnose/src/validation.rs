@@ -8,7 +8,8 @@
 //! second.
 
 use identify::{
-    Effort, Minimum, Record, Unknowns, final_windows, minimise, promise, pseudo_inverse, traces,
+    Effort, Minimum, Output, Record, Unknowns, final_windows, minimise, promise, pseudo_inverse,
+    traces,
 };
 use plant::Model;
 
@@ -18,28 +19,45 @@ use crate::suspects::Bench;
 /// the information on it.
 const LEAST_INFORMATION: f64 = 1e-2;
 
-/// Mean fit percent over the series of experiments that the parameters have not seen; NaN if there
-/// is no such series.
-pub fn held_out_fit_percent(bench: &Bench, model: &Model, minimum: &Minimum) -> f64 {
-    let percents = by_experiment(bench, model, minimum);
-    let percents = if percents.is_empty() {
-        by_halves(bench, model, minimum)
-    } else {
-        percents
-    };
-    if percents.is_empty() {
-        return f64::NAN;
-    }
-    percents.iter().sum::<f64>() / percents.len() as f64
+/// A series that the parameters have not seen, against its prediction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOut {
+    /// The experiment's name.
+    pub experiment: String,
+    /// The channel.
+    pub output: Output,
+    /// Root mean square of measured − predicted in the unit of the channel.
+    pub rmse: f64,
+    /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖).
+    pub fit_percent: f64,
 }
 
-/// Fit percents of a record's channels with given parameters; only its start is fitted.
+/// Every series that moves, predicted by parameters that have not seen its experiment; empty where
+/// nothing can be held out.
+pub fn held_out(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+    let series = by_experiment(bench, model, minimum);
+    if series.is_empty() {
+        by_halves(bench, model, minimum)
+    } else {
+        series
+    }
+}
+
+/// Mean fit percent over held-out series; NaN if there is none.
+pub fn mean_fit_percent(series: &[HeldOut]) -> f64 {
+    if series.is_empty() {
+        return f64::NAN;
+    }
+    series.iter().map(|one| one.fit_percent).sum::<f64>() / series.len() as f64
+}
+
+/// A record's channels against given parameters; only its start is fitted.
 fn predicted(
     record: &Record,
     model: &Model,
     values: &[f64],
     windows: Vec<identify::Window>,
-) -> Vec<f64> {
+) -> Vec<HeldOut> {
     let unknowns = Unknowns::new(model, &[]);
     let minimum = minimise(
         &[record],
@@ -53,7 +71,12 @@ fn predicted(
         .iter()
         .zip(&record.channels)
         .filter(|(_, channel)| moves(channel))
-        .map(|(trace, _)| trace.fit_percent)
+        .map(|(trace, channel)| HeldOut {
+            experiment: record.name.clone(),
+            output: channel.output,
+            rmse: trace.rmse,
+            fit_percent: trace.fit_percent,
+        })
         .collect()
 }
 
@@ -66,7 +89,7 @@ fn moves(channel: &identify::Channel) -> bool {
     variance > (3.0 * channel.noise_std).powi(2)
 }
 
-fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
+fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
     let unknowns = Unknowns::new(model, &bench.setup.free(model));
     let whole = promise(
         &bench.records,
@@ -86,7 +109,7 @@ fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
         .gradient
         .iter()
         .fold(nalgebra::DVector::zeros(count), |sum, part| sum + part);
-    let mut percents = vec![];
+    let mut series = vec![];
     for (index, record) in bench.records.iter().enumerate() {
         let others = &information - &whole.information[index];
         let own = &whole.information[index];
@@ -112,18 +135,18 @@ fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
             };
             values[position] = next.clamp(low, high);
         }
-        percents.extend(predicted(
+        series.extend(predicted(
             record,
             model,
             &values,
             minimum.windows[index].clone(),
         ));
     }
-    percents
+    series
 }
 
-fn by_halves(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
-    let mut percents = vec![];
+fn by_halves(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+    let mut series = vec![];
     let halves: Vec<(Record, Record)> = bench
         .records
         .iter()
@@ -135,7 +158,7 @@ fn by_halves(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
         .collect();
     let first: Vec<&Record> = halves.iter().map(|(first, _)| first).collect();
     if first.is_empty() {
-        return percents;
+        return series;
     }
     let windows = first
         .iter()
@@ -152,7 +175,7 @@ fn by_halves(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<f64> {
     );
     for (_, second) in &halves {
         let windows = final_windows(second, &fitted.values);
-        percents.extend(predicted(second, model, &fitted.values, windows));
+        series.extend(predicted(second, model, &fitted.values, windows));
     }
-    percents
+    series
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use bench_files::ModelFile;
+use bench_files::{ModelFile, Parameter};
 use plant::Model;
 
 use crate::bench_folder::BenchFolder;
@@ -57,12 +57,23 @@ pub fn fit<'a>(folder: &'a BenchFolder, model: &Model) -> Result<Fitted<'a>, Fai
     Ok(Fitted::from_identification(folder, found))
 }
 
-/// Writes a fit to the bench's model.toml; `file` is what stood there. Returns what to say about it.
-pub fn save(folder: &BenchFolder, mut file: ModelFile, fitted: &Fitted) -> Result<String, Failure> {
-    let had_design = file.design.is_some();
-    file.replace_model_parameters(fitted.parameters.clone());
-    file.effects = fitted.model.effects().to_vec();
+/// The bench's model.toml with another model in it; `file` is what stood there.
+pub fn with_model(
+    folder: &BenchFolder,
+    mut file: ModelFile,
+    model: &Model,
+    parameters: Vec<Parameter>,
+) -> ModelFile {
+    file.replace_model_parameters(parameters);
+    file.effects = model.effects().to_vec();
     file.design.get_or_insert_with(|| folder.usual_design());
+    file
+}
+
+/// Writes a fit to the bench's model.toml; `file` is what stood there. Returns what to say about it.
+pub fn save(folder: &BenchFolder, file: ModelFile, fitted: &Fitted) -> Result<String, Failure> {
+    let had_design = file.design.is_some();
+    let file = with_model(folder, file, &fitted.model, fitted.parameters.clone());
     folder.write_model(&file)?;
     let mut text = format!("\nWritten: {}\n", folder.model_path.display());
     if !had_design {

@@ -3,7 +3,9 @@
 pub mod add;
 pub mod calibrate;
 pub mod compare;
+pub mod demo;
 pub mod design;
+pub mod diagnose;
 pub mod generate;
 pub mod identify;
 pub mod remove;

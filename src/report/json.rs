@@ -15,6 +15,19 @@ pub struct Parameter {
     pub unit: String,
 }
 
+/// Parameters of a model.toml.
+pub fn parameters(parameters: &[bench_files::Parameter]) -> Vec<Parameter> {
+    parameters
+        .iter()
+        .map(|parameter| Parameter {
+            name: parameter.name.clone(),
+            value: parameter.value,
+            std: parameter.std,
+            unit: parameter.unit.clone(),
+        })
+        .collect()
+}
+
 /// A JSON object whose keys keep their order: one number for each "experiment/channel".
 #[derive(Default)]
 pub struct Keyed(pub Vec<(String, f64)>);

@@ -30,6 +30,11 @@ impl Report {
         })
     }
 
+    /// The result for programs.
+    pub fn value(&self) -> &serde_json::Value {
+        &self.json
+    }
+
     /// The same report with exit code 1.
     pub fn failed(self) -> Report {
         Report {
