@@ -333,6 +333,15 @@ fn normal_lanes<const N: usize>(
     let mut hessian = [[0.0; N]; N];
     let mut gradient = [0.0; N];
     let mut cost = 0.0;
+    let coupled = matches!(record.kind, Kind::Balance | Kind::Driven);
+    if coupled && values[plant::WHEEL_INERTIA] >= values[plant::TOTAL_INERTIA] {
+        // No body has less inertia than the wheel that it carries.
+        return WindowNormal {
+            hessian: DMatrix::zeros(count, count),
+            gradient: DVector::zeros(count),
+            cost: f64::INFINITY,
+        };
+    }
     run_lanes::<N>(
         record,
         window,

@@ -99,6 +99,10 @@ const STEP_RAD: f64 = 0.1;
 const LONGEST_STEP_S: f64 = 0.02;
 /// Steps are at most this many time constants of the fastest friction (RK4 is stable to 2.78).
 const STEP_TIME_CONSTANTS: f64 = 1.0;
+/// Most parts into which the interval between two samples is divided. Parameters that would need
+/// more have no meaning on the bench that was sampled at this rate; a fit that strays there must be
+/// told so by a bad result, not by one that never comes.
+const MOST_PARTS: f64 = 64.0;
 /// Shortest step that presliding friction asks for.
 const CONTACT_STEP_S: f64 = 2e-3;
 /// A step in which dry friction changes its sign is repeated in this many parts.
@@ -375,7 +379,7 @@ impl<S: Scalar> Plant<S> {
     /// The state after `step_s` seconds under `drive`: as many equal steps as accuracy and
     /// stability ask for, and a finer repetition where dry friction changes its sign.
     pub fn step(&self, start: &State<S>, drive: &Drive<S>, step_s: f64) -> State<S> {
-        let parts = (step_s / self.longest_step_s).ceil();
+        let parts = (step_s / self.longest_step_s).ceil().min(MOST_PARTS);
         if parts <= 1.0 {
             return self.checked_step(start, drive, step_s);
         }
