@@ -60,11 +60,11 @@ pub struct Certificate {
     /// The current drive.
     pub drive: Drive,
     /// Arguments of `control`.
-    pub inputs: Vec<Input>,
+    pub inputs: [Input; 3],
     /// Result of `control`.
     pub output: Output,
-    /// Constants of the source.
-    pub constants: Vec<Constant>,
+    /// Constants of the source: three gains and the limit.
+    pub constants: [Constant; 4],
     /// Bounds of one step.
     pub bounds: Bounds,
     /// What is claimed.
@@ -238,8 +238,8 @@ pub struct ClosedLoop {
     /// The bound of that rest for the current, for a perturbation of 1 A (A), rounded up.
     #[serde(rename = "rest_A")]
     pub rest: Decimal,
-    /// Perturbations and what they lead to.
-    pub cases: Vec<ClosedLoopCase>,
+    /// Perturbations and what they lead to: by words, by sensors.
+    pub cases: [ClosedLoopCase; 2],
 }
 
 /// One kind of perturbation.

@@ -112,9 +112,7 @@ fn one_command(
     certificate: &Certificate,
     words: [i128; 3],
 ) -> Result<i128, String> {
-    let [a, b, c, limit] = certificate.constants.as_slice() else {
-        return Err("the certificate does not list four constants".to_owned());
-    };
+    let [a, b, c, limit] = &certificate.constants;
     let shift = certificate.bounds.shift.clamp(1, 62);
     let command = machine.call(&words).map_err(|trap| trap.to_string())?[0];
     let exact =

@@ -1,0 +1,172 @@
+//! A certificate that was altered by hand is rejected, whatever was altered.
+
+use std::path::Path;
+
+use checker::certificate::Certificate;
+use checker::control_law::ControlLaw;
+use checker::prove::{Emitted, settle};
+use checker::{Module, Outcome, Settings, closed_loop, consistency, hardware};
+use serde_json::Value;
+
+const SETTINGS: Settings = Settings {
+    cases: 100,
+    seed: 7,
+    smt: false,
+    kani: false,
+    closed_loop: true,
+};
+
+fn emitted() -> Emitted {
+    Emitted::read(Path::new("../generated")).unwrap()
+}
+
+fn module() -> Module {
+    Module::read(Path::new("../generated")).unwrap()
+}
+
+/// Every place in a JSON value, as JSON pointers.
+fn places(value: &Value, path: &str, found: &mut Vec<String>) {
+    found.push(path.to_owned());
+    match value {
+        Value::Object(fields) => {
+            for (name, value) in fields {
+                places(value, &format!("{path}/{name}"), found);
+            }
+        }
+        Value::Array(values) => {
+            for (index, value) in values.iter().enumerate() {
+                places(value, &format!("{path}/{index}"), found);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Other values for one place.
+fn alterations(value: &Value) -> Vec<Value> {
+    match value {
+        Value::String(text) => {
+            let mut others = vec![Value::String(format!("{text}x"))];
+            if let Ok(number) = text.parse::<f64>() {
+                let raised = if number == 0.0 {
+                    1e-6
+                } else {
+                    number * 1.000_001
+                };
+                others = vec![
+                    Value::String(format!("{raised:e}")),
+                    Value::String(format!("{:e}", number * 0.9 - 1e-9)),
+                ];
+            }
+            others
+        }
+        Value::Number(number) => {
+            let number = number.as_i64().unwrap();
+            vec![Value::from(number + 1), Value::from(number - 1)]
+        }
+        Value::Null => vec![Value::String("0.001".to_owned())],
+        Value::Array(values) => {
+            let mut shorter = values.clone();
+            shorter.pop();
+            let mut longer = values.clone();
+            longer.extend(values.last().cloned());
+            vec![Value::Array(shorter), Value::Array(longer)]
+        }
+        Value::Object(fields) => {
+            let mut longer = fields.clone();
+            longer.insert("more".to_owned(), Value::Null);
+            let mut others = vec![Value::Object(longer)];
+            for name in fields.keys() {
+                let mut shorter = fields.clone();
+                shorter.remove(name);
+                others.push(Value::Object(shorter));
+            }
+            others
+        }
+        Value::Bool(value) => vec![Value::Bool(!value)],
+    }
+}
+
+/// Why a certificate is rejected; `None` if it is not. Quick checks come first, and all claims are
+/// settled for what they let pass.
+fn rejection(emitted: &Emitted, module: &Module, text: &str) -> Option<String> {
+    let certificate = match Certificate::parse(text) {
+        Ok(certificate) => certificate,
+        Err(error) => return Some(error.to_string()),
+    };
+    let law = ControlLaw::read(module).unwrap();
+    let mut files: Vec<_> = module
+        .texts()
+        .iter()
+        .map(|(path, _)| path.clone())
+        .collect();
+    files.push("Cargo.toml".to_owned());
+    let stated = certificate.closed_loop.as_ref()?;
+    let quick = consistency::check(&certificate, module, &law, &files)
+        .and_then(|()| hardware::check(&certificate, module, &law))
+        .and_then(|()| closed_loop::check(&certificate, stated, &law).map(|_| ()));
+    if let Err(why) = quick {
+        return Some(why);
+    }
+    let results = settle(emitted, &certificate, &SETTINGS);
+    results
+        .iter()
+        .find(|result| matches!(result.outcome, Outcome::Failed(_)))
+        .map(|result| result.outcome.detail())
+}
+
+#[test]
+fn the_committed_certificate_holds() {
+    let emitted = emitted();
+    assert_eq!(rejection(&emitted, &module(), &emitted.certificate), None);
+}
+
+#[test]
+fn every_alteration_is_rejected() {
+    let emitted = emitted();
+    let module = module();
+    let whole: Value = serde_json::from_str(&emitted.certificate).unwrap();
+    let mut found = Vec::new();
+    places(&whole, "", &mut found);
+    let (mut tried, mut accepted) = (0, Vec::new());
+    for place in &found {
+        for other in alterations(whole.pointer(place).unwrap()) {
+            let mut altered = whole.clone();
+            *altered.pointer_mut(place).unwrap() = other.clone();
+            // A certificate without a closed loop claims less; nothing in it is false.
+            if altered["closed_loop"].is_null() {
+                continue;
+            }
+            tried += 1;
+            if rejection(&emitted, &module, &altered.to_string()).is_none() {
+                accepted.push(format!("{place}: {other}"));
+            }
+        }
+    }
+    eprintln!("{tried} alterations");
+    assert!(tried > 500, "{tried}");
+    assert!(accepted.is_empty(), "accepted: {accepted:#?}");
+}
+
+#[test]
+fn without_a_closed_loop_its_claim_is_not_run() {
+    let emitted = emitted();
+    let mut whole: Value = serde_json::from_str(&emitted.certificate).unwrap();
+    whole["closed_loop"] = Value::Null;
+    let certificate = Certificate::parse(&whole.to_string()).unwrap();
+    let results = settle(&emitted, &certificate, &SETTINGS);
+    let row = results
+        .iter()
+        .find(|result| result.id == "closed-loop-for-all-time")
+        .unwrap();
+    assert!(matches!(row.outcome, Outcome::NotRun(_)), "{row:?}");
+}
+
+#[test]
+fn an_error_names_line_and_column() {
+    let error = Certificate::parse("{\n  \"generator\": 1\n}").unwrap_err();
+    assert!(
+        error.to_string().starts_with("certificate.json:2:16: "),
+        "{error}"
+    );
+}
