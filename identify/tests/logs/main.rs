@@ -2,5 +2,7 @@
 //! simulated logs, and figures of real ones.
 
 mod breakdown;
+mod contradiction;
 mod real;
+mod recovery;
 mod simulated;

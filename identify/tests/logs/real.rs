@@ -1,7 +1,8 @@
 //! Recordings of real rigs: figures that independent fits gave.
 
 use bench_files::Bench;
-use identify::{Decay, Setup, decay};
+use identify::{Decay, Setup, decay, identify};
+use plant::{EffectId, Model};
 
 use crate::simulated::data;
 
@@ -100,4 +101,23 @@ fn the_other_reaction_wheel_pendulum_dies_out_by_dry_friction_and_quadratic_drag
     };
     let found = decay_of(&setup);
     assert_eq!(found.laws[0].has, [true, false, true]);
+}
+
+#[test]
+fn the_thesis_swing_is_fitted_as_well_as_an_independent_program_did() {
+    let Some(setup) = bench("orig_freeswing_reibung.csv", STANDARD) else {
+        return;
+    };
+    // mrad; independent fits gave 22.3, 19.1 and 8.4.
+    for (effect, limit) in [
+        (None, 22.3),
+        (Some(EffectId::BodyCoulombFriction), 19.1),
+        (Some(EffectId::BodyPreslidingFriction), 8.5),
+    ] {
+        let model = effect.map_or(Model::base(), |effect| Model::base().with(effect));
+        let found = identify(&setup, &model, None).expect("a fit");
+        let rmse_mrad = 1e3 * found.traces[0][0].rmse;
+        eprintln!("{effect:?}: {rmse_mrad:.2} mrad");
+        assert!(rmse_mrad < limit + 0.05, "{effect:?}: {rmse_mrad}");
+    }
 }

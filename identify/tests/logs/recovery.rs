@@ -1,0 +1,341 @@
+//! Known parameters come back from simulated logs, with errors that mean what they say.
+
+use identify::{Identification, Record, Setup, find_pushes, identify};
+use plant::{EffectId, Kind, Model};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::simulated::{
+    Experiment, Now, PUSHES, Physics, VALUES, balance, bench, coast_down, data, free_swing, setup,
+    simulate, spin_up,
+};
+
+fn fitted(setup: &Setup, effects: &[EffectId]) -> Identification {
+    let model = effects
+        .iter()
+        .fold(Model::base(), |model, &effect| model.with(effect));
+    identify(setup, &model, None).expect("a fit")
+}
+
+/// Value and standard error of a parameter.
+fn parameter(found: &Identification, name: &str) -> (f64, f64) {
+    let position = found.fit.model.position_of(name).expect("in the model");
+    let std = found.fit.std(position).unwrap_or(f64::NAN);
+    (found.fit.values[position], std)
+}
+
+fn log(physics: &Physics, experiment: &Experiment, seed: u64) -> Record {
+    simulate(physics, experiment, &mut ChaCha8Rng::seed_from_u64(seed))
+}
+
+/// A shorter bench, so that many can be drawn.
+fn short_bench(physics: &Physics, seed: u64) -> Vec<Record> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let forward = |_: f64| 0.6;
+    let reversed = |_: f64| -0.6;
+    [
+        spin_up("spin-up 0.6 A", &forward, 3.0),
+        spin_up("spin-up -0.6 A", &reversed, 3.0),
+        free_swing("free swing 20 deg", 20f64.to_radians(), 8.0),
+        free_swing("free swing 52 deg", 52f64.to_radians(), 8.0),
+        Experiment {
+            length_s: 6.0,
+            ..balance("balance", &PUSHES)
+        },
+    ]
+    .iter()
+    .map(|experiment| simulate(physics, experiment, &mut rng))
+    .collect()
+}
+
+#[test]
+fn the_truth_lies_within_two_standard_errors_as_often_as_it_should() {
+    let names = [
+        ("total_inertia", VALUES[0]),
+        ("wheel_inertia", VALUES[1]),
+        ("body_viscous_friction", VALUES[4]),
+        ("wheel_viscous_friction", VALUES[5]),
+    ];
+    let seeds = 2000..2150u64;
+    let errors: Vec<[f64; 4]> = seeds
+        .clone()
+        .into_par_iter()
+        .map(|seed| {
+            let found = fitted(&setup(short_bench(&Physics::base(), seed)), &[]);
+            names.map(|(name, truth)| {
+                let (value, std) = parameter(&found, name);
+                if name.ends_with("inertia") {
+                    let relative = value / truth - 1.0;
+                    assert!(relative.abs() < 5e-3, "seed {seed} {name}: {relative}");
+                }
+                (value - truth) / std
+            })
+        })
+        .collect();
+    let mut inside = 0;
+    for (index, (name, _)) in names.iter().enumerate() {
+        let own = errors.iter().filter(|e| e[index].abs() < 2.0).count();
+        let rms =
+            (errors.iter().map(|e| e[index].powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
+        let mean = errors.iter().map(|e| e[index]).sum::<f64>() / errors.len() as f64;
+        eprintln!(
+            "{name}: {own} of {} within two, mean {mean:.2} rms {rms:.2}",
+            errors.len()
+        );
+        inside += own;
+    }
+    let rate = inside as f64 / (4 * errors.len()) as f64;
+    eprintln!("coverage {rate}");
+    assert!((0.92..=0.98).contains(&rate), "{rate}, seeds {seeds:?}");
+}
+
+#[test]
+fn a_whole_bench_gives_both_inertias_within_half_a_percent() {
+    for seed in 2200..2203 {
+        let found = fitted(&setup(bench(&Physics::base(), seed)), &[]);
+        for (name, truth) in [("total_inertia", VALUES[0]), ("wheel_inertia", VALUES[1])] {
+            let (value, _) = parameter(&found, name);
+            assert!(
+                (value / truth - 1.0).abs() < 5e-3,
+                "seed {seed} {name}: {value}"
+            );
+        }
+        for traces in &found.traces {
+            for trace in traces {
+                assert!(
+                    trace.fit_percent > 30.0,
+                    "seed {seed}: {:?} {}",
+                    trace.output,
+                    trace.fit_percent
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_log_of_more_than_a_hundred_periods_converges_from_a_plain_start() {
+    for seed in 2300..2303 {
+        let long = free_swing("long", 0.6, 90.0);
+        let known = [None, None, Some(VALUES[2]), None];
+        let records = vec![log(&Physics::base(), &long, seed)];
+        let setup = Setup::from_records(records, known, Default::default()).expect("records");
+        let found = fitted(&setup, &[]);
+        let (inertia, _) = parameter(&found, "total_inertia");
+        assert!(
+            (inertia / VALUES[0] - 1.0).abs() < 1e-4,
+            "seed {seed}: {inertia}"
+        );
+        let trace = &found.traces[0][0];
+        assert!(trace.rmse < 1.1 * 1.2e-3, "seed {seed}: {}", trace.rmse);
+    }
+}
+
+/// True impulses in N m s.
+fn impulse(size: f64) -> f64 {
+    size * 0.05 * std::f64::consts::PI.sqrt()
+}
+
+#[test]
+fn pushes_are_found_where_and_as_large_as_they_were_and_none_elsewhere() {
+    let same_direction = [(0.02, 5.0), (0.025, 6.0)];
+    let cases: [(&str, &[(f64, f64)], f64); 4] = [
+        ("four", &PUSHES, 0.0),
+        ("two in one direction", &same_direction, 0.0),
+        ("none", &[], 0.0),
+        ("none, motor with a lag", &[], 0.004),
+    ];
+    for (name, pushes, lag) in cases {
+        for seed in 2400..2406 {
+            let physics = Physics {
+                motor_lag_s: lag,
+                ..Physics::base()
+            };
+            let records = vec![
+                log(&physics, &free_swing("swing", 0.35, 10.0), seed + 50),
+                log(&physics, &balance("balance", pushes), seed),
+            ];
+            let found = fitted(&setup(records), &[]);
+            let found = &found.pushes[1];
+            let said = format!("{name}, seed {seed}: {found:?}");
+            assert_eq!(found.len(), pushes.len(), "{said}");
+            for (push, (size, at)) in found.iter().zip(pushes) {
+                assert!((push.time_s - at).abs() < 0.010, "{said}");
+                let ratio = push.impulse_nms / impulse(*size);
+                assert!((ratio - 1.0).abs() < 0.15, "{said}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_push_is_found_in_other_kinds_of_log() {
+    let record = log(&Physics::base(), &free_swing("swing", 0.35, 10.0), 2450);
+    let model = identify::PushModel {
+        base: [VALUES[0], VALUES[1], VALUES[2], VALUES[3]],
+        body_friction: VALUES[4],
+        wheel_friction: VALUES[5],
+    };
+    assert_eq!(record.kind, Kind::FreeSwing);
+    assert!(find_pushes(&record, &model).is_empty());
+}
+
+#[test]
+fn without_a_known_torque_parameters_are_per_unit_of_inertia() {
+    let records = short_bench(&Physics::base(), 2500);
+    let swings: Vec<Record> = records
+        .into_iter()
+        .filter(|record| record.kind == Kind::FreeSwing)
+        .collect();
+    let setup = Setup::from_records(swings, [None; 4], Default::default()).expect("records");
+    let found = fitted(&setup, &[]);
+    let (gravity, std) = parameter(&found, "gravity_torque");
+    let truth = VALUES[2] / VALUES[0];
+    assert!((gravity / truth - 1.0).abs() < 1e-3, "{gravity} ± {std}");
+    let position = found.fit.model.position_of("gravity_torque").expect("base");
+    assert!(
+        setup
+            .unit(&found.fit.model, position)
+            .ends_with("per kg m2")
+    );
+    assert!(
+        found
+            .statements
+            .iter()
+            .any(|s| s.contains("per unit of inertia"))
+    );
+}
+
+#[test]
+fn a_spin_up_whose_current_nobody_wrote_down_gives_its_time_constant() {
+    let current = |_: f64| 0.7;
+    for seed in 2600..2604 {
+        let mut record = log(&Physics::base(), &spin_up("spin-up", &current, 20.0), seed);
+        let speed = record.channels.remove(0).samples;
+        let outputs = [None, None, Some(speed)];
+        let record = Record::new("spin-up", Kind::SpinUp, record.time_s, outputs, None, false);
+        let known = [None, None, None, Some(VALUES[3])];
+        let setup = Setup::from_records(vec![record], known, Default::default()).expect("a record");
+        let found = fitted(&setup, &[]);
+        let (friction, _) = parameter(&found, "wheel_viscous_friction");
+        let (inertia, _) = parameter(&found, "wheel_inertia");
+        let ratio = (friction / inertia) / (VALUES[5] / VALUES[1]);
+        assert!((ratio - 1.0).abs() < 0.02, "seed {seed}: {ratio}");
+        assert!(found.traces[0][0].rmse < 1.1 * 0.6, "seed {seed}");
+        assert!(
+            found
+                .statements
+                .iter()
+                .any(|s| s.contains("per unit of inertia")),
+            "{:?}",
+            found.statements
+        );
+    }
+}
+
+#[test]
+fn an_encoder_of_coarse_steps_gives_the_same_parameters() {
+    for seed in 2700..2704 {
+        let physics = Physics {
+            noise: [3e-4, 4e-3, 0.6, 2e-3],
+            angle_step: 0.01,
+            ..Physics::base()
+        };
+        let record = log(&physics, &free_swing("swing", 0.5, 20.0), seed);
+        let outputs = [Some(record.channels[0].samples.clone()), None, None];
+        let record = Record::new(
+            "swing",
+            Kind::FreeSwing,
+            record.time_s,
+            outputs,
+            None,
+            false,
+        );
+        assert!(record.channels[0].quantum.is_some(), "seed {seed}");
+        let known = [None, None, Some(VALUES[2]), None];
+        let setup = Setup::from_records(vec![record], known, Default::default()).expect("a record");
+        let found = fitted(&setup, &[]);
+        let (inertia, _) = parameter(&found, "total_inertia");
+        assert!(
+            (inertia / VALUES[0] - 1.0).abs() < 2e-3,
+            "seed {seed}: {inertia}"
+        );
+        let (friction, std) = parameter(&found, "body_viscous_friction");
+        assert!(
+            (friction - VALUES[4]).abs() < 4.0 * std,
+            "seed {seed}: {friction} ± {std}"
+        );
+    }
+}
+
+#[test]
+fn dry_friction_of_the_wheel_comes_back_from_a_balance_log_alone() {
+    let dry = 1.2e-3;
+    let on_wheel = |now: &Now| -dry * now.wheel_speed.tanh();
+    for seed in 2800..2804 {
+        let physics = Physics {
+            on_wheel: &on_wheel,
+            ..Physics::base()
+        };
+        let records = vec![log(&physics, &balance("balance", &PUSHES), seed)];
+        let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
+        let (value, std) = parameter(&found, "wheel_coulomb_torque");
+        eprintln!("seed {seed}: {value:.4e} ± {std:.1e}");
+        assert!(
+            (value - dry).abs() < 4.0 * std,
+            "seed {seed}: {value} ± {std}"
+        );
+        assert!(std < 0.1 * dry, "seed {seed}: {value} ± {std}");
+        assert!(
+            (value / dry - 1.0).abs() < 0.15,
+            "seed {seed}: {value} ± {std}"
+        );
+    }
+}
+
+#[test]
+fn dry_friction_of_the_reference_wheel_comes_back_from_its_balance_log_alone() {
+    let Some(folder) = data("hidden/d-dry-wheel") else {
+        return;
+    };
+    let mut bench = bench_files::Bench::load(&folder).expect("a bench");
+    bench
+        .experiments
+        .retain(|experiment| experiment.kind == Kind::Balance);
+    let setup = Setup::new(&bench).expect("records");
+    let found = fitted(&setup, &[EffectId::WheelCoulombFriction]);
+    let (value, std) = parameter(&found, "wheel_coulomb_torque");
+    eprintln!("{value:.4e} ± {std:.1e}");
+    assert!((value / 1.2e-3 - 1.0).abs() < 0.15, "{value} ± {std}");
+    assert!((value - 1.2e-3).abs() < 4.0 * std, "{value} ± {std}");
+    assert_eq!(found.pushes[0].len(), 4);
+}
+
+#[test]
+fn a_coast_down_to_standstill_gives_both_frictions_of_the_wheel() {
+    let on_wheel = |now: &Now| -1.2e-3 * now.wheel_speed.tanh();
+    let physics = Physics {
+        on_wheel: &on_wheel,
+        ..Physics::base()
+    };
+    let current = |_: f64| 0.6;
+    for seed in 2900..2904 {
+        let records = vec![
+            log(&physics, &coast_down("coast-down"), seed),
+            log(&physics, &spin_up("spin-up", &current, 6.0), seed + 50),
+        ];
+        let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
+        for (name, truth) in [
+            ("wheel_coulomb_torque", 1.2e-3),
+            ("wheel_viscous_friction", VALUES[5]),
+            ("wheel_inertia", VALUES[1]),
+        ] {
+            let (value, std) = parameter(&found, name);
+            assert!(
+                (value / truth - 1.0).abs() < 0.01,
+                "seed {seed} {name}: {value} ± {std}"
+            );
+        }
+    }
+}
