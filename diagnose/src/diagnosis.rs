@@ -101,14 +101,26 @@ pub fn diagnose(
     minimum: Minimum,
     progress: &dyn Fn(&str),
 ) -> Diagnosis {
+    diagnose_among(setup, model, minimum, EffectId::ALL, progress)
+}
+
+/// As [`diagnose`], with these effects of the library as the only suspects.
+pub fn diagnose_among(
+    setup: &Setup,
+    model: &Model,
+    minimum: Minimum,
+    suspects: &[EffectId],
+    progress: &dyn Fn(&str),
+) -> Diagnosis {
     let records = setup.all_records();
     let start = Candidate::new(setup, &records, vec![], model.clone(), minimum, None);
-    let found = search(setup, start, progress);
+    let found = search(setup, start, suspects, progress);
     progress("predicting experiments that the fit has not seen");
     let bench = Bench {
         setup,
         records,
         window_s: None,
+        suspects,
     };
     let chosen = if found.ties.is_empty() {
         found.best
@@ -129,7 +141,7 @@ pub fn diagnose(
         .into_par_iter()
         .map(|(effect, index)| step(&bench, effect, &found.pool[index]))
         .collect();
-    let suspects = suspects(&bench, &found, remainder);
+    let suspects = ranked_suspects(&bench, &found, remainder);
     let ambiguous_between: Vec<Vec<EffectId>> = found
         .ties
         .iter()
@@ -230,7 +242,7 @@ fn new_effects(found: &Search, from: usize, to: usize) -> Vec<EffectId> {
 /// Most suspects that are reported.
 const MOST_SUSPECTS: usize = 6;
 
-fn suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect> {
+fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect> {
     let base = &found.pool[0];
     let best = &found.pool[found.best];
     // Sets that add to the best one what no sensor would show do not vote.

@@ -9,22 +9,24 @@
 //! | `validation` | how well a model predicts an experiment that its fit has not seen |
 //! | `next_experiment` | the experiment that would separate explanations which tie |
 //! | `diagnosis` | the verdict, and what it rests on |
+//! | `exam/` | benches with a hidden effect, and how the verdicts on them are marked |
 
 mod candidate;
 mod diagnosis;
 mod evidence;
+pub mod exam;
 mod next_experiment;
 mod search;
 mod suspects;
 mod validation;
 
 pub use candidate::Candidate;
-pub use diagnosis::{Diagnosis, Step, Suspect, Verdict, diagnose};
+pub use diagnosis::{Diagnosis, Step, Suspect, Verdict, diagnose, diagnose_among};
 pub use evidence::{TIE, effective, log_evidence, residual};
 pub use next_experiment::propose;
 pub use search::{
-    LEAST_TRACE, REMAINS, Search, largest_remainder, largest_trace, names, noise, remainders,
-    search,
+    LEAST_TRACE, REMAINS, Search, largest_remainder, largest_trace, names, noise, prepared,
+    remainders, search,
 };
 pub use suspects::{Bench, applicable, try_all, without};
 pub use validation::{HeldOut, held_out, mean_fit_percent};

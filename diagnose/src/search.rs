@@ -152,14 +152,19 @@ fn argmax(values: &[f64], among: impl Iterator<Item = usize>) -> Option<usize> {
     among.max_by(|&a, &b| values[a].total_cmp(&values[b]))
 }
 
-/// Searches from `start` (the fitted model as it is) for the effects that are missing.
-/// `progress` is told what is going on, in words.
-pub fn search(setup: &Setup, start: Candidate, progress: &dyn Fn(&str)) -> Search {
+/// What a search works on, and the model from which it starts, fitted in short windows besides where
+/// its free run has drifted away from the logs.
+pub fn prepared<'a>(
+    setup: &'a Setup,
+    start: Candidate,
+    suspects: &'a [EffectId],
+) -> (Bench<'a>, Candidate) {
     let mut start = start;
     let mut bench = Bench {
         setup,
         records: setup.all_records(),
         window_s: None,
+        suspects,
     };
     if largest_remainder(&bench.records, &start) > NEAR {
         let window_s = WINDOW_PERIODS * period_s(&start.minimum.values);
@@ -181,7 +186,19 @@ pub fn search(setup: &Setup, start: Candidate, progress: &dyn Fn(&str)) -> Searc
             Some(windowed),
         );
     }
-    let bench = bench;
+    (bench, start)
+}
+
+/// Searches from `start` (the fitted model as it is) for the effects that are missing, among
+/// `suspects`.
+/// `progress` is told what is going on, in words.
+pub fn search(
+    setup: &Setup,
+    start: Candidate,
+    suspects: &[EffectId],
+    progress: &dyn Fn(&str),
+) -> Search {
+    let (bench, start) = prepared(setup, start, suspects);
     let records = &bench.records;
     let mut pool = vec![start];
     let mut extended = vec![];

@@ -28,6 +28,8 @@ pub struct Bench<'a> {
     pub records: Vec<&'a Record>,
     /// Length of the short windows in s, where the model as it was drifts away from the logs.
     pub window_s: Option<f64>,
+    /// The effects that are tried.
+    pub suspects: &'a [EffectId],
 }
 
 /// Most suspects that are fitted in one round; the score test has sorted out the others.
@@ -268,7 +270,8 @@ fn fit_best(
 /// Tries every applicable effect on top of `from`: a score test for all, a full refit for those
 /// that promise something.
 pub fn try_all(bench: &Bench, from: &Candidate, most: usize) -> Vec<Candidate> {
-    let suspects: Vec<EffectId> = EffectId::ALL
+    let suspects: Vec<EffectId> = bench
+        .suspects
         .iter()
         .copied()
         .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))

@@ -36,7 +36,7 @@ pub const LEFT_BY_THE_BEST: f64 = 3.0;
 pub const SIZES: (f64, f64) = (1.0, 30.0);
 /// Times that a bench is drawn again if its hidden terms cannot have the size that was drawn, or an
 /// outsider does not count.
-const REDRAWS: u64 = 6;
+const REDRAWS: u64 = 20;
 
 /// What kind of question a bench asks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -131,7 +131,7 @@ fn sign(rng: &mut ChaCha8Rng) -> f64 {
 /// swings at 1 to 2.2 Hz.
 fn draw_truth(rng: &mut ChaCha8Rng) -> Truth {
     let total = log_uniform(rng, 1e-3, 5e-3);
-    let wheel = total * log_uniform(rng, 0.03, 0.12);
+    let wheel = total * log_uniform(rng, 0.04, 0.12);
     let omega = TAU * rng.random_range(1.0..2.2);
     Truth {
         base: [
@@ -193,8 +193,8 @@ fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, hidden: &[EffectId]) ->
     }
     // A bench without a motor, one time in eight.
     let swings_only = rng.random_bool(0.125) && !needs_wheel;
-    let speed = rng.random_range(200.0..450.0);
-    let duration_s = 4.0;
+    let speed = rng.random_range(300.0..700.0);
+    let duration_s = 3.0;
     let decay = truth.wheel_viscous / wheel;
     let top_a = speed * truth.wheel_viscous / torque / (1.0 - (-decay * duration_s).exp());
     if !swings_only {
@@ -403,6 +403,19 @@ fn shape_of_outsider(rng: &mut ChaCha8Rng, outsider: Outsider, truth: &Truth) ->
     }
 }
 
+/// Whether the numbers of a library effect lie where its description says that they lie on benches
+/// of this size. The knee of a saturation goes with the currents of the bench, whatever they are.
+fn is_plausible(hidden: &Hidden) -> bool {
+    match hidden {
+        Hidden::Library(EffectId::MotorSaturation, _) | Hidden::Outsider(..) => true,
+        Hidden::Library(effect, p) => effect.info().parameters.iter().zip(p).all(|(info, value)| {
+            let (low, high) = info.plausible;
+            // The size that is drawn decides how small an amplitude is.
+            value.abs() <= high.abs().max(low.abs())
+        }),
+    }
+}
+
 /// A seed's logs as the fit sees them, with the noise that was really put in and without it.
 struct Made {
     /// What the exam hands out.
@@ -577,6 +590,9 @@ fn attempt_draw(seed: u64, attempt: u64) -> Option<ExamBench> {
     for shape in &shapes {
         let wanted = log_uniform(&mut rng, smallest, largest);
         let (term, size) = sized(&base, &choice, &noise, seed, shape, wanted)?;
+        if !is_plausible(&term) {
+            return None;
+        }
         terms.push(term);
         sizes.push(size);
     }
