@@ -30,18 +30,10 @@ pub fn covariance(
     held: &[bool],
 ) -> Option<DMatrix<f64>> {
     let count = unknowns.free.len();
+    let nowhere = DVector::zeros(count);
     let mut middle = DMatrix::zeros(count, count);
     for (record, windows) in records.iter().zip(windows) {
-        let globals = relevant(record, model, unknowns);
-        add_record(
-            &mut middle,
-            record,
-            windows,
-            model,
-            values,
-            unknowns,
-            &globals,
-        );
+        middle += gradient_covariance(record, windows, model, values, unknowns, &nowhere);
     }
     let inverse = pseudo_inverse(information, held)?;
     Some(&inverse * middle * &inverse)
@@ -70,20 +62,27 @@ pub fn pseudo_inverse(information: &DMatrix<f64>, held: &[bool]) -> Option<DMatr
     Some(full)
 }
 
-fn add_record(
-    middle: &mut DMatrix<f64>,
+/// One record's share of the middle sum Σᵢⱼ sᵢ R(i−j) sⱼᵀ: the covariance of its gradient, with R of
+/// the residual that is left once the free parameters have taken `step` (in the fit's coordinates;
+/// to first order). A record that is to be compared with others takes its own step, so that its
+/// disagreement with them does not count as its noise.
+pub fn gradient_covariance(
     record: &Record,
     windows: &[Window],
     model: &Model,
     values: &[f64],
     unknowns: &Unknowns,
-    globals: &[usize],
-) {
+    step: &DVector<f64>,
+) -> DMatrix<f64> {
+    let count = unknowns.free.len();
+    let mut middle = DMatrix::zeros(count, count);
+    let globals = relevant(record, model, unknowns);
     let n = record.len();
     let p = globals.len();
     if p == 0 {
-        return;
+        return middle;
     }
+    let own_step = DVector::from_fn(p, |row, _| step[globals[row]]);
     let channels = record.channels.len();
     let mut residuals = vec![vec![0.0; n]; channels];
     let mut sensitivities = vec![vec![vec![0.0; n]; p]; channels];
@@ -93,7 +92,7 @@ fn add_record(
         let l = window.locals.len();
         locals_total += l;
         // s̃ = s_g − Hgl Hll⁻¹ s_l: what is left of the sensitivity once the start may adapt.
-        let system = normal(record, window, model, values, unknowns, globals);
+        let system = normal(record, window, model, values, unknowns, &globals);
         let mut own = system.hessian.view((p, p), (l, l)).into_owned();
         for index in 0..l {
             own[(index, index)] = own[(index, index)].max(1e-300) * (1.0 + 1e-12);
@@ -107,19 +106,19 @@ fn add_record(
             model,
             values,
             unknowns,
-            globals,
+            &globals,
             &mut |observation| {
                 let k = observation.sample;
                 if record.weight[k] == 0.0 || !observation.residual.is_finite() {
                     return;
                 }
                 counts[observation.channel] += 1;
-                residuals[observation.channel][k] = observation.residual;
                 let mut s = DVector::from_column_slice(&observation.sensitivity[..p]);
                 if let Some(projection) = &projection {
                     let own = DVector::from_column_slice(&observation.sensitivity[p..]);
                     s -= projection.transpose() * own;
                 }
+                residuals[observation.channel][k] = observation.residual - s.dot(&own_step);
                 for (series, value) in sensitivities[observation.channel].iter_mut().zip(s.iter()) {
                     series[k] = *value;
                 }
@@ -143,6 +142,7 @@ fn add_record(
             }
         }
     }
+    middle
 }
 
 /// Σᵢⱼ sᵢ R(i−j) sⱼᵀ of one channel.

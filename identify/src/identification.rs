@@ -6,6 +6,7 @@ use plant::{
     WHEEL_INERTIA,
 };
 
+use crate::contradiction::{Contradiction, body_inertia_contradiction, contradictions};
 use crate::fit::{BALANCE_WINDOW_S, Fit, Trace, finish, fit_from_scratch, refit, traces};
 use crate::pushes::{Push, PushModel, find_pushes, leave_out};
 use crate::record::{Output, Record};
@@ -131,6 +132,36 @@ impl Setup {
     /// The records as the fits take them.
     pub fn all_records(&self) -> Vec<&Record> {
         self.records.iter().collect()
+    }
+
+    /// The same bench with free swings thinned to about `per_period` samples in a period of the
+    /// pendulum, and for each record the step by which it was thinned. A swing that is sampled a
+    /// thousand times in a period says no more about the shape of a missing effect than one that is
+    /// sampled a hundred times.
+    pub fn thinned(&self, values: &[f64], per_period: f64) -> (Setup, Vec<usize>) {
+        let wanted_s = crate::fit::period_s(values) / per_period;
+        let mut thin = self.clone();
+        let steps: Vec<usize> = self
+            .records
+            .iter()
+            .map(|record| {
+                let (Some(first), Some(last)) = (record.time_s.first(), record.time_s.last())
+                else {
+                    return 1;
+                };
+                let step_s = (last - first) / record.len().max(2) as f64;
+                match record.kind {
+                    Kind::FreeSwing => ((wanted_s / step_s).floor() as usize).max(1),
+                    _ => 1,
+                }
+            })
+            .collect();
+        for (record, &step) in thin.records.iter_mut().zip(&steps) {
+            if step > 1 {
+                *record = record.every(step);
+            }
+        }
+        (thin, steps)
     }
 
     /// Whether any experiment moves the body, and whether any moves the wheel.
@@ -309,7 +340,16 @@ pub fn identify(
         .zip(&fit.minimum.windows)
         .map(|(record, windows)| traces(record, windows, model, &fit.values))
         .collect();
-    let statements = statements(setup, &fit);
+    let mut statements = statements(setup, &fit);
+    let on_bound: Vec<usize> = (fit.unknowns.free.iter().zip(&fit.minimum.on_bound))
+        .filter_map(|(&position, &on_bound)| on_bound.then_some(position))
+        .collect();
+    statements.extend(
+        contradictions(setup, model, &fit.values, &fit.minimum.windows, &on_bound)
+            .iter()
+            .map(Contradiction::sentence),
+    );
+    statements.extend(body_inertia_contradiction(setup, &fit));
     let friction = |name: &str| {
         model
             .position_of(name)

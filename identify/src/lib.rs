@@ -9,6 +9,7 @@
 //! | `solver` | nonlinear least squares over shared parameters and each window's start |
 //! | `fit` | the schedule from a plain start; model against measurement |
 //! | `covariance` | standard errors that account for correlated residuals |
+//! | `contradiction` | experiments and knowns that cannot all be right |
 //! | `missing_torque` | the torque that a model lacks, over time |
 //! | `breakdown` | where a model fails: its residual over time, amplitude, angle, speed, current |
 //! | `decay` | how a free swing dies out: amplitude, decay and period |
@@ -17,6 +18,7 @@
 //! | `identification` | a whole bench: what is known, what is free, what is open |
 
 mod breakdown;
+mod contradiction;
 mod covariance;
 mod decay;
 mod fit;
@@ -32,6 +34,9 @@ mod whiteness;
 
 pub use breakdown::{
     Bin, Breakdown, Coordinate, Explained, FailureMap, Quantity, Region, breakdown,
+};
+pub use contradiction::{
+    Contradiction, Side, body_inertia, body_inertia_contradiction, contradictions,
 };
 pub use covariance::pseudo_inverse;
 pub use decay::{AtAmplitude, Decay, DecayLaw, Estimate, decay};

@@ -171,16 +171,24 @@ impl Record {
 
     /// Part of the record, as if it had been recorded on its own (the noise is that of the whole).
     pub fn slice(&self, samples: std::ops::Range<usize>) -> Record {
-        let outputs = Output::ALL.map(|output| {
-            self.channel(output)
-                .map(|channel| channel.samples[samples.clone()].to_vec())
-        });
-        let current_a =
-            (!self.current_a.is_empty()).then(|| self.current_a[samples.clone()].to_vec());
+        self.part(&samples.collect::<Vec<_>>())
+    }
+
+    /// Every `step`-th sample of the record. Only for logs whose current does not change between
+    /// the samples that are kept.
+    pub fn every(&self, step: usize) -> Record {
+        self.part(&(0..self.len()).step_by(step).collect::<Vec<_>>())
+    }
+
+    fn part(&self, samples: &[usize]) -> Record {
+        let pick = |series: &[f64]| samples.iter().map(|&k| series[k]).collect::<Vec<f64>>();
+        let outputs =
+            Output::ALL.map(|output| self.channel(output).map(|channel| pick(&channel.samples)));
+        let current_a = (!self.current_a.is_empty()).then(|| pick(&self.current_a));
         let mut part = Record::new(
             &self.name,
             self.kind,
-            self.time_s[samples.clone()].to_vec(),
+            pick(&self.time_s),
             outputs,
             current_a,
             self.current_is_measured,
@@ -191,7 +199,7 @@ impl Record {
                 channel.quantum = whole.quantum;
             }
         }
-        part.weight = self.weight[samples].to_vec();
+        part.weight = pick(&self.weight);
         part
     }
 
