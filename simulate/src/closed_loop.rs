@@ -7,7 +7,7 @@
 
 use crate::SimulateError;
 use crate::error::check_positive;
-use crate::law::Law;
+use crate::law::{Law, LawFailure, Measured};
 use crate::motion::Motion;
 use crate::push::{Push, torque_at};
 use crate::sensors::{Sensors, from_upright_rad};
@@ -85,6 +85,24 @@ pub struct Trace {
     pub push: Vec<f64>,
     /// When the body first was horizontal, in s, if it ever was.
     pub fell_at_s: Option<f64>,
+}
+
+/// The bench at the instant of a sample.
+pub(crate) struct Instant<'a> {
+    /// The true state.
+    pub state: &'a State<f64>,
+    /// Current that flows just before, in A.
+    pub flowing_a: f64,
+    /// Torque of the pushes, N m.
+    pub push: f64,
+}
+
+/// What a controller was told at a sample, and the current that it commands.
+pub(crate) struct Answer {
+    /// What it was told.
+    pub measured: Measured,
+    /// The current in A.
+    pub command_a: f64,
 }
 
 /// Largest differences between two runs.
@@ -193,9 +211,28 @@ impl ClosedLoop<'_> {
         law: &mut dyn Law,
         over: impl Fn(&Trace) -> bool,
     ) -> Result<(Trace, State<f64>), SimulateError> {
+        law.reset();
+        let sample = |instant: &Instant<'_>, random: &mut ChaCha8Rng| {
+            let measured = self.sensors.read(&self.motion.read(instant.state), random);
+            let command_a = law.command_a(&measured)?;
+            Ok(Answer {
+                measured,
+                command_a,
+            })
+        };
+        self.run_sampled(start, duration_s, sample, over)
+    }
+
+    /// The loop itself: `sample` is asked at every sample time.
+    pub(crate) fn run_sampled(
+        &self,
+        start: &State<f64>,
+        duration_s: f64,
+        mut sample: impl FnMut(&Instant<'_>, &mut ChaCha8Rng) -> Result<Answer, LawFailure>,
+        over: impl Fn(&Trace) -> bool,
+    ) -> Result<(Trace, State<f64>), SimulateError> {
         self.check()?;
         check_positive("the duration in s", duration_s)?;
-        law.reset();
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         let samples = (duration_s / self.sample_time_s).round() as usize + 1;
         let mut trace = Trace::default();
@@ -204,11 +241,18 @@ impl ClosedLoop<'_> {
         // Commands that have not reached the motor yet, each with the time of its arrival.
         let mut pending: VecDeque<(f64, f64)> = VecDeque::new();
         let mut flowing_a = state.current_a;
-        for sample in 0..samples {
-            let time_s = sample as f64 * self.sample_time_s;
-            let measured = self.sensors.read(&self.motion.read(&state), &mut random);
-            let command_a = law
-                .command_a(&measured)
+        for number in 0..samples {
+            let time_s = number as f64 * self.sample_time_s;
+            let push = torque_at(&self.pushes, time_s);
+            let instant = Instant {
+                state: &state,
+                flowing_a,
+                push,
+            };
+            let Answer {
+                measured,
+                command_a,
+            } = sample(&instant, &mut random)
                 .map_err(|failure| SimulateError::Law { time_s, failure })?;
             pending.push_back((time_s + delay_s, self.actuator.flows(command_a)));
 
@@ -226,13 +270,13 @@ impl ClosedLoop<'_> {
                 .measured_wheel_speed_rad_s
                 .push(measured.wheel_speed_rad_s);
             trace.current_a.push(command_a);
-            trace.push.push(torque_at(&self.pushes, time_s));
+            trace.push.push(push);
             if over(&trace) {
                 break;
             }
 
             let mut from_s = time_s;
-            let to_s = (sample + 1) as f64 * self.sample_time_s;
+            let to_s = (number + 1) as f64 * self.sample_time_s;
             while let Some(&(arrives_s, current_a)) = pending.front() {
                 if arrives_s >= to_s {
                     break;

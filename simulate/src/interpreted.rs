@@ -61,17 +61,24 @@ impl Law for InterpretedLaw {
     }
 
     fn command_a(&mut self, measured: &Measured) -> Result<f64, LawFailure> {
-        let mut machine = Machine::new(&self.program);
         let call = |words: [i32; 3]| {
-            let failure = |message: String| LawFailure { message };
-            let results = machine
-                .call(&words.map(i128::from))
-                .map_err(|trap| failure(trap.to_string()))?;
-            results
+            words_of(&self.program, &words.map(i128::from))?
                 .first()
                 .and_then(|word| i32::try_from(*word).ok())
-                .ok_or_else(|| failure("the emitted law returned no 32-bit word".to_owned()))
+                .ok_or_else(|| LawFailure {
+                    message: "the emitted law returned no 32-bit word".to_owned(),
+                })
         };
         WordLaw::new("emitted law", self.formats, call).command_a(measured)
     }
+}
+
+/// The words that `program` returns.
+pub(crate) fn words_of(program: &Program, arguments: &[i128]) -> Result<Vec<i128>, LawFailure> {
+    Machine::new(program)
+        .call(arguments)
+        .map(<[i128]>::to_vec)
+        .map_err(|trap| LawFailure {
+            message: trap.to_string(),
+        })
 }

@@ -9,6 +9,8 @@
 //! | [`push`] | pushes on the body |
 //! | [`motion`] | the plant that is controlled: nonlinear, or its linear model |
 //! | [`closed_loop`] | the loop itself, and its record |
+//! | [`attitude_filters`] | the ways to an angle side by side on one swing (thesis figure 3.3) |
+//! | [`raw_counts`] | the same loop from the sensors' raw counts to the drive's duty |
 //! | [`scenario`] | the runs of the thesis: transient, disturbance, half a minute with pushes |
 //! | [`transient`] | how well a transient went: oscillations, overshoot, settling |
 //! | [`recovery`] | the largest angle from which the loop recovers |
@@ -19,6 +21,7 @@
 
 #![warn(missing_docs)]
 
+pub mod attitude_filters;
 pub mod closed_loop;
 mod error;
 pub mod interpreted;
@@ -27,6 +30,7 @@ pub mod linear_validity;
 pub mod motion;
 pub mod overlay;
 pub mod push;
+pub mod raw_counts;
 pub mod recovery;
 pub mod scenario;
 pub mod sensors;
@@ -41,6 +45,7 @@ pub use law::{
 pub use motion::{LinearMotion, Motion};
 pub use overlay::{Overlay, overlay};
 pub use push::Push;
+pub use raw_counts::{InterpretedController, RawController, RawLoop, RawSensors};
 pub use recovery::{Recovery, largest_recoverable_angle};
 pub use scenario::Scenario;
 pub use sensors::{Sensor, Sensors};

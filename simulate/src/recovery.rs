@@ -33,12 +33,26 @@ pub fn largest_recoverable_angle(
     law: &mut dyn Law,
     resolution_rad: f64,
 ) -> Result<Recovery, SimulateError> {
-    check_positive("the resolution of the angle in rad", resolution_rad)?;
-    let duration_s = FALL_TIMES * (scale.carried_inertia / scale.gravity_torque).sqrt();
-    let mut recovers = |angle_rad: f64| {
+    let duration_s = decided_after_s(scale);
+    let recovers = |angle_rad: f64| {
         on.run(&at_rest(angle_rad), duration_s, law, true)
             .map(|trace| trace.fell_at_s.is_none())
     };
+    bisect(scale, resolution_rad, recovers)
+}
+
+/// The length of a run after which it is decided whether the body falls, in s.
+pub(crate) fn decided_after_s(scale: &Scale) -> f64 {
+    FALL_TIMES * (scale.carried_inertia / scale.gravity_torque).sqrt()
+}
+
+/// The largest angle for which `recovers` says so, found to within `resolution_rad`.
+pub(crate) fn bisect(
+    scale: &Scale,
+    resolution_rad: f64,
+    mut recovers: impl FnMut(f64) -> Result<bool, SimulateError>,
+) -> Result<Recovery, SimulateError> {
+    check_positive("the resolution of the angle in rad", resolution_rad)?;
     let limit_rad = scale.holding_angle_rad();
     // Beyond the limit nothing recovers; a little beyond it bounds the search.
     let (mut recovered_rad, mut lost_rad) = (0.0, limit_rad * 1.01);

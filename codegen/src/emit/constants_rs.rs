@@ -80,14 +80,19 @@ pub fn file(spec: &ModuleSpec, law: &ControlLaw, words: &HardwareWords) -> Emitt
     let wheel_line = line(&words.wheel_speed);
     let duty_line = line(&words.duty);
     let zero = integer(words.zero_current.into());
-    let observer_docs = outer_docs(&[match &hardware.bias_observer {
-        None => "No observer of the angle's bias: the estimate is zero.".to_owned(),
-        Some(observer) => format!(
-            "Observer of the angle's bias with decay {} a step, within ±{} rad.",
-            number(observer.decay),
-            number(observer.limit_rad)
-        ),
-    }]);
+    let observer_docs = outer_docs(&match &hardware.bias_observer {
+        None => vec!["No observer of the angle's bias: the estimate is zero.".to_owned()],
+        Some(observer) => vec![
+            format!(
+                "Observer of the angle's bias with decay {} a step, within ±{} rad.",
+                number(observer.decay),
+                number(observer.limit_rad)
+            ),
+            String::new(),
+            "The certificate's claims about the closed loop are about `control` without it."
+                .to_owned(),
+        ],
+    });
     let observer = bias_observer(&words.bias_observer);
     let tokens = quote! {
         #docs

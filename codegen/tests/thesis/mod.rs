@@ -1,5 +1,6 @@
 //! The bench of the thesis (matrix 4.4) as a specification, from golden numbers that were computed
-//! with SciPy, independently of this program.
+//! with SciPy, independently of this program. An example for the tests here: the committed crate
+//! is what `flywheel generate` writes for `models/thesis-4.4.toml`.
 
 use codegen::hardware::HardwareSpec;
 use codegen::spec::{Drive, ModuleSpec, Parameter, PhysicalRanges};
