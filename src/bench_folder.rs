@@ -68,6 +68,10 @@ impl BenchFolder {
 
     /// Writes model.toml.
     pub fn write_model(&self, model: &ModelFile) -> Result<(), Failure> {
+        if let Some(folder) = self.model_path.parent() {
+            // What goes wrong here is said by the write, which then fails too.
+            let _ = std::fs::create_dir_all(folder);
+        }
         model.write(&self.model_path).map_err(|error| {
             Failure::new(format!(
                 "{error}; --model FILE names another place, for example where the bench is \

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use diagnose::{Diagnosis, Step, Suspect, Verdict};
-use identify::{Fit, Identification, PushModel, Record};
+use identify::{Fit, Identification, Record};
 use plant::EffectId;
 use serde::Serialize;
 
@@ -40,6 +40,8 @@ pub struct DiagnosisJson {
     remainder: f64,
     sensor_noise: Keyed,
     pushes: Vec<PushJson>,
+    /// What the logs leave open, one sentence each.
+    statements: Vec<String>,
     figures: Vec<PathBuf>,
 }
 
@@ -93,7 +95,14 @@ impl<'a> Diagnosed<'a> {
             ));
         };
         say("locating what remains");
-        let last = Fitted::from_identification(folder, identification_of(folder, step));
+        let last = if found.steps.len() > 1 {
+            let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
+            identify::identify(&folder.setup, &step.fit.model, Some(start))
+                .map_err(|error| Failure::in_file(&folder.bench.folder, error))?
+        } else {
+            identified.clone()
+        };
+        let last = Fitted::from_identification(folder, last);
         Ok(Diagnosed {
             folder,
             found,
@@ -136,53 +145,45 @@ impl<'a> Diagnosed<'a> {
                 .filter_map(|step| step.effect)
                 .collect::<Vec<_>>(),
         );
-        let with = match added.as_str() {
-            "" => "the model as it is".to_owned(),
-            added => format!("the model with {added}"),
-        };
-        let size = |remainder: f64| {
-            if remainder > 0.0 {
-                format!(
-                    "structure of at most {} times a sensor's noise",
-                    significant(remainder, 2)
-                )
-            } else {
-                "nothing but noise".to_owned()
-            }
+        let noise = if found.remainder > 0.0 {
+            format!(
+                "noise, with structure of at most {} of a sensor's noise",
+                significant(found.remainder, 2)
+            )
+        } else {
+            "nothing but noise".to_owned()
         };
         match found.verdict {
-            Verdict::NothingMissing => format!(
-                "Nothing is missing: {with} leaves {} in the measurements.",
-                size(found.remainder)
-            ),
+            Verdict::NothingMissing => {
+                format!("Nothing is missing: what the model leaves in the measurements is {noise}.")
+            }
             Verdict::Explained => format!(
-                "Explained: the model lacks {added}. With {} it leaves {} in the measurements.",
-                if found.steps.len() > 2 { "them" } else { "it" },
-                size(found.remainder)
+                "Explained: the model lacks {added}. What remains in the measurements is then \
+                 {noise}."
             ),
             Verdict::Ambiguous => {
                 let sets: Vec<String> = found
                     .ambiguous_between
                     .iter()
-                    .map(|set| names(set))
+                    .map(|set| set_name(set))
                     .collect();
                 let beside = match added.as_str() {
                     "" => String::new(),
                     added => format!(" What all of them share was added: {added}."),
                 };
                 format!(
-                    "Ambiguous: something is missing, and these logs cannot tell {}.{beside}",
+                    "Ambiguous: something is missing, but these logs cannot tell {}.{beside}",
                     sets.join(" from ")
                 )
             }
             Verdict::Unexplained => {
                 let missing = match added.as_str() {
-                    "" => String::new(),
-                    added => format!(" The model lacks {added}; that is not all."),
+                    "" => "something".to_owned(),
+                    added => format!("the model lacks {added}, and beyond that something"),
                 };
                 format!(
-                    "Unexplained:{missing} With {with} something remains{}, {} times the noise \
-                     of the sensor, that no effect in the library accounts for.",
+                    "Unexplained: {missing} remains{}: {} times the noise of the sensor. No effect \
+                     in the library accounts for it.",
                     self.remains_at(),
                     significant(found.remainder, 2)
                 )
@@ -213,7 +214,7 @@ impl<'a> Diagnosed<'a> {
         if !found.ambiguous_between.is_empty() {
             text.push_str("\nEqually good explanations\n");
             for set in &found.ambiguous_between {
-                text.push_str(&format!("  - {}\n", names(set)));
+                text.push_str(&format!("  - {}\n", set_name(set)));
             }
         }
         if !found.next_experiment.is_empty() {
@@ -366,6 +367,7 @@ impl<'a> Diagnosed<'a> {
             remainder: found.remainder,
             sensor_noise: self.keyed(self.series().iter().map(|(_, noise, _)| *noise)),
             pushes: self.last.pushes_json(),
+            statements: self.last.statements.clone(),
             figures,
         }
     }
@@ -455,36 +457,16 @@ fn held_out(step: &Step) -> Keyed {
     )
 }
 
-/// A step of a diagnosis as `identify` would report it.
-fn identification_of(folder: &BenchFolder, step: &Step) -> Identification {
-    let fit = &step.fit;
-    let friction = |name: &str| {
-        let position = fit.model.position_of(name);
-        position.map_or(0.0, |position| fit.values[position])
-    };
-    let push_model = PushModel {
-        base: [0, 1, 2, 3].map(|position| fit.values[position]),
-        body_friction: friction("body_viscous_friction"),
-        wheel_friction: friction("wheel_viscous_friction"),
-    };
-    let records = folder.setup.records.iter();
-    Identification {
-        fit: fit.clone(),
-        traces: step.candidate.traces.clone(),
-        pushes: records
-            .map(|record| identify::find_pushes(record, &push_model))
-            .collect(),
-        statements: Vec::new(),
-    }
-}
-
 /// Effects in words; empty for none.
 fn names(effects: &[EffectId]) -> String {
-    let names: Vec<String> = effects
-        .iter()
-        .map(|effect| effect.name().to_owned())
-        .collect();
+    let names: Vec<&str> = effects.iter().map(|effect| effect.name()).collect();
     names.join(" and ")
+}
+
+/// Effects that act together.
+fn set_name(effects: &[EffectId]) -> String {
+    let names: Vec<&str> = effects.iter().map(|effect| effect.name()).collect();
+    names.join(" + ")
 }
 
 fn percent(value: f64) -> String {

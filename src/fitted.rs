@@ -414,7 +414,9 @@ impl<'a> Fitted<'a> {
         let bins: Vec<Vec<figures::ResidualBin>> = parts
             .iter()
             .map(|part| {
-                let bins = part.bins.iter().map(|bin| figures::ResidualBin {
+                // Bins are shared by all experiments; those that this one never visits say nothing.
+                let visited = part.bins.iter().filter(|bin| bin.count > 0.0);
+                let bins = visited.map(|bin| figures::ResidualBin {
                     from: bin.from,
                     until: bin.to,
                     mean: bin.mean,
@@ -470,12 +472,22 @@ impl<'a> Fitted<'a> {
                 )
             })
             .collect();
+        // Where samples are left out (pushes), the model claims nothing.
+        let models: Vec<Vec<f64>> = traces
+            .iter()
+            .map(|trace| {
+                let samples = trace.predicted.iter().zip(&record.weight);
+                samples
+                    .map(|(model, weight)| if *weight > 0.0 { *model } else { f64::NAN })
+                    .collect()
+            })
+            .collect();
         let channels: Vec<figures::Channel> = record
             .channels
             .iter()
-            .zip(traces)
+            .zip(traces.iter().zip(&models))
             .zip(&notes)
-            .map(|((channel, trace), note)| figures::Channel {
+            .map(|((channel, (trace, model)), note)| figures::Channel {
                 quantity: figures::Quantity {
                     name: match trace.output {
                         identify::Output::Angle => "angle",
@@ -485,14 +497,14 @@ impl<'a> Fitted<'a> {
                     unit: trace.output.unit(),
                 },
                 measurement: &channel.samples,
-                model: &trace.predicted,
+                model,
                 sensor_std: channel.noise_std,
                 note,
             })
             .collect();
         let labels: Vec<String> = self.pushes[index]
             .iter()
-            .map(|push| format!("{} N m s", with_prefix(push.impulse_nms, "").trim_end()))
+            .map(|push| with_prefix(push.impulse_nms, "N m s"))
             .collect();
         let markers: Vec<figures::Marker> = self.pushes[index]
             .iter()

@@ -49,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let out = &arguments.out;
     let quiet = || Output { json: None };
 
-    let bench_path = out.join("bench");
+    let bench_path = out.join("demo");
     write_bench(&bench_path)?;
     let folder = BenchFolder::load(
         &bench_path,
@@ -120,9 +120,18 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     for report in [&designed, &closed_loop] {
         figures.extend(svg_paths(report.value()));
     }
-    text.push_str(&format!("\nModel\n  {}\nFigures\n", model.display()));
+    text.push_str(&format!(
+        "\nModel\n  {}\nFigures (all {} in {})\n",
+        model.display(),
+        figures.len(),
+        out.join("figures").display()
+    ));
+    let told = ["free-swing-20-deg", "staircase", "suspects", "half-minute"];
     for path in &figures {
-        text.push_str(&format!("  {}\n", path.display()));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if told.iter().any(|part| name.contains(part)) && !name.starts_with("where") {
+            text.push_str(&format!("  {}\n", path.display()));
+        }
     }
     let seconds = began.elapsed().as_secs_f64();
     text.push_str(&format!("\nDone in {seconds:.1} s\n"));

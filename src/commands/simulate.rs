@@ -349,7 +349,7 @@ impl<'a> Work<'a> {
         let labels: Vec<String> = scenario
             .pushes
             .iter()
-            .map(|push| format!("{} N m s", with_prefix(push.impulse(), "").trim_end()))
+            .map(|push| with_prefix(push.impulse(), "N m s"))
             .collect();
         let markers: Vec<figures::Marker> = scenario
             .pushes
