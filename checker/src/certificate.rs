@@ -35,6 +35,13 @@ impl fmt::Display for Decimal {
     }
 }
 
+/// A field that may be null but must be there.
+fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    Option::deserialize(deserializer)
+}
+
 /// The whole certificate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -69,7 +76,8 @@ pub struct Certificate {
     pub bounds: Bounds,
     /// What is claimed.
     pub claims: Vec<Claim>,
-    /// Bounds of the closed loop for all time.
+    /// Bounds of the closed loop for all time; null where there are none.
+    #[serde(deserialize_with = "stated")]
     pub closed_loop: Option<ClosedLoop>,
 }
 
@@ -81,7 +89,8 @@ pub struct Parameter {
     pub name: String,
     /// Value in `unit`.
     pub value: Decimal,
-    /// Standard error.
+    /// Standard error; null where none is known, but never left out.
+    #[serde(deserialize_with = "stated")]
     pub std: Option<Decimal>,
     /// Unit.
     pub unit: String,
@@ -167,7 +176,7 @@ pub struct Constant {
     /// File.
     pub file: String,
     /// Line.
-    pub line: Option<usize>,
+    pub line: usize,
     /// Number of the certificate that it was made from.
     pub from: String,
     /// Real number.

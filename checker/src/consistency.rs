@@ -227,7 +227,7 @@ fn check_constants(certificate: &Certificate, module: &Module, law: &ControlLaw)
         let place = module
             .constant_place("control", name)
             .ok_or_else(|| format!("src/control.rs has no constant {name}"))?;
-        equal(&what("line"), constant.line.unwrap_or(0), place.line)?;
+        equal(&what("line"), constant.line, place.line)?;
         let word = match module.constant("control", name) {
             Some([word]) => *word,
             _ => return Err(format!("{name} is no single word")),

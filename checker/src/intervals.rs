@@ -204,11 +204,11 @@ impl Analysis<'_> {
         })
     }
 
-    fn steps(&mut self, steps: &[Step], state: &mut Vec<Interval>) -> Result<(), Finding> {
+    fn steps(&mut self, steps: &[Step], state: &mut [Interval]) -> Result<(), Finding> {
         steps.iter().try_for_each(|step| self.step(step, state))
     }
 
-    fn step(&mut self, step: &Step, state: &mut Vec<Interval>) -> Result<(), Finding> {
+    fn step(&mut self, step: &Step, state: &mut [Interval]) -> Result<(), Finding> {
         match &step.action {
             Action::Arithmetic {
                 to,
@@ -318,14 +318,14 @@ impl Analysis<'_> {
         then: &[Step],
         otherwise: &[Step],
         joins: &[(Slot, Slot, Slot)],
-        state: &mut Vec<Interval>,
+        state: &mut [Interval],
     ) -> Result<(), Finding> {
-        let mut yes = state.clone();
+        let mut yes = state.to_vec();
         let yes_reached = self.narrow(&mut yes, condition, true);
         if yes_reached {
             self.steps(then, &mut yes)?;
         }
-        let mut no = state.clone();
+        let mut no = state.to_vec();
         let no_reached = self.narrow(&mut no, condition, false);
         if no_reached {
             self.steps(otherwise, &mut no)?;

@@ -20,6 +20,8 @@
 //! | [`closed_loop`] | the loop for all time |
 //! | [`reference`] | the filter's equations in double precision, and random runs against them |
 //! | [`smt`] | questions to z3 |
+//! | [`document`] | CLAIMS.md |
+//! | [`mutate`] | damages the source and shows which engine notices |
 //! | [`prove`] | every claim by every engine |
 //! | [`stability`] | sampling, stability, stability over the parameters' region |
 
@@ -31,6 +33,7 @@ pub mod closed_loop;
 pub mod consistency;
 pub mod contract;
 pub mod control_law;
+pub mod document;
 pub mod enclosure;
 pub mod exact;
 pub mod filter;
@@ -41,6 +44,7 @@ pub mod intervals;
 pub mod language;
 pub mod lower;
 pub mod module;
+pub mod mutate;
 pub mod program;
 pub mod prove;
 pub mod reference;

@@ -486,8 +486,13 @@ fn filter_claims(
     table.add("step-total", RANDOM, || {
         let runs = reference::step(module, certificate, fewer, settings.seed);
         tested(runs.and_then(|runs| {
-            reference::bias_observer(module, fewer, settings.seed).map(|more| runs + more)
+            let more = reference::bias_observer(module, fewer, settings.seed)?;
+            let parts = reference::composition(module, fewer, settings.seed)?;
+            Ok(runs + more + parts)
         }))
+    });
+    table.add("primitives", RANDOM, || {
+        tested(reference::primitives(module, fewer, settings.seed))
     });
 }
 

@@ -645,6 +645,8 @@ pub fn bias_observer(module: &Module, cases: usize, seed: u64) -> Result<usize, 
     let mut random = Random::new(seed);
     for _ in 0..cases {
         let mut constants: Vec<i128> = Vec::new();
+        // Short shifts reach the state's limit.
+        let state_shift = 18 + random.count(10.0).abs();
         let names: Vec<&str> = estimate
             .inputs
             .iter()
@@ -653,7 +655,7 @@ pub fn bias_observer(module: &Module, cases: usize, seed: u64) -> Result<usize, 
         let mut value = std::collections::HashMap::new();
         for name in names {
             let word = match name {
-                "state_shift" => 28,
+                "state_shift" => state_shift,
                 "angle_shift" => 29,
                 "limit" => 1 << 26,
                 "unit" => 1 << 28,
@@ -715,4 +717,400 @@ pub fn bias_observer(module: &Module, cases: usize, seed: u64) -> Result<usize, 
         }
     }
     Ok(cases)
+}
+
+/// Functions by name, run on words.
+struct Functions<'a>(&'a Module);
+
+impl Functions<'_> {
+    fn call(&self, name: &str, arguments: &[i128]) -> Result<Vec<i128>, String> {
+        let program = self
+            .0
+            .function(name)
+            .ok_or_else(|| format!("there is no function {name}"))?;
+        Machine::new(program)
+            .call(arguments)
+            .map(<[i128]>::to_vec)
+            .map_err(|trap| format!("{name}: {trap}"))
+    }
+
+    fn constant(&self, file: &str, name: &str) -> Result<&[i128], String> {
+        self.0
+            .constant(file, name)
+            .ok_or_else(|| format!("there is no constant {file}::{name}"))
+    }
+}
+
+fn same(what: &str, arguments: &[i128], found: &[i128], wanted: &[i128]) -> Result<(), String> {
+    if found == wanted {
+        Ok(())
+    } else {
+        Err(format!(
+            "{what} of {arguments:?} is {found:?}, not {wanted:?}"
+        ))
+    }
+}
+
+fn near(what: &str, argument: i128, found: i128, wanted: f64, units: f64) -> Result<(), String> {
+    if (found as f64 - wanted).abs() <= units {
+        Ok(())
+    } else {
+        Err(format!("{what} of {argument} is {found}, not {wanted}"))
+    }
+}
+
+/// Runs the primitives against what they stand for: products, clamps and lines exactly; scaling by
+/// its definition; roots, reciprocal and arc tangent within the errors that their documents state.
+///
+/// # Errors
+/// The first case in which they differ.
+pub fn primitives(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
+    let f = Functions(module);
+    let mut random = Random::new(seed);
+    for case in 0..cases {
+        let (a, b) = (random.word(), random.word());
+        same(
+            "mul_high",
+            &[a, b],
+            &f.call("mul_high", &[a, b])?,
+            &[(a * b) >> 32],
+        )?;
+        let sum = (random.word() << 29) + random.word();
+        let wanted = (sum + (1 << 31)) >> 32;
+        same(
+            "round_high",
+            &[sum],
+            &f.call("round_high", &[sum])?,
+            &[wanted],
+        )?;
+        let (low, high) = (b.min(a), b.max(a));
+        let value = random.word();
+        let arguments = [value, low, high];
+        same(
+            "clamp",
+            &arguments,
+            &f.call("clamp", &arguments)?,
+            &[value.clamp(low, high)],
+        )?;
+        let limit = a.abs().min(i32::MAX.into());
+        let wide = (random.word() << 10) + random.word();
+        let arguments = [wide, limit];
+        let wanted = wide.clamp(-limit, limit);
+        same(
+            "clamp_wide",
+            &arguments,
+            &f.call("clamp_wide", &arguments)?,
+            &[wanted],
+        )?;
+        let wanted = (a >> 1) + (b >> 1);
+        same(
+            "slow_rate",
+            &[a, b],
+            &f.call("slow_rate", &[a, b])?,
+            &[wanted],
+        )?;
+        let shift = 1 + random.count(30.0).abs();
+        let line = [
+            value,
+            random.word() >> 2,
+            random.word() << 20,
+            shift,
+            low,
+            high,
+        ];
+        let wanted = ((line[0] * line[1] + line[2]) >> shift).clamp(low, high);
+        same("on_line", &line, &f.call("on_line", &line)?, &[wanted])?;
+        motion(&f, &mut random)?;
+        saturation(&f, &mut random, case)?;
+        scaling(&f, &mut random)?;
+        roots(&f, &mut random)?;
+        calibration(&f, &mut random)?;
+    }
+    Ok(cases)
+}
+
+/// The lever-arm correction with any lever.
+fn motion(f: &Functions, random: &mut Random) -> Result<(), String> {
+    let limit = 1_i128 << 29;
+    let accel = [0; 3].map(|_| random.count(limit as f64));
+    let shift = random.next() % 20;
+    let [rate, slow] = [0; 2].map(|_| random.count(limit as f64) >> shift);
+    let arm = [0; 4].map(|_| random.count(2f64.powi(30)) >> (random.next() % 24));
+    let squared = (rate * rate + (1 << 31)) >> 32;
+    let excess = rate - slow;
+    let x = (squared * arm[0] + excess * arm[3]) >> 16;
+    let y = (squared * arm[1] - excess * arm[2]) >> 16;
+    let wanted = [
+        accel[0] + x.clamp(-limit, limit),
+        accel[1] + y.clamp(-limit, limit),
+        accel[2],
+    ];
+    let arguments = [&accel[..], &[rate, slow], &arm].concat();
+    let found = f.call("without_motion", &arguments)?;
+    same("without_motion", &arguments, &found, &wanted)
+}
+
+fn saturation(f: &Functions, random: &mut Random, case: usize) -> Result<(), String> {
+    let ends = [-32_768, -32_767, 32_766, 32_767, 0, -16_384, 16_383];
+    let mut raw = [0; 3].map(|_| random.count(30_000.0));
+    raw[case % 3] = ends[case / 3 % ends.len()];
+    let wanted = raw.iter().any(|count| [-32_768, 32_767].contains(count));
+    same(
+        "is_saturated",
+        &raw,
+        &f.call("is_saturated", &raw)?,
+        &[i128::from(wanted)],
+    )
+}
+
+/// A scaled vector is the vector times a power of two; its largest component is at least 2²⁹.
+fn scaling(f: &Functions, random: &mut Random) -> Result<(), String> {
+    // Least component for which that is promised, and the range that is kept.
+    let kinds = [
+        ("scaled_up2", 2, 1, 1_i128 << 30),
+        ("scaled_up3", 3, 1 << 14, 1 << 30),
+        ("scaled_up4", 4, 1, 7 << 28),
+    ];
+    for (name, length, least, limit) in kinds {
+        let shift = random.next() % 31;
+        let v: Vec<i128> = (0..length)
+            .map(|_| random.count(limit as f64) >> shift)
+            .collect();
+        let found = f.call(name, &v)?;
+        let largest = |v: &[i128]| v.iter().map(|x| x.abs()).max().unwrap_or(0);
+        let factor = largest(&found) / largest(&v).max(1);
+        let is_scaled =
+            factor.count_ones() == 1 && v.iter().zip(&found).all(|(x, y)| x * factor == *y);
+        let is_long = largest(&v) < least || largest(&found) >= 1 << 29;
+        let is_zero = largest(&v) == 0 && largest(&found) == 0;
+        if !(is_zero || is_scaled && is_long) || largest(&found) > limit {
+            return Err(format!("{name} of {v:?} is {found:?}"));
+        }
+    }
+    Ok(())
+}
+
+fn roots(f: &Functions, random: &mut Random) -> Result<(), String> {
+    let one = 2f64.powi(30);
+    // Powers of two and their neighbours are where the pieces meet.
+    let bits = 22 + random.count(8.0).abs();
+    let exact = (1_i128 << bits) + random.count(2.0);
+    let any = random.word().abs();
+    for n in [exact, any] {
+        let within = |low: i128, high: i128| n.clamp(low, high);
+        let m = within(1 << 28, (1 << 30) - 1);
+        let wanted = one / (m as f64 / 2f64.powi(28)).sqrt();
+        near(
+            "inverse_root_q30",
+            m,
+            f.call("inverse_root_q30", &[m])?[0],
+            wanted,
+            8.5,
+        )?;
+        let m = within(1 << 26, (1 << 30) - 1);
+        let wanted = one / (m as f64 / 2f64.powi(26)).sqrt();
+        near(
+            "inverse_length",
+            n,
+            f.call("inverse_length", &[n])?[0],
+            wanted,
+            8.5,
+        )?;
+        let m = within(1 << 22, (1 << 30) - 1);
+        let wanted = one * (m as f64 / one).sqrt();
+        near(
+            "square_root_q30",
+            n,
+            f.call("square_root_q30", &[n])?[0],
+            wanted,
+            16.5,
+        )?;
+        let m = within(1 << 29, 1 << 30);
+        let wanted = 2f64.powi(59) / m as f64;
+        near(
+            "reciprocal_q29",
+            m,
+            f.call("reciprocal_q29", &[m])?[0],
+            wanted,
+            24.5,
+        )?;
+    }
+    let shift = random.next() % 28;
+    let [y, x] = [0; 2].map(|_| random.count(one) >> shift);
+    let wanted = (y as f64).atan2(x as f64) * 2f64.powi(28);
+    near(
+        "arc_tangent2",
+        y,
+        f.call("arc_tangent2", &[y, x])?[0],
+        wanted,
+        4.5e-7 * 2f64.powi(28),
+    )
+}
+
+/// A sensor with any bias and cross-axis terms, not only the bench's.
+fn calibration(f: &Functions, random: &mut Random) -> Result<(), String> {
+    let raw = [0; 3].map(|_| random.count(32_767.0));
+    let bias = [0; 3].map(|_| random.count(2f64.powi(28)));
+    let matrix = [[0; 3]; 3].map(|row| row.map(|_: i32| random.count(2f64.powi(29))));
+    let mut arguments = raw.to_vec();
+    arguments.extend(bias);
+    arguments.extend(matrix.iter().flatten());
+    // The rounding of the three products: no further bits here.
+    arguments.extend([0, 1]);
+    let found = f.call("calibrate", &arguments)?;
+    for (row, value) in matrix.iter().zip(&found) {
+        let exact: i128 = (0..3).map(|i| row[i] * (raw[i] * 32_768 - bias[i])).sum();
+        let wanted = exact as f64 / 2f64.powi(32);
+        near("calibrate", raw[0], *value, wanted, 2.01)?;
+    }
+    Ok(())
+}
+
+/// Runs `Attitude` and `Controller` against the functions that they are made of, word by word.
+///
+/// # Errors
+/// The first case in which they differ.
+pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
+    let f = Functions(module);
+    let constants = f.constant("constants", "FILTER")?;
+    let one = 1 << 30;
+    same(
+        "Attitude::new",
+        &[],
+        &f.call("Attitude::new", &[])?,
+        &[one, 0, 0, 0, 0, 0],
+    )?;
+    let new = [one, 0, 0, 0, 0, 0, 0, 0, 0];
+    for name in ["Controller::new", "Controller::default"] {
+        same(name, &[], &f.call(name, &[])?, &new)?;
+    }
+    let mut random = Random::new(seed);
+    for case in 0..cases {
+        let q = unit([0; 4].map(|_| random.real()));
+        let mut attitude: Vec<i128> = q
+            .iter()
+            .map(|x| (x * 2f64.powi(30)).round() as i128)
+            .collect();
+        attitude.extend([random.count(2f64.powi(28)), random.count(2f64.powi(28))]);
+        let mut triple = |limit: f64| [0; 3].map(|_| random.count(limit));
+        let (gyro, mag) = (triple(20_000.0), triple(3_000.0));
+        let accel = if case % 5 == 0 {
+            triple(200.0)
+        } else {
+            triple(20_000.0)
+        };
+        let with = |parts: &[&[i128]]| -> Vec<i128> { [&attitude, &parts.concat()[..]].concat() };
+
+        let words = f.call("Attitude::quaternion", &attitude)?;
+        same("quaternion", &attitude, &words, &attitude[..4])?;
+        let found = f.call("Attitude::update_imu", &with(&[&gyro, &accel]))?;
+        let wanted = f.call("step_imu", &with(&[&gyro, &accel, constants]))?;
+        same("update_imu", &attitude, &found, &wanted)?;
+        let found = f.call("Attitude::update_marg", &with(&[&gyro, &accel, &mag]))?;
+        let wanted = f.call("step_marg", &with(&[&gyro, &accel, &mag, constants]))?;
+        same("update_marg", &attitude, &found, &wanted)?;
+        // A field that is saturated or too weak is not used.
+        let plain = f.call("Attitude::update_imu", &with(&[&gyro, &accel]))?;
+        for useless in [[32_767, mag[1], mag[2]], [1, -1, 1]] {
+            let found = f.call("Attitude::update_marg", &with(&[&gyro, &accel, &useless]))?;
+            same("update_marg without a field", &attitude, &found, &plain)?;
+        }
+        let found = f.call("Attitude::align", &with(&[&accel]))?;
+        let mut wanted = f.call("align", &with(&[&accel, constants]))?;
+        wanted.rotate_right(1);
+        same("Attitude::align", &attitude, &found, &wanted)?;
+        let line = f.constant("constants", "RATE_LINE")?;
+        let wanted = f.call("on_line", &[&attitude[4..5], line].concat())?;
+        same(
+            "rate",
+            &attitude,
+            &f.call("Attitude::rate", &attitude)?,
+            &wanted,
+        )?;
+        let mounting = f.constant("constants", "MOUNTING_ANGLE")?;
+        let radians = f.call("pivot_angle", &[&attitude[..4], mounting].concat())?[0];
+        let limit = f.constant("constants", "ANGLE_MAX")?[0];
+        let factor = f.constant("constants", "ANGLE_FACTOR")?[0];
+        let shift = f.constant("constants", "ANGLE_SHIFT")?[0];
+        let wanted = (radians.clamp(-limit, limit) * factor) >> shift;
+        let found = f.call("Attitude::angle", &attitude)?;
+        same("Attitude::angle", &attitude, &found, &[wanted])?;
+
+        let flags = [i128::from(case % 3 == 0), i128::from(case % 2 == 0)];
+        let mag = (case % 7 < 3).then_some(mag);
+        let bias = [random.count(2f64.powi(28))];
+        let state = [&attitude[..], &flags, &bias].concat();
+        for (name, flag) in [("Controller::arm", 1), ("Controller::disarm", 0)] {
+            let mut wanted = state.clone();
+            wanted[7] = flag;
+            same(name, &state, &f.call(name, &state)?, &wanted)?;
+        }
+        let adc = random.count(4095.0).abs();
+        one_sample(&f, &state, gyro, accel, mag, adc)?;
+    }
+    Ok(cases)
+}
+
+/// `Controller::step`, put together anew.
+fn one_sample(
+    f: &Functions,
+    state: &[i128],
+    gyro: [i128; 3],
+    accel: [i128; 3],
+    mag: Option<[i128; 3]>,
+    adc: i128,
+) -> Result<(), String> {
+    let mut attitude = state[..6].to_vec();
+    let (mut is_aligned, is_armed, bias_state) = (state[6], state[7], state[8]);
+    if is_aligned == 0 {
+        let result = f.call("Attitude::align", &[&attitude, &accel[..]].concat())?;
+        is_aligned = result[0];
+        attitude = result[1..].to_vec();
+    }
+    attitude = match mag {
+        Some(mag) => {
+            let arguments = [&attitude, &gyro[..], &accel, &mag].concat();
+            f.call("Attitude::update_marg", &arguments)?
+        }
+        None => f.call(
+            "Attitude::update_imu",
+            &[&attitude, &gyro[..], &accel].concat(),
+        )?,
+    };
+    let angle = f.call("Attitude::angle", &attitude)?[0];
+    let rate = f.call("Attitude::rate", &attitude)?[0];
+    let speed = f.call("wheel_speed", &[adc])?[0];
+    let states = [angle, rate, speed];
+    let observer = f.constant("constants", "BIAS_OBSERVER")?;
+    let (duty, next) = if is_armed == 1 {
+        let bias = f.call(
+            "estimated_bias",
+            &[&[bias_state], &states[..], observer].concat(),
+        )?[0];
+        let current = f.call("control", &[angle - bias, rate, speed])?;
+        let arguments = [&[bias_state], &states[..], &current, observer].concat();
+        (
+            f.call("duty", &current)?[0],
+            f.call("advanced", &arguments)?[0],
+        )
+    } else {
+        let zero = f.constant("constants", "ZERO_CURRENT")?[0];
+        (
+            zero,
+            f.call("waiting", &[&states[..], observer].concat())?[0],
+        )
+    };
+    let mut arguments = state.to_vec();
+    arguments.extend(gyro);
+    arguments.extend(accel);
+    arguments.push(i128::from(mag.is_some()));
+    arguments.extend(mag.unwrap_or_default());
+    arguments.push(adc);
+    let wanted = [&[duty], &attitude[..], &[is_aligned, is_armed, next]].concat();
+    same(
+        "Controller::step",
+        &arguments,
+        &f.call("Controller::step", &arguments)?,
+        &wanted,
+    )
 }

@@ -1,0 +1,444 @@
+//! Damages the emitted source in many small ways and shows which engine notices.
+//!
+//! A mutant is one edit of one token in a function, constant or alias: a constant moved by one or
+//! by a bit, a sign turned, an operator or comparison exchanged, a shift or index moved, a format
+//! changed, two arguments or names swapped, a rounding or saturation dropped. Documentation and
+//! attributes are left alone.
+
+use std::collections::HashMap;
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use serde::Serialize;
+
+use crate::certificate::Certificate;
+use crate::prove::{Emitted, Outcome, Settings, settle};
+
+/// One damaged source.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Mutant {
+    /// File.
+    pub file: String,
+    /// Line, from one.
+    pub line: usize,
+    /// Column, from one.
+    pub column: usize,
+    /// What was done.
+    pub kind: &'static str,
+    /// Text that was there.
+    pub before: String,
+    /// Text that is there now.
+    pub after: String,
+    /// Bytes of the file that were replaced.
+    #[serde(skip)]
+    range: (usize, usize),
+}
+
+/// What came of a mutant.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Verdict {
+    /// The mutant.
+    pub mutant: Mutant,
+    /// Claim and engine that noticed it; `None` for a survivor.
+    pub caught_by: Option<(String, String)>,
+    /// Why a survivor is harmless; empty for others, and where no reason is known.
+    pub reason: &'static str,
+}
+
+/// A token with its place in the file.
+#[derive(Clone, Debug)]
+struct Token {
+    text: String,
+    start: usize,
+    end: usize,
+    line: usize,
+    column: usize,
+}
+
+/// Byte offset of the start of each line.
+fn line_starts(text: &str) -> Vec<usize> {
+    let breaks = text.match_indices('\n').map(|(index, _)| index + 1);
+    std::iter::once(0).chain(breaks).collect()
+}
+
+/// All tokens but those of attributes and documentation.
+fn tokens(text: &str) -> Vec<Token> {
+    fn collect(text: &str, lines: &[usize], stream: TokenStream, found: &mut Vec<Token>) {
+        let mut skip_attribute = false;
+        for tree in stream {
+            if let TokenTree::Punct(punct) = &tree
+                && punct.as_char() == '#'
+            {
+                skip_attribute = true;
+                continue;
+            }
+            if skip_attribute {
+                let is_bracket =
+                    matches!(&tree, TokenTree::Group(g) if g.delimiter() == Delimiter::Bracket);
+                skip_attribute = !is_bracket;
+                continue;
+            }
+            let add = |found: &mut Vec<Token>, span: proc_macro2::Span| {
+                let offset = |place: proc_macro2::LineColumn| {
+                    let line = &text[lines[place.line - 1]..];
+                    let bytes = line.char_indices().nth(place.column);
+                    lines[place.line - 1] + bytes.map_or(line.len(), |(index, _)| index)
+                };
+                let (start, end) = (offset(span.start()), offset(span.end()));
+                found.push(Token {
+                    text: text[start..end].to_owned(),
+                    start,
+                    end,
+                    line: span.start().line,
+                    column: span.start().column + 1,
+                });
+            };
+            match tree {
+                TokenTree::Group(group) => {
+                    add(found, group.span_open());
+                    collect(text, lines, group.stream(), found);
+                    add(found, group.span_close());
+                }
+                other => add(found, other.span()),
+            }
+        }
+    }
+    let mut found = Vec::new();
+    if let Ok(stream) = text.parse::<TokenStream>() {
+        collect(text, &line_starts(text), stream, &mut found);
+    }
+    join_operators(found)
+}
+
+/// `>` and `>` that touch are `>>`, and so on.
+fn join_operators(tokens: Vec<Token>) -> Vec<Token> {
+    let mut joined: Vec<Token> = Vec::new();
+    for token in tokens {
+        if let Some(last) = joined.last_mut()
+            && last.end == token.start
+        {
+            let both = format!("{}{}", last.text, token.text);
+            if [
+                "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "->", "=>", "::",
+            ]
+            .contains(&both.as_str())
+            {
+                last.text = both;
+                last.end = token.end;
+                continue;
+            }
+        }
+        joined.push(token);
+    }
+    joined
+}
+
+/// Every mutant of one file.
+pub fn mutants(file: &str, text: &str) -> Vec<Mutant> {
+    let tokens = tokens(text);
+    let mut found = Vec::new();
+    let mut is_use = false;
+    let mut is_assertion = false;
+    for (index, token) in tokens.iter().enumerate() {
+        // Imports and module declarations are names, not code. An assertion about constants
+        // computes nothing that runs; the checker derives what it asserts by itself.
+        match token.text.as_str() {
+            "use" | "mod" => is_use = true,
+            "_" if index > 0 && tokens[index - 1].text == "const" => is_assertion = true,
+            "}" if is_assertion && tokens.get(index + 1).is_some_and(|t| t.text == ";") => {
+                is_assertion = false;
+            }
+            ";" => is_use = false,
+            _ => {}
+        }
+        if is_use || is_assertion {
+            continue;
+        }
+        let previous = index.checked_sub(1).map_or("", |i| tokens[i].text.as_str());
+        let next = tokens
+            .get(index + 1)
+            .map_or("", |token| token.text.as_str());
+        let mut replace = |kind, after: String, start: usize, end: usize| {
+            found.push(Mutant {
+                file: file.to_owned(),
+                line: token.line,
+                column: token.column,
+                kind,
+                before: text[start..end].to_owned(),
+                after,
+                range: (start, end),
+            });
+        };
+        if token.text.starts_with(|c: char| c.is_ascii_digit()) {
+            number(token, previous, next, &mut replace);
+        } else {
+            symbol(token, previous, &mut replace);
+        }
+        // a, b inside parentheses or brackets: swapped.
+        if token.text == ","
+            && index > 0
+            && is_operand(&tokens[index - 1].text)
+            && tokens.get(index + 1).is_some_and(|t| is_operand(&t.text))
+            && tokens
+                .get(index.wrapping_sub(2))
+                .is_some_and(|t| ["(", "[", ","].contains(&t.text.as_str()))
+            && tokens
+                .get(index + 2)
+                .is_some_and(|t| [")", "]", ","].contains(&t.text.as_str()))
+            && tokens[index - 1].text != tokens[index + 1].text
+            && !is_product(&tokens, index)
+        {
+            let (a, b) = (&tokens[index - 1], &tokens[index + 1]);
+            let swapped = format!("{}{}{}", b.text, &text[a.end..b.start], a.text);
+            replace("swapped arguments", swapped, a.start, b.end);
+        }
+        // + NAME and .clamp(…) dropped.
+        if token.text == "+" && next == "HALF_UNIT" {
+            replace(
+                "dropped rounding",
+                String::new(),
+                token.start,
+                tokens[index + 1].end,
+            );
+        }
+        if token.text == "clamp" && next == "(" && previous == "." {
+            let mut depth = 0;
+            let close = tokens[index + 1..].iter().find(|token| {
+                depth += i32::from(token.text == "(") - i32::from(token.text == ")");
+                depth == 0
+            });
+            if let Some(close) = close {
+                replace(
+                    "dropped saturation",
+                    String::new(),
+                    tokens[index - 1].start,
+                    close.end,
+                );
+            }
+        }
+    }
+    found
+}
+
+/// Whether the comma stands in `mul_high(a, b)`, whose arguments may be swapped.
+fn is_product(tokens: &[Token], comma: usize) -> bool {
+    comma
+        .checked_sub(3)
+        .is_some_and(|name| tokens[name].text == "mul_high")
+}
+
+fn is_operand(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_')
+}
+
+fn number(
+    token: &Token,
+    previous: &str,
+    next: &str,
+    replace: &mut impl FnMut(&'static str, String, usize, usize),
+) {
+    let plain: String = token.text.chars().filter(|c| *c != '_').collect();
+    let digits = plain.trim_end_matches("i64").trim_end_matches("i32");
+    let suffix = &plain[digits.len()..];
+    let value = match digits.strip_prefix("0x") {
+        Some(hex) => i128::from_str_radix(hex, 16),
+        None => digits.parse(),
+    };
+    let Ok(value) = value else {
+        return;
+    };
+    let mut to = |kind, value: i128| {
+        replace(kind, format!("{value}{suffix}"), token.start, token.end);
+    };
+    if previous == "[" && next == "]" {
+        to("index", if value == 0 { 1 } else { value - 1 });
+    } else if [">>", "<<"].contains(&previous) {
+        to("shift", value + 1);
+        if value > 0 {
+            to("shift", value - 1);
+        }
+    } else {
+        to("constant", value + 1);
+        if value > 0 {
+            to("constant", value - 1);
+        }
+        if value > 1_000 {
+            to("constant, one bit", value ^ (1 << 9));
+        }
+        if value > 1 {
+            to("constant, half", value / 2);
+        }
+        if value > 0 && previous != "-" && previous != "." {
+            replace("sign", format!("-{}", token.text), token.start, token.end);
+        }
+    }
+}
+
+fn symbol(
+    token: &Token,
+    previous: &str,
+    replace: &mut impl FnMut(&'static str, String, usize, usize),
+) {
+    let is_binary = is_operand(previous) || [")", "]"].contains(&previous);
+    let others: &[(&'static str, &str)] = match token.text.as_str() {
+        "+" => &[("sign", "-")],
+        "-" if is_binary => &[("sign", "+")],
+        "-" => &[("sign", "")],
+        "*" if is_binary => &[("operator", "+")],
+        ">>" => &[("operator", "<<")],
+        "<<" => &[("operator", ">>")],
+        "<" if is_binary => &[("comparison", "<="), ("comparison", ">")],
+        ">" if is_binary => &[("comparison", ">="), ("comparison", "<")],
+        "<=" => &[("comparison", "<")],
+        ">=" => &[("comparison", ">")],
+        "==" => &[("comparison", "!=")],
+        "&&" => &[("condition", "||")],
+        "||" => &[("condition", "&&")],
+        "!" if previous != "assert" => &[("condition", "")],
+        "true" => &[("condition", "false")],
+        "false" => &[("condition", "true")],
+        "ANGLE_GAIN" => &[("swapped name", "RATE_GAIN")],
+        "RATE_GAIN" => &[("swapped name", "WHEEL_SPEED_GAIN")],
+        "WHEEL_SPEED_GAIN" => &[("swapped name", "ANGLE_GAIN")],
+        "angle" if previous != "." => &[("swapped axis", "rate")],
+        "rate" if previous != "." => &[("swapped axis", "wheel_speed")],
+        "wheel_speed" if previous != "." => &[("swapped axis", "angle")],
+        "gyro" => &[("swapped axis", "accel")],
+        "accel" => &[("swapped axis", "gyro")],
+        "mag" => &[("swapped axis", "accel")],
+        "x" if previous != "." => &[("swapped axis", "y")],
+        "y" if previous != "." => &[("swapped axis", "z")],
+        "z" if previous != "." => &[("swapped axis", "x")],
+        _ => &[],
+    };
+    for (kind, after) in others {
+        replace(kind, (*after).to_owned(), token.start, token.end);
+    }
+    if let Some(bits) = token.text.strip_prefix('I').and_then(|rest| {
+        let (_, fraction) = rest.split_once('F')?;
+        fraction.parse::<u32>().ok()
+    }) {
+        for other in [bits.saturating_sub(1), bits + 1] {
+            if other <= 32 && other != bits {
+                let after = format!("I{}F{other}", 32 - other);
+                replace("format", after, token.start, token.end);
+            }
+        }
+    }
+}
+
+/// The text with the mutant in it.
+pub fn applied(text: &str, mutant: &Mutant) -> String {
+    let (start, end) = mutant.range;
+    format!("{}{}{}", &text[..start], mutant.after, &text[end..])
+}
+
+/// Runs the engines on mutants of every file, at most `most` of each file, evenly spread.
+pub fn run(emitted: &Emitted, certificate: &Certificate, most: usize) -> Vec<Verdict> {
+    let mut chosen = Vec::new();
+    for (path, text) in &emitted.sources {
+        let all = mutants(path, text);
+        let count = all.len().min(most);
+        chosen.extend((0..count).map(|index| all[index * all.len() / count].clone()));
+    }
+    chosen
+        .into_iter()
+        .map(|mutant| judged(emitted, certificate, mutant))
+        .collect()
+}
+
+/// Runs the engines on one mutant.
+pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> Verdict {
+    let mut damaged = emitted.clone();
+    for (path, text) in &mut damaged.sources {
+        if *path == mutant.file {
+            *text = applied(text, &mutant);
+        }
+    }
+    let settings = Settings {
+        cases: 3_000,
+        seed: 1,
+        smt: false,
+        kani: false,
+        // It reads nothing of the source but the law, and that is compared before.
+        closed_loop: false,
+    };
+    let caught_by = settle(&damaged, certificate, &settings)
+        .into_iter()
+        .find(|result| matches!(result.outcome, Outcome::Failed(_)))
+        .map(|result| (result.id, result.engine.to_owned()));
+    let reason = if caught_by.is_none() {
+        harmless(&mutant)
+    } else {
+        ""
+    };
+    Verdict {
+        mutant,
+        caught_by,
+        reason,
+    }
+}
+
+/// Why a survivor changes nothing that is promised; empty where no reason is known, so that the
+/// survivor is to be looked at.
+fn harmless(mutant: &Mutant) -> &'static str {
+    let file = mutant.file.as_str();
+    let is_edge = mutant.before == "<" && mutant.after == "<="
+        || mutant.before == ">" && mutant.after == ">=";
+    let is_unit = mutant.kind == "constant" || mutant.kind == "constant, one bit";
+    match file {
+        "src/product.rs" | "src/line.rs" | "src/bias_observer.rs" if is_edge => {
+            "at equality both sides of the clamp are the same number"
+        }
+        "src/pivot_angle.rs" | "src/arc_tangent.rs" if is_edge => {
+            "at equality both sides are the same angle within the stated error"
+        }
+        "src/scaling.rs" | "src/root.rs" if is_edge || is_unit => {
+            "moves a threshold or coefficient by less than the stated range and error leave room for; both were checked again"
+        }
+        "src/arc_tangent.rs" if is_unit => {
+            "moves a coefficient by less than the stated error leaves room for; range and error were checked again"
+        }
+        "src/bias_observer.rs" | "src/lever_arm.rs" | "src/calibration.rs" if is_unit => {
+            "moves a limit of the state by a few units in 2^29 or more; ranges were checked again"
+        }
+        "src/madgwick.rs" | "src/filter.rs" if is_unit || is_edge => {
+            "moves a threshold or a component by a few units of 2^-28 or less, below the stated error"
+        }
+        "src/constants.rs" if mutant.before.len() > 15 => {
+            "one unit in 2^45 of a duty, below the rounding of the number to double precision"
+        }
+        "src/constants.rs" if mutant.before.len() <= 2 && is_unit => {
+            "rounding of a calibrated component within its stated error, or a field of the observer that is off"
+        }
+        _ => "",
+    }
+}
+
+/// Mutants, caught and not, by engine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// How many there were.
+    pub mutants: usize,
+    /// How many were caught.
+    pub caught: usize,
+    /// Caught, by the engine that noticed first.
+    pub by_engine: Vec<(String, usize)>,
+}
+
+/// Adds up verdicts.
+pub fn summary(verdicts: &[Verdict]) -> Summary {
+    let mut by_engine: HashMap<String, usize> = HashMap::new();
+    for (_, engine) in verdicts
+        .iter()
+        .filter_map(|verdict| verdict.caught_by.as_ref())
+    {
+        *by_engine.entry(engine.clone()).or_default() += 1;
+    }
+    let mut by_engine: Vec<_> = by_engine.into_iter().collect();
+    by_engine.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    Summary {
+        mutants: verdicts.len(),
+        caught: by_engine.iter().map(|(_, count)| count).sum(),
+        by_engine,
+    }
+}
