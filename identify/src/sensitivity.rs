@@ -1,7 +1,7 @@
 //! One window of a log: simulated with exact derivatives, compared, summed into normal equations.
 
 use nalgebra::{DMatrix, DVector};
-use plant::{Current, Dual, Kind, Model, Plant, Scalar, State};
+use plant::{Current, Dual, EffectId, Kind, Model, Plant, Scalar, State};
 
 use crate::record::{Output, Record, RecordedCurrent};
 
@@ -133,14 +133,13 @@ macro_rules! with_lanes {
             5..=6 => $function::<6>($($argument),*),
             7..=8 => $function::<8>($($argument),*),
             9..=12 => $function::<12>($($argument),*),
-            13..=16 => $function::<16>($($argument),*),
-            _ => $function::<32>($($argument),*),
+            _ => $function::<24>($($argument),*),
         }
     };
 }
 
 /// The most unknowns, globals and locals together, that one window can have.
-pub const MAX_UNKNOWNS: usize = 32;
+pub const MAX_UNKNOWNS: usize = 24;
 
 /// The free parameters that this record can say anything about, as indices into
 /// [`Unknowns::free`]: body terms do not show while the body is clamped, nor wheel terms while the
@@ -189,6 +188,38 @@ fn plant_of<S: Scalar>(record: &Record, model: &Model, values: &[S]) -> Plant<S>
     } else {
         plant
     }
+}
+
+/// Time in s over which presliding friction is followed before a window begins: it forgets as the
+/// body travels, and no body of these benches rests for that long in the middle of its motion.
+const MEMORY_S: f64 = 1.0;
+
+/// The start of a window in the middle of a log with what the log says of the time before it: the
+/// angle of the wheel for cogging, the torque of presliding friction.
+fn with_memory<S: Scalar>(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    plant: &Plant<S>,
+    start: State<S>,
+) -> State<S> {
+    let mut state = start;
+    let first = window.samples.start;
+    if first == 0 {
+        return state;
+    }
+    if model.has(EffectId::WheelCogging) {
+        state.wheel_angle_rad = S::constant(record.wheel_angle_before(first));
+    }
+    if model.has(EffectId::BodyPreslidingFriction) {
+        let from_s = record.time_s[first] - MEMORY_S;
+        let from = record.time_s.partition_point(|&time| time < from_s);
+        for displacement in record.body_travel(from..first) {
+            state.friction_torque =
+                plant.remember(state.friction_torque, S::constant(displacement));
+        }
+    }
+    state
 }
 
 fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
@@ -240,7 +271,7 @@ fn observe_lanes<const N: usize>(
         values,
         unknowns,
         globals,
-        |k, reading| {
+        &mut |k, reading| {
             for (index, channel) in record.channels.iter().enumerate() {
                 let output = channel.output.of(reading);
                 let scale = 1.0 / channel.noise_std;
@@ -267,7 +298,8 @@ fn run_lanes<const N: usize>(
     values: &[f64],
     unknowns: &Unknowns,
     globals: &[usize],
-    mut each: impl FnMut(usize, &plant::Reading<Dual<N>>),
+    // Not generic, so that the integrator is compiled once for each number of lanes.
+    each: &mut dyn FnMut(usize, &plant::Reading<Dual<N>>),
 ) {
     let mut duals: Vec<Dual<N>> = values.iter().map(|&value| Dual::constant(value)).collect();
     for (lane, &unknown) in globals.iter().enumerate() {
@@ -285,6 +317,7 @@ fn run_lanes<const N: usize>(
         .collect();
     let (start, held, angle_zero) = start_state(&locals, &starts);
     let plant = plant_of(record, model, &duals);
+    let start = with_memory(record, window, model, &plant, start);
     plant.run(
         start,
         &record.time_s,
@@ -349,7 +382,7 @@ fn normal_lanes<const N: usize>(
         values,
         unknowns,
         globals,
-        |k, reading| {
+        &mut |k, reading| {
             let weight = record.weight[k];
             if weight == 0.0 {
                 return;
@@ -405,7 +438,9 @@ pub fn simulate(
     mut each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
 ) {
     let (start, held, angle_zero) = start_state(&Local::of(record), &window.locals);
-    plant_of(record, model, values).run(
+    let plant = plant_of(record, model, values);
+    let start = with_memory(record, window, model, &plant, start);
+    plant.run(
         start,
         &record.time_s,
         window.samples.clone(),
