@@ -105,9 +105,8 @@ pub fn check_sampling(certificate: &Certificate) -> Result<(), String> {
     };
     let stated = &certificate.plant;
     for i in 0..3 {
-        for j in 0..3 {
-            let what = format!("Ad[{i}][{j}]");
-            close(what, &stated.ad[i][j].value, &ad[i][j])?;
+        for (j, (entry, exact)) in stated.ad[i].iter().zip(&ad[i]).enumerate() {
+            close(format!("Ad[{i}][{j}]"), &entry.value, exact)?;
         }
         close(format!("Bd[{i}]"), &stated.bd[i].value, &bd[i])?;
     }
