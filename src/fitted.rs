@@ -336,7 +336,7 @@ impl<'a> Fitted<'a> {
             text.push_str(&table.text());
         }
         if !self.statements.is_empty() {
-            text.push_str("\nWhat these logs leave open\n");
+            text.push_str("\nWhat these logs leave open, or contradict\n");
             for statement in &self.statements {
                 text.push_str(&format!("  - {statement}\n"));
             }
@@ -586,6 +586,15 @@ pub fn place(region: &Region) -> String {
 pub fn parameters_of(folder: &BenchFolder, fit: &Fit) -> Vec<Parameter> {
     let setup = &folder.setup;
     let infos = fit.model.parameters();
+    // A negative one is a contradiction, which the statements name, and no parameter.
+    let derived = identify::body_inertia(setup, fit).filter(|(value, _)| *value > 0.0);
+    let derived = derived.map(|(value, std)| Parameter {
+        name: "body_inertia".to_owned(),
+        value,
+        std,
+        unit: "kg m2".to_owned(),
+        source: "total_inertia less wheel, masses, lengths".to_owned(),
+    });
     (0..infos.len())
         .filter_map(|position| {
             let free = fit.unknowns.free.iter().position(|&at| at == position);
@@ -615,6 +624,7 @@ pub fn parameters_of(folder: &BenchFolder, fit: &Fit) -> Vec<Parameter> {
                 source,
             })
         })
+        .chain(derived)
         .collect()
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use plant::Kind;
 
-use crate::channel::Channel;
+use crate::channel::{Channel, NORMALISED};
 use crate::csv_table::{self, OpenTable};
 use crate::error::{Error, Names, Problem};
 use crate::known::Known;
@@ -203,6 +203,8 @@ struct Plan {
     signs: Vec<(Channel, Located<f64>)>,
     offsets: Vec<(Channel, Located<f64>)>,
     held_current: Option<Located<f64>>,
+    /// The current column is a command without unit.
+    normalised: bool,
     current_meaning: CurrentMeaning,
     from_s: Option<f64>,
     until_s: Option<f64>,
@@ -319,6 +321,7 @@ impl Plan {
                 require(table.number(key)?, table, key)
             })?,
             held_current: held_current(section, kind)?,
+            normalised: is_normalised(section)?,
             from_s: from_s.map(|from| from.value),
             until_s: until_s.map(|until| until.value),
             name,
@@ -353,6 +356,9 @@ impl Plan {
                     factor: sign.value,
                 });
             }
+        }
+        if self.normalised {
+            report.notes.push(Note::NormalisedCommand);
         }
         if let Some(current) = &self.held_current
             && useful(self.kind).contains(&Channel::Current)
@@ -604,6 +610,15 @@ fn unit_scale(table: &Section, key: &'static str) -> Result<Located<f64>, Error>
             },
         )),
     }
+}
+
+/// Whether `units` says that the current is a command without unit.
+fn is_normalised(section: &Section) -> Result<bool, Error> {
+    let Some(table) = section.section("units")? else {
+        return Ok(false);
+    };
+    let unit = table.text(Channel::Current.key())?;
+    Ok(unit.is_some_and(|unit| unit.value == NORMALISED))
 }
 
 /// The held current of `constants`, A.

@@ -28,6 +28,9 @@ const SPEED_UNITS: &[Unit] = &[
     ("rpm", TAU / 60.0),
 ];
 
+/// The unit of a command that is a pure number.
+pub(crate) const NORMALISED: &str = "1";
+
 impl Channel {
     /// All channels, time first.
     pub const ALL: [Channel; 5] = [
@@ -79,7 +82,8 @@ impl Channel {
                 ("rev", TAU),
             ],
             Channel::Rate | Channel::WheelSpeed => SPEED_UNITS,
-            Channel::Current => &[("A", 1.0), ("mA", 1e-3)],
+            // "1": a command without unit, such as a share of the largest duty.
+            Channel::Current => &[("A", 1.0), ("mA", 1e-3), (NORMALISED, 1.0)],
         }
     }
 

@@ -97,6 +97,8 @@ pub enum Note {
     },
     /// A spin-up without a current column: the current was not recorded.
     CurrentNotRecorded,
+    /// The current column is a command without unit (`units = { current = "1" }`).
+    NormalisedCommand,
     /// A `sign` that is neither 1 nor −1 was used as a factor.
     SignIsAFactor {
         /// The channel.
@@ -142,6 +144,11 @@ impl fmt::Display for Note {
             Note::CurrentNotRecorded => write!(
                 f,
                 "the current was not recorded; if it was held, constants = {{ current = … }} says at what"
+            ),
+            Note::NormalisedCommand => write!(
+                f,
+                "the current is a command without unit: torque_constant is torque per unit of \
+                 command, and a drive that sets voltage, not current, shows up as wheel friction"
             ),
             Note::SignIsAFactor { channel, factor } => write!(
                 f,

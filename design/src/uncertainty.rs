@@ -121,6 +121,10 @@ pub struct PoleUncertainty {
     pub open_loop: Vec<UncertainPole>,
     /// Continuous equivalents of the poles of the sampled loop.
     pub closed_loop: Vec<UncertainPole>,
+    /// Poles of A of every drawn set that gives a model.
+    pub open_loop_drawn: Vec<Complex<f64>>,
+    /// Continuous equivalents of the sampled loop's poles of the same sets.
+    pub closed_loop_drawn: Vec<Complex<f64>>,
     /// Parameter sets drawn.
     pub samples: usize,
     /// Sets that give no model (a negative inertia, say).
@@ -191,6 +195,7 @@ pub fn pole_uncertainty(
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut impossible, mut unstable) = (0, 0);
     let mut worst_spectral_radius = 0.0_f64;
+    let (mut open_loop_drawn, mut closed_loop_drawn) = (Vec::new(), Vec::new());
     for _ in 0..samples {
         let standard = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
         let change: DVector<f64> = &root * standard;
@@ -210,13 +215,15 @@ pub fn pole_uncertainty(
         if radius >= 1.0 {
             unstable += 1;
         }
-        open_spread.add(matched(&open_values, eigenvalues(&a)?));
-        closed_spread.add(
-            matched(&closed_values, closed)
-                .into_iter()
-                .map(in_seconds)
-                .collect(),
-        );
+        let open = matched(&open_values, eigenvalues(&a)?);
+        open_loop_drawn.extend(&open);
+        open_spread.add(open);
+        let closed: Vec<Complex<f64>> = matched(&closed_values, closed)
+            .into_iter()
+            .map(in_seconds)
+            .collect();
+        closed_loop_drawn.extend(&closed);
+        closed_spread.add(closed);
     }
 
     let assemble = |values: Vec<Complex<f64>>, rates: Vec<Vec<Complex<f64>>>, spread: Spread| {
@@ -252,6 +259,8 @@ pub fn pole_uncertainty(
             closed_spread,
         ),
         open_loop: assemble(open_values, open_rates, open_spread),
+        open_loop_drawn,
+        closed_loop_drawn,
         samples,
         impossible,
         unstable,

@@ -72,7 +72,13 @@ pub fn poles(figure: &Poles) -> String {
         .copied()
         .filter(|p| p.0.is_finite() && p.1.is_finite())
         .collect();
-    let crowd = crowded(&all, figure.plane);
+    let poles: Vec<(f64, f64)> = figure
+        .sets
+        .iter()
+        .flat_map(|set| set.poles)
+        .copied()
+        .collect();
+    let crowd = crowded(&all, figure.plane).filter(|crowd| are_several(&poles, crowd));
     let full = style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN;
     let panels = 1 + usize::from(crowd.is_some());
     let width = if panels == 2 {
@@ -119,6 +125,21 @@ fn crowded(all: &[(f64, f64)], plane: Plane) -> Option<Vec<(f64, f64)>> {
         .find(|w| w[1].max(small) > 2.5 * w[0].max(small))?;
     let near = all.iter().filter(|p| distance(p) <= gap[0]);
     (gap[0] > 0.0).then(|| near.copied().collect())
+}
+
+/// Whether the crowd holds poles that can be told apart: a single one, enlarged, shows nothing.
+fn are_several(poles: &[(f64, f64)], crowd: &[(f64, f64)]) -> bool {
+    let near: Vec<(f64, f64)> = poles
+        .iter()
+        .filter(|p| crowd.contains(p))
+        .copied()
+        .collect();
+    let Some(&first) = near.first() else {
+        return false;
+    };
+    let size = near.iter().map(|p| p.0.hypot(p.1)).fold(0.0, f64::max);
+    near.iter()
+        .any(|p| (p.0 - first.0).hypot(p.1 - first.1) > 1e-3 * size)
 }
 
 fn panel(

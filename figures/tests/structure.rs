@@ -367,6 +367,28 @@ fn bars_are_as_long_as_their_probability() {
 }
 
 #[test]
+fn a_single_slow_pole_is_not_enlarged() {
+    let open = [(-11.9, 0.0), (9.5, 0.0), (-0.13, 0.0)];
+    let shown = |closed: &[(f64, f64)]| {
+        let set = |name, poles| PoleSet {
+            name,
+            role: Role::Model,
+            poles,
+            cloud: &[],
+        };
+        let svg = poles(&Poles {
+            plane: Plane::Continuous,
+            sets: &[set("open", &open), set("closed", closed)],
+            ..Default::default()
+        });
+        svg.contains("enlarged")
+    };
+    // The pole at -0.13 alone would fill the panel; beside another slow one it tells something.
+    assert!(!shown(&[(-8.0, 1.0), (-8.0, -1.0), (-7.0, 0.0)]));
+    assert!(shown(&[(-8.0, 1.0), (-8.0, -1.0), (-0.4, 0.0)]));
+}
+
+#[test]
 fn a_stable_pole_is_drawn_inside_the_circle() {
     let set = PoleSet {
         name: "loop",

@@ -75,14 +75,22 @@ pub fn against_measurement<'a>(
         .iter()
         .map(|record| identify::find_pushes(record, &push_model))
         .collect();
-    Ok(Fitted::from_model_file(
+    let mut fitted = Fitted::from_model_file(
         folder,
         file,
         &minimum.values,
         &minimum.windows,
         traces,
         pushes,
-    ))
+    );
+    fitted.statements = while_doing("looking for contradictions", || {
+        let windows = &minimum.windows;
+        identify::contradictions(&folder.setup, &model, &minimum.values, windows, &[])
+            .iter()
+            .map(identify::Contradiction::sentence)
+            .collect()
+    });
+    Ok(fitted)
 }
 
 /// The parameter vector of the file. What no log of this bench can show may be missing in it.

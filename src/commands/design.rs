@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use design::wheel_sizing::chart;
 use design::{
-    Design, ExtremeCheck, Pole, PoleUncertainty, Sizing, UncertainParameters, UncertainPole,
-    pole_uncertainty,
+    ChartPoint, Design, ExtremeCheck, Margins, Pole, PoleUncertainty, Sizing, UncertainParameters,
+    UncertainPole, pole_uncertainty,
 };
 use figures::{Line, Panel, Plane, PoleSet, Quantity, Role};
 use plant::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
@@ -23,6 +23,12 @@ use crate::report::table::{Align, Table};
 const DRAWN_SETS: usize = 1000;
 /// Seed of that draw.
 const SEED: u64 = 1;
+/// Drawn sets whose poles the figure shows.
+const SHOWN_SETS: usize = 200;
+/// Wheels that are looked at, relative to the bench's own.
+const WHEEL_FACTORS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Top speeds of the wheel in the table of sizes.
+const TABLED_SPEEDS_RAD_S: [f64; 5] = [50.0, 100.0, 200.0, 400.0, 700.0];
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -71,7 +77,10 @@ struct DesignJson {
     margins: MarginsJson,
     wheel_speed_per_angle_bias: f64,
     friction_extremes: Option<[ExtremeJson; 2]>,
+    /// The swing that dry friction keeps up around upright; null where there is none.
+    hunting: Option<HuntingJson>,
     least_pushes: Vec<PushJson>,
+    wheel_sizing: Vec<SizingJson>,
     figures: Vec<PathBuf>,
 }
 
@@ -95,12 +104,43 @@ struct MarginsJson {
     modulus_margin: f64,
 }
 
+impl MarginsJson {
+    fn of(margins: &Margins) -> MarginsJson {
+        MarginsJson {
+            least_gain_factor: margins.least_gain_factor,
+            largest_gain_factor: margins.largest_gain_factor,
+            phase_margin_rad: margins.phase_margin_rad,
+            delay_margin_s: margins.delay_margin_s,
+            modulus_margin: margins.modulus_margin,
+        }
+    }
+}
+
 #[derive(Serialize)]
 struct ExtremeJson {
     coulomb_friction: &'static str,
     closed_loop_poles_per_s: Vec<[f64; 2]>,
     spectral_radius: f64,
     stable: bool,
+    /// Null where the loop is unstable.
+    margins: Option<MarginsJson>,
+}
+
+#[derive(Serialize)]
+struct HuntingJson {
+    angle_rad: f64,
+    rate_rad_s: f64,
+    frequency_rad_s: f64,
+}
+
+/// One wheel at one top speed.
+#[derive(Serialize)]
+struct SizingJson {
+    wheel_inertia: f64,
+    wheel_speed_rad_s: f64,
+    wheel_energy_j: f64,
+    recoverable_angle_rad: f64,
+    recovered_energy_j: f64,
 }
 
 #[derive(Serialize)]
@@ -127,11 +167,10 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     figures::write_svg(&figures[0], &pole_figure(&designed, uncertainty.as_ref()))?;
     figures::write_svg(&figures[1], &sizing_figure(&designed, &sizing)?)?;
 
-    let text = text(&designed, uncertainty.as_ref(), &pushes, &figures);
-    Report::new(
-        text,
-        &json(&designed, uncertainty.as_ref(), pushes, figures),
-    )
+    let sizes = chart(&sizing, &wheels(&sizing), &TABLED_SPEEDS_RAD_S).map_err(in_file)?;
+    let text = text(&designed, uncertainty.as_ref(), &pushes, &sizes, &figures);
+    let json = json(&designed, uncertainty.as_ref(), pushes, &sizes, figures);
+    Report::new(text, &json)
 }
 
 /// What the parameters' standard errors do to the poles; none where the file states no errors.
@@ -173,6 +212,11 @@ fn sizing(designed: &ModelDesign) -> Sizing {
     }
 }
 
+/// Inertias of the wheels that are looked at, in kg m².
+fn wheels(sizing: &Sizing) -> [f64; 3] {
+    WHEEL_FACTORS.map(|factor| factor * sizing.wheel_inertia)
+}
+
 /// What it takes to come up from rest at a third, two thirds and nine tenths of the largest angle.
 fn least_pushes(sizing: &Sizing, largest_rad: f64) -> Result<Vec<PushJson>, design::DesignError> {
     let mut pushes = Vec::new();
@@ -194,10 +238,10 @@ fn json(
     designed: &ModelDesign,
     uncertainty: Option<&PoleUncertainty>,
     least_pushes: Vec<PushJson>,
+    sizing: &[ChartPoint],
     figures: Vec<PathBuf>,
 ) -> DesignJson {
     let design = &designed.design;
-    let margins = &design.margins;
     let pairs = |poles: &[Pole]| poles.iter().map(|p| [p.value.re, p.value.im]).collect();
     let stds = |poles: &[UncertainPole]| poles.iter().map(|p| [p.std_re, p.std_im]).collect();
     DesignJson {
@@ -249,13 +293,7 @@ fn json(
             .collect(),
         recovery_angle_rad: design.recovery_angle_rad,
         dare_residual: design.dare_residual(),
-        margins: MarginsJson {
-            least_gain_factor: margins.least_gain_factor,
-            largest_gain_factor: margins.largest_gain_factor,
-            phase_margin_rad: margins.phase_margin_rad,
-            delay_margin_s: margins.delay_margin_s,
-            modulus_margin: margins.modulus_margin,
-        },
+        margins: MarginsJson::of(&design.margins),
         wheel_speed_per_angle_bias: design.wheel_speed_per_angle_bias,
         friction_extremes: design.friction.as_ref().map(|check| {
             [("none", &check.none), ("all", &check.all)].map(|(name, extreme)| ExtremeJson {
@@ -267,9 +305,29 @@ fn json(
                     .collect(),
                 spectral_radius: extreme.spectral_radius,
                 stable: extreme.is_stable(),
+                margins: extreme.margins.as_ref().map(MarginsJson::of),
             })
         }),
+        hunting: design
+            .friction
+            .as_ref()
+            .and_then(|check| check.hunting)
+            .map(|swing| HuntingJson {
+                angle_rad: swing.angle_rad,
+                rate_rad_s: swing.rate_rad_s,
+                frequency_rad_s: swing.frequency_rad_s,
+            }),
         least_pushes,
+        wheel_sizing: sizing
+            .iter()
+            .map(|point| SizingJson {
+                wheel_inertia: point.wheel_inertia,
+                wheel_speed_rad_s: point.wheel_speed_rad_s,
+                wheel_energy_j: point.wheel_energy_j,
+                recoverable_angle_rad: point.recoverable_angle_rad,
+                recovered_energy_j: point.recovered_energy_j,
+            })
+            .collect(),
         figures,
     }
 }
@@ -282,6 +340,7 @@ fn text(
     designed: &ModelDesign,
     uncertainty: Option<&PoleUncertainty>,
     pushes: &[PushJson],
+    sizes: &[ChartPoint],
     figures: &[PathBuf],
 ) -> String {
     let wishes = &designed.wishes;
@@ -307,6 +366,7 @@ fn text(
     text.push_str(&loop_text(&designed.design));
     text.push_str(&friction_text(&designed.design));
     text.push_str(&pushes_text(pushes));
+    text.push_str(&sizes_text(sizes));
     text.push_str("\nFigures\n");
     for path in figures {
         text.push_str(&format!("  {}\n", path.display()));
@@ -353,7 +413,18 @@ fn poles_text(design: &Design, uncertainty: Option<&PoleUncertainty>) -> String 
         ("loop", Align::Left),
         ("pole", Align::Left),
         ("1/s ± standard error", Align::Left),
+        ("mostly from", Align::Left),
     ]);
+    // The parameter whose standard error alone moves the pole farthest.
+    let culprit = |pole: Option<&UncertainPole>| -> String {
+        pole.and_then(|pole| {
+            pole.per_parameter
+                .iter()
+                .filter(|(_, moves)| moves.norm() > 0.0)
+                .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))
+        })
+        .map_or(String::new(), |(name, _)| name.clone())
+    };
     let with_error = |value: [f64; 2], pole: Option<&UncertainPole>| match pole {
         None => complex(value[0], value[1]),
         Some(pole) if value[1] == 0.0 => with_uncertainty(value[0], Some(pole.std_re)),
@@ -370,6 +441,7 @@ fn poles_text(design: &Design, uncertainty: Option<&PoleUncertainty>) -> String 
             "open".to_owned(),
             String::new(),
             with_error(value, uncertain),
+            culprit(uncertain),
         ]);
     }
     let equivalents = design.closed_loop_poles_per_s();
@@ -380,6 +452,7 @@ fn poles_text(design: &Design, uncertainty: Option<&PoleUncertainty>) -> String 
             "closed".to_owned(),
             complex(pole.value.re, pole.value.im),
             with_error([equivalent.re, equivalent.im], uncertain),
+            culprit(uncertain),
         ]);
     }
     let mut text = format!(
@@ -462,6 +535,8 @@ fn friction_text(design: &Design) -> String {
         ("Coulomb friction", Align::Left),
         ("closed-loop poles in 1/s", Align::Left),
         ("", Align::Left),
+        ("phase margin", Align::Right),
+        ("delay margin", Align::Right),
     ]);
     let row = |name: &str, extreme: &ExtremeCheck| {
         let poles: Vec<String> = extreme
@@ -474,11 +549,63 @@ fn friction_text(design: &Design) -> String {
         } else {
             "unstable"
         };
-        [name.to_owned(), poles.join(",  "), verdict.to_owned()]
+        let margin = |value: &dyn Fn(&Margins) -> String| {
+            extreme.margins.as_ref().map_or("none".to_owned(), value)
+        };
+        [
+            name.to_owned(),
+            poles.join(",  "),
+            verdict.to_owned(),
+            margin(&|m| format!("{:.1}°", m.phase_margin_rad.to_degrees())),
+            margin(&|m| format!("{} ms", significant(1e3 * m.delay_margin_s, 3))),
+        ]
     };
     table.row(row("none", &check.none));
     table.row(row("all of it, as damping", &check.all));
-    format!("\nThe same gains at both extremes\n{}", table.text())
+    let hunting = match &check.hunting {
+        None => "  dry friction keeps up no swing around upright".to_owned(),
+        Some(swing) => format!(
+            "  dry friction keeps up a swing of ±{}° at {} Hz around upright (describing function)",
+            significant(swing.angle_rad.to_degrees(), 2),
+            significant(swing.frequency_rad_s / std::f64::consts::TAU, 2)
+        ),
+    };
+    format!(
+        "\nThe same gains at both extremes of Coulomb friction\n{}{hunting}\n",
+        table.text()
+    )
+}
+
+/// Largest recoverable angle, by the wheel's inertia (rows) and top speed (columns).
+fn sizes_text(sizes: &[ChartPoint]) -> String {
+    let speeds: Vec<String> = TABLED_SPEEDS_RAD_S
+        .iter()
+        .map(|speed| format!("{speed} rad/s"))
+        .collect();
+    let mut heads = vec![("wheel inertia", Align::Left)];
+    heads.extend(speeds.iter().map(|speed| (speed.as_str(), Align::Right)));
+    let mut table = Table::new(&heads);
+    for (wheel, factor) in sizes.chunks(TABLED_SPEEDS_RAD_S.len()).zip(WHEEL_FACTORS) {
+        let Some(first) = wheel.first() else {
+            continue;
+        };
+        let mut row = vec![format!(
+            "{} kg m2 (× {factor})",
+            significant(first.wheel_inertia, 3)
+        )];
+        row.extend(wheel.iter().map(|point| {
+            format!(
+                "{:.2}°, {} mJ",
+                point.recoverable_angle_rad.to_degrees(),
+                significant(1e3 * point.recovered_energy_j, 2)
+            )
+        }));
+        table.row(row);
+    }
+    format!(
+        "\nAngle and energy that a wheel recovers, by its top speed\n{}",
+        table.text()
+    )
 }
 
 fn pushes_text(pushes: &[PushJson]) -> String {
@@ -514,6 +641,16 @@ fn pole_figure(designed: &ModelDesign, uncertainty: Option<&PoleUncertainty>) ->
         .iter()
         .map(|pole| (pole.re, pole.im))
         .collect();
+    let drawn = |poles: &[nalgebra::Complex<f64>]| -> Vec<(f64, f64)> {
+        let shown = poles.iter().take(SHOWN_SETS * 3);
+        shown.map(|pole| (pole.re, pole.im)).collect()
+    };
+    let clouds = uncertainty.map_or_else(Default::default, |found| {
+        [
+            drawn(&found.open_loop_drawn),
+            drawn(&found.closed_loop_drawn),
+        ]
+    });
     let subtitle = match uncertainty {
         Some(found) => format!(
             "{} of {} parameter sets within their standard errors are stable",
@@ -531,13 +668,13 @@ fn pole_figure(designed: &ModelDesign, uncertainty: Option<&PoleUncertainty>) ->
                 name: "open loop",
                 role: Role::Residual,
                 poles: &open,
-                cloud: &[],
+                cloud: &clouds[0],
             },
             PoleSet {
                 name: "closed loop",
                 role: Role::Model,
                 poles: &closed,
-                cloud: &[],
+                cloud: &clouds[1],
             },
         ],
     })
@@ -546,8 +683,7 @@ fn pole_figure(designed: &ModelDesign, uncertainty: Option<&PoleUncertainty>) ->
 /// Largest recoverable angle against the wheel's top speed, for three wheels (thesis, figure 2.2).
 fn sizing_figure(designed: &ModelDesign, sizing: &Sizing) -> Result<String, Failure> {
     let speeds: Vec<f64> = (1..=70).map(|step| 10.0 * f64::from(step)).collect();
-    let factors = [0.5, 1.0, 2.0];
-    let inertias = factors.map(|factor| factor * sizing.wheel_inertia);
+    let inertias = wheels(sizing);
     let points = chart(sizing, &inertias, &speeds)
         .map_err(|error| Failure::in_file(designed.file.path(), error))?;
     let names = inertias.map(|inertia| format!("wheel of {} kg m2", significant(inertia, 3)));
@@ -559,8 +695,10 @@ fn sizing_figure(designed: &ModelDesign, sizing: &Sizing) -> Result<String, Fail
             .collect()
     };
     let angles = column(&|point| point.recoverable_angle_rad.to_degrees());
+    let recovered = column(&|point| point.recovered_energy_j);
     let energies = column(&|point| point.wheel_energy_j);
     let angle_lines = lines(&names, &roles, &speeds, &angles);
+    let recovered_lines = lines(&names, &roles, &speeds, &recovered);
     let energy_lines = lines(&names, &roles, &speeds, &energies);
     let limit = designed.design.recovery_angle_rad.to_degrees();
     Ok(figures::series(&figures::Series {
@@ -582,6 +720,15 @@ fn sizing_figure(designed: &ModelDesign, sizing: &Sizing) -> Result<String, Fail
                     name: "current limit",
                 }],
                 note: "",
+            },
+            Panel {
+                quantity: Quantity {
+                    name: "energy to recover",
+                    unit: "J",
+                },
+                lines: &recovered_lines,
+                limits: &[],
+                note: "what the body lacks at that angle",
             },
             Panel {
                 quantity: Quantity {

@@ -133,6 +133,15 @@ fn a_sign_that_is_a_factor_is_used_and_reported() {
 }
 
 #[test]
+fn a_command_without_unit_is_taken_as_it_is_and_said() {
+    let log = csv("time_s,wheel_speed_rad_s,u", 6, |i| format!("{i},{i},0.5"));
+    let keys = "columns = { current = \"u\" }\nunits = { current = \"1\" }";
+    let experiment = load(&one("spin-up", keys), &log);
+    assert_eq!(experiment.log.current_a, Some(vec![0.5; 6]));
+    assert_eq!(experiment.report.notes, [Note::NormalisedCommand]);
+}
+
+#[test]
 fn a_held_current_becomes_a_column() {
     let log = csv("time_s,wheel_speed_rad_s", 6, |i| format!("{i},{i}"));
     let held = load(&one("spin-up", "constants = { current = 0.6 }"), &log);
