@@ -90,6 +90,7 @@ impl BenchFolder {
             current_weight: 1.0,
             current_limit_a: controller.map_or(2.0, |own| own.current_limit_a),
             friction_linearisation_speed_rad_s: None,
+            bias_time_constant_s: None,
         }
     }
 }

@@ -4,28 +4,42 @@
 use attitude::SensorLine;
 use bench_files::Calibration;
 use calibrate::{Calibrated, Mounting, SensorCalibration};
-use codegen::hardware::HardwareSpec;
+use codegen::hardware::{BiasObserverSpec, HardwareSpec};
 use codegen::spec::{Drive, ModuleSpec, Parameter, PhysicalRanges};
-use nalgebra::Matrix3;
+use design::BiasObserver;
+use nalgebra::{Matrix3, Vector3};
+use simulate::Sensors;
 
+use crate::failure::Failure;
 use crate::model_design::ModelDesign;
+
+/// The estimate of the angle's bias stays within ± this, rad: 5.7°. More is no bias that a sensor
+/// has after calibration, and at it the loop still has nearly two thirds of its current limit's angle.
+const BIAS_LIMIT_RAD: f64 = 0.1;
 
 /// What the generator is told. Ranges are those of the thesis bench, and so are sensors and drive
 /// where they are not calibrated.
-pub fn module_spec(designed: &ModelDesign) -> ModuleSpec {
+///
+/// # Errors
+/// A bias observer that the model cannot carry.
+pub fn module_spec(designed: &ModelDesign) -> Result<ModuleSpec, Failure> {
     let design = &designed.design;
     let calibration = &designed.file.calibration.unwrap_or_default();
     let rows = |value: &dyn Fn(usize, usize) -> f64| {
         [0, 1, 2].map(|row| [0, 1, 2].map(|column| value(row, column)))
     };
-    ModuleSpec {
+    let hardware = HardwareSpec {
+        bias_observer: bias_observer(designed)?,
+        ..hardware(calibration)
+    };
+    Ok(ModuleSpec {
         model_name: designed.name(),
         gains: [0, 1, 2].map(|index| design.gains[index]),
         current_limit_a: designed.wishes.current_limit_a,
         sample_time_s: designed.wishes.sample_time_s,
         ranges: PhysicalRanges::THESIS_BENCH,
         drive: drive(calibration),
-        hardware: hardware(calibration),
+        hardware,
         parameters: designed
             .file
             .parameters
@@ -44,7 +58,35 @@ pub fn module_spec(designed: &ModelDesign) -> ModuleSpec {
         ad: rows(&|row, column| design.discrete.state[(row, column)]),
         bd: [0, 1, 2].map(|row| design.discrete.input[row]),
         closed_loop: None,
-    }
+    })
+}
+
+/// The observer that `bias_time_constant` asks for. Of the sensors' noise only the ratios count;
+/// they are those of the simulated sensors.
+fn bias_observer(designed: &ModelDesign) -> Result<Option<BiasObserverSpec>, Failure> {
+    let Some(time_constant_s) = designed.wishes.bias_time_constant_s else {
+        return Ok(None);
+    };
+    let sensors = Sensors::of_the_thesis();
+    let noise = Vector3::new(
+        sensors.angle.noise_std,
+        sensors.rate.noise_std,
+        sensors.wheel_speed.noise_std,
+    );
+    let observer = BiasObserver::new(
+        &designed.design.model,
+        designed.wishes.sample_time_s,
+        time_constant_s,
+        &noise,
+    )
+    .map_err(|error| Failure::in_file(designed.file.path(), error))?;
+    Ok(Some(BiasObserverSpec {
+        decay: observer.decay,
+        direct: observer.direct.into(),
+        from_states: observer.from_measurement.into(),
+        from_current: observer.from_current,
+        limit_rad: BIAS_LIMIT_RAD,
+    }))
 }
 
 /// The sensors of the thesis bench, with the calibrated ones in their places.

@@ -58,6 +58,9 @@ pub struct DesignSection {
     pub current_limit_a: f64,
     /// ι in rad/s: Coulomb friction of the body enters the linear model as μ/ι. `None`: not at all.
     pub friction_linearisation_speed_rad_s: Option<f64>,
+    /// Time constant in s of an observer that finds a constant bias of the measured angle, which
+    /// would keep the wheel turning (thesis 5.1); key `bias_time_constant`. `None`: no observer.
+    pub bias_time_constant_s: Option<f64>,
 }
 
 /// A model.toml.
@@ -346,11 +349,19 @@ impl ModelFile {
                 set(section, "state_weights", Value::Array(weights));
                 set(section, "current_weight", number(design.current_weight));
                 set(section, "current_limit", number(design.current_limit_a));
-                let key = "friction_linearisation_speed";
-                match design.friction_linearisation_speed_rad_s {
-                    Some(speed) => set(section, key, number(speed)),
-                    None => {
-                        section.remove(key);
+                let optional = [
+                    (
+                        "friction_linearisation_speed",
+                        design.friction_linearisation_speed_rad_s,
+                    ),
+                    ("bias_time_constant", design.bias_time_constant_s),
+                ];
+                for (key, value) in optional {
+                    match value {
+                        Some(value) => set(section, key, number(value)),
+                        None => {
+                            section.remove(key);
+                        }
                     }
                 }
             }
@@ -475,6 +486,7 @@ fn read_design(section: &Section) -> Result<DesignSection, Error> {
         "current_weight",
         "current_limit",
         "friction_linearisation_speed",
+        "bias_time_constant",
     ])?;
     let weights =
         section.required_three_numbers("state_weights", "state_weights = [25.0, 0.5, 5e-4]")?;
@@ -499,6 +511,9 @@ fn read_design(section: &Section) -> Result<DesignSection, Error> {
         friction_linearisation_speed_rad_s: section
             .positive_number("friction_linearisation_speed")?
             .map(|speed| speed.value),
+        bias_time_constant_s: section
+            .positive_number("bias_time_constant")?
+            .map(|time| time.value),
     })
 }
 

@@ -34,6 +34,8 @@ struct Generated {
     gains: [f64; 3],
     current_limit_a: f64,
     sample_time_s: f64,
+    /// Time constant of the observer of the angle's bias, if the model asks for one.
+    bias_time_constant_s: Option<f64>,
     files: Vec<PathBuf>,
     /// Files that were written; without meaning under --check.
     changed: Vec<PathBuf>,
@@ -44,7 +46,7 @@ struct Generated {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let designed = ModelDesign::new(&arguments.model)?;
-    let spec = module_spec(&designed);
+    let spec = module_spec(&designed)?;
     let emitted =
         codegen::generate(&spec).map_err(|refusal| Failure::in_file(&arguments.model, refusal))?;
     let mut result = Generated {
@@ -53,17 +55,24 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         gains: spec.gains,
         current_limit_a: spec.current_limit_a,
         sample_time_s: spec.sample_time_s,
+        bias_time_constant_s: designed.wishes.bias_time_constant_s,
         files: paths(&emitted, arguments),
         changed: Vec::new(),
         differing: Vec::new(),
     };
-    let law = format!(
+    let mut law = format!(
         "{}: u = −K x, K = ({}), one command every {} s, at most {} A\n",
         result.model,
         result.gains.map(|gain| significant(gain, 9)).join(", "),
         result.sample_time_s,
         result.current_limit_a,
     );
+    if let Some(time) = result.bias_time_constant_s {
+        law.push_str(&format!(
+            "A constant bias of the angle is found and taken out within about {} s\n",
+            significant(time, 3)
+        ));
+    }
     if arguments.check {
         return match emitted.check(&arguments.out) {
             Ok(()) => {

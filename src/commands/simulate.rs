@@ -2,17 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
+use attitude::AttitudeSpec;
 use bench_files::Bench;
+use codegen::ModuleSpec;
 use figures::{Line, Panel, Quantity, Role};
 use identify::{PushModel, Record};
 use plant::{Kind, Plant};
 use serde::Serialize;
+use simulate::attitude_filters::compare_filters;
 use simulate::linear_validity::{compare_free_swing, compare_spin_up, largest_linear_amplitude};
 use simulate::overlay::MeasuredLog;
 use simulate::scenario::Scale;
 use simulate::{
-    Actuator, ClosedLoop, ExactLaw, InterpretedLaw, Motion, Push, Scenario, Sensors, SimulateError,
-    Trace, Transient, effects_on_transient, largest_recoverable_angle, overlay,
+    Actuator, ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, Motion, Push, RawLoop,
+    RawSensors, Scenario, Sensors, SimulateError, Trace, Transient, effects_on_transient,
+    largest_recoverable_angle, overlay,
 };
 
 use crate::bench_folder::file_name;
@@ -29,6 +33,10 @@ use crate::report::table::{Align, Table};
 const ANGLE_RESOLUTION_RAD: f64 = 1.745e-4;
 /// An angle that counts as a swing, as a share of the largest angle that the current allows.
 const SWING_SHARE: f64 = 0.02;
+/// Start of the swing on which the attitude filters are compared, rad from hanging: 60°.
+const SWING_START_RAD: f64 = std::f64::consts::FRAC_PI_3;
+/// Its length, s.
+const SWING_S: f64 = 20.0;
 /// Error at which the linear model counts as no longer good.
 const LINEAR_SHARE: f64 = 0.05;
 
@@ -56,7 +64,9 @@ struct SimulateJson {
     gains: [f64; 3],
     seed: u64,
     runs: Vec<RunJson>,
+    raw_counts: RawCountsJson,
     recovery: RecoveryJson,
+    attitude_filters: Vec<FilterJson>,
     effects: Vec<EffectsJson>,
     linear_model: LinearJson,
     overlays: Vec<OverlayJson>,
@@ -75,6 +85,24 @@ struct RunJson {
     /// Largest differences between the emitted and the exact law.
     difference_angle_rad: f64,
     difference_current_a: f64,
+}
+
+/// The half minute through raw counts and duty, with the emitted attitude filter.
+#[derive(Serialize)]
+struct RawCountsJson {
+    fell: bool,
+    largest_angle_rad: f64,
+    largest_wheel_speed_rad_s: f64,
+    largest_current_a: f64,
+    /// RMS of the filter's angle against the true one.
+    angle_error_rad: f64,
+}
+
+#[derive(Serialize)]
+struct FilterJson {
+    filter: &'static str,
+    /// RMS of its angle against the true one over the swing.
+    error_rad: f64,
 }
 
 #[derive(Serialize)]
@@ -132,6 +160,10 @@ struct Work<'a> {
     out: PathBuf,
     exact: ExactLaw,
     emitted: InterpretedLaw,
+    controller: InterpretedController,
+    /// The sensors that the module believes in, with what a calibration leaves.
+    sensors: RawSensors,
+    spec: ModuleSpec,
     files: Vec<PathBuf>,
     text: String,
 }
@@ -144,6 +176,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let gains = [0, 1, 2].map(|index| designed.design.gains[index]);
     let limit_a = designed.wishes.current_limit_a;
     let plant = Plant::new(&designed.model, &designed.values, Kind::Balance);
+    let spec = module_spec(&designed)?;
+    let module = emitted_module(&spec, &arguments.model)?;
     let mut work = Work {
         plant: &plant,
         scale: Scale::new(&designed.values, limit_a).map_err(in_file)?,
@@ -153,7 +187,12 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             gains: designed.design.gains,
             limit_a,
         },
-        emitted: emitted_law(&designed, &arguments.model)?,
+        emitted: InterpretedLaw::new(&module)
+            .map_err(|error| Failure::in_file(&arguments.model, error))?,
+        controller: InterpretedController::new(&module)
+            .map_err(|error| Failure::in_file(&arguments.model, error))?,
+        sensors: sensors_of(&spec).map_err(in_file)?,
+        spec,
         files: Vec::new(),
         text: format!(
             "{}: the emitted law, run word for word from its source, on the nonlinear bench\n",
@@ -163,7 +202,9 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     };
     let json = while_doing("simulating", || -> Result<SimulateJson, Failure> {
         let runs = work.scenarios()?;
+        let raw_counts = work.raw_counts()?;
         let recovery = work.recovery()?;
+        let attitude_filters = work.attitude_filters()?;
         let effects = work.effects()?;
         let linear_model = work.linear_model()?;
         let overlays = match &bench {
@@ -175,7 +216,9 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             gains,
             seed: work.seed,
             runs,
+            raw_counts,
             recovery,
+            attitude_filters,
             effects,
             linear_model,
             overlays,
@@ -196,19 +239,29 @@ fn out_folder(arguments: &Arguments) -> PathBuf {
     })
 }
 
-/// The law as `generate` would emit it.
-fn emitted_law(designed: &ModelDesign, model: &Path) -> Result<InterpretedLaw, Failure> {
-    let emitted = codegen::generate(&module_spec(designed))
-        .map_err(|refusal| Failure::in_file(model, refusal))?;
+/// The source that `generate` would emit.
+fn emitted_module(spec: &ModuleSpec, model: &Path) -> Result<checker::Module, Failure> {
+    let emitted = codegen::generate(spec).map_err(|refusal| Failure::in_file(model, refusal))?;
     let sources: Vec<(&str, &str)> = emitted
         .files
         .iter()
         .filter(|file| file.path.ends_with(".rs"))
         .map(|file| (file.path.as_str(), file.contents.as_str()))
         .collect();
-    let module = checker::Module::parse(&sources)
-        .map_err(|error| Failure::in_file(model, format!("the emitted source: {error}")))?;
-    InterpretedLaw::new(&module).map_err(|error| Failure::in_file(model, error))
+    checker::Module::parse(&sources)
+        .map_err(|error| Failure::in_file(model, format!("the emitted source: {error}")))
+}
+
+/// Sensors and drive that the module's constants describe rightly, but for what a calibration
+/// leaves.
+fn sensors_of(spec: &ModuleSpec) -> Result<RawSensors, SimulateError> {
+    Ok(RawSensors {
+        wheel_speed_per_count: spec.hardware.wheel_speed_per_count,
+        wheel_speed_at_zero: spec.hardware.wheel_speed_at_zero,
+        duty_zero: spec.drive.duty_zero,
+        current_per_count_a: spec.drive.current_range_a / f64::from(spec.drive.counts()),
+        ..RawSensors::calibrated_by(&spec.hardware.attitude)?
+    })
 }
 
 impl<'a> Work<'a> {
@@ -386,6 +439,118 @@ impl<'a> Work<'a> {
             markers: &markers,
             ..Default::default()
         })?)
+    }
+
+    /// The half minute with pushes through raw counts: sensors' noise, bias and steps, emitted
+    /// attitude filter and law, duty.
+    fn raw_counts(&mut self) -> Result<RawCountsJson, Failure> {
+        let failure = self.failure();
+        let scenario = Scenario::half_minute(&self.scale);
+        let on = RawLoop {
+            drive_limit_a: self.spec.drive.current_range_a,
+            sample_time_s: self.spec.sample_time_s,
+            pushes: scenario.pushes,
+            ..RawLoop::new(self.plant, self.sensors, self.seed)
+        };
+        let start_rad = simulate::sensors::from_upright_rad(scenario.start.angle_rad);
+        let trace = on
+            .run(start_rad, scenario.duration_s, &mut self.controller, false)
+            .map_err(failure)?;
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let errors = trace.angle_rad.iter().zip(&trace.measured_angle_rad);
+        let squares: f64 = errors.map(|(truth, told)| (truth - told).powi(2)).sum();
+        let json = RawCountsJson {
+            fell: trace.fell_at_s.is_some(),
+            largest_angle_rad: largest(&trace.angle_rad),
+            largest_wheel_speed_rad_s: largest(&trace.wheel_speed_rad_s),
+            largest_current_a: largest(&trace.current_a),
+            angle_error_rad: (squares / trace.len() as f64).sqrt(),
+        };
+        self.text.push_str(&format!(
+            "\nThe half minute from raw counts to duty, with the emitted attitude filter\n  {}, at most {:.2}°, wheel {} rad/s, {} A; the filter's angle is off by {:.3}° RMS\n",
+            if json.fell { "FELL" } else { "stays up" },
+            json.largest_angle_rad.to_degrees(),
+            significant(json.largest_wheel_speed_rad_s, 3),
+            significant(json.largest_current_a, 3),
+            json.angle_error_rad.to_degrees(),
+        ));
+        self.write_table("simulate-raw-counts", &trace)?;
+        Ok(json)
+    }
+
+    /// The ways to an angle on one free swing (thesis figure 3.3).
+    fn attitude_filters(&mut self) -> Result<Vec<FilterJson>, Failure> {
+        let attitude = AttitudeSpec {
+            sample_time_s: self.spec.sample_time_s,
+            ..self.spec.hardware.attitude
+        };
+        let found = compare_filters(
+            &self.designed.model,
+            &self.designed.values,
+            &self.sensors,
+            &attitude,
+            SWING_START_RAD,
+            SWING_S,
+            self.seed,
+        )
+        .map_err(self.failure())?;
+        let degrees = |values: &[f64]| -> Vec<f64> {
+            values.iter().map(|value| value.to_degrees()).collect()
+        };
+        let estimates: Vec<(&str, Role, Vec<f64>, Vec<f64>)> = found
+            .estimates()
+            .into_iter()
+            .enumerate()
+            .map(|(index, (name, angle))| {
+                let errors = angle.iter().zip(&found.truth_rad);
+                let errors = errors.map(|(angle, truth)| (angle - truth).to_degrees());
+                (name, Role::Other(index), degrees(angle), errors.collect())
+            })
+            .collect();
+        let line = |name, role, y| Line {
+            name,
+            role,
+            x: &found.time_s,
+            y,
+        };
+        let truth = degrees(&found.truth_rad);
+        let mut angles = vec![line("truth", Role::Measurement, &truth[..])];
+        let mut errors = Vec::new();
+        // The accelerometer alone would hide the others; its error stands in the text.
+        for (name, role, angle, error) in estimates.iter().skip(1) {
+            angles.push(line(name, *role, angle));
+            errors.push(line(name, *role, error));
+        }
+        let panel = |name, lines| Panel {
+            quantity: Quantity { name, unit: "°" },
+            lines,
+            limits: &[],
+            note: "",
+        };
+        let svg = figures::series(&figures::Series {
+            title: &format!("{}: ways to the angle", self.designed.name()),
+            subtitle: "One simulated free swing; all filters are fed the same raw counts",
+            x: Quantity {
+                name: "time",
+                unit: "s",
+            },
+            panels: &[
+                panel("angle from hanging", &angles),
+                panel("error", &errors),
+            ],
+            ..Default::default()
+        })?;
+        self.write_figure("simulate-attitude-filters", &svg)?;
+        self.text
+            .push_str("\nWays to the angle, RMS error over a free swing from 60°\n");
+        let mut json = Vec::new();
+        for (filter, angle) in found.estimates() {
+            let error_rad = found.rms_error_rad(angle);
+            self.text
+                .push_str(&format!("  {filter}: {:.3}°\n", error_rad.to_degrees()));
+            json.push(FilterJson { filter, error_rad });
+        }
+        Ok(json)
     }
 
     /// The largest angle that both laws recover from, by bisection.

@@ -68,6 +68,7 @@ fn the_contract_s_example() {
             current_weight: 1.0,
             current_limit_a: 2.0,
             friction_linearisation_speed_rad_s: None,
+            bias_time_constant_s: None,
         })
     );
     assert_eq!(
@@ -88,6 +89,7 @@ fn a_new_file_reads_back() {
         current_weight: 1.0,
         current_limit_a: 2.0,
         friction_linearisation_speed_rad_s: Some(0.0846768),
+        bias_time_constant_s: Some(1.0),
     });
     let text = file.to_toml();
     assert_eq!(parse(&text), file, "{text}");
@@ -102,6 +104,7 @@ fn a_new_file_reads_back() {
         text.contains("friction_linearisation_speed = 0.0846768\n"),
         "{text}"
     );
+    assert!(text.contains("bias_time_constant = 1.0\n"), "{text}");
 }
 
 #[test]
