@@ -15,6 +15,11 @@ use crate::record::{Output, Record};
 const BUMP_S: f64 = 0.4;
 /// Fewest samples under a bump.
 const BUMP_SAMPLES: usize = 12;
+/// Length of the bump in a balance log: as short as a push by hand, so that most of the answer to a
+/// push lies under other bumps than the push.
+const BALANCE_BUMP_S: f64 = 0.1;
+/// Rounds of reweighting: each brings the fit a good part of the way.
+const REWEIGHTINGS: usize = 30;
 
 /// Rows of a linear least squares.
 struct Rows {
@@ -63,17 +68,48 @@ impl Rows {
     }
 }
 
+impl Rows {
+    /// Least absolute deviations by reweighted least squares (Schlossmacher, JASA 68 (1973)): rows
+    /// that a push has shifted pull no harder than others.
+    fn solve_absolute(&self) -> Option<DVector<f64>> {
+        let mut x = self.solve()?;
+        let n = self.right.len();
+        for _ in 0..REWEIGHTINGS {
+            let residual: Vec<f64> = (0..n)
+                .map(|row| {
+                    let left = &self.left[row * self.columns..(row + 1) * self.columns];
+                    let model: f64 = left.iter().zip(x.iter()).map(|(a, b)| a * b).sum();
+                    (self.right[row] - model).abs()
+                })
+                .collect();
+            let mean = residual.iter().sum::<f64>() / n as f64;
+            let mut weighted = Rows::new(self.columns);
+            for (row, residual) in residual.iter().enumerate() {
+                // A row that fits exactly must not take all the weight.
+                let weight = 1.0 / residual.max(1e-3 * mean).max(1e-300).sqrt();
+                let left = &self.left[row * self.columns..(row + 1) * self.columns];
+                let left: Vec<f64> = left.iter().map(|value| weight * value).collect();
+                weighted.push(&left, weight * self.right[row]);
+            }
+            x = weighted.solve()?;
+        }
+        Some(x)
+    }
+}
+
 /// Ratios of the parameters that the samples give directly.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ratios {
-    /// G/Θ in 1/s², from free swings.
+    /// G/Θ in 1/s², from free swings; else from the momentum of body and wheel while all is free.
     pub gravity_over_total: Option<f64>,
-    /// r_b/Θ in 1/s, from free swings.
+    /// r_b/Θ in 1/s, likewise.
     pub friction_over_total: Option<f64>,
     /// G/(Θ − j_w) in 1/s², from logs with everything free.
     pub gravity_over_free: Option<f64>,
     /// τ/(Θ − j_w) in rad/(s² A), from logs with everything free.
     pub torque_over_free: Option<f64>,
+    /// G/j_w in 1/s², from the momentum of body and wheel in balance logs.
+    pub gravity_over_wheel: Option<f64>,
     /// τ/j_w in rad/(s² A).
     pub torque_over_wheel: Option<f64>,
     /// r_w/j_w in 1/s.
@@ -109,13 +145,17 @@ pub fn angle_samples(record: &Record) -> Option<Vec<f64>> {
 
 /// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
 /// trapezoidal rule.
-fn bumps(record: &Record, mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64)) {
+fn bumps(
+    record: &Record,
+    bump_s: f64,
+    mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64),
+) {
     let n = record.len();
     if n < BUMP_SAMPLES {
         return;
     }
     let mean_step = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
-    let length = ((BUMP_S / mean_step).round() as usize).clamp(BUMP_SAMPLES, n);
+    let length = ((bump_s / mean_step).round() as usize).clamp(BUMP_SAMPLES, n);
     let mut start = 0;
     while start + length <= n {
         let window = start..start + length;
@@ -148,12 +188,13 @@ fn bumps(record: &Record, mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, us
 pub fn ratios(records: &[&Record]) -> Ratios {
     let mut locked = Rows::new(3);
     let mut free = Rows::new(5);
+    let mut momentum = Rows::new(4);
     let mut wheel = Rows::new(2);
     for record in records {
         let angle = angle_samples(record);
         let wheel_speed = record.channel(Output::WheelSpeed).map(|c| &c.samples);
         let current = (!record.current_a.is_empty()).then_some(&record.current_a);
-        bumps(record, |integral| {
+        bumps(record, BUMP_S, |integral| {
             if let Some(angle) = &angle
                 && record.kind != Kind::SpinUp
             {
@@ -181,12 +222,40 @@ pub fn ratios(records: &[&Record]) -> Ratios {
             }
         });
     }
+    for record in records.iter().filter(|r| r.kind == Kind::Balance) {
+        let (Some(angle), Some(speed)) =
+            (angle_samples(record), record.channel(Output::WheelSpeed))
+        else {
+            continue;
+        };
+        let rate = record.channel(Output::Rate).map(|c| &c.samples);
+        bumps(record, BALANCE_BUMP_S, |integral| {
+            let (second, first) = match rate {
+                Some(rate) => (-integral(&|k| rate[k], 1), integral(&|k| rate[k], 0)),
+                None => (integral(&|k| angle[k], 2), -integral(&|k| angle[k], 1)),
+            };
+            let spin = -integral(&|k| speed.samples[k], 1);
+            let sine = integral(&|k| angle[k].sin(), 0);
+            let cosine = integral(&|k| angle[k].cos(), 0);
+            // Solved for the wheel: its two large terms nearly cancel, and its noise is the largest.
+            momentum.push(&[-second, -first, -sine, -cosine], spin);
+        });
+    }
     let mut ratios = Ratios::default();
     let positive = |value: f64| (value.is_finite() && value > 0.0).then_some(value);
     if let Some(solution) = locked.solve() {
         // A shifted zero of the angle splits G/Θ into its sine and cosine parts.
         ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
         ratios.friction_over_total = positive(solution[2]);
+    }
+    if let Some(solution) = momentum.solve_absolute() {
+        // Θ α̈ + j_w φ̈ + r_b α̇ + G sin α = 0 knows neither the motor nor the friction of the wheel.
+        let gravity = solution[2].hypot(solution[3]);
+        ratios.gravity_over_wheel = positive(gravity);
+        if ratios.gravity_over_total.is_none() {
+            ratios.gravity_over_total = positive(gravity / solution[0]);
+            ratios.friction_over_total = positive(solution[1] / solution[0]);
+        }
     }
     if let Some(solution) = free.solve() {
         ratios.gravity_over_free = positive(solution[0].hypot(solution[1]));
@@ -214,6 +283,13 @@ pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64,
         }
         if let (None, Some(t), Some(a)) = (gravity, total, r.gravity_over_total) {
             gravity = Some(t * a);
+        }
+        // First what no friction of the wheel can falsify.
+        if let (None, Some(g), Some(a)) = (wheel, gravity, r.gravity_over_wheel) {
+            wheel = Some(g / a);
+        }
+        if let (None, Some(j), Some(a)) = (gravity, wheel, r.gravity_over_wheel) {
+            gravity = Some(j * a);
         }
         if let (None, Some(t), Some(w)) = (wheel, torque, r.torque_over_wheel) {
             wheel = Some(t / w);

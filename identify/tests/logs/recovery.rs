@@ -286,11 +286,7 @@ fn dry_friction_of_the_wheel_comes_back_from_a_balance_log_alone() {
             (value - dry).abs() < 4.0 * std,
             "seed {seed}: {value} ± {std}"
         );
-        assert!(std < 0.1 * dry, "seed {seed}: {value} ± {std}");
-        assert!(
-            (value / dry - 1.0).abs() < 0.15,
-            "seed {seed}: {value} ± {std}"
-        );
+        assert!(std < 0.01 * dry, "seed {seed}: {value} ± {std}");
     }
 }
 
@@ -307,7 +303,7 @@ fn dry_friction_of_the_reference_wheel_comes_back_from_its_balance_log_alone() {
     let found = fitted(&setup, &[EffectId::WheelCoulombFriction]);
     let (value, std) = parameter(&found, "wheel_coulomb_torque");
     eprintln!("{value:.4e} ± {std:.1e}");
-    assert!((value / 1.2e-3 - 1.0).abs() < 0.15, "{value} ± {std}");
+    assert!((value / 1.2e-3 - 1.0).abs() < 0.02, "{value} ± {std}");
     assert!((value - 1.2e-3).abs() < 4.0 * std, "{value} ± {std}");
     assert_eq!(found.pushes[0].len(), 4);
 }
