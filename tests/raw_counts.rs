@@ -137,7 +137,7 @@ fn the_calibration_of_the_model_reaches_the_emitted_module() {
     };
     let calibration = format!(
         "{}{}[calibration.mounting]\naxis = [{:?}, {:?}, {:?}]\naxis_std_rad = 1e-4\n\
-         angle_rad = {angle_rad:?}\nangle_std_rad = 1e-4\n",
+         angle = {angle_rad:?}\nangle_std = 1e-4\n",
         table("accelerometer", &accel),
         table("gyroscope", &gyro),
         axis[0],
