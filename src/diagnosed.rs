@@ -14,6 +14,7 @@ use crate::fitted::{Fitted, PlaceJson, PushJson, middle_of, parameters_of, place
 use crate::report::json::{self, Keyed};
 use crate::report::numbers::{significant, with_prefix, with_uncertainty};
 use crate::report::table::{Align, Table};
+use crate::swing_decay::{self, DecayJson, SwingDecay, swing_decays};
 
 /// A diagnosis of a bench.
 pub struct Diagnosed<'a> {
@@ -40,6 +41,8 @@ pub struct DiagnosisJson {
     remainder: f64,
     sensor_noise: Keyed,
     pushes: Vec<PushJson>,
+    /// How each free swing dies out, as measured.
+    decay: Vec<DecayJson>,
     /// What the logs leave open, one sentence each.
     statements: Vec<String>,
     figures: Vec<PathBuf>,
@@ -114,7 +117,12 @@ impl<'a> Diagnosed<'a> {
         &self.folder.setup.records
     }
 
-    /// "experiment/channel" of every series.
+    /// How the free swings die out, beside the model of the last step.
+    fn decays(&self) -> Vec<SwingDecay<'_>> {
+        swing_decays(self.records(), &self.last.traces)
+    }
+
+    /// Name, noise and unit of every series.
     fn series(&self) -> Vec<(String, f64, &'static str)> {
         let records = self.records().iter();
         records
@@ -220,6 +228,7 @@ impl<'a> Diagnosed<'a> {
         if !found.next_experiment.is_empty() {
             text.push_str(&format!("\nNext experiment\n  {}\n", found.next_experiment));
         }
+        text.push_str(&swing_decay::text(&self.decays()));
         text + &self.last.place_table() + &self.last.remarks()
     }
 
@@ -367,6 +376,7 @@ impl<'a> Diagnosed<'a> {
             remainder: found.remainder,
             sensor_noise: self.keyed(self.series().iter().map(|(_, noise, _)| *noise)),
             pushes: self.last.pushes_json(),
+            decay: swing_decay::json(&self.decays()),
             statements: self.last.statements.clone(),
             figures,
         }
@@ -378,6 +388,8 @@ impl<'a> Diagnosed<'a> {
         let mut paths = vec![out.join("staircase.svg"), out.join("suspects.svg")];
         figures::write_svg(&paths[0], &self.staircase_figure()?)?;
         figures::write_svg(&paths[1], &self.suspect_figure())?;
+        let bench = &self.folder.bench.name;
+        paths.extend(swing_decay::figures(&self.decays(), bench, out)?);
         paths.extend(self.last.figures()?);
         Ok(paths)
     }

@@ -13,6 +13,7 @@ mod model_design;
 mod module_spec;
 mod progress;
 mod report;
+mod swing_decay;
 
 use std::io::Write;
 use std::panic;
