@@ -35,7 +35,9 @@ const ANGLE_RESOLUTION_RAD: f64 = 1.745e-4;
 const SWING_SHARE: f64 = 0.02;
 /// Start of the swing on which the attitude filters are compared, rad from hanging: 60°.
 const SWING_START_RAD: f64 = std::f64::consts::FRAC_PI_3;
-/// Its length, s.
+/// Where the sensor sits there, m.
+const SENSOR_FROM_PIVOT_M: f64 = 0.05;
+/// Length of the swing, s.
 const SWING_S: f64 = 20.0;
 /// Error at which the linear model counts as no longer good.
 const LINEAR_SHARE: f64 = 0.05;
@@ -295,14 +297,23 @@ impl<'a> Work<'a> {
     }
 
     fn write_table(&mut self, name: &str, trace: &Trace) -> Result<(), Failure> {
+        self.write_columns(name, &trace.columns())
+    }
+
+    /// Columns of one length with their names.
+    fn write_columns<N: AsRef<str>>(
+        &mut self,
+        name: &str,
+        columns: &[(N, &[f64])],
+    ) -> Result<(), Failure> {
         let path = self.out.join(format!("{name}.csv"));
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let columns = trace.columns();
         let broken = |error: csv::Error| Failure::in_file(&path, error);
         writer
-            .write_record(columns.iter().map(|(name, _)| *name))
+            .write_record(columns.iter().map(|(name, _)| name.as_ref()))
             .map_err(broken)?;
-        for row in 0..trace.len() {
+        let rows = columns.iter().map(|(_, values)| values.len()).min();
+        for row in 0..rows.unwrap_or(0) {
             let cells = columns.iter().map(|(_, values)| values[row].to_string());
             writer.write_record(cells).map_err(broken)?;
         }
@@ -480,14 +491,21 @@ impl<'a> Work<'a> {
 
     /// The ways to an angle on one free swing (thesis figure 3.3).
     fn attitude_filters(&mut self) -> Result<Vec<FilterJson>, Failure> {
+        // On the pivot an accelerometer alone would do; off it, it feels the swing.
+        let lever_arm_m = [SENSOR_FROM_PIVOT_M, 0.0];
         let attitude = AttitudeSpec {
             sample_time_s: self.spec.sample_time_s,
+            lever_arm_m,
             ..self.spec.hardware.attitude
+        };
+        let sensors = RawSensors {
+            lever_arm_m,
+            ..self.sensors
         };
         let found = compare_filters(
             &self.designed.model,
             &self.designed.values,
-            &self.sensors,
+            &sensors,
             &attitude,
             SWING_START_RAD,
             SWING_S,
@@ -529,7 +547,8 @@ impl<'a> Work<'a> {
         };
         let svg = figures::series(&figures::Series {
             title: &format!("{}: ways to the angle", self.designed.name()),
-            subtitle: "One simulated free swing; all filters are fed the same raw counts",
+            subtitle: "One simulated free swing, the same raw counts for all; sensor 50 mm off the \
+                       pivot, for which Madgwick's filter corrects",
             x: Quantity {
                 name: "time",
                 unit: "s",
@@ -710,6 +729,24 @@ impl<'a> Work<'a> {
             spin_up_good_up_to_rad_s: spin_up.good_up_to_rad_s,
         };
         self.write_figure("simulate-linear-model", &svg)?;
+        for (name, swing) in [("20deg", &small), ("60deg", &large)] {
+            self.write_columns(
+                &format!("simulate-free-swing-{name}"),
+                &[
+                    ("time_s", &swing.time_s[..]),
+                    ("nonlinear_angle_rad", &swing.whole_rad),
+                    ("linear_angle_rad", &swing.linear_rad),
+                ],
+            )?;
+        }
+        self.write_columns(
+            "simulate-spin-up",
+            &[
+                ("time_s", &spin_up.time_s[..]),
+                ("nonlinear_wheel_speed_rad_s", &spin_up.whole_rad_s),
+                ("linear_wheel_speed_rad_s", &spin_up.linear_rad_s),
+            ],
+        )?;
         Ok(json)
     }
 
@@ -783,6 +820,12 @@ impl<'a> Work<'a> {
             let svg = overlay_figure(&self.designed.name(), &experiment.name, &found)?;
             let name = format!("simulate-over-{}", file_name(&experiment.name));
             self.write_figure(&name, &svg)?;
+            let mut columns: Vec<(String, &[f64])> = vec![("time_s".to_owned(), &found.time_s)];
+            for channel in &found.channels {
+                columns.push((format!("measured_{}", channel.name), &channel.measured));
+                columns.push((format!("simulated_{}", channel.name), &channel.simulated));
+            }
+            self.write_columns(&name, &columns)?;
             overlays.push(OverlayJson {
                 experiment: experiment.name.clone(),
                 pushes: pushes.len(),

@@ -1,0 +1,87 @@
+//! The logs of a rig that nothing here was made for: 20 Hz, a measured current with a bias, drop-outs
+//! of the wheel's speed, a controller and masses that are not known.
+
+use bench_files::Bench;
+use identify::{Identification, Output, Setup, identify};
+use plant::Model;
+
+use crate::simulated::data;
+
+/// The experiments of a bench in the rig's own columns; `None` where a recording is not there.
+fn identified(logs: &[(&str, &str, &str)]) -> Option<(Setup, Identification)> {
+    let mut text = String::new();
+    for (file, kind, extra) in logs {
+        let path = data(&format!("real/{file}"))?;
+        let path = path.canonicalize().expect("a path");
+        text.push_str(&format!(
+            "[[experiment]]\nname = \"{file}\"\nkind = \"{kind}\"\nfile = \"{}\"\n\
+             columns = {{ time = \"t_s\", angle = \"pend_rad\", wheel_speed = \"wheel_rad_s\", \
+             current = \"current_A\" }}\ncurrent_meaning = \"measured\"\n{extra}\n",
+            path.display()
+        ));
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("bench.toml"), text).expect("written");
+    let bench = Bench::load(folder.path()).unwrap_or_else(|error| panic!("{error}"));
+    let setup = Setup::new(&bench).expect("records");
+    let found = identify(&setup, &Model::base(), None).expect("a fit");
+    for (record, traces) in setup.records.iter().zip(&found.traces) {
+        for trace in traces {
+            eprintln!(
+                "{} {}: rmse {:.3e}, fit {:.1} %",
+                record.name,
+                trace.output.name(),
+                trace.rmse,
+                trace.fit_percent
+            );
+        }
+    }
+    for statement in &found.statements {
+        eprintln!("{statement}");
+    }
+    Some((setup, found))
+}
+
+#[test]
+fn the_balance_log_is_fitted_per_unit_of_inertia_and_its_pushes_are_found() {
+    let log = (
+        "tud_rwp_balance_LQR_20Hz.csv",
+        "balance",
+        "offset = { angle = 3.14159265, current = -0.1 }",
+    );
+    let Some((setup, found)) = identified(&[log]) else {
+        return;
+    };
+    for (push, _) in found.pushes[0].iter().zip(0..20) {
+        eprintln!("push at {:.2} s: {:.2e}", push.time_s, push.impulse_nms);
+    }
+    assert!(!setup.body_scale_known);
+    assert!(found.fit.values.iter().all(|value| value.is_finite()));
+    let scale = "per unit of inertia only";
+    assert!(found.statements.iter().any(|each| each.contains(scale)));
+    // Windows of 0.25 s hold five samples: the start takes most of what they know. The fit must not
+    // be worse than the mean all the same.
+    for trace in &found.traces[0] {
+        assert!(trace.fit_percent > 0.0, "{}", trace.output.name());
+    }
+}
+
+#[test]
+fn the_driven_logs_are_fitted_together() {
+    let offset = "offset = { current = -0.1 }";
+    let Some((setup, found)) = identified(&[
+        ("tud_rwp_wheel_step_20Hz.csv", "driven", offset),
+        ("tud_rwp_wheel_square_20Hz.csv", "driven", offset),
+        ("tud_rwp_chirp_20Hz.csv", "driven", offset),
+    ]) else {
+        return;
+    };
+    assert!(found.fit.values.iter().all(|value| value.is_finite()));
+    // The chirp swings the body the most; its period is that of the free pendulum.
+    let chirp = found.traces[2]
+        .iter()
+        .find(|trace| trace.output == Output::Angle)
+        .expect("an angle");
+    assert!(chirp.rmse.is_finite());
+    assert!(setup.coupled);
+}
