@@ -1,5 +1,10 @@
 //! The command line from outside: what a user types, sees and finds on disk.
 
+#[path = "cli/demo.rs"]
+mod demo;
+#[path = "cli/diagnose.rs"]
+mod diagnose;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,0 +1,313 @@
+//! `flywheel diagnose`: on benches simulated here by other means than the program's own, and on
+//! benches and recordings of others where they are at hand.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::{bench::noise, contents, done, json_of, parameter};
+
+/// A bench with hidden effects; SI units.
+#[derive(Clone, Copy, Default)]
+struct Hidden {
+    body_coulomb: f64,
+    body_drag: f64,
+    wheel_coulomb: f64,
+}
+
+const TOTAL_INERTIA: f64 = 2.1e-3;
+const WHEEL_INERTIA: f64 = 1.3e-4;
+const GRAVITY_TORQUE: f64 = 0.23;
+const TORQUE_CONSTANT: f64 = 0.031;
+const BODY_FRICTION: f64 = 3e-5;
+const WHEEL_FRICTION: f64 = 1.6e-5;
+/// Half the width of the noise of angle and wheel speed, which is uniform.
+const ANGLE_NOISE: f64 = 2e-3;
+const WHEEL_NOISE: f64 = 1.0;
+/// Inner steps in a sample; semi-implicit Euler.
+const INNER: usize = 200;
+
+impl Hidden {
+    fn free_swing(&self, start_rad: f64, duration_s: f64, salt: usize) -> String {
+        let mut text = "time_s,angle_rad\n".to_owned();
+        let (mut angle, mut rate) = (start_rad, 0.0_f64);
+        let samples = (duration_s / 0.005) as usize;
+        for sample in 0..samples {
+            let seen = angle + 2.0 * ANGLE_NOISE * noise(salt + sample);
+            text.push_str(&format!("{:.3},{seen:.6}\n", 0.005 * sample as f64));
+            for _ in 0..INNER {
+                let step_s = 0.005 / INNER as f64;
+                let torque = BODY_FRICTION * rate
+                    + self.body_coulomb * (rate / 0.005).tanh()
+                    + self.body_drag * rate * rate.abs()
+                    + GRAVITY_TORQUE * angle.sin();
+                rate -= step_s * torque / TOTAL_INERTIA;
+                angle += step_s * rate;
+            }
+        }
+        text
+    }
+
+    fn spin_up(&self, start_rad_s: f64, current_a: f64, duration_s: f64, salt: usize) -> String {
+        let mut text = "time_s,wheel_speed_rad_s,current_A\n".to_owned();
+        let mut speed = start_rad_s;
+        let samples = (duration_s / 0.01) as usize;
+        for sample in 0..samples {
+            let seen = speed + 2.0 * WHEEL_NOISE * noise(salt + sample);
+            let time_s = 0.01 * sample as f64;
+            text.push_str(&format!("{time_s:.2},{seen:.4},{current_a}\n"));
+            for _ in 0..INNER {
+                let torque = TORQUE_CONSTANT * current_a
+                    - WHEEL_FRICTION * speed
+                    - self.wheel_coulomb * speed.tanh();
+                speed += 0.01 / INNER as f64 * torque / WHEEL_INERTIA;
+            }
+        }
+        text
+    }
+
+    /// Writes a bench with two swings, spin-ups with these currents, and a coast-down from 300 rad/s
+    /// that lasts `coast_s`.
+    fn write(&self, folder: &Path, currents_a: &[f64], coast_s: f64) {
+        let mut toml = format!(
+            "[bench]\nname = \"made here\"\n\n[known]\ntorque_constant = {TORQUE_CONSTANT}\n\
+             gravity_torque = {GRAVITY_TORQUE}\n"
+        );
+        let mut add = |name: &str, kind: &str, text: String| {
+            let file = format!("{}.csv", name.replace(' ', "-"));
+            toml.push_str(&format!(
+                "\n[[experiment]]\nname = \"{name}\"\nkind = \"{kind}\"\nfile = \"{file}\"\n"
+            ));
+            fs::write(folder.join(file), text).expect("write a log");
+        };
+        add("swing 20 deg", "free-swing", self.free_swing(0.35, 20.0, 0));
+        add(
+            "swing 50 deg",
+            "free-swing",
+            self.free_swing(0.87, 20.0, 10_000),
+        );
+        for (index, &current_a) in currents_a.iter().enumerate() {
+            let text = self.spin_up(0.0, current_a, 5.0, 20_000 + 1000 * index);
+            add(&format!("spin-up {current_a} A"), "spin-up", text);
+        }
+        let text = self.spin_up(300.0, 0.0, coast_s, 40_000);
+        add("coast-down", "spin-up", text);
+        fs::write(folder.join("bench.toml"), toml).expect("write bench.toml");
+    }
+}
+
+/// Diagnoses a bench whose folder stays as it is.
+fn diagnosis(bench: &Path) -> Value {
+    let other = tempfile::tempdir().expect("a folder");
+    let before = contents(bench);
+    let json = json_of([
+        "diagnose".as_ref(),
+        bench.as_os_str(),
+        "--model".as_ref(),
+        other.path().join("model.toml").as_os_str(),
+        "--out".as_ref(),
+        other.path().join("out").as_os_str(),
+        "--json".as_ref(),
+        "-".as_ref(),
+    ]);
+    assert_eq!(
+        before,
+        contents(bench),
+        "the bench folder is left as it was"
+    );
+    assert!(other.path().join("model.toml").exists());
+    for figure in json["figures"].as_array().expect("figures") {
+        let path = Path::new(figure.as_str().expect("a path"));
+        assert!(path.exists(), "{} is missing", path.display());
+    }
+    json
+}
+
+fn added(json: &Value) -> Vec<&str> {
+    let steps = json["steps"].as_array().expect("steps");
+    assert_eq!(steps[0]["effect"], Value::Null, "the model as it was");
+    let mut effects: Vec<&str> = steps[1..]
+        .iter()
+        .map(|step| step["effect"].as_str().expect("an effect"))
+        .collect();
+    effects.sort_unstable();
+    effects
+}
+
+fn assert_verdict(json: &Value, verdict: &str, effects: &[&str]) {
+    assert_eq!(json["verdict"], verdict, "{}", json["sentence"]);
+    assert_eq!(added(json), effects, "{}", json["sentence"]);
+    assert!(
+        !json["where"].as_array().expect("where").is_empty(),
+        "where is always filled"
+    );
+}
+
+/// The sets that tie, sorted.
+fn ties(json: &Value) -> Vec<Vec<&str>> {
+    let sets = json["ambiguous_between"].as_array().expect("sets");
+    let mut sets: Vec<Vec<&str>> = sets
+        .iter()
+        .map(|set| {
+            let set = set.as_array().expect("a set").iter();
+            set.map(|effect| effect.as_str().expect("a name")).collect()
+        })
+        .collect();
+    sets.sort();
+    sets
+}
+
+#[test]
+fn nothing_is_missing_where_nothing_is_hidden() {
+    let folder = tempfile::tempdir().expect("a folder");
+    Hidden::default().write(folder.path(), &[0.3, 0.6, -0.4], 5.0);
+    let json = diagnosis(folder.path());
+    assert_verdict(&json, "nothing-missing", &[]);
+}
+
+#[test]
+fn apply_adds_what_is_missing_and_the_error_falls_to_the_noise() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let hidden = Hidden {
+        body_drag: 3e-5,
+        ..Hidden::default()
+    };
+    hidden.write(folder.path(), &[0.3, 0.6, -0.4], 5.0);
+    let bench = folder.path().as_os_str();
+    let json = json_of([
+        "diagnose".as_ref(),
+        bench,
+        "--apply".as_ref(),
+        "--json".as_ref(),
+        "-".as_ref(),
+    ]);
+    assert_verdict(&json, "explained", &["body-quadratic-drag"]);
+
+    let last = &json["steps"][1];
+    let (drag, std) = parameter(last, "body_quadratic_drag");
+    let std = std.expect("a standard error");
+    assert!(
+        (drag - hidden.body_drag).abs() < 4.0 * std,
+        "{drag} ± {std}"
+    );
+    assert!(std < 0.1 * hidden.body_drag, "± {std}");
+    // The noise is uniform: its standard deviation is the half width over √3.
+    let floor = ANGLE_NOISE / 3.0_f64.sqrt();
+    let rmse = |step: usize| {
+        let rmse = &json["steps"][step]["rmse"]["swing 50 deg/angle"];
+        rmse.as_f64().expect("an error")
+    };
+    assert!(rmse(0) > 2.0 * floor, "the misfit shows: {}", rmse(0));
+    assert!(rmse(1) < 1.05 * floor, "down to the noise: {}", rmse(1));
+
+    let change = &json["design_change"];
+    assert_ne!(change["before"]["gains"], change["after"]["gains"]);
+    let model = fs::read_to_string(folder.path().join("model.toml")).expect("model.toml");
+    assert!(model.contains("\"body-quadratic-drag\""), "{model}");
+    // What was added stays added, and nothing more is missing.
+    let again = json_of(["diagnose".as_ref(), bench, "--json".as_ref(), "-".as_ref()]);
+    assert_verdict(&again, "nothing-missing", &[]);
+    let text = done(["compare".as_ref(), bench]);
+    assert!(text.contains("body-quadratic-drag"), "{text}");
+}
+
+/// With all currents forward and no standstill, dry friction of the wheel takes away the same torque
+/// at every instant: so does an offset of the current.
+#[test]
+fn a_tie_is_declared_and_the_experiment_that_breaks_it_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let hidden = Hidden {
+        wheel_coulomb: 1.2e-3,
+        ..Hidden::default()
+    };
+    hidden.write(folder.path(), &[0.3, 0.5, 0.7], 3.0);
+    let json = diagnosis(folder.path());
+    assert_verdict(&json, "ambiguous", &[]);
+    assert_eq!(
+        ties(&json),
+        [["current-offset"], ["wheel-coulomb-friction"]]
+    );
+    let next = json["next_experiment"].as_str().expect("a sentence");
+    assert!(
+        next.contains("reversed") || next.contains("coast-down"),
+        "{next}"
+    );
+
+    // The experiment is made, and the tie is gone.
+    let settled = tempfile::tempdir().expect("a folder");
+    hidden.write(settled.path(), &[0.3, 0.5, 0.7, -0.5], 3.0);
+    let json = diagnosis(settled.path());
+    assert_verdict(&json, "explained", &["wheel-coulomb-friction"]);
+}
+
+/// A folder of data that is not part of the project.
+fn others(path: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/data")
+        .join(path);
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("skipped: {} is not there", path.display());
+    None
+}
+
+#[test]
+fn benches_of_an_independent_simulator() {
+    for (name, verdict, effects) in [
+        ("a-viscous-only", "nothing-missing", &[][..]),
+        ("b-dry-pivot", "explained", &["body-coulomb-friction"]),
+        ("c-air-drag", "explained", &["body-quadratic-drag"]),
+        ("d-dry-wheel", "explained", &["wheel-coulomb-friction"]),
+        (
+            "e-dry-pivot-and-drag",
+            "explained",
+            &["body-coulomb-friction", "body-quadratic-drag"],
+        ),
+        (
+            "f-unknown-magnet",
+            "unexplained",
+            &["body-coulomb-friction"],
+        ),
+    ] {
+        let Some(bench) = others(&format!("hidden/{name}")) else {
+            continue;
+        };
+        let json = diagnosis(&bench);
+        assert_verdict(&json, verdict, effects);
+        if verdict == "unexplained" {
+            let place = &json["where"][0];
+            assert_eq!(place["coordinate"], "angle", "{place}");
+            let (from, to) = (&place["from"], &place["to"]);
+            let (from, to) = (from.as_f64().expect("from"), to.as_f64().expect("to"));
+            assert!(
+                from < 0.15 && 0.15 < to && to - from < 0.2,
+                "{from} to {to}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_free_swing_of_the_thesis_stays_undecided() {
+    let Some(log) = others("real/orig_freeswing_reibung.csv") else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = log.canonicalize().expect("a path");
+    let toml = format!(
+        "[bench]\nname = \"thesis\"\n[[experiment]]\nname = \"swing\"\nkind = \"free-swing\"\n\
+         file = {log:?}\ncolumns = {{ time = \"t_s\" }}\n"
+    );
+    fs::write(folder.path().join("bench.toml"), toml).expect("write");
+    let json = diagnosis(folder.path());
+    assert_eq!(json["verdict"], "ambiguous", "{}", json["sentence"]);
+    let ties = ties(&json);
+    for effect in ["body-presliding-friction", "body-softening-spring"] {
+        assert!(
+            ties.iter().any(|set| set.contains(&effect)),
+            "{effect} is not in {ties:?}"
+        );
+    }
+}
