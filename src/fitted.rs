@@ -314,6 +314,11 @@ impl<'a> Fitted<'a> {
     /// Pushes and open questions, where there are any.
     pub fn remarks(&self) -> String {
         let mut text = String::new();
+        let per = if self.folder.setup.body_scale_known {
+            ""
+        } else {
+            " per kg m2"
+        };
         let mut table = Table::new(&[
             ("push in", Align::Left),
             ("at", Align::Right),
@@ -325,7 +330,7 @@ impl<'a> Fitted<'a> {
                     record.name.clone(),
                     format!("{:.3} s", push.time_s),
                     format!(
-                        "({}) mN m s",
+                        "({}) mN m s{per}",
                         with_uncertainty(1e3 * push.impulse_nms, Some(1e3 * push.impulse_std_nms))
                     ),
                 ]);

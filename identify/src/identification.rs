@@ -335,7 +335,7 @@ pub fn identify(
         return Err(IdentifyError::NotFinite { suspect });
     }
     let fit = finish(&records, model, &free, minimum);
-    let traces = records
+    let traces: Vec<Vec<Trace>> = records
         .iter()
         .zip(&fit.minimum.windows)
         .map(|(record, windows)| traces(record, windows, model, &fit.values))
@@ -350,6 +350,7 @@ pub fn identify(
             .map(Contradiction::sentence),
     );
     statements.extend(body_inertia_contradiction(setup, &fit));
+    statements.extend(cautions(&records, &traces));
     let friction = |name: &str| {
         model
             .position_of(name)
@@ -451,6 +452,35 @@ pub fn extend(
 
 /// Relative standard error above which a parameter counts as not identified by these logs.
 const OPEN_RELATIVE_STD: f64 = 1.0;
+
+/// Where the numbers of the comparison must not be taken at face value.
+fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String> {
+    let mut out = vec![];
+    for (record, traces) in records.iter().zip(traces) {
+        let span_s = record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
+        let in_window = BALANCE_WINDOW_S * (record.len().max(1) - 1) as f64 / span_s.max(1e-300);
+        // `Record::windows` makes no window shorter than this.
+        let least = record.windows(0.0).first().map_or(0, |window| window.len());
+        if record.kind == Kind::Balance && in_window < least as f64 {
+            out.push(format!(
+                "{}: {BALANCE_WINDOW_S} s hold only {in_window:.0} samples, so that windows of {least} \
+                 samples are compared, of which a start of their own takes up to three: the fit percent \
+                 says little here, and a push cannot be told from the answer to it in the samples after",
+                record.name
+            ));
+        }
+        for trace in traces.iter().filter(|trace| trace.fit_percent < 0.0) {
+            out.push(format!(
+                "{}/{}: the model is worse than the mean of the measurement (fit {:.0} %): it lacks \
+                 something essential there, and the standard errors do not cover that",
+                record.name,
+                trace.output.name(),
+                trace.fit_percent
+            ));
+        }
+    }
+    out
+}
 
 fn statements(setup: &Setup, fit: &Fit) -> Vec<String> {
     let mut out = vec![];

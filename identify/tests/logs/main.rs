@@ -3,6 +3,7 @@
 
 mod breakdown;
 mod contradiction;
+mod other_rig;
 mod real;
 mod recovery;
 mod simulated;
