@@ -80,12 +80,13 @@ impl BenchFolder {
         })
     }
 
-    /// What a design is asked for unless model.toml says otherwise: the weights of the thesis, with
-    /// the sample time and the current limit of the bench's own controller where it has one.
+    /// What a design is asked for unless model.toml says otherwise: the weights and the sample time
+    /// of the thesis (1 ms, whatever rate the measured logs had), with the current limit of the
+    /// bench's own controller where it has one.
     pub fn usual_design(&self) -> DesignSection {
         let controller = self.bench.controller;
         DesignSection {
-            sample_time_s: controller.map_or(0.001, |own| own.sample_time_s),
+            sample_time_s: 0.001,
             state_weights: [25.0, 0.5, 5e-4],
             current_weight: 1.0,
             current_limit_a: controller.map_or(2.0, |own| own.current_limit_a),

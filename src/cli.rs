@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    add, calibrate, compare, demo, design, diagnose, generate, identify, remove, simulate,
+    add, calibrate, compare, demo, design, diagnose, generate, identify, prove, remove, simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -47,6 +47,8 @@ pub enum Command {
     Simulate(simulate::Arguments),
     /// Write the controller as a no_std fixed-point Rust crate
     Generate(generate::Arguments),
+    /// Check the certificate of an emitted crate against its source
+    Prove(prove::Arguments),
 }
 
 impl Command {
@@ -63,6 +65,7 @@ impl Command {
             Command::Design(arguments) => design::run(arguments),
             Command::Simulate(arguments) => simulate::run(arguments),
             Command::Generate(arguments) => generate::run(arguments),
+            Command::Prove(arguments) => prove::run(arguments),
         }
     }
 
@@ -79,6 +82,7 @@ impl Command {
             Command::Design(arguments) => &arguments.output,
             Command::Simulate(arguments) => &arguments.output,
             Command::Generate(arguments) => &arguments.output,
+            Command::Prove(arguments) => &arguments.output,
         }
     }
 }

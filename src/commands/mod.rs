@@ -8,5 +8,6 @@ pub mod design;
 pub mod diagnose;
 pub mod generate;
 pub mod identify;
+pub mod prove;
 pub mod remove;
 pub mod simulate;
