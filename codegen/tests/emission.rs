@@ -133,7 +133,10 @@ fn the_certificate_is_complete_and_points_into_the_source() {
     assert_eq!(json["format_version"], 1);
     assert_eq!(json["gains"][0], "-24.2672423");
     assert_eq!(json["plant"]["Ad"][0][2], "4.038510074499915e-9");
-    assert_eq!(json["closed_loop"]["cases"].as_array().map(Vec::len), Some(2));
+    assert_eq!(
+        json["closed_loop"]["cases"].as_array().map(Vec::len),
+        Some(2)
+    );
     let claims: Vec<_> = json["claims"].as_array().unwrap().iter().collect();
     assert_eq!(claims.len(), ClaimId::ALL.len());
     for (claim, id) in claims.iter().zip(ClaimId::ALL) {
