@@ -140,7 +140,8 @@ fn impulse(size: f64) -> f64 {
 #[test]
 fn pushes_are_found_where_and_as_large_as_they_were_and_none_elsewhere() {
     let same_direction = [(0.02, 5.0), (0.025, 6.0)];
-    let cases: [(&str, &[(f64, f64)], f64); 4] = [
+    type Case<'a> = (&'a str, &'a [(f64, f64)], f64);
+    let cases: [Case; 4] = [
         ("four", &PUSHES, 0.0),
         ("two in one direction", &same_direction, 0.0),
         ("none", &[], 0.0),
