@@ -1,6 +1,6 @@
 //! The verdict, and what it rests on.
 
-use identify::{Fit, Minimum, Setup, finish};
+use identify::{Effort, Fit, Minimum, Setup, finish, joined, refit};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::candidate::Candidate;
 use crate::evidence::TIE;
 use crate::next_experiment::propose;
 use crate::search::{
-    LEAST_TRACE, REMAINS, Search, largest_remainder, largest_trace, noise, search,
+    REMAINS, Search, largest_remainder, largest_trace, least_trace, noise, search,
 };
 use crate::suspects::Bench;
 use crate::validation::{HeldOut, held_out, mean_fit_percent};
@@ -94,6 +94,13 @@ impl Diagnosis {
     }
 }
 
+/// Explanations that tie are worth a choice if the best of them leaves at most this much structure in
+/// units of noise; beyond it, what they share is that they do not explain the measurements.
+const LEFT_BY_TIES: f64 = 3.0;
+
+/// Samples in a period of a free swing with which effects are searched for.
+const SAMPLES_PER_PERIOD: f64 = 100.0;
+
 /// Diagnoses a fitted model. `progress` is told in words what is going on.
 pub fn diagnose(
     setup: &Setup,
@@ -112,12 +119,31 @@ pub fn diagnose_among(
     suspects: &[EffectId],
     progress: &dyn Fn(&str),
 ) -> Diagnosis {
-    let records = setup.all_records();
-    let start = Candidate::new(setup, &records, vec![], model.clone(), minimum, None);
-    let found = search(setup, start, suspects, progress);
+    let (thin, thinning) = setup.thinned(&minimum.values, SAMPLES_PER_PERIOD);
+    let is_thinned = thinning.iter().any(|&step| step > 1);
+    let records = thin.all_records();
+    let mut minimum = minimum;
+    if is_thinned {
+        for (windows, &step) in minimum.windows.iter_mut().zip(&thinning) {
+            for window in windows {
+                window.samples =
+                    window.samples.start.div_ceil(step)..window.samples.end.div_ceil(step);
+            }
+        }
+        minimum = refit(
+            &records,
+            model,
+            minimum.values,
+            minimum.windows,
+            &thin.free(model),
+            Effort::FULL,
+        );
+    }
+    let start = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
+    let found = search(&thin, start, suspects, progress);
     progress("predicting experiments that the fit has not seen");
     let bench = Bench {
-        setup,
+        setup: &thin,
         records,
         window_s: None,
         suspects,
@@ -128,7 +154,16 @@ pub fn diagnose_among(
         common(&found).unwrap_or(0)
     };
     let remainder = largest_remainder(&bench.records, &found.pool[chosen]);
-    let verdict = if found.ties.len() > 1 {
+    // Explanations that tie but leave most of it unexplained explain nothing.
+    let left_by_ties = found
+        .ties
+        .iter()
+        .map(|&index| largest_remainder(&bench.records, &found.pool[index]))
+        .fold(f64::INFINITY, f64::min);
+    // What they share may be all that there is: where it leaves less than the noise, additions that
+    // disagree with each other are the imperfections of its terms and no effects.
+    let is_shared = !found.pool[chosen].added.is_empty() && remainder <= REMAINS;
+    let verdict = if found.ties.len() > 1 && left_by_ties <= LEFT_BY_TIES && !is_shared {
         Verdict::Ambiguous
     } else if remainder > REMAINS {
         Verdict::Unexplained
@@ -139,16 +174,24 @@ pub fn diagnose_among(
     };
     let steps = path(&found, chosen)
         .into_par_iter()
-        .map(|(effect, index)| step(&bench, effect, &found.pool[index]))
+        .map(|(effect, index)| {
+            let candidate = &found.pool[index];
+            if is_thinned {
+                whole_step(setup, &bench, effect, candidate)
+            } else {
+                step(&bench, effect, candidate)
+            }
+        })
         .collect();
     let suspects = ranked_suspects(&bench, &found, remainder);
     let ambiguous_between: Vec<Vec<EffectId>> = found
         .ties
         .iter()
+        .filter(|_| verdict == Verdict::Ambiguous)
         .map(|&index| found.pool[index].set())
         .collect();
     let next_experiment = match (found.ties.as_slice(), verdict) {
-        ([a, b, ..], _) => propose(setup, &found.pool[*a], &found.pool[*b]),
+        ([a, b, ..], Verdict::Ambiguous) => propose(setup, &found.pool[*a], &found.pool[*b]),
         (_, Verdict::Unexplained) => "Repeat the experiment in which the error is largest: what \
              comes back at the same place is physics that the library lacks, what does not is a \
              disturbance."
@@ -179,6 +222,46 @@ fn step(bench: &Bench, effect: Option<EffectId>, candidate: &Candidate) -> Step 
         validation_fit_percent: mean_fit_percent(&held_out),
         held_out,
         candidate: candidate.clone(),
+    }
+}
+
+/// A step whose fit is made with all samples of the bench; what the fit has not seen is predicted
+/// with the thinned ones.
+fn whole_step(
+    setup: &Setup,
+    thin: &Bench,
+    effect: Option<EffectId>,
+    candidate: &Candidate,
+) -> Step {
+    let records = setup.all_records();
+    let free = setup.free(&candidate.model);
+    let windows = records
+        .iter()
+        .zip(&candidate.minimum.windows)
+        .map(|(record, windows)| joined(record, &candidate.minimum.values, windows))
+        .collect();
+    let minimum = refit(
+        &records,
+        &candidate.model,
+        candidate.minimum.values.clone(),
+        windows,
+        &free,
+        Effort::FULL,
+    );
+    let held_out = held_out(thin, &candidate.model, &candidate.minimum);
+    Step {
+        effect,
+        fit: finish(&records, &candidate.model, &free, minimum.clone()),
+        validation_fit_percent: mean_fit_percent(&held_out),
+        held_out,
+        candidate: Candidate::new(
+            setup,
+            &records,
+            candidate.added.clone(),
+            candidate.model.clone(),
+            minimum,
+            None,
+        ),
     }
 }
 
@@ -252,7 +335,7 @@ fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect
         .zip(&found.evidence)
         .map(|(candidate, evidence)| {
             let needless = candidate.strictly_contains(best)
-                && (largest_trace(&bench.records, best, candidate) < LEAST_TRACE
+                && (largest_trace(&bench.records, best, candidate) < least_trace(best, candidate)
                     || evidence - found.evidence[found.best] < TIE);
             if needless {
                 0.0

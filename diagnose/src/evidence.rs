@@ -5,7 +5,10 @@
 //! something are correlated over hundreds of samples; n is then the effective sample size, taken
 //! from what the best model of all leaves (its residual is the closest there is to the errors that
 //! no model explains). Each free parameter costs (1/2) ln n (Schwarz, Ann. Stat. 6 (1978)), with
-//! the same effective n.
+//! the same effective n. A set of k effects is one of C(p, k) that p suspects offer; all of them
+//! together are as probable beforehand as those of any other size, which costs ln C(p, k) (the extended
+//! criterion of Chen & Chen, Biometrika 95 (2008)). Without it, the best of many pairs would beat the
+//! one true effect by luck.
 
 use identify::{Record, effective_samples, period_s};
 use plant::Kind;
@@ -59,8 +62,13 @@ pub fn residual(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
 
 /// Logarithm of the evidence for a model, up to a constant that all models of the same records
 /// share. `noise` is the standard deviation of each series' sensor: errors below it are not
-/// rewarded.
-pub fn log_evidence(candidate: &Candidate, effective: &[f64], noise: &[f64]) -> f64 {
+/// rewarded. `suspects` is the number of effects from which the candidate's were chosen.
+pub fn log_evidence(
+    candidate: &Candidate,
+    effective: &[f64],
+    noise: &[f64],
+    suspects: usize,
+) -> f64 {
     let likelihood: f64 = candidate
         .rmse()
         .iter()
@@ -72,5 +80,14 @@ pub fn log_evidence(candidate: &Candidate, effective: &[f64], noise: &[f64]) -> 
         })
         .sum();
     let total: f64 = effective.iter().sum();
-    likelihood - 0.5 * candidate.parameters as f64 * total.max(2.0).ln()
+    likelihood
+        - 0.5 * candidate.parameters as f64 * total.max(2.0).ln()
+        - log_choices(suspects, candidate.added.len())
+}
+
+/// ln C(p, k): the number of ways to choose k of p suspects.
+fn log_choices(suspects: usize, chosen: usize) -> f64 {
+    (0..chosen.min(suspects))
+        .map(|index| ((suspects - index) as f64 / (index + 1) as f64).ln())
+        .sum()
 }

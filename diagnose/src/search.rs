@@ -1,11 +1,13 @@
 //! The search for the set of effects that explains the measurements.
 
-use identify::{Effort, Record, Setup, fit_windowed, period_s, structure, without_rounding};
+use identify::{
+    Effort, Outcome, Record, Setup, fit_windowed, period_s, refit, structure, without_rounding,
+};
 use plant::EffectId;
 
 use crate::candidate::Candidate;
 use crate::evidence::{TIE, effective, log_evidence, residual};
-use crate::suspects::{Bench, MOST_FITS, try_all, without};
+use crate::suspects::{Bench, MOST_FITS, applicable, try_all, without};
 
 /// Most effects that are added in one diagnosis.
 const MOST_EFFECTS: usize = 4;
@@ -16,6 +18,11 @@ const BEAM: usize = 2;
 /// of the difference of the mean squares). What is smaller may be significant in ten thousand
 /// samples, and yet be the imperfection of an integration rule or of a clock.
 pub const LEAST_TRACE: f64 = 0.2;
+/// The same for an effect beside others that were added before it. Their terms have imperfections of
+/// their own (dry friction with its smoothed sign sticks a little less than a real joint; a window knows
+/// its past from noisy samples), which another effect may take up. A refinement that takes the place of
+/// a term is spared: it speaks about that very term.
+pub const LEAST_TRACE_BESIDE: f64 = 0.5;
 /// Structure of this size in units of a channel's noise counts as "something remains". The noise
 /// itself is the scale below which nobody looking at the figure would see a misfit.
 pub const REMAINS: f64 = 1.0;
@@ -93,6 +100,15 @@ pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate)
         .fold(0.0, f64::max)
 }
 
+/// The smallest trace in units of noise that what `larger` adds to `smaller` must have to count.
+pub fn least_trace(smaller: &Candidate, larger: &Candidate) -> f64 {
+    if smaller.added.is_empty() || smaller.added.len() == larger.added.len() {
+        LEAST_TRACE
+    } else {
+        LEAST_TRACE_BESIDE
+    }
+}
+
 /// The noise of every series, in the order of [`Candidate::rmse`].
 pub fn noise(records: &[&Record]) -> Vec<f64> {
     records
@@ -109,9 +125,55 @@ fn evidences(bench: &Bench, pool: &[Candidate]) -> Vec<f64> {
     let Some(best) = best else { return vec![] };
     let effective = effective(&bench.records, best);
     let noise = noise(&bench.records);
+    let suspects = bench
+        .suspects
+        .iter()
+        .filter(|&&effect| applicable(bench.setup, effect))
+        .count();
     pool.iter()
-        .map(|candidate| log_evidence(candidate, &effective, &noise))
+        .map(|candidate| log_evidence(candidate, &effective, &noise, suspects))
         .collect()
+}
+
+/// How many of the best candidates must have reached their minimum before they are compared.
+const FINISHED: usize = 3;
+
+/// As [`evidences`], after the fits of the best candidates whose iterations ran out have been brought
+/// to their minima: a fit that is stuck on its way would be taken for a model that lacks something.
+fn finished_evidences(bench: &Bench, pool: &mut [Candidate]) -> Vec<f64> {
+    for _ in 0..FINISHED {
+        let evidence = evidences(bench, pool);
+        let mut order: Vec<usize> = (0..pool.len()).collect();
+        order.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
+        order.truncate(FINISHED);
+        let Some(&index) = order
+            .iter()
+            .find(|&&index| pool[index].minimum.outcome == Outcome::OutOfIterations)
+        else {
+            return evidence;
+        };
+        let unfinished = &pool[index];
+        let mut minimum = refit(
+            &bench.records,
+            &unfinished.model,
+            unfinished.minimum.values.clone(),
+            unfinished.minimum.windows.clone(),
+            &bench.setup.free(&unfinished.model),
+            Effort::PATIENT,
+        );
+        if minimum.outcome == Outcome::OutOfIterations {
+            minimum.outcome = Outcome::Stalled;
+        }
+        pool[index] = Candidate::new(
+            bench.setup,
+            &bench.records,
+            unfinished.added.clone(),
+            unfinished.model.clone(),
+            minimum,
+            unfinished.windowed.clone(),
+        );
+    }
+    evidences(bench, pool)
 }
 
 /// Adds candidates whose set of effects the pool does not have yet, or has with a higher cost.
@@ -142,7 +204,8 @@ fn simplest(records: &[&Record], pool: &[Candidate], evidence: &[f64], top: usiz
         .filter(|&index| {
             pool[top].strictly_contains(&pool[index])
                 && (evidence[top] - evidence[index] < TIE
-                    || largest_trace(records, &pool[index], &pool[top]) < LEAST_TRACE)
+                    || largest_trace(records, &pool[index], &pool[top])
+                        < least_trace(&pool[index], &pool[top]))
         })
         .min_by_key(|&index| pool[index].parameters)
         .unwrap_or(top)
@@ -217,7 +280,7 @@ pub fn search(
             break;
         }
         let newest = merge(&mut pool, found);
-        let evidence = evidences(&bench, &pool);
+        let evidence = finished_evidences(&bench, &mut pool);
         let Some(top) = argmax(&evidence, newest.iter().copied().chain([best])) else {
             break;
         };
@@ -280,7 +343,7 @@ fn prune_and_swap(
         }
         merge(pool, smaller);
         merge(pool, found);
-        let evidence = evidences(bench, pool);
+        let evidence = finished_evidences(bench, pool);
         let Some(top) = argmax(&evidence, 0..pool.len()) else {
             break;
         };

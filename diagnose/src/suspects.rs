@@ -4,6 +4,7 @@ use identify::{
     Effort, Minimum, Output, Record, RecordedCurrent, Setup, Unknowns, carry_over,
     fit_from_scratch, joined, promise, refit, scaled_start,
 };
+use nalgebra::DVector;
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
 
@@ -36,6 +37,8 @@ pub struct Bench<'a> {
 pub const MOST_FITS: usize = 8;
 /// A suspect that promises less than this share of the best one's gain is not fitted.
 const LEAST_SHARE: f64 = 0.1;
+/// An effect goes before one that contains it if it promises at least this share of its gain.
+const SIMPLER_SHARE: f64 = 0.9;
 /// Least gain of a suspect in χ²: the 1e-5 point for two parameters, so that even twenty suspects on
 /// white noise pass it once in five thousand benches.
 pub const LEAST_GAIN: f64 = 23.0;
@@ -87,6 +90,11 @@ fn starts(bench: &Bench, from: &Candidate, point: &Minimum, effect: EffectId) ->
     {
         parameter_sets = vec![absent.to_vec()];
     }
+    if effect == EffectId::BodyCableSpring {
+        for set in &mut parameter_sets {
+            set[0] = HARDLY_STRETCHED * base[plant::GRAVITY_TORQUE];
+        }
+    }
     if effect == EffectId::WheelCogging {
         parameter_sets = cogging_starts(records, from);
     }
@@ -98,6 +106,11 @@ fn starts(bench: &Bench, from: &Candidate, point: &Minimum, effect: EffectId) ->
             let values = carry_over(&from.model, &point.values, &model, &start);
             let unknowns = Unknowns::new(&model, &setup.free(&model));
             let promised = promise(records, &model, &values, &point.windows, &unknowns);
+            let values = if effect == EffectId::BodyCableSpring {
+                cable_start(&values, at, &unknowns, &promised.step)
+            } else {
+                values
+            };
             Start {
                 effect,
                 model: model.clone(),
@@ -108,75 +121,178 @@ fn starts(bench: &Bench, from: &Candidate, point: &Minimum, effect: EffectId) ->
         .collect()
 }
 
+/// Where to start with a cable whose promise was computed at a hardly stretched one.
+///
+/// κ (α − α₀) is linear in κ and in κ α₀, not in κ and α₀: of the promised step the torques are kept
+/// and κ and α₀ follow from them. The other parameters move along (the inertia takes up the change of
+/// the period).
+fn cable_start(values: &[f64], at: usize, unknowns: &Unknowns, step: &DVector<f64>) -> Vec<f64> {
+    let mut moved = values.to_vec();
+    for (index, &position) in unknowns.free.iter().enumerate() {
+        let (low, high) = unknowns.bounds[index];
+        moved[position] = (values[position] + step[index]).clamp(low, high);
+    }
+    let change = |position: usize| {
+        let index = unknowns.free.iter().position(|&free| free == position);
+        index.map_or(0.0, |index| step[index])
+    };
+    let (stiffness, rest) = (values[at], values[at + 1]);
+    let offset = stiffness * rest + change(at) * rest + stiffness * change(at + 1);
+    moved[at] = (stiffness + change(at)).max(stiffness);
+    moved[at + 1] = (offset / moved[at]).clamp(-LARGEST_REST_RAD, LARGEST_REST_RAD);
+    moved
+}
+
+/// A cable that would come to rest further away than this is a constant torque.
+const LARGEST_REST_RAD: f64 = 1.5;
+/// Stiffness of the hardly stretched cable at which the promise is computed, in gravity torques: the
+/// phase of a hundred swings then changes by less than a thousandth of a radian.
+const HARDLY_STRETCHED: f64 = 1e-6;
+
 /// Starts for cogging: the orders whose trace is largest in the wheel speed.
 ///
-/// A torque a sin(nφ + ψ) on a wheel that turns at φ̇ leaves the speed error
-/// a/(j_w n φ̇) cos(nφ + ψ): for every whole order n up to 60 the residual is projected on
-/// cos(nφ)/φ̇ and sin(nφ)/φ̇, with φ from the fitted model, and the three best orders are returned.
-/// A cogging order is a whole number: a common multiple of poles and slots.
+/// A torque a sin(nφ + ψ) against the wheel leaves the speed error −(a/j_w) ∫ sin(nφ + ψ) dt. For every
+/// whole order n up to 60 the residual is projected on ∫cos(nφ) dt and ∫sin(nφ) dt, window by window and
+/// without the straight line that a window's start and a constant torque take up; φ is that of the
+/// fitted model, in the windows of balance logs continued from the measured wheel speed. The three best
+/// orders are returned. A cogging order is a whole number: a common multiple of poles and slots.
 fn cogging_starts(records: &[&Record], from: &Candidate) -> Vec<Vec<f64>> {
     const HIGHEST_ORDER: usize = 60;
     let wheel_inertia = from.minimum.values[plant::WHEEL_INERTIA];
+    let windows = wheel_speed_errors(records, from);
     let mut gains: Vec<(f64, Vec<f64>)> = vec![];
-    let mut series: Vec<(f64, f64, f64)> = vec![];
-    for ((record, windows), traces) in records.iter().zip(&from.minimum.windows).zip(&from.traces) {
-        if record.kind != Kind::SpinUp {
-            continue;
-        }
-        for (channel, trace) in record.channels.iter().zip(traces) {
-            for window in windows {
-                identify::simulate(
-                    record,
-                    window,
-                    &from.model,
-                    &from.minimum.values,
-                    |k, _, state| {
-                        let error = channel.samples[k] - trace.predicted[k];
-                        let speed = state.wheel_speed_rad_s;
-                        // Below a turn in ten seconds the trace is no longer a ripple.
-                        if error.is_finite() && speed.abs() > 0.6 {
-                            series.push((state.wheel_angle_rad, speed, error / channel.noise_std));
-                        }
-                    },
-                );
-            }
-        }
-    }
     for order in 1..=HIGHEST_ORDER {
         let n = order as f64;
         let (mut cc, mut ss, mut cs, mut ce, mut se) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for &(angle, speed, error) in &series {
-            let (sin, cos) = (n * angle).sin_cos();
-            let (c, s) = (cos / speed, sin / speed);
-            cc += c * c;
-            ss += s * s;
-            cs += c * s;
-            ce += c * error;
-            se += s * error;
+        for window in &windows {
+            let mut cosine = integral(
+                window,
+                |angle| (n * angle).sin() / n,
+                |angle| (n * angle).cos(),
+            );
+            let mut sine = integral(
+                window,
+                |angle| -(n * angle).cos() / n,
+                |angle| (n * angle).sin(),
+            );
+            remove_line(&window.time_s, &mut cosine);
+            remove_line(&window.time_s, &mut sine);
+            let weight = 1.0 / window.noise_std.powi(2);
+            for ((c, s), error) in cosine.iter().zip(&sine).zip(&window.error) {
+                cc += weight * c * c;
+                ss += weight * s * s;
+                cs += weight * c * s;
+                ce += weight * c * error;
+                se += weight * s * error;
+            }
         }
         let determinant = cc * ss - cs * cs;
         if determinant <= 0.0 {
             continue;
         }
-        let (a, b) = (
-            (ss * ce - cs * se) / determinant,
-            (cc * se - cs * ce) / determinant,
-        );
-        let gain = a * ce + b * se;
-        let noise = records
-            .iter()
-            .filter(|record| record.kind == Kind::SpinUp)
-            .flat_map(|record| &record.channels)
-            .map(|channel| channel.noise_std)
-            .fold(0.0, f64::max);
-        // cos(nφ + ψ) = cos ψ cos nφ − sin ψ sin nφ, and φ̈ = −(a/j_w) sin(nφ + ψ) integrates to
-        // +a/(j_w n φ̇) cos(nφ + ψ).
-        let amplitude = a.hypot(b) * noise * wheel_inertia * n;
-        gains.push((gain, vec![amplitude.max(1e-12), n, (-b).atan2(a)]));
+        let a = (ss * ce - cs * se) / determinant;
+        let b = (cc * se - cs * ce) / determinant;
+        let amplitude = a.hypot(b) * wheel_inertia;
+        gains.push((
+            a * ce + b * se,
+            vec![amplitude.max(1e-12), n, (-a).atan2(-b)],
+        ));
     }
     gains.sort_by(|x, y| y.0.total_cmp(&x.0));
     gains.truncate(3);
     gains.into_iter().map(|(_, start)| start).collect()
+}
+
+/// What the wheel speed of one window lacks, over the angle of the wheel.
+struct WheelSpeedError {
+    time_s: Vec<f64>,
+    wheel_angle_rad: Vec<f64>,
+    /// Measured − model without its straight line, rad/s.
+    error: Vec<f64>,
+    noise_std: f64,
+}
+
+fn wheel_speed_errors(records: &[&Record], from: &Candidate) -> Vec<WheelSpeedError> {
+    let mut found = vec![];
+    for ((record, windows), traces) in records.iter().zip(&from.minimum.windows).zip(&from.traces) {
+        let channels = record.channels.iter().zip(traces);
+        let Some((channel, trace)) = channels
+            .into_iter()
+            .find(|(channel, _)| channel.output == Output::WheelSpeed)
+        else {
+            continue;
+        };
+        for window in windows {
+            let mut one = WheelSpeedError {
+                time_s: vec![],
+                wheel_angle_rad: vec![],
+                error: vec![],
+                noise_std: channel.noise_std,
+            };
+            let before = record.wheel_angle_before(window.samples.start);
+            identify::simulate(
+                record,
+                window,
+                &from.model,
+                &from.minimum.values,
+                |k, _, state| {
+                    let error = channel.samples[k] - trace.predicted[k];
+                    if error.is_finite() && record.weight[k] > 0.0 {
+                        one.time_s.push(record.time_s[k]);
+                        // A model that has cogging knows where its windows begin.
+                        let known = from.model.has(EffectId::WheelCogging);
+                        let start = if known { 0.0 } else { before };
+                        one.wheel_angle_rad.push(start + state.wheel_angle_rad);
+                        one.error.push(error);
+                    }
+                },
+            );
+            if one.error.len() > 4 {
+                remove_line(&one.time_s, &mut one.error);
+                found.push(one);
+            }
+        }
+    }
+    found
+}
+
+/// ∫ f(φ) dt over a window, sample by sample, with the wheel turning evenly between samples: its
+/// antiderivative over φ where it turns, f itself where it rests.
+fn integral(
+    window: &WheelSpeedError,
+    antiderivative: impl Fn(f64) -> f64,
+    function: impl Fn(f64) -> f64,
+) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut out = vec![0.0];
+    for k in 1..window.time_s.len() {
+        let (from, to) = (window.wheel_angle_rad[k - 1], window.wheel_angle_rad[k]);
+        let mean = if (to - from).abs() > 1e-6 {
+            (antiderivative(to) - antiderivative(from)) / (to - from)
+        } else {
+            function(from)
+        };
+        sum += mean * (window.time_s[k] - window.time_s[k - 1]);
+        out.push(sum);
+    }
+    out
+}
+
+/// Subtracts the least-squares line.
+fn remove_line(time_s: &[f64], values: &mut [f64]) {
+    let n = values.len().max(1) as f64;
+    let mean_t = time_s.iter().sum::<f64>() / n;
+    let mean = values.iter().sum::<f64>() / n;
+    let tt: f64 = time_s.iter().map(|t| (t - mean_t).powi(2)).sum();
+    let ty: f64 = time_s
+        .iter()
+        .zip(values.iter())
+        .map(|(t, y)| (t - mean_t) * (y - mean))
+        .sum();
+    let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+    for (t, value) in time_s.iter().zip(values) {
+        *value -= mean + slope * (t - mean_t);
+    }
 }
 
 /// Fits an effect on top of `from`, from the two starts that promise most: first in the windows of
@@ -291,18 +407,18 @@ pub fn try_all(bench: &Bench, from: &Candidate, most: usize) -> Vec<Candidate> {
             (point.cost - best, starts)
         })
         .collect();
-    // Where an effect and one that contains it are both suspects, the simpler one goes first: the
-    // larger one is tried on top of it in the next round.
+    // Where an effect and one that contains it are both suspects and promise about the same, the
+    // simpler one goes first: the larger one is tried on top of it in the next round.
     let gains: Vec<(EffectId, f64)> = screened
         .iter()
         .filter_map(|(gain, starts)| Some((starts.first()?.effect, *gain)))
         .collect();
-    screened.retain(|(_, starts)| {
+    screened.retain(|(own, starts)| {
         starts.first().is_some_and(|start| {
             !start.effect.info().replaces.iter().any(|contained| {
-                gains
-                    .iter()
-                    .any(|(effect, gain)| effect.name() == *contained && *gain > LEAST_GAIN)
+                gains.iter().any(|(effect, gain)| {
+                    effect.name() == *contained && *gain > LEAST_GAIN && *gain > SIMPLER_SHARE * own
+                })
             })
         })
     });

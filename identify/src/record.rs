@@ -210,6 +210,73 @@ impl Record {
             .find(|channel| channel.output == output)
     }
 
+    /// Angle in rad that the wheel has turned since the log began, from the measured wheel speed
+    /// (trapezoidal rule; a missing sample repeats the one before).
+    pub fn wheel_angle_before(&self, sample: usize) -> f64 {
+        let Some(channel) = self.channel(Output::WheelSpeed) else {
+            return 0.0;
+        };
+        let mut last = 0.0;
+        let mut angle = 0.0;
+        for k in 0..=sample.min(self.len().saturating_sub(1)) {
+            let speed = if channel.samples[k].is_finite() {
+                channel.samples[k]
+            } else {
+                last
+            };
+            if k > 0 {
+                angle += 0.5 * (last + speed) * (self.time_s[k] - self.time_s[k - 1]);
+            }
+            last = speed;
+        }
+        angle
+    }
+
+    /// Angle in rad by which the body moves from each of these samples to the next, as measured: the
+    /// rate (less its mean offset against the angle) times the interval; without a rate the
+    /// differences of the angle, averaged over nine samples.
+    pub fn body_travel(&self, samples: std::ops::Range<usize>) -> Vec<f64> {
+        const HALF_AVERAGE: usize = 4;
+        let last = self.len().saturating_sub(1);
+        let samples = samples.start.min(last)..samples.end.min(last);
+        let interval_s = |k: usize| self.time_s[k + 1] - self.time_s[k];
+        let angle = self.channel(Output::Angle).map(|channel| {
+            let near = |k: usize| {
+                let span = k.saturating_sub(HALF_AVERAGE)..(k + HALF_AVERAGE + 1).min(last + 1);
+                let finite = channel.samples[span]
+                    .iter()
+                    .filter(|value| value.is_finite());
+                finite.clone().sum::<f64>() / finite.count().max(1) as f64
+            };
+            samples
+                .clone()
+                .map(|k| near(k + 1) - near(k))
+                .collect::<Vec<f64>>()
+        });
+        let Some(channel) = self.channel(Output::Rate) else {
+            return angle.unwrap_or_default();
+        };
+        let mut travel: Vec<f64> = samples
+            .clone()
+            .map(|k| {
+                let rate = 0.5 * (channel.samples[k] + channel.samples[k + 1]);
+                if rate.is_finite() {
+                    rate * interval_s(k)
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        if let Some(angle) = angle {
+            let whole: f64 = angle.iter().sum::<f64>() - travel.iter().sum::<f64>();
+            let offset = whole / travel.len().max(1) as f64;
+            for step in &mut travel {
+                *step += offset;
+            }
+        }
+        travel
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()

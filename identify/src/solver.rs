@@ -70,6 +70,12 @@ impl Effort {
         evaluations: 30,
         tolerance: 1e-4,
     };
+    /// The same for a minimum at the end of a long curved valley (stiffness and rest angle of a
+    /// cable), which takes many short steps.
+    pub const PATIENT: Effort = Effort {
+        evaluations: 200,
+        tolerance: 1e-4,
+    };
     /// Enough to hand over to the next stage of a schedule.
     pub const ROUGH: Effort = Effort {
         evaluations: 12,
@@ -369,6 +375,8 @@ pub struct Promise {
     pub information: Vec<DMatrix<f64>>,
     /// For each record its share of the gradient.
     pub gradient: Vec<DVector<f64>>,
+    /// The step of the free parameters, in the fit's coordinates.
+    pub step: DVector<f64>,
 }
 
 /// Evaluates the normal equations once and says what they promise. Unknowns on a bound that would
@@ -408,12 +416,14 @@ pub fn promise(
         .fold(DVector::zeros(count), |sum, part| sum + part);
     let mut held = vec![false; count];
     let mut promised_cost = assembled.cost;
+    let mut promised_step = DVector::zeros(count);
     // A step that leaves the range of an unknown is taken again with that unknown held.
     for _ in 0..3 {
         let Some(step) = solve(&total, &right, &held) else {
             break;
         };
         promised_cost = assembled.cost - own_promise - step.dot(&right);
+        promised_step.copy_from(&step);
         let mut changed = false;
         for (index, &position) in unknowns.free.iter().enumerate() {
             let (low, high) = unknowns.bounds[index];
@@ -434,5 +444,6 @@ pub fn promise(
         promised_cost,
         information,
         gradient,
+        step: promised_step,
     }
 }

@@ -113,12 +113,12 @@ pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u
                 }
             }
             Driving::Balanced { gains, limit_a, .. } => {
-                let error = [
-                    measured[0] - std::f64::consts::PI,
-                    measured[1],
-                    measured[2],
-                ];
-                let wanted: f64 = gains.iter().zip(error).map(|(gain, error)| -gain * error).sum();
+                let error = [measured[0] - std::f64::consts::PI, measured[1], measured[2]];
+                let wanted: f64 = gains
+                    .iter()
+                    .zip(error)
+                    .map(|(gain, error)| -gain * error)
+                    .sum();
                 wanted.clamp(-limit_a, *limit_a)
             }
         };

@@ -296,11 +296,7 @@ fn gains(truth: &Truth, sample_s: f64, limit_a: f64) -> Option<[f64; 3]> {
         current: 1.0,
     };
     let regulator = discrete_regulator(&model, &weights, sample_s).ok()?;
-    Some([
-        regulator.gains[0],
-        regulator.gains[1],
-        regulator.gains[2],
-    ])
+    Some([regulator.gains[0], regulator.gains[1], regulator.gains[2]])
 }
 
 /// A hidden term whose amplitude is still open: the numbers for an amplitude `s`, and a first guess
@@ -310,7 +306,12 @@ struct Shape {
     guess: f64,
 }
 
-fn shape_of_effect(rng: &mut ChaCha8Rng, effect: EffectId, truth: &Truth, top: (f64, f64)) -> Shape {
+fn shape_of_effect(
+    rng: &mut ChaCha8Rng,
+    effect: EffectId,
+    truth: &Truth,
+    top: (f64, f64),
+) -> Shape {
     let [total, wheel, gravity, torque] = truth.base;
     let (top_a, top_speed) = top;
     let side = sign(rng);
@@ -334,10 +335,7 @@ fn shape_of_effect(rng: &mut ChaCha8Rng, effect: EffectId, truth: &Truth, top: (
             )
         }
         EffectId::BodyQuadraticDrag => (one(total), 1e-2),
-        EffectId::BodyCableSpring => (
-            Box::new(move |s: f64| [gravity * s, second, 0.0]),
-            1e-2,
-        ),
+        EffectId::BodyCableSpring => (Box::new(move |s: f64| [gravity * s, second, 0.0]), 1e-2),
         EffectId::BodySofteningSpring => (one(gravity), 1e-2),
         EffectId::WheelCoulombFriction => (one(torque * top_a), 1e-2),
         EffectId::WheelQuadraticDrag => (one(torque * top_a / (top_speed * top_speed)), 1e-2),
@@ -408,11 +406,13 @@ fn shape_of_outsider(rng: &mut ChaCha8Rng, outsider: Outsider, truth: &Truth) ->
 fn is_plausible(hidden: &Hidden) -> bool {
     match hidden {
         Hidden::Library(EffectId::MotorSaturation, _) | Hidden::Outsider(..) => true,
-        Hidden::Library(effect, p) => effect.info().parameters.iter().zip(p).all(|(info, value)| {
-            let (low, high) = info.plausible;
-            // The size that is drawn decides how small an amplitude is.
-            value.abs() <= high.abs().max(low.abs())
-        }),
+        Hidden::Library(effect, p) => {
+            effect.info().parameters.iter().zip(p).all(|(info, value)| {
+                let (low, high) = info.plausible;
+                // The size that is drawn decides how small an amplitude is.
+                value.abs() <= high.abs().max(low.abs())
+            })
+        }
     }
 }
 
@@ -428,7 +428,12 @@ fn make(truth: &Truth, choice: &Choice, noise: &SensorNoise, seed: u64) -> Optio
     let mut records = vec![];
     let mut logs: Vec<ExamLog> = vec![];
     for (index, plan) in choice.plans.iter().enumerate() {
-        let log = record(truth, plan, noise, seed.wrapping_mul(64).wrapping_add(index as u64));
+        let log = record(
+            truth,
+            plan,
+            noise,
+            seed.wrapping_mul(64).wrapping_add(index as u64),
+        );
         if !is_usable(plan, &log) {
             continue;
         }
@@ -492,7 +497,14 @@ fn size_of(clean: &Setup, truth: &Truth) -> Option<f64> {
         evaluations: 15,
         tolerance: 1e-3,
     };
-    let minimum = refit(&records, &model, values, windows, &clean.free(&model), effort);
+    let minimum = refit(
+        &records,
+        &model,
+        values,
+        windows,
+        &clean.free(&model),
+        effort,
+    );
     if !minimum.cost.is_finite() {
         return None;
     }

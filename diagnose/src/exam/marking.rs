@@ -6,8 +6,8 @@
 //! the same distance tie, and then "ambiguous" is the right answer; a simpler set that is no worse
 //! is as right as the truth.
 
-use identify::{Minimum, Setup, final_windows, identify, refit};
 use identify::{Effort, Fit};
+use identify::{Minimum, Setup, final_windows, identify, refit};
 use plant::{EffectId, Model};
 
 use super::draw::{ExamBench, Question};
@@ -26,6 +26,9 @@ pub const CLOSE: f64 = 12.0;
 /// "explained" wrong and not only blind.
 pub const PLAIN: f64 = 3.0;
 
+/// χ² for each observation beyond which the fit of the true set has not found its minimum.
+const BAD: f64 = 1.3;
+
 /// What is true of a bench.
 #[derive(Clone, Debug)]
 pub struct Answer {
@@ -40,17 +43,17 @@ pub struct Answer {
 impl Answer {
     /// The answer of a drawn bench.
     pub fn of(bench: &ExamBench) -> Answer {
-        let outside = matches!(
-            bench.question,
-            Question::Outside(_) | Question::Withheld(_)
-        );
+        let outside = matches!(bench.question, Question::Outside(_) | Question::Withheld(_));
         let mut parameters: Vec<(String, f64)> = plant::BASE_PARAMETERS
             .iter()
             .zip(bench.truth.base)
             .map(|(info, value)| (info.name.to_owned(), value))
             .collect();
         parameters.push(("body_viscous_friction".to_owned(), bench.truth.body_viscous));
-        parameters.push(("wheel_viscous_friction".to_owned(), bench.truth.wheel_viscous));
+        parameters.push((
+            "wheel_viscous_friction".to_owned(),
+            bench.truth.wheel_viscous,
+        ));
         let mut effects = vec![];
         for hidden in &bench.truth.hidden {
             if let Hidden::Library(effect, p) = hidden {
@@ -162,7 +165,7 @@ struct Rival {
 }
 
 /// The true set fitted, started at what is known of its parameters.
-fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answer) -> Candidate {
+pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answer) -> Candidate {
     let records = setup.all_records();
     let model = effects
         .iter()
@@ -180,11 +183,33 @@ fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answer) 
         *value = known.unwrap_or(*value);
     }
     let free = setup.free(&model);
-    let windows = records
+    // The starts of the logs are guessed once from the samples, once taken from the base fit; the
+    // better end counts. Where both ends are bad, the schedule from short windows finds a better one.
+    let guessed = records
         .iter()
         .map(|record| final_windows(record, &values))
         .collect();
-    let minimum = refit(&records, &model, values, windows, &free, Effort::FULL);
+    let minimum = [guessed, base.windows.clone()]
+        .into_iter()
+        .map(|windows| {
+            refit(
+                &records,
+                &model,
+                values.clone(),
+                windows,
+                &free,
+                Effort::FULL,
+            )
+        })
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .unwrap_or_else(|| base.clone());
+    let observations: usize = records.iter().map(|record| record.observations()).sum();
+    let minimum = if minimum.cost > BAD * observations as f64 {
+        let again = fit_from_scratch(&records, &model, values, &free);
+        if again.cost < minimum.cost { again } else { minimum }
+    } else {
+        minimum
+    };
     Candidate::new(setup, &records, effects.to_vec(), model, minimum, None)
 }
 
@@ -201,14 +226,7 @@ fn rivals(
     let each = (observations.max(2) as f64).ln();
     let mut candidates: Vec<Candidate> = vec![];
     let mut shown = vec![];
-    let start = Candidate::new(
-        setup,
-        &records,
-        vec![],
-        Model::base(),
-        base.clone(),
-        None,
-    );
+    let start = Candidate::new(setup, &records, vec![], Model::base(), base.clone(), None);
     candidates.push(start.clone());
     let mut froms = vec![start];
     for effect in &answer.effects {
@@ -295,9 +313,8 @@ fn marked(
         .ambiguous_between
         .iter()
         .any(|set| is_accepted(set));
-    let is_subset = |small: &[EffectId], large: &[EffectId]| {
-        small.iter().all(|effect| large.contains(effect))
-    };
+    let is_subset =
+        |small: &[EffectId], large: &[EffectId]| small.iter().all(|effect| large.contains(effect));
     let missed_is_plain = answer
         .effects
         .iter()

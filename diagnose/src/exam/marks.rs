@@ -31,10 +31,10 @@ pub struct Entry {
 impl Entry {
     /// Whether the logs leave a tie between the truth and another set.
     pub fn is_tie(&self) -> bool {
-        self.paper
-            .ties
-            .iter()
-            .any(|(set, _)| !set.iter().all(|effect| self.paper.accepted.contains(effect)))
+        self.paper.ties.iter().any(|(set, _)| {
+            !set.iter()
+                .all(|effect| self.paper.accepted.contains(effect))
+        })
     }
 
     /// Whether every hidden effect leaves a trace of at least [`PLAIN`].
@@ -174,9 +174,7 @@ impl Marks {
             first_two: Rate::over(plain(), |entry| entry.among_first(2)),
             one_right: Rate::over(one(), |entry| entry.paper.mark == Mark::Right),
             both: Rate::over(two, both),
-            outsiders: Rate::over(outside, |entry| {
-                entry.paper.verdict == Verdict::Unexplained
-            }),
+            outsiders: Rate::over(outside, |entry| entry.paper.verdict == Verdict::Unexplained),
             false_alarms: Rate::over(nothing, |entry| entry.paper.mark == Mark::FalseAlarm),
             wrong: Rate::over(entries.iter(), |entry| entry.paper.mark == Mark::Wrong),
             ties: Rate::over(entries.iter().filter(|entry| entry.is_tie()), |entry| {
@@ -217,7 +215,13 @@ fn confusion(entries: &[Entry]) -> (Vec<String>, Vec<String>, Vec<usize>) {
     let mut answers: Vec<String> = entries.iter().map(answered).collect();
     for names in [&mut truths, &mut answers] {
         // Effects in the order of the library, then the rest by name.
-        names.sort_by_key(|name| (EffectId::from_name(name).is_none(), EffectId::from_name(name), name.clone()));
+        names.sort_by_key(|name| {
+            (
+                EffectId::from_name(name).is_none(),
+                EffectId::from_name(name),
+                name.clone(),
+            )
+        });
         names.dedup();
     }
     let mut counts = vec![0; truths.len() * answers.len()];

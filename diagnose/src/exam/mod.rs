@@ -18,7 +18,7 @@ mod truth;
 
 pub use bench_plan::{Driving, ExamLog, ExperimentPlan, SensorNoise, record};
 pub use draw::{ExamBench, LEFT_BY_THE_BEST, Question, ROUND, SIZES, draw, effects, question};
-pub use marking::{Answer, CLOSE, EQUAL, Interval, Mark, PLAIN, Paper, answer_from, mark};
+pub use marking::{Answer, CLOSE, EQUAL, Interval, Mark, PLAIN, Paper, answer_from, fitted, mark};
 pub use marks::{Bin, Entry, Marks, Rate};
 pub use true_motion::{Push, TrueMotion};
 pub use truth::{Hidden, Outsider, Truth};

@@ -177,7 +177,9 @@ impl TrueMotion {
                         }
                     }
                     Outsider::WheelDragThatGrows => wheel += p[0] * speed * time_s / 10.0,
-                    Outsider::SupplyThatSags => motor *= 1.0 - p[0] * (1.0 - (-time_s / p[1]).exp()),
+                    Outsider::SupplyThatSags => {
+                        motor *= 1.0 - p[0] * (1.0 - (-time_s / p[1]).exp())
+                    }
                     Outsider::FrictionThatGrows
                     | Outsider::RubbingBeyondAnAngle
                     | Outsider::UnevenEncoder => {}
@@ -410,7 +412,10 @@ impl TrueMotion {
         (before_a, change_s, after_a): (f64, f64, f64),
         push: &[Push],
     ) {
-        for (end_s, command_a) in [(change_s.clamp(self.time_s, until_s), before_a), (until_s, after_a)] {
+        for (end_s, command_a) in [
+            (change_s.clamp(self.time_s, until_s), before_a),
+            (until_s, after_a),
+        ] {
             while end_s - self.time_s > 1e-12 {
                 let longest_s = (sample_s / STEPS_PER_SAMPLE).min(self.longest_step_s());
                 let parts = ((end_s - self.time_s) / longest_s).ceil().max(1.0);
