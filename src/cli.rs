@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    add, calibrate, compare, demo, design, diagnose, generate, identify, prove, remove, simulate,
+    add, calibrate, compare, demo, design, diagnose, exam, generate, identify, prove, remove,
+    simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -49,6 +50,8 @@ pub enum Command {
     Generate(generate::Arguments),
     /// Check the certificate of an emitted crate against its source
     Prove(prove::Arguments),
+    /// Blind exam of the diagnosis on benches with a hidden effect
+    Exam(exam::Arguments),
 }
 
 impl Command {
@@ -66,6 +69,7 @@ impl Command {
             Command::Simulate(arguments) => simulate::run(arguments),
             Command::Generate(arguments) => generate::run(arguments),
             Command::Prove(arguments) => prove::run(arguments),
+            Command::Exam(arguments) => exam::run(arguments),
         }
     }
 
@@ -83,6 +87,7 @@ impl Command {
             Command::Simulate(arguments) => &arguments.output,
             Command::Generate(arguments) => &arguments.output,
             Command::Prove(arguments) => &arguments.output,
+            Command::Exam(arguments) => &arguments.output,
         }
     }
 }

@@ -251,8 +251,8 @@ impl<'a> Statistics<'a> {
             return vec![];
         };
         let mut candidates = vec![];
-        for unknown in 0..count {
-            if !active[unknown] {
+        for (unknown, &is_active) in active.iter().enumerate() {
+            if !is_active {
                 candidates.extend(self.test(
                     unknown,
                     None,

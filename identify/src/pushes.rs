@@ -163,9 +163,10 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
             (Some(series), Some(std)) => {
                 let other = sum(series);
                 let error = std_of(std).hypot(std_of(command_std));
-                // A motor's error leaves nothing here; a wheel speed whose noise hides the push
-                // cannot contradict.
-                (0.5..2.0).contains(&(other / impulse)) || error > impulse.abs()
+                // A motor's error leaves nothing here; only where the noise of the wheel speed hides
+                // the push is it enough that the two do not contradict each other.
+                (0.5..2.0).contains(&(other / impulse))
+                    || (error > impulse.abs() && (other - impulse).abs() < 3.0 * error)
             }
             _ => true,
         };

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod demo;
 pub mod design;
 pub mod diagnose;
+pub mod exam;
 pub mod generate;
 pub mod identify;
 pub mod prove;

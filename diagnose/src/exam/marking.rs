@@ -6,8 +6,7 @@
 //! the same distance tie, and then "ambiguous" is the right answer; a simpler set that is no worse
 //! is as right as the truth.
 
-use identify::{Effort, Fit};
-use identify::{Minimum, Setup, final_windows, identify, refit};
+use identify::{Effort, Fit, Minimum, Setup, final_windows, fit_from_scratch, identify, refit};
 use plant::{EffectId, Model};
 
 use super::draw::{ExamBench, Question};
@@ -206,7 +205,11 @@ pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answ
     let observations: usize = records.iter().map(|record| record.observations()).sum();
     let minimum = if minimum.cost > BAD * observations as f64 {
         let again = fit_from_scratch(&records, &model, values, &free);
-        if again.cost < minimum.cost { again } else { minimum }
+        if again.cost < minimum.cost {
+            again
+        } else {
+            minimum
+        }
     } else {
         minimum
     };

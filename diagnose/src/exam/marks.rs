@@ -43,6 +43,28 @@ impl Entry {
             && self.paper.shown.iter().all(|shown| *shown >= PLAIN)
     }
 
+    /// The class of the smallest hidden term's size, in units of noise.
+    pub fn size_class(&self) -> Vec<String> {
+        let smallest = self.sizes.iter().copied().fold(f64::INFINITY, f64::min);
+        let name = match smallest {
+            size if size.is_infinite() => return vec![],
+            size if size < 3.0 => "1 to 3",
+            size if size < 10.0 => "3 to 10",
+            _ => "10 to 30",
+        };
+        vec![name.to_owned()]
+    }
+
+    /// The class of the angle's noise.
+    pub fn noise_class(&self) -> Vec<String> {
+        let name = match self.noise.first() {
+            None => return vec![],
+            Some(noise) if *noise < 1e-3 => "below 1 mrad",
+            Some(_) => "1 mrad and more",
+        };
+        vec![name.to_owned()]
+    }
+
     /// Whether a true effect is among the first `count` suspects.
     pub fn among_first(&self, count: usize) -> bool {
         self.paper
@@ -192,6 +214,31 @@ impl Marks {
     }
 }
 
+impl Marks {
+    /// How many were marked right, by classes: `class` says to which a bench belongs.
+    pub fn by(entries: &[Entry], class: impl Fn(&Entry) -> Vec<String>) -> Vec<(String, Rate)> {
+        let mut names: Vec<String> = entries.iter().flat_map(&class).collect();
+        in_order(&mut names);
+        names
+            .into_iter()
+            .map(|name| {
+                let own = entries.iter().filter(|entry| class(entry).contains(&name));
+                let right = Rate::over(own, |entry| entry.paper.mark == Mark::Right);
+                (name, right)
+            })
+            .collect()
+    }
+}
+
+/// Each name once: effects in the order of the library, then the rest by name.
+fn in_order(names: &mut Vec<String>) {
+    names.sort_by_key(|name| {
+        let effect = EffectId::from_name(name);
+        (effect.is_none(), effect, name.clone())
+    });
+    names.dedup();
+}
+
 fn calibration(entries: &[Entry]) -> Vec<Bin> {
     const BINS: usize = 10;
     let mut bins = vec![Bin::default(); BINS];
@@ -213,17 +260,8 @@ fn calibration(entries: &[Entry]) -> Vec<Bin> {
 fn confusion(entries: &[Entry]) -> (Vec<String>, Vec<String>, Vec<usize>) {
     let mut truths: Vec<String> = entries.iter().map(asked).collect();
     let mut answers: Vec<String> = entries.iter().map(answered).collect();
-    for names in [&mut truths, &mut answers] {
-        // Effects in the order of the library, then the rest by name.
-        names.sort_by_key(|name| {
-            (
-                EffectId::from_name(name).is_none(),
-                EffectId::from_name(name),
-                name.clone(),
-            )
-        });
-        names.dedup();
-    }
+    in_order(&mut truths);
+    in_order(&mut answers);
     let mut counts = vec![0; truths.len() * answers.len()];
     for entry in entries {
         let row = truths.iter().position(|name| *name == asked(entry));
