@@ -434,8 +434,8 @@ fn bad_input_is_refused_with_one_message() {
     refused(["identify"], &["<BENCH>"]);
     refused(["identfy", &bench], &["identfy", "identify"]);
     refused(
-        ["identify", &bench, "--model", &path("no/folder/model.toml")],
-        &["no/folder/model.toml", "cannot be written", "--model"],
+        ["identify", &bench, "--model", &path("log.csv/model.toml")],
+        &["log.csv/model.toml", "cannot be read", "directory"],
     );
     assert!(!folder.path().join("out").exists(), "nothing is written");
 
