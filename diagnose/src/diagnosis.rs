@@ -119,11 +119,13 @@ pub fn diagnose_among(
     suspects: &[EffectId],
     progress: &dyn Fn(&str),
 ) -> Diagnosis {
+    let cleared = setup.with_more_pushes(model, &minimum.values);
+    let setup = cleared.as_ref().unwrap_or(setup);
     let (thin, thinning) = setup.thinned(&minimum.values, SAMPLES_PER_PERIOD);
     let is_thinned = thinning.iter().any(|&step| step > 1);
     let records = thin.all_records();
     let mut minimum = minimum;
-    if is_thinned {
+    if is_thinned || cleared.is_some() {
         for (windows, &step) in minimum.windows.iter_mut().zip(&thinning) {
             for window in windows {
                 window.samples =

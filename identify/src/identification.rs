@@ -134,6 +134,33 @@ impl Setup {
         self.records.iter().collect()
     }
 
+    /// The same bench without the pushes that a fitted model finds besides those that the first
+    /// guess of its parameters found; `None` if there are no others.
+    pub fn with_more_pushes(&self, model: &Model, values: &[f64]) -> Option<Setup> {
+        let friction = |name: &str| {
+            model
+                .position_of(name)
+                .map_or(0.0, |position| values[position])
+        };
+        let push_model = PushModel {
+            base: [0, 1, 2, 3].map(|position| values[position]),
+            body_friction: friction("body_viscous_friction"),
+            wheel_friction: friction("wheel_viscous_friction"),
+        };
+        let mut again = self.clone();
+        let mut changed = false;
+        for record in &mut again.records {
+            let before = record.weight.clone();
+            let pushes = find_pushes(record, &push_model);
+            leave_out(record, &pushes, BALANCE_WINDOW_S);
+            for (weight, before) in record.weight.iter_mut().zip(before) {
+                changed |= *weight < before;
+                *weight = weight.min(before);
+            }
+        }
+        changed.then_some(again)
+    }
+
     /// The same bench with free swings thinned to about `per_period` samples in a period of the
     /// pendulum, and for each record the step by which it was thinned. A swing that is sampled a
     /// thousand times in a period says no more about the shape of a missing effect than one that is

@@ -8,10 +8,13 @@
 use plant::{Kind, Model};
 
 use crate::missing_torque::{MeasuredMotion, TorqueOn, half_samples, missing_torque};
-use crate::record::Record;
+use crate::record::{Output, Record};
 
 /// Half-width of the bump in s: shorter than a push by hand.
 const HALF_BUMP_S: f64 = 0.025;
+/// The same for a log without a rate, in s: about as long as a push by hand. The angle is
+/// differentiated twice there, and the noise of the torque falls with the width to the power 5/2.
+const HALF_BUMP_OF_ANGLE_S: f64 = 0.06;
 /// Threshold in robust standard deviations of the torque estimate. In a minute of log there are
 /// some thousand independent values; six Gaussian standard deviations are exceeded by one in 5e8.
 const THRESHOLD: f64 = 6.0;
@@ -49,13 +52,20 @@ pub struct PushModel {
     pub wheel_friction: f64,
 }
 
+fn half_bump_s(record: &Record) -> f64 {
+    match record.channel(Output::Rate) {
+        Some(_) => HALF_BUMP_S,
+        None => HALF_BUMP_OF_ANGLE_S,
+    }
+}
+
 /// The smoothed torque on the body at every sample, by the momentum of body and wheel (first) and
 /// by the command (second); NaN at the ends and where samples are missing.
 fn torque_on_body(record: &Record, model: &PushModel) -> Option<(Option<Vec<f64>>, Vec<f64>)> {
     if record.current_a.len() != record.len() || record.is_empty() {
         return None;
     }
-    let half = half_samples(record, HALF_BUMP_S);
+    let half = half_samples(record, half_bump_s(record));
     let mut values = model.base.to_vec();
     values.extend([model.body_friction, model.wheel_friction]);
     let base = Model::base();
@@ -111,6 +121,7 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
         return vec![];
     };
     let time_s = &record.time_s;
+    let half_s = half_bump_s(record);
     let command_std = centre(&mut command, time_s).max(1e-12);
     let momentum_std = momentum
         .as_mut()
@@ -155,9 +166,9 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
             .map(|k| command[k] * step_s(k) * time_s[k])
             .sum();
         let peak = command[top];
-        let span = time_s[to] - time_s[from] + 2.0 * HALF_BUMP_S;
+        let span = time_s[to] - time_s[from] + 2.0 * half_s;
         // Values closer than a bump are one value: the noise of the sum.
-        let independent = (span / HALF_BUMP_S).max(1.0);
+        let independent = (span / half_s).max(1.0);
         let std_of = |std: f64| std * span / independent.sqrt();
         let confirmed = match (&momentum, momentum_std) {
             (Some(series), Some(std)) => {
@@ -176,7 +187,7 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
                 impulse_nms: impulse,
                 impulse_std_nms: std_of(command_std),
                 peak_nm: peak,
-                span_s: (time_s[from] - HALF_BUMP_S, time_s[to] + HALF_BUMP_S),
+                span_s: (time_s[from] - half_s, time_s[to] + half_s),
             });
         }
         // What is left of this push beyond its foot is no push of its own.

@@ -190,9 +190,9 @@ fn plant_of<S: Scalar>(record: &Record, model: &Model, values: &[S]) -> Plant<S>
     }
 }
 
-/// Time in s over which presliding friction is followed before a window begins: it forgets as the
-/// body travels, and no body of these benches rests for that long in the middle of its motion.
-const MEMORY_S: f64 = 1.0;
+/// Presliding friction is followed over this many times its presliding distance μ/σ before a window
+/// begins; it has then forgotten what was before (e⁻⁴ of it is left).
+const MEMORY_DISTANCES: f64 = 4.0;
 
 /// The start of a window in the middle of a log with what the log says of the time before it: the
 /// angle of the wheel for cogging, the torque of presliding friction.
@@ -211,10 +211,17 @@ fn with_memory<S: Scalar>(
     if model.has(EffectId::WheelCogging) {
         state.wheel_angle_rad = S::constant(record.wheel_angle_before(first));
     }
-    if model.has(EffectId::BodyPreslidingFriction) {
-        let from_s = record.time_s[first] - MEMORY_S;
-        let from = record.time_s.partition_point(|&time| time < from_s);
-        for displacement in record.body_travel(from..first) {
+    if let Some(distance_rad) = plant.presliding_distance_rad() {
+        let travel = record.body_travel(0..first);
+        let mut far = MEMORY_DISTANCES * distance_rad;
+        let from = travel
+            .iter()
+            .rposition(|step| {
+                far -= step.abs();
+                far < 0.0
+            })
+            .unwrap_or(0);
+        for &displacement in &travel[from..] {
             state.friction_torque =
                 plant.remember(state.friction_torque, S::constant(displacement));
         }

@@ -326,6 +326,13 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
+    /// The distance μ/σ in rad over which presliding friction yields, if the model has it.
+    pub fn presliding_distance_rad(&self) -> Option<f64> {
+        let term = self.presliding?;
+        let distance_rad = term.p[0].value() / term.p[1].value();
+        distance_rad.is_finite().then_some(distance_rad)
+    }
+
     /// The current in A behind the lag, `after_s` into an interval of `step_s`: `start_a` flowed at
     /// its beginning, `drive_a` is the mean command over it (after any delay).
     #[inline(always)]
