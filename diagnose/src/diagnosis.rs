@@ -337,7 +337,8 @@ fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect
         .zip(&found.evidence)
         .map(|(candidate, evidence)| {
             let needless = candidate.strictly_contains(best)
-                && (largest_trace(&bench.records, best, candidate) < least_trace(best, candidate)
+                && (largest_trace(&bench.records, best, candidate)
+                    < least_trace(&bench.records, base, best, candidate)
                     || evidence - found.evidence[found.best] < TIE);
             if needless {
                 0.0

@@ -23,6 +23,9 @@ pub const LEAST_TRACE: f64 = 0.2;
 /// its past from noisy samples), which another effect may take up. A refinement that takes the place of
 /// a term is spared: it speaks about that very term.
 pub const LEAST_TRACE_BESIDE: f64 = 0.5;
+/// Whatever is added must also show at least this share of the trace of what was added before: dry
+/// friction whose sign is smoothed over 0.01 rad/s is that of a real joint to about half a percent.
+const LEAST_SHARE_OF_TRACE: f64 = 0.01;
 /// Structure of this size in units of a channel's noise counts as "something remains". The noise
 /// itself is the scale below which nobody looking at the figure would see a misfit.
 pub const REMAINS: f64 = 1.0;
@@ -101,12 +104,19 @@ pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate)
 }
 
 /// The smallest trace in units of noise that what `larger` adds to `smaller` must have to count.
-pub fn least_trace(smaller: &Candidate, larger: &Candidate) -> f64 {
-    if smaller.added.is_empty() || smaller.added.len() == larger.added.len() {
+/// `start` is the model as it was.
+pub fn least_trace(
+    records: &[&Record],
+    start: &Candidate,
+    smaller: &Candidate,
+    larger: &Candidate,
+) -> f64 {
+    let least = if smaller.added.is_empty() || smaller.added.len() == larger.added.len() {
         LEAST_TRACE
     } else {
         LEAST_TRACE_BESIDE
-    }
+    };
+    least.max(LEAST_SHARE_OF_TRACE * largest_trace(records, start, smaller))
 }
 
 /// The noise of every series, in the order of [`Candidate::rmse`].
@@ -205,7 +215,7 @@ fn simplest(records: &[&Record], pool: &[Candidate], evidence: &[f64], top: usiz
             pool[top].strictly_contains(&pool[index])
                 && (evidence[top] - evidence[index] < TIE
                     || largest_trace(records, &pool[index], &pool[top])
-                        < least_trace(&pool[index], &pool[top]))
+                        < least_trace(records, &pool[0], &pool[index], &pool[top]))
         })
         .min_by_key(|&index| pool[index].parameters)
         .unwrap_or(top)

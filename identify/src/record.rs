@@ -210,26 +210,33 @@ impl Record {
             .find(|channel| channel.output == output)
     }
 
-    /// Angle in rad that the wheel has turned since the log began, from the measured wheel speed
-    /// (trapezoidal rule; a missing sample repeats the one before).
-    pub fn wheel_angle_before(&self, sample: usize) -> f64 {
+    /// Angle in rad that the wheel has turned since the log began, at every sample, from the measured
+    /// wheel speed (trapezoidal rule; a missing sample repeats the one before); zeros without one.
+    pub fn wheel_angles(&self) -> Vec<f64> {
         let Some(channel) = self.channel(Output::WheelSpeed) else {
-            return 0.0;
+            return vec![0.0; self.len()];
         };
         let mut last = 0.0;
         let mut angle = 0.0;
-        for k in 0..=sample.min(self.len().saturating_sub(1)) {
-            let speed = if channel.samples[k].is_finite() {
-                channel.samples[k]
-            } else {
-                last
-            };
-            if k > 0 {
-                angle += 0.5 * (last + speed) * (self.time_s[k] - self.time_s[k - 1]);
-            }
-            last = speed;
-        }
-        angle
+        (0..self.len())
+            .map(|k| {
+                let speed = if channel.samples[k].is_finite() {
+                    channel.samples[k]
+                } else {
+                    last
+                };
+                if k > 0 {
+                    angle += 0.5 * (last + speed) * (self.time_s[k] - self.time_s[k - 1]);
+                }
+                last = speed;
+                angle
+            })
+            .collect()
+    }
+
+    /// The same at one sample; 0 beyond the log.
+    pub fn wheel_angle_before(&self, sample: usize) -> f64 {
+        self.wheel_angles().get(sample).copied().unwrap_or(0.0)
     }
 
     /// Angle in rad by which the body moves from each of these samples to the next, as measured: the

@@ -99,6 +99,19 @@ impl Input {
         (self.charge_as[k] + mean * since, current)
     }
 
+    /// The instant within (from_s, to_s) at which a held command that is delayed by `delay_s` changes,
+    /// if there is one; `hint` is the index of a sample nearby.
+    pub fn change_within(&self, from_s: f64, to_s: f64, delay_s: f64, hint: usize) -> Option<f64> {
+        // What is shorter than this share of the interval is its end.
+        const LEAST_SHARE: f64 = 1e-6;
+        if self.hold != Hold::Zero {
+            return None;
+        }
+        let next = self.time_s.get(self.index(from_s - delay_s, hint) + 1)? + delay_s;
+        let least_s = LEAST_SHARE * (to_s - from_s);
+        (next > from_s + least_s && next < to_s - least_s).then_some(next)
+    }
+
     /// Mean of i(t − delay) over [from_s, to_s], in A; `hint` is the index of a sample nearby.
     #[inline]
     pub fn mean<S: Scalar>(&self, from_s: f64, to_s: f64, delay_s: Option<S>, hint: usize) -> S {

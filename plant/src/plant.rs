@@ -547,17 +547,27 @@ impl<S: Scalar> Plant<S> {
             if k + 1 >= samples.end {
                 break;
             }
-            let (from, to) = (time_s[k], time_s[k + 1]);
-            let drive = Drive {
-                current_a: match current {
-                    Current::Recorded(input) => input.mean(from, to, self.delay_s, k),
-                    Current::Held(current) => current,
-                },
-                push: push.map_or([0.0; 3], |push| {
-                    [push(from), push(0.5 * (from + to)), push(to)]
-                }),
+            // A delayed command changes within the interval: one step up to there, one from there.
+            let change = match (current, &self.delay_s) {
+                (Current::Recorded(input), Some(delay)) => {
+                    input.change_within(time_s[k], time_s[k + 1], delay.value(), k)
+                }
+                _ => None,
             };
-            state = self.step(&state, &drive, to - from);
+            let mut from = time_s[k];
+            for to in change.into_iter().chain([time_s[k + 1]]) {
+                let drive = Drive {
+                    current_a: match current {
+                        Current::Recorded(input) => input.mean(from, to, self.delay_s, k),
+                        Current::Held(current) => current,
+                    },
+                    push: push.map_or([0.0; 3], |push| {
+                        [push(from), push(0.5 * (from + to)), push(to)]
+                    }),
+                };
+                state = self.step(&state, &drive, to - from);
+                from = to;
+            }
         }
     }
 }

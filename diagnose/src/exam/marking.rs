@@ -161,6 +161,8 @@ struct Rival {
     set: Vec<EffectId>,
     distance: f64,
     simpler: bool,
+    /// The truth contains it, and shows this trace beyond it in units of noise.
+    lacks: Option<f64>,
 }
 
 /// The true set fitted, started at what is known of its parameters.
@@ -257,11 +259,16 @@ fn rivals(
         }
         let more = candidate.parameters as f64 - truth.parameters as f64;
         let distance = candidate.minimum.cost - truth.minimum.cost + each * more;
-        if distance < CLOSE && !rivals.iter().any(|rival| rival.set == set) {
+        let lacks = truth
+            .strictly_contains(&candidate)
+            .then(|| largest_trace(&records, &candidate, &truth));
+        let counts = distance < CLOSE || lacks.is_some();
+        if counts && !rivals.iter().any(|rival| rival.set == set) {
             rivals.push(Rival {
                 set,
                 distance,
                 simpler: candidate.parameters < truth.parameters,
+                lacks,
             });
         }
     }
@@ -318,6 +325,10 @@ fn marked(
         .any(|set| is_accepted(set));
     let is_subset =
         |small: &[EffectId], large: &[EffectId]| small.iter().all(|effect| large.contains(effect));
+    // A limit of the true effect (dry friction for presliding) is the truth but for what it lacks.
+    let is_limit = rivals
+        .iter()
+        .any(|rival| rival.set == named && rival.lacks.is_some_and(|lacks| lacks < PLAIN));
     let missed_is_plain = answer
         .effects
         .iter()
@@ -334,7 +345,9 @@ fn marked(
         Verdict::Explained if is_accepted(&named) && named != answer.effects => Mark::Right,
         Verdict::Explained if named == answer.effects && tie(EQUAL) => Mark::Lucky,
         Verdict::Explained if named == answer.effects => Mark::Right,
-        Verdict::Explained if is_subset(&named, &answer.effects) && !missed_is_plain => {
+        Verdict::Explained
+            if is_limit || (is_subset(&named, &answer.effects) && !missed_is_plain) =>
+        {
             Mark::Missed
         }
         Verdict::Explained => Mark::Wrong,
@@ -369,6 +382,7 @@ fn marked(
         accepted,
         ties: rivals
             .into_iter()
+            .filter(|rival| rival.distance < CLOSE)
             .map(|rival| (rival.set, rival.distance))
             .collect(),
         shown,

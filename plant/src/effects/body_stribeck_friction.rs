@@ -38,7 +38,8 @@ impl Effect for BodyStribeckFriction {
             unit: "rad/s",
             meaning: "speed at which the extra friction has fallen to 1/e",
             plausible: (0.02, 2.0),
-            bounds: (0.005, 20.0),
+            // Below twice the speed v₀ over which sign(α̇) is smoothed it would only sharpen that.
+            bounds: (0.02, 20.0),
             is_torque: false,
             logarithmic: true,
         }],
