@@ -186,6 +186,12 @@ fn finished_evidences(bench: &Bench, pool: &mut [Candidate]) -> Vec<f64> {
     evidences(bench, pool)
 }
 
+/// Whether the pool has this set of effects (in the order of the library), fitted to its minimum.
+fn is_fitted(pool: &[Candidate], set: &[EffectId]) -> bool {
+    pool.iter()
+        .any(|candidate| candidate.set() == set && candidate.minimum.outcome.was_successful())
+}
+
 /// Adds candidates whose set of effects the pool does not have yet, or has with a higher cost.
 /// Returns where they are now.
 fn merge(pool: &mut Vec<Candidate>, found: Vec<Candidate>) -> Vec<usize> {
@@ -284,7 +290,9 @@ pub fn search(
             progress(&format!("trying every effect on top of {names}"));
             let most = if depth == 1 { MOST_FITS } else { MOST_FITS / 2 };
             extended.push(pool[index].set());
-            found.extend(try_all(&bench, &pool[index], most));
+            found.extend(try_all(&bench, &pool[index], most, &|set| {
+                is_fitted(&pool, set)
+            }));
         }
         if found.is_empty() {
             break;
@@ -349,7 +357,9 @@ fn prune_and_swap(
                 continue;
             }
             extended.push(candidate.set());
-            found.extend(try_all(bench, candidate, MOST_FITS / 2));
+            found.extend(try_all(bench, candidate, MOST_FITS / 2, &|set| {
+                is_fitted(pool, set)
+            }));
         }
         merge(pool, smaller);
         merge(pool, found);

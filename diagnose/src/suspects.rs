@@ -1,8 +1,8 @@
 //! Which effects of the library could be missing, and what each of them promises.
 
 use identify::{
-    Effort, Minimum, Output, Record, RecordedCurrent, Setup, Unknowns, carry_over,
-    fit_from_scratch, joined, promise, refit, scaled_start,
+    Effort, KnownPromise, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup, Unknowns,
+    carry_over, fit_from_scratch, joined, promise, refit, scaled_start,
 };
 use nalgebra::DVector;
 use plant::{EffectId, Kind, Model, Role};
@@ -33,6 +33,8 @@ pub struct Bench<'a> {
     pub suspects: &'a [EffectId],
 }
 
+/// Most unknowns that a window has of its own.
+const MOST_LOCALS: usize = 5;
 /// Most suspects that are fitted in one round; the score test has sorted out the others.
 pub const MOST_FITS: usize = 8;
 /// A suspect that promises less than this share of the best one's gain is not fitted.
@@ -69,8 +71,80 @@ pub fn applicable(setup: &Setup, effect: EffectId) -> bool {
     })
 }
 
+/// Whether an effect is scored where it is absent: it is linear in its one amplitude there, and takes
+/// no other effect's place.
+fn is_scored_where_absent(effect: EffectId) -> bool {
+    let info = effect.info();
+    info.absent.is_some()
+        && info.starts.len() == 1
+        && info.parameters.len() == 1
+        && info.replaces.is_empty()
+}
+
+/// The starts of effects that are scored where they are absent. The motion there is that of the fitted
+/// model, so that one simulation carries the sensitivities of many of them: the score of each is that
+/// of the model in which the amplitudes of the others stay at zero.
+fn absent_starts(
+    bench: &Bench,
+    from: &Candidate,
+    point: &Minimum,
+    known: KnownPromise,
+    effects: &[EffectId],
+) -> Vec<Start> {
+    let (setup, records) = (bench.setup, &bench.records);
+    let room = MAX_UNKNOWNS
+        .saturating_sub(setup.free(&from.model).len() + MOST_LOCALS)
+        .max(1);
+    let with = |model: &Model, values: &[f64], effect: EffectId| {
+        let larger = model.with(effect);
+        let mut start = vec![0.0; larger.parameter_count()];
+        if let (Some(at), Some([absent])) = (larger.position(effect), effect.info().absent) {
+            start[at] = *absent;
+        }
+        let values = carry_over(model, values, &larger, &start);
+        (larger, values)
+    };
+    effects
+        .par_chunks(room)
+        .flat_map(|group| {
+            let (mut model, mut values) = (from.model.clone(), point.values.clone());
+            for &effect in group {
+                (model, values) = with(&model, &values, effect);
+            }
+            let unknowns = Unknowns::new(&model, &setup.free(&model));
+            let windows = &point.windows;
+            let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
+            let own: Vec<Option<usize>> = group.iter().map(|&e| model.position(e)).collect();
+            group
+                .iter()
+                .map(|&effect| {
+                    let moves: Vec<bool> = unknowns
+                        .free
+                        .iter()
+                        .map(|&at| model.position(effect) == Some(at) || !own.contains(&Some(at)))
+                        .collect();
+                    let promised_cost = promise.step(&values, &unknowns, &moves).cost;
+                    let (model, values) = with(&from.model, &point.values, effect);
+                    Start {
+                        effect,
+                        model,
+                        values,
+                        promised_cost,
+                    }
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
 /// The starts of an effect on top of a fitted model.
-fn starts(bench: &Bench, from: &Candidate, point: &Minimum, effect: EffectId) -> Vec<Start> {
+fn starts(
+    bench: &Bench,
+    from: &Candidate,
+    point: &Minimum,
+    known: KnownPromise,
+    effect: EffectId,
+) -> Vec<Start> {
     let (setup, records) = (bench.setup, &bench.records);
     let model = from.model.with(effect);
     let Some(at) = model.position(effect) else {
@@ -83,11 +157,7 @@ fn starts(bench: &Bench, from: &Candidate, point: &Minimum, effect: EffectId) ->
         .iter()
         .map(|start| scaled_start(effect, start, &base))
         .collect();
-    // An effect that is linear in its one amplitude is scored where it is absent.
-    if let (Some(absent), [_]) = (info.absent, info.starts)
-        && info.parameters.len() == 1
-        && info.replaces.is_empty()
-    {
+    if let (Some(absent), true) = (info.absent, is_scored_where_absent(effect)) {
         parameter_sets = vec![absent.to_vec()];
     }
     if effect == EffectId::BodyCableSpring {
@@ -98,37 +168,68 @@ fn starts(bench: &Bench, from: &Candidate, point: &Minimum, effect: EffectId) ->
     if effect == EffectId::WheelCogging {
         parameter_sets = cogging_starts(records, from);
     }
+    if effect == EffectId::BackEmfLimit {
+        parameter_sets.retain(|set| is_reached(records, set, base[plant::TORQUE_CONSTANT]));
+    }
     parameter_sets
         .into_iter()
         .map(|chosen| {
             let mut start = vec![0.0; model.parameter_count()];
             start[at..at + chosen.len()].copy_from_slice(&chosen);
-            let values = carry_over(&from.model, &point.values, &model, &start);
+            let mut values = carry_over(&from.model, &point.values, &model, &start);
             let unknowns = Unknowns::new(&model, &setup.free(&model));
-            let mut promised = promise(records, &model, &values, &point.windows, &unknowns);
-            let mut values = values;
+            let all = vec![true; unknowns.free.len()];
+            let promised = |values: &[f64]| {
+                promise(
+                    records,
+                    &model,
+                    values,
+                    &point.windows,
+                    &unknowns,
+                    Some(known),
+                )
+            };
+            let first = promised(&values);
+            let mut step = first.step(&values, &unknowns, &all);
             if effect == EffectId::BodyCableSpring {
-                values = cable_start(&values, at, &unknowns, &promised.step);
+                values = cable_start(&values, at, &unknowns, &step.step);
             } else if let Some(cable) = model.position(EffectId::BodyCableSpring) {
                 // The new effect may leave the cable another stiffness: a valley in which the fit
                 // would creep (see `cable_start`).
+                let mut cost = first.cost();
                 for _ in 0..CABLE_STEPS {
-                    let moved = cable_start(&values, cable, &unknowns, &promised.step);
-                    let there = promise(records, &model, &moved, &point.windows, &unknowns);
-                    if there.cost >= promised.cost {
+                    let moved = cable_start(&values, cable, &unknowns, &step.step);
+                    let there = promised(&moved);
+                    if there.cost() >= cost {
                         break;
                     }
-                    (values, promised) = (moved, there);
+                    cost = there.cost();
+                    step = there.step(&moved, &unknowns, &all);
+                    values = moved;
                 }
             }
             Start {
                 effect,
                 model: model.clone(),
                 values,
-                promised_cost: promised.promised_cost,
+                promised_cost: step.cost,
             }
         })
         .collect()
+}
+
+/// Whether the current of any record exceeds what a supply of these parameters (V, Ohm) could drive at
+/// the measured wheel speed; where none does, the limit leaves no trace.
+fn is_reached(records: &[&Record], supply: &[f64], torque_constant: f64) -> bool {
+    records.iter().any(|record| {
+        record.channel(Output::WheelSpeed).is_some_and(|channel| {
+            let at = channel.samples.iter().zip(&record.current_a);
+            at.into_iter().any(|(speed, current)| {
+                let limit = (supply[0] - torque_constant * speed.abs()) / supply[1];
+                current * speed > 0.0 && current.abs() > limit
+            })
+        })
+    })
 }
 
 /// Where to start with a cable whose promise was computed at a hardly stretched one.
@@ -301,6 +402,14 @@ fn remove_line(time_s: &[f64], values: &mut [f64]) {
     }
 }
 
+/// The effects beyond the diagnosed model after a start's effect has been added to those of `from`.
+fn added(from: &Candidate, start: &Start) -> Vec<EffectId> {
+    let mut added = from.added.clone();
+    added.retain(|effect| start.model.has(*effect));
+    added.push(start.effect);
+    added
+}
+
 /// Fits an effect on top of `from`, from the two starts that promise most: first in the windows of
 /// the score test, then over the whole logs.
 fn fit_best(
@@ -320,7 +429,7 @@ fn fit_best(
             point.windows.clone(),
             &setup.free(&start.model),
             if bench.window_s.is_some() {
-                Effort::FULL
+                Effort::SCORE
             } else {
                 Effort::ROUGH
             },
@@ -376,13 +485,10 @@ fn fit_best(
             minimum = again;
         }
     }
-    let mut added = from.added.clone();
-    added.retain(|effect| start.model.has(*effect));
-    added.push(start.effect);
     Some(Candidate::new(
         setup,
         records,
-        added,
+        added(from, &start),
         start.model,
         minimum,
         bench.window_s.map(|_| rough),
@@ -390,8 +496,13 @@ fn fit_best(
 }
 
 /// Tries every applicable effect on top of `from`: a score test for all, a full refit for those
-/// that promise something.
-pub fn try_all(bench: &Bench, from: &Candidate, most: usize) -> Vec<Candidate> {
+/// that promise something and whose set of effects is not fitted yet.
+pub fn try_all(
+    bench: &Bench,
+    from: &Candidate,
+    most: usize,
+    is_fitted: &(dyn Fn(&[EffectId]) -> bool + Sync),
+) -> Vec<Candidate> {
     let suspects: Vec<EffectId> = bench
         .suspects
         .iter()
@@ -402,10 +513,39 @@ pub fn try_all(bench: &Bench, from: &Candidate, most: usize) -> Vec<Candidate> {
         Some(windowed) => windowed,
         None => &from.minimum,
     };
-    let mut screened: Vec<(f64, Vec<Start>)> = suspects
-        .par_iter()
-        .map(|&effect| {
-            let starts = starts(bench, from, point, effect);
+    // A cable is moved along with the effect, so that every effect needs a simulation of its own.
+    let (absent, others): (Vec<EffectId>, Vec<EffectId>) =
+        suspects.into_iter().partition(|&effect| {
+            is_scored_where_absent(effect) && !from.model.has(EffectId::BodyCableSpring)
+        });
+    let unknowns = Unknowns::new(&from.model, &bench.setup.free(&from.model));
+    let known = KnownPromise {
+        model: &from.model,
+        values: &point.values,
+        unknowns: &unknowns,
+        promise: &promise(
+            &bench.records,
+            &from.model,
+            &point.values,
+            &point.windows,
+            &unknowns,
+            None,
+        ),
+    };
+    let (scored, others) = rayon::join(
+        || absent_starts(bench, from, point, known, &absent),
+        || -> Vec<Vec<Start>> {
+            others
+                .par_iter()
+                .map(|&effect| starts(bench, from, point, known, effect))
+                .collect()
+        },
+    );
+    let mut screened: Vec<(f64, Vec<Start>)> = scored
+        .into_iter()
+        .map(|start| vec![start])
+        .chain(others)
+        .map(|starts| {
             let best = starts
                 .iter()
                 .map(|start| start.promised_cost)
@@ -434,6 +574,11 @@ pub fn try_all(bench: &Bench, from: &Candidate, most: usize) -> Vec<Candidate> {
     screened.truncate(most.min(MOST_FITS));
     screened
         .into_par_iter()
+        .filter(|(_, starts)| {
+            let mut set = added(from, &starts[0]);
+            set.sort();
+            !is_fitted(&set)
+        })
         .filter_map(|(_, starts)| fit_best(bench, from, point, starts))
         .collect()
 }

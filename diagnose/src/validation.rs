@@ -97,22 +97,15 @@ fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut
         &minimum.values,
         &minimum.windows,
         &unknowns,
+        None,
     );
     let count = unknowns.free.len();
-    let information = whole
-        .information
-        .iter()
-        .fold(nalgebra::DMatrix::zeros(count, count), |sum, part| {
-            sum + part
-        });
-    let gradient = whole
-        .gradient
-        .iter()
-        .fold(nalgebra::DVector::zeros(count), |sum, part| sum + part);
+    let information = whole.information();
+    let gradient = whole.gradient();
     let mut series = vec![];
     for (index, record) in bench.records.iter().enumerate() {
-        let others = &information - &whole.information[index];
-        let own = &whole.information[index];
+        let others = &information - &whole.records[index].information;
+        let own = &whole.records[index].information;
         let determined = (0..count).all(|at| {
             own[(at, at)] <= 0.0
                 || minimum.on_bound[at]
@@ -124,7 +117,7 @@ fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut
         let Some(inverse) = pseudo_inverse(&others, &minimum.on_bound) else {
             continue;
         };
-        let step = inverse * (&gradient - &whole.gradient[index]);
+        let step = inverse * (&gradient - &whole.records[index].gradient);
         let mut values = minimum.values.clone();
         for (at, &position) in unknowns.free.iter().enumerate() {
             let (low, high) = unknowns.bounds[at];

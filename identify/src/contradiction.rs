@@ -30,7 +30,7 @@ use crate::covariance::{gradient_covariance, pseudo_inverse};
 use crate::identification::Setup;
 use crate::record::Record;
 use crate::sensitivity::{Unknowns, Window};
-use crate::solver::promise;
+use crate::solver::{RecordPromise, promise};
 
 /// Probability that a bench without any contradiction has one reported, over all its tests.
 const FALSE_ALARM: f64 = 1e-3;
@@ -114,8 +114,8 @@ struct Statistics<'a> {
     values: Vec<f64>,
     names: Vec<&'static str>,
     units: Vec<String>,
-    information: Vec<DMatrix<f64>>,
-    gradient: Vec<DVector<f64>>,
+    /// For each record, information and gradient.
+    promised: Vec<RecordPromise>,
     /// Covariance of each gradient.
     scatter: Vec<DMatrix<f64>>,
 }
@@ -214,14 +214,14 @@ impl<'a> Statistics<'a> {
     ) -> Statistics<'a> {
         let unknowns = Unknowns::new(model, positions);
         let records = setup.all_records();
-        let at = promise(&records, model, values, windows, &unknowns);
+        let at = promise(&records, model, values, windows, &unknowns, None).records;
         let infos = model.parameters();
         let scatter = records
             .iter()
             .zip(windows)
-            .zip(at.information.iter().zip(&at.gradient))
-            .map(|((record, windows), (information, gradient))| {
-                let own = shortest_solution(information, gradient);
+            .zip(&at)
+            .map(|((record, windows), at)| {
+                let own = shortest_solution(&at.information, &at.gradient);
                 gradient_covariance(record, windows, model, values, &unknowns, &own)
             })
             .collect();
@@ -231,8 +231,7 @@ impl<'a> Statistics<'a> {
             values: values.to_vec(),
             names: positions.iter().map(|&at| infos[at].name).collect(),
             units: positions.iter().map(|&at| setup.unit(model, at)).collect(),
-            information: at.information,
-            gradient: at.gradient,
+            promised: at,
             scatter,
         }
     }
@@ -243,8 +242,8 @@ impl<'a> Statistics<'a> {
         let mut information = DMatrix::zeros(count, count);
         let mut gradient = DVector::zeros(count);
         for (record, _) in kept.iter().enumerate().filter(|(_, kept)| **kept) {
-            information += &self.information[record];
-            gradient += &self.gradient[record];
+            information += &self.promised[record].information;
+            gradient += &self.promised[record].gradient;
         }
         let passive: Vec<bool> = active.iter().map(|active| !active).collect();
         let Some(inverse) = pseudo_inverse(&information, &passive) else {
@@ -270,7 +269,10 @@ impl<'a> Statistics<'a> {
                 continue;
             }
             for record in told {
-                let (own, right) = (&self.information[record], &self.gradient[record]);
+                let (own, right) = (
+                    &self.promised[record].information,
+                    &self.promised[record].gradient,
+                );
                 candidates.extend(self.test(unknown, Some(record), own, right, &inverse, kept));
             }
         }
@@ -278,7 +280,7 @@ impl<'a> Statistics<'a> {
     }
 
     fn tells(&self, record: usize, unknown: usize) -> bool {
-        self.information[record][(unknown, unknown)] > 0.0
+        self.promised[record].information[(unknown, unknown)] > 0.0
     }
 
     /// Frees `unknown` for `record` alone, or for all where it is a known; `information` and
@@ -315,7 +317,7 @@ impl<'a> Statistics<'a> {
             records().fold((0.0, 0.0), |(value, variance), other| {
                 let weights = weights(other);
                 (
-                    value + weights.dot(&self.gradient[other]),
+                    value + weights.dot(&self.promised[other].gradient),
                     variance + weights.dot(&(&self.scatter[other] * &weights)),
                 )
             })

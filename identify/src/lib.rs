@@ -57,7 +57,9 @@ pub use sensitivity::{
     Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, normal, observe, relevant,
     simulate,
 };
-pub use solver::{Effort, Minimum, Outcome, Promise, minimise, promise};
+pub use solver::{
+    Effort, KnownPromise, Minimum, Outcome, Promise, PromisedStep, RecordPromise, minimise, promise,
+};
 pub use start::{Ratios, angle_samples, base_values, ratios};
 pub use whiteness::{
     CorrelationTest, LAGS, SIGNIFICANT, Structure, autocorrelation, cross_correlation,

@@ -133,6 +133,7 @@ macro_rules! with_lanes {
             5..=6 => $function::<6>($($argument),*),
             7..=8 => $function::<8>($($argument),*),
             9..=12 => $function::<12>($($argument),*),
+            13..=16 => $function::<16>($($argument),*),
             _ => $function::<24>($($argument),*),
         }
     };
@@ -141,9 +142,17 @@ macro_rules! with_lanes {
 /// The most unknowns, globals and locals together, that one window can have.
 pub const MAX_UNKNOWNS: usize = 24;
 
+/// Whether an effect can show in an experiment of this kind: body terms do not while the body is
+/// clamped, nor wheel terms while the wheel is locked.
+fn acts(effect: EffectId, kind: Kind) -> bool {
+    match effect.info().role {
+        plant::Role::Body | plant::Role::Sensor => kind != Kind::SpinUp,
+        plant::Role::Wheel | plant::Role::Motor => kind != Kind::FreeSwing,
+    }
+}
+
 /// The free parameters that this record can say anything about, as indices into
-/// [`Unknowns::free`]: body terms do not show while the body is clamped, nor wheel terms while the
-/// wheel is locked.
+/// [`Unknowns::free`].
 pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usize> {
     let shows = |position: usize| match position {
         plant::TOTAL_INERTIA | plant::GRAVITY_TORQUE => record.kind != Kind::SpinUp,
@@ -152,16 +161,30 @@ pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usiz
             let own = model.position(effect).is_some_and(|start| {
                 (start..start + effect.info().parameters.len()).contains(&position)
             });
-            own && match effect.info().role {
-                plant::Role::Body => record.kind != Kind::SpinUp,
-                plant::Role::Wheel | plant::Role::Motor => record.kind != Kind::FreeSwing,
-                plant::Role::Sensor => record.kind != Kind::SpinUp,
-            }
+            own && acts(effect, record.kind)
         }),
     };
     (0..unknowns.free.len())
         .filter(|&unknown| shows(unknowns.free[unknown]))
         .collect()
+}
+
+/// Whether two models with their parameters move the same in experiments of this kind: the same
+/// effects act there, with the same values.
+pub fn moves_alike(kind: Kind, one: (&Model, &[f64]), other: (&Model, &[f64])) -> bool {
+    let acting = |model: &Model, values: &[f64]| -> Vec<(EffectId, Vec<f64>)> {
+        let effects = model.effects().iter().copied();
+        effects
+            .filter(|&effect| acts(effect, kind))
+            .map(|effect| {
+                let start = model.position(effect).unwrap_or(values.len());
+                let end = start + effect.info().parameters.len();
+                (effect, values[start..end].to_vec())
+            })
+            .collect()
+    };
+    let base = 0..plant::BASE_PARAMETERS.len();
+    one.1[base.clone()] == other.1[base] && acting(one.0, one.1) == acting(other.0, other.1)
 }
 
 /// The start of a window from its local unknowns: the state, a held current, the angle's zero.

@@ -12,14 +12,14 @@ use plant::Model;
 use rayon::prelude::*;
 
 use crate::record::Record;
-use crate::sensitivity::{Unknowns, Window, WindowNormal, normal, relevant};
+use crate::sensitivity::{Unknowns, Window, WindowNormal, moves_alike, normal, relevant};
 
 /// How a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The last step was far below what the data can resolve.
     Converged,
-    /// No smaller cost could be found in any direction tried.
+    /// No smaller cost could be found in any direction tried, or only crumbs for many steps.
     Stalled,
     /// The number of iterations ran out.
     OutOfIterations,
@@ -76,12 +76,21 @@ impl Effort {
         evaluations: 200,
         tolerance: 1e-4,
     };
+    /// To a third of a standard error: which of several starts or models is better.
+    pub const SCORE: Effort = Effort {
+        evaluations: 30,
+        tolerance: 1e-1,
+    };
     /// Enough to hand over to the next stage of a schedule.
     pub const ROUGH: Effort = Effort {
         evaluations: 12,
         tolerance: 1e-1,
     };
 }
+
+/// A fit whose last so many evaluations together gained less than the standard error of one unknown
+/// would is creeping, and ends: what is left to gain decides nothing.
+const CREEPING: usize = 20;
 
 struct Assembled {
     windows: Vec<Vec<WindowNormal>>,
@@ -266,6 +275,7 @@ pub fn minimise(
     let mut damping = 1e-4;
     let mut outcome = Outcome::OutOfIterations;
     let mut on_bound = vec![false; count];
+    let mut costs = vec![assembled.cost];
     if !assembled.cost.is_finite() {
         outcome = Outcome::NotFinite;
     }
@@ -350,6 +360,13 @@ pub fn minimise(
                 outcome = Outcome::Stalled;
             }
         }
+        costs.push(assembled.cost);
+        if outcome == Outcome::OutOfIterations
+            && costs.len() > CREEPING
+            && costs[costs.len() - 1 - CREEPING] - assembled.cost < mean_square
+        {
+            outcome = Outcome::Stalled;
+        }
     }
     let reduced = reduce(&assembled, &globals, count, 0.0);
     Minimum {
@@ -366,84 +383,190 @@ pub fn minimise(
 /// What a full Gauss–Newton step from a point promises, without taking it: the score test.
 #[derive(Clone, Debug)]
 pub struct Promise {
+    /// For each record its share.
+    pub records: Vec<RecordPromise>,
+}
+
+/// One record's share of a [`Promise`].
+#[derive(Clone, Debug)]
+pub struct RecordPromise {
     /// Cost at the point.
     pub cost: f64,
+    /// Information on the free parameters (the windows' unknowns eliminated), in the fit's
+    /// coordinates.
+    pub information: DMatrix<f64>,
+    /// Gradient, likewise.
+    pub gradient: DVector<f64>,
+    /// What the windows' own unknowns take from the cost while the free parameters stay.
+    own_promise: f64,
+}
+
+/// A step that is promised.
+#[derive(Clone, Debug)]
+pub struct PromisedStep {
     /// Cost that the quadratic model promises after the step.
-    pub promised_cost: f64,
-    /// For each record its share of the information on the free parameters (its windows' unknowns
-    /// eliminated), in the fit's coordinates.
-    pub information: Vec<DMatrix<f64>>,
-    /// For each record its share of the gradient.
-    pub gradient: Vec<DVector<f64>>,
-    /// The step of the free parameters, in the fit's coordinates.
+    pub cost: f64,
+    /// The step of the free parameters, in the fit's coordinates; 0 for those that stay.
     pub step: DVector<f64>,
 }
 
-/// Evaluates the normal equations once and says what they promise. Unknowns on a bound that would
-/// leave their range are held there.
+/// A model with parameters at a point whose promise is known.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownPromise<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Its parameter vector.
+    pub values: &'a [f64],
+    /// Its unknowns.
+    pub unknowns: &'a Unknowns,
+    /// What it promises.
+    pub promise: &'a Promise,
+}
+
+/// Evaluates the normal equations once. Records in which the model moves as one whose promise is
+/// `known` (with the same windows) are not simulated again.
 pub fn promise(
     records: &[&Record],
     model: &Model,
     values: &[f64],
     windows: &[Vec<Window>],
     unknowns: &Unknowns,
+    known: Option<KnownPromise>,
 ) -> Promise {
     let count = unknowns.free.len();
     let globals: Vec<Vec<usize>> = records
         .iter()
         .map(|record| relevant(record, model, unknowns))
         .collect();
-    let assembled = assemble(records, &globals, windows, model, values, unknowns);
-    let mut information = vec![];
-    let mut gradient = vec![];
-    let mut own_promise = 0.0;
-    for (list, globals) in assembled.windows.iter().zip(&globals) {
-        let part = reduce_record(list, globals, count, 0.0);
-        own_promise += part
-            .windows
-            .iter()
-            .flatten()
-            .map(|window| window.gradient.dot(&window.inverse.solve(&window.gradient)))
-            .sum::<f64>();
-        information.push(part.matrix);
-        gradient.push(part.gradient);
-    }
-    let total: DMatrix<f64> = information
+    let is_known = |record: &Record| {
+        known.is_some_and(|known| {
+            moves_alike(record.kind, (known.model, known.values), (model, values))
+        })
+    };
+    let simulated: Vec<Vec<Window>> = records
         .iter()
-        .fold(DMatrix::zeros(count, count), |sum, part| sum + part);
-    let right: DVector<f64> = gradient
+        .zip(windows)
+        .map(|(record, list)| {
+            if is_known(record) {
+                vec![]
+            } else {
+                list.clone()
+            }
+        })
+        .collect();
+    let assembled = assemble(records, &globals, &simulated, model, values, unknowns);
+    let infos = model.parameters();
+    let records = assembled
+        .windows
         .iter()
-        .fold(DVector::zeros(count), |sum, part| sum + part);
-    let mut held = vec![false; count];
-    let mut promised_cost = assembled.cost;
-    let mut promised_step = DVector::zeros(count);
-    // A step that leaves the range of an unknown is taken again with that unknown held.
-    for _ in 0..3 {
-        let Some(step) = solve(&total, &right, &held) else {
-            break;
-        };
-        promised_cost = assembled.cost - own_promise - step.dot(&right);
-        promised_step.copy_from(&step);
-        let mut changed = false;
-        for (index, &position) in unknowns.free.iter().enumerate() {
-            let (low, high) = unknowns.bounds[index];
-            let next = values[position] + step[index];
-            let beyond = (values[position] <= low && next < low)
-                || (values[position] >= high && next > high);
-            if !unknowns.logarithmic[index] && beyond && !held[index] {
-                held[index] = true;
-                changed = true;
+        .enumerate()
+        .map(|(index, list)| match known {
+            Some(known) if is_known(records[index]) => known.promise.records[index].reordered(
+                known,
+                |unknown| {
+                    let name = known.model.parameters()[known.unknowns.free[unknown]].name;
+                    unknowns.free.iter().position(|&at| infos[at].name == name)
+                },
+                count,
+            ),
+            _ => {
+                let part = reduce_record(list, &globals[index], count, 0.0);
+                let eliminated = part.windows.iter().flatten();
+                RecordPromise {
+                    cost: list.iter().map(|window| window.cost).sum(),
+                    own_promise: eliminated
+                        .map(|window| window.gradient.dot(&window.inverse.solve(&window.gradient)))
+                        .sum(),
+                    information: part.matrix,
+                    gradient: part.gradient,
+                }
+            }
+        })
+        .collect();
+    Promise { records }
+}
+
+impl RecordPromise {
+    /// The same share among `count` unknowns of another model; `place` says where an unknown stands
+    /// there.
+    fn reordered(
+        &self,
+        known: KnownPromise,
+        place: impl Fn(usize) -> Option<usize>,
+        count: usize,
+    ) -> RecordPromise {
+        let places: Vec<Option<usize>> = (0..known.unknowns.free.len()).map(place).collect();
+        let mut information = DMatrix::zeros(count, count);
+        let mut gradient = DVector::zeros(count);
+        for (row, to_row) in places.iter().enumerate() {
+            let Some(to_row) = *to_row else { continue };
+            gradient[to_row] = self.gradient[row];
+            for (column, to_column) in places.iter().enumerate() {
+                if let Some(to_column) = *to_column {
+                    information[(to_row, to_column)] = self.information[(row, column)];
+                }
             }
         }
-        if !changed {
-            break;
+        RecordPromise {
+            cost: self.cost,
+            information,
+            gradient,
+            own_promise: self.own_promise,
         }
     }
-    Promise {
-        cost: assembled.cost,
-        promised_cost,
-        information,
-        gradient,
-        step: promised_step,
+}
+
+impl Promise {
+    /// Cost at the point.
+    pub fn cost(&self) -> f64 {
+        self.records.iter().map(|record| record.cost).sum()
+    }
+
+    /// Information on the free parameters from all records.
+    pub fn information(&self) -> DMatrix<f64> {
+        self.records.iter().map(|record| &record.information).sum()
+    }
+
+    /// Gradient from all records.
+    pub fn gradient(&self) -> DVector<f64> {
+        self.records.iter().map(|record| &record.gradient).sum()
+    }
+
+    /// The step of those free parameters that `moves` marks, and what it promises; the others stay
+    /// where they are, as in a model without them. Unknowns on a bound that would leave their range
+    /// are held there.
+    pub fn step(&self, values: &[f64], unknowns: &Unknowns, moves: &[bool]) -> PromisedStep {
+        let count = unknowns.free.len();
+        let total = self.information();
+        let right = self.gradient();
+        let own_promise: f64 = self.records.iter().map(|record| record.own_promise).sum();
+        let mut held: Vec<bool> = moves.iter().map(|moves| !moves).collect();
+        let mut promised = PromisedStep {
+            cost: self.cost(),
+            step: DVector::zeros(count),
+        };
+        // A step that leaves the range of an unknown is taken again with that unknown held.
+        for _ in 0..3 {
+            let Some(step) = solve(&total, &right, &held) else {
+                break;
+            };
+            promised.cost = self.cost() - own_promise - step.dot(&right);
+            promised.step.copy_from(&step);
+            let mut changed = false;
+            for (index, &position) in unknowns.free.iter().enumerate() {
+                let (low, high) = unknowns.bounds[index];
+                let next = values[position] + step[index];
+                let beyond = (values[position] <= low && next < low)
+                    || (values[position] >= high && next > high);
+                if !unknowns.logarithmic[index] && beyond && !held[index] {
+                    held[index] = true;
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        promised
     }
 }

@@ -248,7 +248,7 @@ fn rivals(
     }
     for from in froms {
         let (bench, from) = prepared(setup, from, suspects);
-        candidates.extend(try_all(&bench, &from, usize::MAX));
+        candidates.extend(try_all(&bench, &from, usize::MAX, &|_| false));
     }
     let mut rivals: Vec<Rival> = vec![];
     for candidate in candidates {
