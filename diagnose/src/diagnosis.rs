@@ -121,7 +121,7 @@ pub fn diagnose_among(
 ) -> Diagnosis {
     let cleared = setup.with_more_pushes(model, &minimum.values);
     let setup = cleared.as_ref().unwrap_or(setup);
-    let (thin, thinning) = setup.thinned(&minimum.values, SAMPLES_PER_PERIOD);
+    let (thin, thinning) = setup.thinned(SAMPLES_PER_PERIOD);
     let is_thinned = thinning.iter().any(|&step| step > 1);
     let records = thin.all_records();
     let mut minimum = minimum;

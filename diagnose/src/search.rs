@@ -303,13 +303,18 @@ pub fn search(
             break;
         };
         let next = simplest(records, &pool, &evidence, top);
-        if next == best || evidence[next] - evidence[best] < TIE {
+        if next != best && evidence[next] - evidence[best] >= TIE {
+            best = next;
+            if largest_remainder(records, &pool[best]) < LEAST_TRACE {
+                break;
+            }
+        } else if evidence[top] <= evidence[best]
+            || largest_remainder(records, &pool[best]) <= REMAINS
+        {
             break;
         }
-        best = next;
-        if largest_remainder(records, &pool[best]) < LEAST_TRACE {
-            break;
-        }
+        // What is better by too little to decide, while something plain remains, may be half of the
+        // answer: two effects can show together what neither shows alone.
         let mut order = newest;
         order.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
         order.truncate(BEAM);

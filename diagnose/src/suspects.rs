@@ -2,7 +2,7 @@
 
 use identify::{
     Effort, KnownPromise, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup, Unknowns,
-    carry_over, fit_from_scratch, joined, promise, refit, scaled_start,
+    carry_over, fit_from_scratch, joined, promise, ratios, refit, scaled_start,
 };
 use nalgebra::DVector;
 use plant::{EffectId, Kind, Model, Role};
@@ -216,6 +216,38 @@ fn starts(
             }
         })
         .collect()
+}
+
+/// A shifted zero of the angle beyond which a fit that does not know of it tells nothing: to first
+/// order sin(α + b) is then wrong by half a percent.
+const LARGE_ZERO_RAD: f64 = 0.1;
+
+/// The start of an angle offset at the zero that the free swings themselves show, with the inertia,
+/// gravity and friction that they show around it.
+fn zero_start(bench: &Bench, point: &Minimum, absent: &Start, angle_zero_rad: f64) -> Start {
+    let model = absent.model.clone();
+    let guessed = bench.setup.start_values(&model);
+    let mut values = absent.values.clone();
+    values[..plant::BASE_PARAMETERS.len()]
+        .copy_from_slice(&guessed[..plant::BASE_PARAMETERS.len()]);
+    for (effect, value) in [
+        (EffectId::AngleOffset, Some(angle_zero_rad)),
+        (EffectId::BodyViscousFriction, None),
+    ] {
+        if let Some(at) = model.position(effect) {
+            values[at] = value.unwrap_or(guessed[at]);
+        }
+    }
+    let unknowns = Unknowns::new(&model, &bench.setup.free(&model));
+    let all = vec![true; unknowns.free.len()];
+    let windows = &point.windows;
+    let promise = promise(&bench.records, &model, &values, windows, &unknowns, None);
+    Start {
+        effect: EffectId::AngleOffset,
+        promised_cost: promise.step(&values, &unknowns, &all).cost,
+        model,
+        values,
+    }
 }
 
 /// Whether the current of any record exceeds what a supply of these parameters (V, Ohm) could drive at
@@ -513,6 +545,7 @@ pub fn try_all(
         Some(windowed) => windowed,
         None => &from.minimum,
     };
+    let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);
     // A cable is moved along with the effect, so that every effect needs a simulation of its own.
     let (absent, others): (Vec<EffectId>, Vec<EffectId>) =
         suspects.into_iter().partition(|&effect| {
@@ -543,7 +576,12 @@ pub fn try_all(
     );
     let mut screened: Vec<(f64, Vec<Start>)> = scored
         .into_iter()
-        .map(|start| vec![start])
+        .map(|start| {
+            let zero = (start.effect == EffectId::AngleOffset
+                && angle_zero_rad.abs() > LARGE_ZERO_RAD)
+                .then(|| zero_start(bench, point, &start, angle_zero_rad));
+            [start].into_iter().chain(zero).collect()
+        })
         .chain(others)
         .map(|starts| {
             let best = starts

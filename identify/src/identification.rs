@@ -165,8 +165,10 @@ impl Setup {
     /// pendulum, and for each record the step by which it was thinned. A swing that is sampled a
     /// thousand times in a period says no more about the shape of a missing effect than one that is
     /// sampled a hundred times.
-    pub fn thinned(&self, values: &[f64], per_period: f64) -> (Setup, Vec<usize>) {
-        let wanted_s = crate::fit::period_s(values) / per_period;
+    ///
+    /// The period is that of the samples: a model that lacks something need not have it.
+    pub fn thinned(&self, per_period: f64) -> (Setup, Vec<usize>) {
+        let wanted_s = crate::fit::period_s(&self.start_values(&Model::base())) / per_period;
         let mut thin = self.clone();
         let steps: Vec<usize> = self
             .records

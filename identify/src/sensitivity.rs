@@ -132,7 +132,8 @@ macro_rules! with_lanes {
             0..=4 => $function::<4>($($argument),*),
             5..=6 => $function::<6>($($argument),*),
             7..=8 => $function::<8>($($argument),*),
-            9..=12 => $function::<12>($($argument),*),
+            9..=10 => $function::<10>($($argument),*),
+            11..=12 => $function::<12>($($argument),*),
             13..=16 => $function::<16>($($argument),*),
             _ => $function::<24>($($argument),*),
         }

@@ -102,6 +102,8 @@ impl Rows {
 pub struct Ratios {
     /// G/Θ in 1/s², from free swings; else from the momentum of body and wheel while all is free.
     pub gravity_over_total: Option<f64>,
+    /// The angle that a hanging body shows in free swings, in rad.
+    pub angle_zero_rad: Option<f64>,
     /// r_b/Θ in 1/s, likewise.
     pub friction_over_total: Option<f64>,
     /// G/(Θ − j_w) in 1/s², from logs with everything free.
@@ -246,6 +248,7 @@ pub fn ratios(records: &[&Record]) -> Ratios {
     if let Some(solution) = locked.solve() {
         // A shifted zero of the angle splits G/Θ into its sine and cosine parts.
         ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
+        ratios.angle_zero_rad = Some((-solution[1]).atan2(solution[0]));
         ratios.friction_over_total = positive(solution[2]);
     }
     if let Some(solution) = momentum.solve_absolute() {

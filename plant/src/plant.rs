@@ -95,6 +95,8 @@ pub struct Plant<S> {
 /// Steps are at most this fraction of a radian of the pendulum's own oscillation: the phase error
 /// of RK4, (ω h)⁴/120 per radian, is then below 1e-6.
 const STEP_RAD: f64 = 0.1;
+/// Angle over which the stiffness of springs is probed.
+const STIFFNESS_PROBE_RAD: f64 = 1e-3;
 /// Steps are at most this long, in s, whatever the parameters say: a coarsely sampled log may hold
 /// motion that they do not foresee.
 const LONGEST_STEP_S: f64 = 0.02;
@@ -209,15 +211,29 @@ impl<S: Scalar> Plant<S> {
     fn stable_step_s(&self) -> f64 {
         let inverse_body = self.inverse_body.value().abs();
         let inverse_wheel = self.inverse_wheel.value().abs();
-        let gravity = self.gravity_torque.value().abs();
+        let mut stiffness = self.gravity_torque.value().abs();
+        for term in &self.body {
+            let at = |angle: f64| {
+                let instant = Instant {
+                    angle_rad: S::constant(angle),
+                    rate_rad_s: S::zero(),
+                    wheel_angle_rad: S::zero(),
+                    wheel_speed_rad_s: S::zero(),
+                    memory: S::zero(),
+                };
+                let torque = term.effect.torque(&term.p, &instant, &self.smoothing);
+                torque.value()
+            };
+            stiffness += (at(STIFFNESS_PROBE_RAD) - at(0.0)).abs() / STIFFNESS_PROBE_RAD;
+        }
         let mut step = LONGEST_STEP_S;
         if self.kind != Kind::SpinUp {
-            step = step.min(STEP_RAD / (gravity * inverse_body).sqrt().max(1e-9));
+            step = step.min(STEP_RAD / (stiffness * inverse_body).sqrt().max(1e-9));
         }
         if let Some(term) = self.presliding {
             // The contact's own oscillation is resolved down to steps of two milliseconds. A stiffer
             // contact yields before any sensor could see it bend; its force stays bounded by μ.
-            let stiffness = gravity + term.p[1].value().abs();
+            let stiffness = stiffness + term.p[1].value().abs();
             step = step.min((STEP_RAD / (stiffness * inverse_body).sqrt()).max(CONTACT_STEP_S));
         }
         let probe = |rate: f64, wheel: f64| Instant {
