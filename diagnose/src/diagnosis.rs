@@ -7,10 +7,8 @@ use rayon::prelude::*;
 use crate::candidate::Candidate;
 use crate::evidence::TIE;
 use crate::next_experiment::propose;
-use crate::search::{
-    REMAINS, Search, largest_remainder, largest_trace, least_trace, noise, search,
-};
-use crate::suspects::Bench;
+use crate::search::{REMAINS, Search, largest_remainder, noise, search, shows};
+use crate::suspects::{Bench, is_cleared};
 use crate::validation::{HeldOut, held_out, mean_fit_percent};
 
 /// What the diagnosis says.
@@ -124,6 +122,9 @@ pub fn diagnose_among(
     let (thin, thinning) = setup.thinned(SAMPLES_PER_PERIOD);
     let is_thinned = thinning.iter().any(|&step| step > 1);
     let records = thin.all_records();
+    let mut suspects = suspects.to_vec();
+    suspects.retain(|&effect| !is_cleared(&records, effect));
+    let suspects = suspects.as_slice();
     let mut minimum = minimum;
     if is_thinned || cleared.is_some() {
         for (windows, &step) in minimum.windows.iter_mut().zip(&thinning) {
@@ -173,6 +174,15 @@ pub fn diagnose_among(
         Verdict::NothingMissing
     } else {
         Verdict::Explained
+    };
+    let (chosen, remainder) = if verdict == Verdict::Unexplained {
+        let chosen = without_absorbers(&bench, &found, chosen);
+        (
+            chosen,
+            largest_remainder(&bench.records, &found.pool[chosen]),
+        )
+    } else {
+        (chosen, remainder)
     };
     let steps = path(&found, chosen)
         .into_par_iter()
@@ -267,6 +277,35 @@ fn whole_step(
     }
 }
 
+/// χ² beyond what the noise of the sensors makes.
+fn excess(bench: &Bench, candidate: &Candidate) -> f64 {
+    let records = bench.records.iter();
+    let observations: usize = records.map(|record| record.observations()).sum();
+    (candidate.minimum.cost - observations as f64).max(0.0)
+}
+
+/// The chosen candidate, or one before it on the way where something plain remains and the last
+/// additions took the smaller part of what was left: an unknown cause looks a little like everything,
+/// and what an effect takes of it is then not its own.
+fn without_absorbers(bench: &Bench, found: &Search, chosen: usize) -> usize {
+    let mut chosen = chosen;
+    while largest_remainder(&bench.records, &found.pool[chosen]) > REMAINS {
+        let way = path(found, chosen);
+        let [.., (_, before), (Some(_), _)] = way.as_slice() else {
+            break;
+        };
+        let left = excess(bench, &found.pool[chosen]) / excess(bench, &found.pool[*before]);
+        if left <= LEFT_BY_AN_EXPLANATION {
+            break;
+        }
+        chosen = *before;
+    }
+    chosen
+}
+
+/// Share of the excess χ² that an effect may leave and still count as found while something remains.
+const LEFT_BY_AN_EXPLANATION: f64 = 0.5;
+
 /// The largest candidate that every tying one contains: what they agree on.
 fn common(found: &Search) -> Option<usize> {
     (0..found.pool.len())
@@ -337,8 +376,7 @@ fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect
         .zip(&found.evidence)
         .map(|(candidate, evidence)| {
             let needless = candidate.strictly_contains(best)
-                && (largest_trace(&bench.records, best, candidate)
-                    < least_trace(&bench.records, base, best, candidate)
+                && (!shows(&bench.records, base, best, candidate)
                     || evidence - found.evidence[found.best] < TIE);
             if needless {
                 0.0
@@ -350,14 +388,8 @@ fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect
     let total: f64 = votes.iter().sum();
     // Where something remains, an effect is credited with the share of the misfit that its set
     // explains: the rest belongs to causes that the library does not know.
-    let observations: f64 = bench
-        .records
-        .iter()
-        .map(|record| record.observations() as f64)
-        .sum();
-    let excess = |candidate: &Candidate| (candidate.minimum.cost - observations).max(0.0);
-    let share = if remainder > REMAINS && excess(base) > 0.0 {
-        1.0 - excess(best) / excess(base)
+    let share = if remainder > REMAINS && excess(bench, base) > 0.0 {
+        1.0 - excess(bench, best) / excess(bench, base)
     } else {
         1.0
     };

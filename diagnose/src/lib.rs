@@ -25,8 +25,8 @@ pub use diagnosis::{Diagnosis, Step, Suspect, Verdict, diagnose, diagnose_among}
 pub use evidence::{TIE, effective, log_evidence, residual};
 pub use next_experiment::propose;
 pub use search::{
-    LEAST_TRACE, LEAST_TRACE_BESIDE, REMAINS, Search, largest_remainder, largest_trace,
-    least_trace, names, noise, prepared, remainders, search,
+    LEAST_TRACE, LEAST_TRACE_BESIDE, REMAINS, Search, largest_remainder, largest_trace, names,
+    noise, prepared, remainders, search, shows,
 };
 pub use suspects::{Bench, applicable, try_all, without};
 pub use validation::{HeldOut, held_out, mean_fit_percent};

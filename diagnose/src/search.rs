@@ -1,7 +1,8 @@
 //! The search for the set of effects that explains the measurements.
 
 use identify::{
-    Effort, Outcome, Record, Setup, fit_windowed, period_s, refit, structure, without_rounding,
+    Effort, Outcome, Record, Setup, acts, fit_windowed, period_s, refit, structure,
+    without_rounding,
 };
 use plant::EffectId;
 
@@ -18,7 +19,8 @@ const BEAM: usize = 2;
 /// of the difference of the mean squares). What is smaller may be significant in ten thousand
 /// samples, and yet be the imperfection of an integration rule or of a clock.
 pub const LEAST_TRACE: f64 = 0.2;
-/// The same for an effect beside others that were added before it. Their terms have imperfections of
+/// The same for an effect beside others that were added before it, in experiments in which they act:
+/// their terms have imperfections of
 /// their own (dry friction with its smoothed sign sticks a little less than a real joint; a window knows
 /// its past from noisy samples), which another effect may take up. A refinement that takes the place of
 /// a term is spared: it speaks about that very term.
@@ -90,33 +92,50 @@ pub fn largest_remainder(records: &[&Record], candidate: &Candidate) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The largest fall of an error from `before` to `after` in units of the series' noise: the root of
-/// the difference of the mean squares.
-pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate) -> f64 {
-    let noise = noise(records);
+/// The fall of every error from `before` to `after` in units of the series' noise: the root of the
+/// difference of the mean squares.
+fn traces(records: &[&Record], before: &Candidate, after: &Candidate) -> Vec<f64> {
     before
         .rmse()
         .iter()
         .zip(after.rmse())
-        .zip(noise)
+        .zip(noise(records))
         .map(|((before, after), noise)| (before * before - after * after).max(0.0).sqrt() / noise)
+        .collect()
+}
+
+/// The largest of [`traces`].
+pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate) -> f64 {
+    traces(records, before, after)
+        .into_iter()
         .fold(0.0, f64::max)
 }
 
-/// The smallest trace in units of noise that what `larger` adds to `smaller` must have to count.
-/// `start` is the model as it was.
-pub fn least_trace(
+/// Whether what `larger` adds to `smaller` leaves a trace in any series that a person would see, and
+/// that the imperfections of what was added before cannot be. `start` is the model as it was.
+pub fn shows(
     records: &[&Record],
     start: &Candidate,
     smaller: &Candidate,
     larger: &Candidate,
-) -> f64 {
-    let least = if smaller.added.is_empty() || smaller.added.len() == larger.added.len() {
-        LEAST_TRACE
-    } else {
-        LEAST_TRACE_BESIDE
-    };
-    least.max(LEAST_SHARE_OF_TRACE * largest_trace(records, start, smaller))
+) -> bool {
+    let is_refinement = smaller.added.len() == larger.added.len();
+    let share = LEAST_SHARE_OF_TRACE * largest_trace(records, start, smaller);
+    let kinds = records
+        .iter()
+        .flat_map(|record| record.channels.iter().map(|_| record.kind));
+    traces(records, smaller, larger)
+        .into_iter()
+        .zip(kinds)
+        .any(|(trace, kind)| {
+            let is_touched = smaller.added.iter().any(|&effect| acts(effect, kind));
+            let least = match (is_touched, is_refinement) {
+                (false, _) => LEAST_TRACE,
+                (true, true) => LEAST_TRACE.max(share),
+                (true, false) => LEAST_TRACE_BESIDE.max(share),
+            };
+            trace >= least
+        })
 }
 
 /// The noise of every series, in the order of [`Candidate::rmse`].
@@ -220,8 +239,7 @@ fn simplest(records: &[&Record], pool: &[Candidate], evidence: &[f64], top: usiz
         .filter(|&index| {
             pool[top].strictly_contains(&pool[index])
                 && (evidence[top] - evidence[index] < TIE
-                    || largest_trace(records, &pool[index], &pool[top])
-                        < least_trace(records, &pool[0], &pool[index], &pool[top]))
+                    || !shows(records, &pool[0], &pool[index], &pool[top]))
         })
         .min_by_key(|&index| pool[index].parameters)
         .unwrap_or(top)

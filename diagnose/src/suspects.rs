@@ -2,7 +2,7 @@
 
 use identify::{
     Effort, KnownPromise, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup, Unknowns,
-    carry_over, fit_from_scratch, joined, promise, ratios, refit, scaled_start,
+    carry_over, fit_from_scratch, joined, promise, rate_against_angle, ratios, refit, scaled_start,
 };
 use nalgebra::DVector;
 use plant::{EffectId, Kind, Model, Role};
@@ -69,6 +69,20 @@ pub fn applicable(setup: &Setup, effect: EffectId) -> bool {
         };
         sees && info.shows_in.contains(&record.kind)
     })
+}
+
+/// Standard errors by which a fault of the gyroscope must show against the angle.
+const PLAIN_FAULT: f64 = 3.0;
+
+/// Whether the measured angle itself, without any model of the motion, speaks against this fault of the
+/// gyroscope: what the model lacks would only be laid at its door.
+pub fn is_cleared(records: &[&Record], effect: EffectId) -> bool {
+    let (fault, std) = match (effect, rate_against_angle(records)) {
+        (EffectId::GyroScale, Some(found)) => (found.scale_error, found.scale_error_std),
+        (EffectId::GyroBias, Some(found)) => (found.bias_rad_s, found.bias_std_rad_s),
+        _ => return false,
+    };
+    fault.abs() < PLAIN_FAULT * std
 }
 
 /// Whether an effect is scored where it is absent: it is linear in its one amplitude there, and takes

@@ -23,6 +23,7 @@ mod covariance;
 mod decay;
 mod fit;
 mod identification;
+mod kinematics;
 mod missing_torque;
 mod noise;
 mod pushes;
@@ -47,6 +48,7 @@ pub use fit::{
 pub use identification::{
     Identification, IdentifyError, Setup, carry_over, extend, identify, scaled_start,
 };
+pub use kinematics::{RateAgainstAngle, rate_against_angle};
 pub use missing_torque::{
     MeasuredMotion, MissingTorque, TorqueOn, half_bump, missing_torque, missing_torques,
 };
@@ -54,8 +56,8 @@ pub use noise::{noise_std, resolution};
 pub use pushes::{Push, PushModel, find_pushes, leave_out};
 pub use record::{Channel, Output, Record, RecordedCurrent};
 pub use sensitivity::{
-    Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, normal, observe, relevant,
-    simulate,
+    Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, acts, normal, observe,
+    relevant, simulate,
 };
 pub use solver::{
     Effort, KnownPromise, Minimum, Outcome, Promise, PromisedStep, RecordPromise, minimise, promise,

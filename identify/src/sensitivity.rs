@@ -145,7 +145,7 @@ pub const MAX_UNKNOWNS: usize = 24;
 
 /// Whether an effect can show in an experiment of this kind: body terms do not while the body is
 /// clamped, nor wheel terms while the wheel is locked.
-fn acts(effect: EffectId, kind: Kind) -> bool {
+pub fn acts(effect: EffectId, kind: Kind) -> bool {
     match effect.info().role {
         plant::Role::Body | plant::Role::Sensor => kind != Kind::SpinUp,
         plant::Role::Wheel | plant::Role::Motor => kind != Kind::FreeSwing,

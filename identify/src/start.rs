@@ -12,7 +12,7 @@ use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA}
 use crate::record::{Output, Record};
 
 /// Length of the bump in s: well below a period of the pendula in question, well above the noise.
-const BUMP_S: f64 = 0.4;
+pub(crate) const BUMP_S: f64 = 0.4;
 /// Fewest samples under a bump.
 const BUMP_SAMPLES: usize = 12;
 /// Length of the bump in a balance log: as short as a push by hand, so that most of the answer to a
@@ -146,8 +146,8 @@ pub fn angle_samples(record: &Record) -> Option<Vec<f64>> {
 }
 
 /// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
-/// trapezoidal rule.
-fn bumps(
+/// trapezoidal rule, corrected at the ends for the first order.
+pub(crate) fn bumps(
     record: &Record,
     bump_s: f64,
     mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64),
@@ -176,6 +176,13 @@ fn bumps(
             for k in window.start..window.end - 1 {
                 let step = record.time_s[k + 1] - record.time_s[k];
                 sum += 0.5 * step * (f(k) * weight(k, order) + f(k + 1) * weight(k + 1, order));
+            }
+            if order == 1 {
+                // Euler–Maclaurin: dψ/dt vanishes at the ends, its slope 2 (b − a)² does not.
+                let (first, last) = (window.start, window.end - 1);
+                let steps = (record.time_s[first + 1] - a, b - record.time_s[last - 1]);
+                let ends = steps.1.powi(2) * f(last) - steps.0.powi(2) * f(first);
+                sum -= ends * 2.0 * (b - a).powi(2) / 12.0;
             }
             sum / scale
         };
