@@ -619,6 +619,7 @@ pub fn parameters_of(folder: &BenchFolder, fit: &Fit) -> Vec<Parameter> {
                     "set to 1: torques are per unit of inertia".to_owned()
                 }
                 None if given => "[known] in bench.toml".to_owned(),
+                None if infos[position].is_whole => "chosen: a whole number".to_owned(),
                 None => return None,
             };
             Some(Parameter {

@@ -84,7 +84,7 @@ fn guess(record: &Record, values: &[f64], samples: std::ops::Range<usize>) -> Wi
                 .or(angle.map(|(_, slope)| slope))
                 .unwrap_or(0.0),
             Local::WheelSpeed => speed.map_or(0.0, |(value, _)| value),
-            Local::AngleZero => 0.0,
+            Local::AngleZero | Local::WheelAngle => 0.0,
             Local::Current => {
                 let torque_per_ampere = values[TORQUE_CONSTANT];
                 let inertia = values[WHEEL_INERTIA];

@@ -6,6 +6,7 @@ use plant::{
     WHEEL_INERTIA,
 };
 
+use crate::cogging::cogging_start;
 use crate::contradiction::{Contradiction, body_inertia_contradiction, contradictions};
 use crate::fit::{BALANCE_WINDOW_S, Fit, Trace, finish, fit_from_scratch, refit, traces};
 use crate::pushes::{Push, PushModel, find_pushes, leave_out};
@@ -209,7 +210,7 @@ impl Setup {
     }
 
     /// The positions of the parameter vector that a fit of `model` moves: everything that is not
-    /// known and that some experiment can show.
+    /// known or a whole number and that some experiment can show.
     pub fn free(&self, model: &Model) -> Vec<usize> {
         let (body, wheel) = self.moved();
         let infos = model.parameters();
@@ -242,7 +243,7 @@ impl Setup {
                     }
                 };
                 let given = self.known.get(position).is_some_and(Option::is_some);
-                shown && !given
+                shown && !given && !infos[position].is_whole
             })
             .collect()
     }
@@ -427,25 +428,37 @@ pub fn extend(
 ) -> crate::solver::Minimum {
     let free = setup.free(model);
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
+    let starts = |effect: EffectId| -> Vec<Vec<f64>> {
+        match effect {
+            EffectId::WheelCogging => cogging_start(records, from, minimum).into_iter().collect(),
+            _ => {
+                let stated = effect.info().starts.iter();
+                stated
+                    .map(|start| scaled_start(effect, start, &base))
+                    .collect()
+            }
+        }
+    };
     let new: Vec<EffectId> = model
         .effects()
         .iter()
         .copied()
         .filter(|&effect| !from.has(effect))
         .collect();
-    let tries = new
-        .iter()
-        .map(|effect| effect.info().starts.len())
-        .max()
-        .unwrap_or(1);
+    let starts: Vec<(EffectId, Vec<Vec<f64>>)> = new
+        .into_iter()
+        .map(|effect| (effect, starts(effect)))
+        .collect();
+    let tries = starts.iter().map(|(_, starts)| starts.len()).max();
+    let tries = tries.unwrap_or(1).max(1);
     let mut best: Option<crate::solver::Minimum> = None;
     for attempt in 0..tries {
         let mut start = vec![0.0; model.parameter_count()];
-        for &effect in model.effects() {
-            let at = model.position(effect).unwrap_or(0);
-            let starts = effect.info().starts;
-            let chosen = scaled_start(effect, starts[attempt.min(starts.len() - 1)], &base);
-            start[at..at + chosen.len()].copy_from_slice(&chosen);
+        for (effect, starts) in &starts {
+            let at = model.position(*effect).unwrap_or(0);
+            if let Some(chosen) = starts.get(attempt).or(starts.last()) {
+                start[at..at + chosen.len()].copy_from_slice(chosen);
+            }
         }
         let values = carry_over(from, &minimum.values, model, &start);
         let effort = if tries == 1 {

@@ -18,6 +18,7 @@
 //! | `identification` | a whole bench: what is known, what is free, what is open |
 
 mod breakdown;
+mod cogging;
 mod contradiction;
 mod covariance;
 mod decay;
@@ -36,6 +37,7 @@ mod whiteness;
 pub use breakdown::{
     Bin, Breakdown, Coordinate, Explained, FailureMap, Quantity, Region, breakdown,
 };
+pub use cogging::cogging_start;
 pub use contradiction::{
     Contradiction, Side, body_inertia, body_inertia_contradiction, contradictions,
 };

@@ -19,6 +19,9 @@ pub enum Local {
     /// Zero of a quantised angle, rad. Rounding or truncation: the zero of a channel with step q is
     /// known to ±q/2 only, so that it is an unknown of the log with standard deviation q/√12.
     AngleZero,
+    /// Wheel angle at the start beyond the one that the measured wheel speed gives, rad. Its noise adds up
+    /// to a random walk over the log, by which a window in the middle does not know where the wheel is.
+    WheelAngle,
 }
 
 impl Local {
@@ -38,17 +41,31 @@ impl Local {
         if angle_quantum(record).is_some() {
             locals.push(Local::AngleZero);
         }
+        if record.kind == Kind::Balance && measures(Output::WheelSpeed) {
+            locals.push(Local::WheelAngle);
+        }
         locals
     }
 
-    /// Standard deviation with which the unknown is known beforehand, if it is.
-    pub fn prior_std(self, record: &Record) -> Option<f64> {
+    /// Standard deviation with which the unknown of a window that begins at the sample `first` is known
+    /// beforehand, if it is.
+    pub fn prior_std(self, record: &Record, first: usize) -> Option<f64> {
         match self {
             Local::AngleZero => angle_quantum(record).map(|quantum| quantum / 12f64.sqrt()),
+            Local::WheelAngle => {
+                let noise = record.channel(Output::WheelSpeed)?.noise_std;
+                let span_s = record.time_s[first] - record.time_s[0];
+                let steps = first.max(1) as f64;
+                // At the first sample the angle is zero by definition.
+                Some((noise * span_s / steps.sqrt()).max(LEAST_WHEEL_ANGLE_STD_RAD))
+            }
             _ => None,
         }
     }
 }
+
+/// Stands for "known exactly" among the wheel angles of windows.
+const LEAST_WHEEL_ANGLE_STD_RAD: f64 = 1e-4;
 
 /// The step of the angle in a log whose one window spans it.
 fn angle_quantum(record: &Record) -> Option<f64> {
@@ -200,6 +217,7 @@ fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
             Local::WheelSpeed => state.wheel_speed_rad_s = value,
             Local::Current => current = value,
             Local::AngleZero => angle_zero = value,
+            Local::WheelAngle => state.wheel_angle_rad = value,
         }
     }
     (state, current, angle_zero)
@@ -233,7 +251,7 @@ fn with_memory<S: Scalar>(
         return state;
     }
     if model.has(EffectId::WheelCogging) {
-        state.wheel_angle_rad = S::constant(record.wheel_angle_before(first));
+        state.wheel_angle_rad += S::constant(record.wheel_angle_before(first));
     }
     if let Some(distance_rad) = plant.presliding_distance_rad() {
         let travel = record.body_travel(0..first);
@@ -442,7 +460,7 @@ fn normal_lanes<const N: usize>(
         },
     );
     for (index, (local, &value)) in Local::of(record).iter().zip(&window.locals).enumerate() {
-        if let Some(std) = local.prior_std(record) {
+        if let Some(std) = local.prior_std(record, window.samples.start) {
             let lane = globals.len() + index;
             cost += (value / std).powi(2);
             gradient[lane] -= value / (std * std);

@@ -94,6 +94,8 @@ pub struct ParameterInfo {
     pub is_torque: bool,
     /// The fit moves the logarithm of the value: a scale that spans decades.
     pub logarithmic: bool,
+    /// The value is a whole number by its nature: it is chosen, and no fit moves it.
+    pub is_whole: bool,
 }
 
 /// The description of an effect.

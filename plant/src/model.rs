@@ -22,6 +22,7 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
         bounds: (1e-9, 1e3),
         is_torque: true,
         logarithmic: false,
+        is_whole: false,
     },
     ParameterInfo {
         name: "wheel_inertia",
@@ -31,6 +32,7 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
         bounds: (1e-12, 1e3),
         is_torque: true,
         logarithmic: false,
+        is_whole: false,
     },
     ParameterInfo {
         name: "gravity_torque",
@@ -40,6 +42,7 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
         bounds: (1e-9, 1e4),
         is_torque: true,
         logarithmic: false,
+        is_whole: false,
     },
     ParameterInfo {
         name: "torque_constant",
@@ -49,6 +52,7 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
         bounds: (1e-9, 1e3),
         is_torque: true,
         logarithmic: false,
+        is_whole: false,
     },
 ];
 

@@ -23,6 +23,7 @@ impl Effect for AngleOffset {
             bounds: (-3.2, 3.2),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),

@@ -23,6 +23,7 @@ impl Effect for BackEmfLimit {
             bounds: (0.1, 1e9),
             is_torque: false,
             logarithmic: true,
+            is_whole: false,
         },
         ParameterInfo {
             name: "winding_resistance",
@@ -32,6 +33,7 @@ impl Effect for BackEmfLimit {
             bounds: (0.01, 1e4),
             is_torque: false,
             logarithmic: true,
+            is_whole: false,
         }],
         starts: &[&[12.0, 2.0], &[12.0, 8.0], &[16.0, 2.0], &[16.0, 8.0], &[20.0, 3.0], &[24.0, 2.0], &[24.0, 8.0], &[30.0, 10.0]],
         absent: Some(&[1e9, 1.0]),

@@ -23,6 +23,7 @@ impl Effect for BodyCableSpring {
             bounds: (0.0, f64::INFINITY),
             is_torque: true,
             logarithmic: false,
+            is_whole: false,
         },
         ParameterInfo {
             name: "cable_rest_angle",
@@ -32,6 +33,7 @@ impl Effect for BodyCableSpring {
             bounds: (-6.3, 6.3),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[1e-3, 0.0], &[1e-3, 1.0], &[1e-3, -1.0]],
         absent: Some(&[0.0, 0.0]),

@@ -27,6 +27,7 @@ impl Effect for BodyPreslidingFriction {
             bounds: (0.0, f64::INFINITY),
             is_torque: true,
             logarithmic: false,
+            is_whole: false,
         },
         ParameterInfo {
             name: "body_presliding_stiffness",
@@ -36,6 +37,7 @@ impl Effect for BodyPreslidingFriction {
             bounds: (1e-4, 1e3),
             is_torque: true,
             logarithmic: true,
+            is_whole: false,
         }],
         starts: &[&[1e-4, 0.003], &[1e-4, 0.01], &[1e-4, 0.05], &[3e-4, 0.2]],
         absent: None,

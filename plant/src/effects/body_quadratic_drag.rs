@@ -23,6 +23,7 @@ impl Effect for BodyQuadraticDrag {
             bounds: (0.0, f64::INFINITY),
             is_torque: true,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[1e-5]],
         absent: Some(&[0.0]),

@@ -23,6 +23,7 @@ impl Effect for BodySofteningSpring {
             bounds: (f64::NEG_INFINITY, f64::INFINITY),
             is_torque: true,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[1e-3]],
         absent: Some(&[0.0]),

@@ -23,6 +23,7 @@ impl Effect for BodyStribeckFriction {
             bounds: (0.0, f64::INFINITY),
             is_torque: true,
             logarithmic: false,
+            is_whole: false,
         },
         ParameterInfo {
             name: "body_breakaway_torque",
@@ -32,6 +33,7 @@ impl Effect for BodyStribeckFriction {
             bounds: (0.0, f64::INFINITY),
             is_torque: true,
             logarithmic: false,
+            is_whole: false,
         },
         ParameterInfo {
             name: "body_stribeck_speed",
@@ -42,6 +44,7 @@ impl Effect for BodyStribeckFriction {
             bounds: (0.02, 20.0),
             is_torque: false,
             logarithmic: true,
+            is_whole: false,
         }],
         starts: &[&[1e-4, 2e-4, 0.1], &[1e-4, 2e-4, 0.5], &[1e-4, 2e-4, 2.0]],
         absent: Some(&[0.0, 0.0, 0.1]),

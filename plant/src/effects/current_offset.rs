@@ -23,6 +23,7 @@ impl Effect for CurrentOffset {
             bounds: (-10.0, 10.0),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),

@@ -23,6 +23,7 @@ impl Effect for GyroBias {
             bounds: (-5.0, 5.0),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),

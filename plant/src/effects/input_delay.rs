@@ -23,6 +23,7 @@ impl Effect for InputDelay {
             bounds: (0.0, 1.0),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[1e-3], &[1e-2]],
         absent: Some(&[0.0]),

@@ -23,6 +23,7 @@ impl Effect for MotorDeadZone {
             bounds: (0.0, 100.0),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),

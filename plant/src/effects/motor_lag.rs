@@ -23,6 +23,7 @@ impl Effect for MotorLag {
             bounds: (0.0, 10.0),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[1e-3], &[2e-2]],
         absent: Some(&[0.0]),

@@ -23,6 +23,7 @@ impl Effect for MotorSaturation {
             bounds: (0.01, 1e4),
             is_torque: false,
             logarithmic: true,
+            is_whole: false,
         }],
         starts: &[&[10.0], &[2.0]],
         absent: Some(&[1e9]),

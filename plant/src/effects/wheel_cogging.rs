@@ -23,6 +23,7 @@ impl Effect for WheelCogging {
             bounds: (0.0, f64::INFINITY),
             is_torque: true,
             logarithmic: false,
+            is_whole: false,
         },
         ParameterInfo {
             name: "cogging_order",
@@ -32,6 +33,7 @@ impl Effect for WheelCogging {
             bounds: (0.5, 500.0),
             is_torque: false,
             logarithmic: false,
+            is_whole: true,
         },
         ParameterInfo {
             name: "cogging_phase",
@@ -41,6 +43,7 @@ impl Effect for WheelCogging {
             bounds: (f64::NEG_INFINITY, f64::INFINITY),
             is_torque: false,
             logarithmic: false,
+            is_whole: false,
         }],
         starts: &[&[1e-4, 1.0, 0.0]],
         absent: Some(&[0.0, 1.0, 0.0]),

@@ -1,0 +1,150 @@
+//! Where a fit of cogging may start: its order is a whole number, which no fit can find from afar.
+
+use plant::Model;
+
+use crate::fit::traces;
+use crate::record::{Output, Record};
+use crate::solver::Minimum;
+
+/// A start for cogging: the order whose trace is largest in the wheel speed; `None` where no log shows
+/// the wheel's speed.
+///
+/// A torque a sin(nφ + ψ) against the wheel leaves the speed error −(a/j_w) ∫ sin(nφ + ψ) dt. For every
+/// whole order n up to 60 the residual is projected on ∫cos(nφ) dt and ∫sin(nφ) dt, window by window and
+/// without the straight line that a window's start and a constant torque take up; φ is the integral of
+/// the measured wheel speed. A cogging order is a whole number: a common multiple of poles and slots.
+pub fn cogging_start(records: &[&Record], model: &Model, minimum: &Minimum) -> Option<Vec<f64>> {
+    const HIGHEST_ORDER: usize = 60;
+    let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
+    let windows = wheel_speed_errors(records, model, minimum);
+    let mut gains: Vec<(f64, Vec<f64>)> = vec![];
+    for order in 1..=HIGHEST_ORDER {
+        let n = order as f64;
+        let (mut cc, mut ss, mut cs, mut ce, mut se) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for window in &windows {
+            let mut cosine = integral(
+                window,
+                |angle| (n * angle).sin() / n,
+                |angle| (n * angle).cos(),
+            );
+            let mut sine = integral(
+                window,
+                |angle| -(n * angle).cos() / n,
+                |angle| (n * angle).sin(),
+            );
+            remove_line(&window.time_s, &mut cosine);
+            remove_line(&window.time_s, &mut sine);
+            let weight = 1.0 / window.noise_std.powi(2);
+            for ((c, s), error) in cosine.iter().zip(&sine).zip(&window.error) {
+                cc += weight * c * c;
+                ss += weight * s * s;
+                cs += weight * c * s;
+                ce += weight * c * error;
+                se += weight * s * error;
+            }
+        }
+        let determinant = cc * ss - cs * cs;
+        if determinant <= 0.0 {
+            continue;
+        }
+        let a = (ss * ce - cs * se) / determinant;
+        let b = (cc * se - cs * ce) / determinant;
+        let amplitude = a.hypot(b) * wheel_inertia;
+        gains.push((
+            a * ce + b * se,
+            vec![amplitude.max(1e-12), n, (-a).atan2(-b)],
+        ));
+    }
+    gains
+        .into_iter()
+        .max_by(|x, y| x.0.total_cmp(&y.0))
+        .map(|(_, start)| start)
+}
+
+/// What the wheel speed of one window lacks, over the angle of the wheel.
+struct WheelSpeedError {
+    time_s: Vec<f64>,
+    wheel_angle_rad: Vec<f64>,
+    /// Measured − model without its straight line, rad/s.
+    error: Vec<f64>,
+    noise_std: f64,
+}
+
+fn wheel_speed_errors(
+    records: &[&Record],
+    model: &Model,
+    minimum: &Minimum,
+) -> Vec<WheelSpeedError> {
+    let mut found = vec![];
+    for (record, windows) in records.iter().zip(&minimum.windows) {
+        let traces = traces(record, windows, model, &minimum.values);
+        let channels = record.channels.iter().zip(&traces);
+        let Some((channel, trace)) = channels
+            .into_iter()
+            .find(|(channel, _)| channel.output == Output::WheelSpeed)
+        else {
+            continue;
+        };
+        let angle_rad = record.wheel_angles();
+        for window in windows {
+            let mut one = WheelSpeedError {
+                time_s: vec![],
+                wheel_angle_rad: vec![],
+                error: vec![],
+                noise_std: channel.noise_std,
+            };
+            for k in window.samples.clone() {
+                let error = channel.samples[k] - trace.predicted[k];
+                if error.is_finite() && record.weight[k] > 0.0 {
+                    one.time_s.push(record.time_s[k]);
+                    one.wheel_angle_rad.push(angle_rad[k]);
+                    one.error.push(error);
+                }
+            }
+            if one.error.len() > 4 {
+                remove_line(&one.time_s, &mut one.error);
+                found.push(one);
+            }
+        }
+    }
+    found
+}
+
+/// ∫ f(φ) dt over a window, sample by sample, with the wheel turning evenly between samples: its
+/// antiderivative over φ where it turns, f itself where it rests.
+fn integral(
+    window: &WheelSpeedError,
+    antiderivative: impl Fn(f64) -> f64,
+    function: impl Fn(f64) -> f64,
+) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut out = vec![0.0];
+    for k in 1..window.time_s.len() {
+        let (from, to) = (window.wheel_angle_rad[k - 1], window.wheel_angle_rad[k]);
+        let mean = if (to - from).abs() > 1e-6 {
+            (antiderivative(to) - antiderivative(from)) / (to - from)
+        } else {
+            function(from)
+        };
+        sum += mean * (window.time_s[k] - window.time_s[k - 1]);
+        out.push(sum);
+    }
+    out
+}
+
+/// Subtracts the least-squares line.
+fn remove_line(time_s: &[f64], values: &mut [f64]) {
+    let n = values.len().max(1) as f64;
+    let mean_t = time_s.iter().sum::<f64>() / n;
+    let mean = values.iter().sum::<f64>() / n;
+    let tt: f64 = time_s.iter().map(|t| (t - mean_t).powi(2)).sum();
+    let ty: f64 = time_s
+        .iter()
+        .zip(values.iter())
+        .map(|(t, y)| (t - mean_t) * (y - mean))
+        .sum();
+    let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+    for (t, value) in time_s.iter().zip(values) {
+        *value -= mean + slope * (t - mean_t);
+    }
+}
