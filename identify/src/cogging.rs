@@ -1,9 +1,12 @@
-//! Where a fit of cogging may start: its order is a whole number, which no fit can find from afar.
+//! Where a fit of cogging may start: its order is a whole number, which no fit can find from afar, and so is
+//! the tooth on which the wheel rests while a window begins.
 
-use plant::Model;
+use plant::{EffectId, Model};
+use rayon::prelude::*;
 
-use crate::fit::traces;
+use crate::fit::{guess, traces};
 use crate::record::{Output, Record};
+use crate::sensitivity::{Local, Unknowns, Window, normal};
 use crate::solver::Minimum;
 
 /// A start for cogging: the order whose trace is largest in the wheel speed; `None` where no log shows
@@ -147,4 +150,65 @@ fn remove_line(time_s: &[f64], values: &mut [f64]) {
     for (t, value) in time_s.iter().zip(values) {
         *value -= mean + slope * (t - mean_t);
     }
+}
+
+/// Wheel angles that are tried for the start of a window, in standard deviations of what is known of it.
+const TRIED_STD: [f64; 5] = [0.0, -2.0, -1.0, 1.0, 2.0];
+
+/// The windows with their starts moved to where the model fits best, among the given ones, those that the
+/// samples show, and the same a little further on the wheel. Cogging pulls the wheel towards a tooth; a
+/// window that starts on the wrong side of it is a local minimum, and so is one that starts with the speed
+/// which a model without cogging needed. Windows of a model without cogging stay as they are.
+pub fn settled(
+    records: &[&Record],
+    model: &Model,
+    values: &[f64],
+    windows: Vec<Vec<Window>>,
+) -> Vec<Vec<Window>> {
+    if !model.has(EffectId::WheelCogging) {
+        return windows;
+    }
+    let unknowns = Unknowns::new(model, &[]);
+    let settle = |record: &Record, window: Window| -> Window {
+        let locals = Local::of(record);
+        let wheel_angle = locals.iter().position(|&local| local == Local::WheelAngle);
+        let shift = wheel_angle.and_then(|at| {
+            let std = Local::WheelAngle.prior_std(record, window.samples.start)?;
+            Some((at, std))
+        });
+        let guessed = guess(record, values, window.samples.clone());
+        let mut tried = vec![window, guessed];
+        if let Some((at, std)) = shift {
+            for mut start in tried.clone() {
+                tried.extend(TRIED_STD.map(|shift| {
+                    start.locals[at] = shift * std;
+                    start.clone()
+                }));
+            }
+        }
+        let cost = |window: &Window| normal(record, window, model, values, &unknowns, &[]).cost;
+        let mut costs = tried.iter().map(cost).enumerate();
+        let first = costs.next().unwrap_or((0, 0.0));
+        let best = costs.fold(
+            first,
+            |best, next| if next.1 < best.1 { next } else { best },
+        );
+        tried.swap_remove(best.0)
+    };
+    records
+        .iter()
+        .zip(windows)
+        .map(|(record, list)| {
+            let has_wheel = record.channel(Output::WheelSpeed).is_some();
+            list.into_par_iter()
+                .map(|window| {
+                    if has_wheel {
+                        settle(record, window)
+                    } else {
+                        window
+                    }
+                })
+                .collect()
+        })
+        .collect()
 }

@@ -8,6 +8,7 @@
 use nalgebra::DMatrix;
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
+use crate::cogging::settled;
 use crate::covariance::covariance;
 use crate::record::{Output, Record};
 use crate::sensitivity::{Local, Unknowns, Window, simulate};
@@ -47,7 +48,7 @@ impl Fit {
 }
 
 /// Where a window's start lies, guessed from its first samples.
-fn guess(record: &Record, values: &[f64], samples: std::ops::Range<usize>) -> Window {
+pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<usize>) -> Window {
     let span = samples.start..samples.end.min(samples.start + 12);
     let line = |series: &[f64]| -> (f64, f64) {
         // Value and slope at the first sample, by a straight line through the finite samples.
@@ -212,6 +213,7 @@ pub fn refit(
     free: &[usize],
     effort: Effort,
 ) -> Minimum {
+    let windows = settled(records, model, &values, windows);
     minimise(
         records,
         model,
