@@ -8,13 +8,19 @@
 //!
 //! (Morelli & Klein, J. Aircraft 34 (1997), eq. 21). The double sum is evaluated in the frequency
 //! domain: ∫ S(f) s(f) s(f)ᴴ df, with S a smoothed periodogram of the residual.
+//!
+//! The recorded current has noise of its own, which the wheel integrates to a random walk. The fit takes
+//! that for motion, so that it is hardly seen in the residual; it enters as a second term. An error δi of
+//! the current over the interval h after sample k moves the wheel speed at every later sample j by
+//! (τ/j_w) h exp(−(r_w/j_w)(t_j − t_k)) δi, and with it the gradient.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use plant::Model;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use crate::record::Record;
+use crate::noise::input_noise_std;
+use crate::record::{Output, Record};
 use crate::sensitivity::{Unknowns, Window, normal, observe, relevant};
 
 /// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
@@ -125,6 +131,14 @@ pub fn gradient_covariance(
             },
         );
     }
+    for window in windows {
+        let walk = input_walk(record, window, model, values, &sensitivities);
+        for (row, &to_row) in globals.iter().enumerate() {
+            for (column, &to_column) in globals.iter().enumerate() {
+                middle[(to_row, to_column)] += walk[(row, column)];
+            }
+        }
+    }
     let total: usize = counts.iter().sum();
     // Unbiased variance: the fitted unknowns took their share of the residual.
     let freedom = total as f64 / total.saturating_sub(p + locals_total).max(1) as f64;
@@ -143,6 +157,44 @@ pub fn gradient_covariance(
         }
     }
     middle
+}
+
+/// Covariance that the noise of the recorded current gives the gradient of one window, through the
+/// wheel speed. `sensitivities` is for each channel and parameter the normalised series over the record.
+fn input_walk(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    sensitivities: &[Vec<Vec<f64>>],
+) -> DMatrix<f64> {
+    let p = sensitivities.first().map_or(0, Vec::len);
+    let mut walk = DMatrix::zeros(p, p);
+    let channels = record.channels.iter().zip(sensitivities);
+    let wheel = channels
+        .into_iter()
+        .find(|(channel, _)| channel.output == Output::WheelSpeed);
+    let noise_a = input_noise_std(&record.current_a);
+    let (Some((channel, series)), true) = (wheel, noise_a > 0.0) else {
+        return walk;
+    };
+    let wheel_inertia = values[plant::WHEEL_INERTIA];
+    let friction = model
+        .position_of("wheel_viscous_friction")
+        .map_or(0.0, |at| values[at]);
+    let per_ampere = values[plant::TORQUE_CONSTANT] / wheel_inertia / channel.noise_std;
+    let mut later: DVector<f64> = DVector::zeros(p);
+    for k in window.samples.clone().rev().skip(1) {
+        let step_s = record.time_s[k + 1] - record.time_s[k];
+        // Sum over all later samples of sensitivity times what is left of a change of speed.
+        for (sum, series) in later.iter_mut().zip(series) {
+            *sum += series[k + 1];
+        }
+        let moved = &later * (per_ampere * step_s * noise_a);
+        walk += &moved * moved.transpose();
+        later *= (-friction / wheel_inertia * step_s).exp();
+    }
+    walk
 }
 
 /// Σᵢⱼ sᵢ R(i−j) sⱼᵀ of one channel.

@@ -54,7 +54,7 @@ pub use kinematics::{RateAgainstAngle, rate_against_angle};
 pub use missing_torque::{
     MeasuredMotion, MissingTorque, TorqueOn, half_bump, missing_torque, missing_torques,
 };
-pub use noise::{noise_std, resolution};
+pub use noise::{input_noise_std, noise_std, resolution};
 pub use pushes::{Push, PushModel, find_pushes, leave_out};
 pub use record::{Channel, Output, Record, RecordedCurrent};
 pub use sensitivity::{

@@ -55,6 +55,18 @@ pub fn noise_std(samples: &[f64]) -> f64 {
     best.unwrap_or(floor).max(floor)
 }
 
+/// Standard deviation of the noise of a recorded input, in its unit: third differences alone, without the
+/// floors of [`noise_std`], so that a clean command of a few levels has none.
+pub fn input_noise_std(samples: &[f64]) -> f64 {
+    /// C(6, 3)
+    const BINOMIAL: f64 = 20.0;
+    let third: Vec<f64> = samples
+        .windows(4)
+        .map(|s| s[3] - 3.0 * s[2] + 3.0 * s[1] - s[0])
+        .collect();
+    median_of_blocks(&third).map_or(0.0, |mean_square| (mean_square / BINOMIAL).sqrt())
+}
+
 /// Median over blocks of the mean square; `None` if nothing finite is left.
 fn median_of_blocks(values: &[f64]) -> Option<f64> {
     let size = (values.len() / BLOCKS).max(8);

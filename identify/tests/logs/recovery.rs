@@ -90,6 +90,40 @@ fn the_truth_lies_within_two_standard_errors_as_often_as_it_should() {
     assert!((0.92..=0.98).contains(&rate), "{rate}, seeds {seeds:?}");
 }
 
+/// The wheel integrates the noise of the recorded current to a random walk that no residual shows: without
+/// it in the standard errors, dry friction of the wheel lies outside two of them every other time.
+#[test]
+fn the_noise_of_the_recorded_current_is_in_the_standard_errors() {
+    let dry = |now: &Now| -6e-4 * now.wheel_speed.tanh();
+    let physics = Physics {
+        on_wheel: &dry,
+        ..Physics::base()
+    };
+    let seeds = 2600..2640u64;
+    let inside: usize = seeds
+        .clone()
+        .into_par_iter()
+        .map(|seed| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let forward = |_: f64| 0.6;
+            let records = [
+                spin_up("spin-up 0.6 A", &forward, 5.0),
+                coast_down("coast-down"),
+                free_swing("free swing 20 deg", 20f64.to_radians(), 8.0),
+            ]
+            .iter()
+            .map(|experiment| simulate(&physics, experiment, &mut rng))
+            .collect();
+            let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
+            let (value, std) = parameter(&found, "wheel_coulomb_torque");
+            usize::from((value - 6e-4).abs() < 2.0 * std)
+        })
+        .sum();
+    eprintln!("{inside} of 40 within two");
+    // 95.4 % of 40, less three binomial standard deviations.
+    assert!(inside >= 35, "{inside} of 40, seeds {seeds:?}");
+}
+
 #[test]
 fn a_whole_bench_gives_both_inertias_within_half_a_percent() {
     for seed in 2200..2203 {
