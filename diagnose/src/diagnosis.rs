@@ -284,27 +284,21 @@ fn excess(bench: &Bench, candidate: &Candidate) -> f64 {
     (candidate.minimum.cost - observations as f64).max(0.0)
 }
 
-/// The chosen candidate, or one before it on the way where something plain remains and the last
-/// additions took the smaller part of what was left: an unknown cause looks a little like everything,
-/// and what an effect takes of it is then not its own.
+/// The chosen candidate, or one before it on the way where the last additions took less than what remains
+/// in the end: an unknown cause looks a little like everything, and what an effect takes of it is then not
+/// its own.
 fn without_absorbers(bench: &Bench, found: &Search, chosen: usize) -> usize {
+    let excess = |index: usize| excess(bench, &found.pool[index]);
+    let remains = excess(chosen);
     let mut chosen = chosen;
-    while largest_remainder(&bench.records, &found.pool[chosen]) > REMAINS {
-        let way = path(found, chosen);
-        let [.., (_, before), (Some(_), _)] = way.as_slice() else {
-            break;
-        };
-        let left = excess(bench, &found.pool[chosen]) / excess(bench, &found.pool[*before]);
-        if left <= LEFT_BY_AN_EXPLANATION {
+    while let [.., (_, before), (Some(_), _)] = path(found, chosen).as_slice() {
+        if excess(*before) - excess(chosen) >= remains {
             break;
         }
         chosen = *before;
     }
     chosen
 }
-
-/// Share of the excess χ² that an effect may leave and still count as found while something remains.
-const LEFT_BY_AN_EXPLANATION: f64 = 0.5;
 
 /// The largest candidate that every tying one contains: what they agree on.
 fn common(found: &Search) -> Option<usize> {
