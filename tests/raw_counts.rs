@@ -31,6 +31,14 @@ fn emitted(model: &str) -> (InterpretedController, String) {
         .expect("the program starts");
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{message}");
+    // Whatever the file says of the sensors, what is emitted stands up to its certificate.
+    let output = Command::new(env!("CARGO_BIN_EXE_flywheel"))
+        .arg("prove")
+        .arg(&out)
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{text}");
     let module = checker::Module::read(&out).expect("emitted source");
     let constants = fs::read_to_string(out.join("src/constants.rs")).expect("constants");
     (
@@ -136,10 +144,11 @@ fn the_calibration_of_the_model_reaches_the_emitted_module() {
         )
     };
     let calibration = format!(
-        "{}{}[calibration.mounting]\naxis = [{:?}, {:?}, {:?}]\naxis_std_rad = 1e-4\n\
+        "{}{}{}[calibration.mounting]\naxis = [{:?}, {:?}, {:?}]\naxis_std_rad = 1e-4\n\
          angle = {angle_rad:?}\nangle_std = 1e-4\n",
         table("accelerometer", &accel),
         table("gyroscope", &gyro),
+        table("magnetometer", &line(&ideal.mag, [-210.0, 77.0, 13.0], 1.0)),
         axis[0],
         axis[1],
         axis[2]
