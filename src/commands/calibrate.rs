@@ -295,7 +295,7 @@ impl Work<'_> {
             &swing.counts,
             &gyroscope.line,
             &hanging.counts,
-            &accelerometer.line,
+            accelerometer,
         )
         .map_err(in_recording(&swing.file))?;
         let axis = [found.axis.x, found.axis.y, found.axis.z];
