@@ -456,6 +456,7 @@ pub struct LineCalibration {
 /// bias_std    = [0.3, 0.3, 0.3]
 /// matrix      = [[2.4e-3, 0.0, 0.0], [0.0, 2.4e-3, 0.0], [0.0, 0.0, 2.4e-3]]
 /// matrix_std  = [[1e-7, 0.0, 0.0], [0.0, 1e-7, 0.0], [0.0, 0.0, 1e-7]]
+/// # beta      = 0.01                # gyroscope only, rad/s
 ///
 /// [calibration.mounting]
 /// axis         = [0.01, -0.02, 0.9997]     # of the pivot in the sensor's frame
@@ -479,7 +480,10 @@ pub struct Calibration {
     pub accelerometer: Option<SensorCalibration>,
     /// Gyroscope, rad/s per count.
     pub gyroscope: Option<SensorCalibration>,
-    /// Madgwick's β from the gyroscope's noise, rad/s (`beta` under `[calibration.gyroscope]`).
+    /// Madgwick's β from the gyroscope's noise, rad/s (`beta` under `[calibration.gyroscope]`). The
+    /// filter turns the estimate back by at most 2β: where the gyroscope's bias wanders by more
+    /// after the recording, with warmth say, a larger β is to be written here. Another calibration
+    /// of the gyroscope writes it anew.
     pub beta_rad_s: Option<f64>,
     /// Magnetometer, µT per count.
     pub magnetometer: Option<SensorCalibration>,
