@@ -225,6 +225,13 @@ fn the_lever_arm_of_the_model_reaches_the_emitted_module() {
     );
     assert!(with < 0.5 * without, "{with} {without}");
     assert!(with < 5e-3, "{with}");
+
+    // From 15°, near the 15.86° at which the current can just hold the body.
+    let trace = run(sensors(), 15_f64.to_radians(), &mut corrected);
+    assert_eq!(trace.fell_at_s, None);
+    let largest = trace.current_a.iter().fold(0.0_f64, |l, i| l.max(i.abs()));
+    assert!(largest <= 2.0 + 1e-3, "{largest} A");
+    println!("recovers from 15° with at most {largest:.3} A");
 }
 
 #[test]
