@@ -109,6 +109,7 @@ fn hardware(calibration: &Calibration) -> HardwareSpec {
             gyroscope: gyroscope.as_ref(),
             magnetometer: magnetometer.as_ref(),
             mounting: mounting.as_ref(),
+            lever_arm_m: calibration.lever_arm.map(|arm| arm.position_m),
             beta_rad_s: calibration.beta_rad_s,
         },
     );

@@ -555,6 +555,35 @@ fn calibration_from_raw_counts() {
         still.push_str(&format!("{},{},{}\n", count(12.3), count(-7.9), count(0.4)));
     }
     write("still.csv", still);
+    // Swung by hand, 8 s: the angle from hanging is cos(5 t).
+    let arm = [0.06, -0.02];
+    let scale = 1.0908308e-3;
+    let mut swing = "gx,gy,gz,ax,ay,az\n".to_owned();
+    let mut hanging = "ax,ay,az\n".to_owned();
+    for k in 0..8000 {
+        let time = 1e-3 * f64::from(k);
+        let angle = (5.0 * time).cos();
+        let (rate, acceleration) = (-5.0 * (5.0 * time).sin(), -25.0 * angle);
+        let force = [
+            -9.81 * angle.cos() - acceleration * arm[1] - rate * rate * arm[0],
+            9.81 * angle.sin() + acceleration * arm[0] - rate * rate * arm[1],
+        ];
+        swing.push_str(&format!(
+            "{},{},{},{},{},{}\n",
+            count(12.3),
+            count(-7.9),
+            count(0.4 + rate / scale),
+            count(bias[0] + per_g[0] * force[0] / 9.81),
+            count(bias[1] + per_g[1] * force[1] / 9.81),
+            count(bias[2])
+        ));
+        if k % 4 == 0 {
+            let cells = [bias[0] - per_g[0], bias[1], bias[2]].map(&mut count);
+            hanging.push_str(&format!("{},{},{}\n", cells[0], cells[1], cells[2]));
+        }
+    }
+    write("swing.csv", swing);
+    write("hanging.csv", hanging);
     let mut converter = "adc_count,wheel_speed_rad_s\n".to_owned();
     for adc in (0..1600).step_by(100) {
         let speed = 0.8933732 * f64::from(adc) - 690.574 + bench::noise(adc as usize);
@@ -566,6 +595,7 @@ fn calibration_from_raw_counts() {
         format!(
             "[known]\ngravity = 9.81\n[calibration]\naccelerometer = [{}]\n\
              gyroscope = \"still.csv\"\ngyroscope_scale = 1.0908308e-3\nsample_time = 0.001\n\
+             swing = \"swing.csv\"\nhanging = \"hanging.csv\"\n\
              wheel_speed = \"converter.csv\"\n[calibration.plumb_lines]\npivot = [0.0, 0.0]\n\
              std = 0.0005\nlines = [[[0.1, 0.0], [0.0, -0.08]], [[-0.1, 0.0], [0.0, -0.08]]]\n",
             poses.join(", ")
@@ -606,6 +636,16 @@ fn calibration_from_raw_counts() {
             rest,
         );
     }
+    let lever = &found["lever_arm"];
+    for (k, truth) in arm.into_iter().enumerate() {
+        within(&lever["position_m"][k], &lever["position_std_m"][k], truth);
+    }
+    let of_swing = &lever["from_swing"];
+    within(
+        &of_swing["gyro_scale_error"],
+        &of_swing["gyro_scale_error_std"],
+        0.0,
+    );
     let line = &found["wheel_speed"];
     within(&line["slope"], &line["slope_std"], 0.8933732);
     within(&line["offset"], &line["offset_std"], -690.574);
@@ -620,6 +660,7 @@ fn calibration_from_raw_counts() {
     for part in [
         "[calibration.accelerometer]",
         "[calibration.wheel_speed]",
+        "[calibration.lever_arm]",
         "[parameters.pivot_to_com]",
         "# Matrix 4.4",
     ] {

@@ -13,7 +13,7 @@
 //! e = ω − ω_slow, α̈ = e/(N T), ω_slow ← ω_slow + e/N. Its sum over time telescopes, so the
 //! noise that it adds is bounded by r times the rate noise and is not integrated. A longer lag would
 //! average more of it and follow less: on a swing of 2.5 rad at 1 kHz with r = 0.1 m and β = 0.1
-//! the angle's error is 7, 11 and 17 mrad for N = 1, 2 and 4.
+//! the angle's error is 7, 11 and 17 mrad for N = 1, 2 and 4. Not corrected it is 0.8 rad there.
 
 use nalgebra::Vector3;
 

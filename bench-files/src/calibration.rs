@@ -8,13 +8,16 @@
 //! accelerometer = ["poses/x-up.csv", "poses/x-down.csv"]  # still poses, 6 or more: ax, ay, az
 //! gyroscope     = "still.csv"       # at rest: gx, gy, gz
 //! magnetometer  = "all-round.csv"   # turned into all directions: mx, my, mz
-//! swing         = "swing.csv"       # wheel locked, swinging about the pivot: gx, gy, gz
+//! swing         = "swing.csv"       # wheel locked, swinging freely about the pivot: gx, gy, gz;
+//!                                   # with ax, ay, az also where the sensor sits is found
 //! hanging       = "hanging.csv"     # at rest, hanging: ax, ay, az
 //! wheel_speed   = "converter.csv"   # adc_count, wheel_speed_rad_s (by a tachometer)
 //! current       = "drive.csv"       # duty, current_A (by an ammeter)
 //! gyroscope_scale = 1.0908308e-3    # rad/s per count, from the data sheet
 //! sample_time     = 0.001           # s, of the still and swing recordings
 //! field           = 48.9            # µT, the local field; left out: 0.1 µT per count is taken
+//! lever_arm       = [0.05, 0.0]     # m, accelerometer from the pivot axis by a ruler, along the
+//! lever_arm_std   = 0.001           # sensor's x and y; goes before what the swing says
 //! columns = { ax = "acc_x" }        # where the header differs
 //!
 //! [calibration.plumb_lines]         # centre of mass, thesis 3.4; body-fixed drawing, m
@@ -71,6 +74,8 @@ pub struct CalibrationRecordings {
     pub magnetometer: Option<CountsRecording>,
     /// Gyroscope while the body swings about the pivot.
     pub swing: Option<CountsRecording>,
+    /// Accelerometer during the swing, where the file has it.
+    pub swing_accelerometer: Option<CountsRecording>,
     /// Accelerometer while the body hangs at rest.
     pub hanging: Option<CountsRecording>,
     /// Converter counts and the wheel speed in rad/s at each.
@@ -83,6 +88,8 @@ pub struct CalibrationRecordings {
     pub sample_time_s: Option<f64>,
     /// Local magnetic field, µT.
     pub field_ut: Option<f64>,
+    /// Position of the accelerometer as it was measured directly.
+    pub lever_arm: Option<LeverArmCalibration>,
     /// Plumb lines.
     pub plumb_lines: Option<PlumbLines>,
 }
@@ -139,6 +146,8 @@ impl CalibrationRecordings {
             "gyroscope_scale",
             "sample_time",
             "field",
+            "lever_arm",
+            "lever_arm_std",
             "columns",
             "plumb_lines",
         ])?;
@@ -163,12 +172,19 @@ impl CalibrationRecordings {
             gyroscope: reader.counts_of("gyroscope", GYROSCOPE)?,
             magnetometer: reader.counts_of("magnetometer", MAGNETOMETER)?,
             swing: reader.counts_of("swing", GYROSCOPE)?,
+            swing_accelerometer: match section.text("swing")? {
+                Some(file) if reader.has_column(&file, ACCELEROMETER[0])? => {
+                    Some(reader.counts(&file, ACCELEROMETER)?)
+                }
+                _ => None,
+            },
             hanging: reader.counts_of("hanging", ACCELEROMETER)?,
             wheel_speed: reader.pairs_of("wheel_speed", ["adc_count", "wheel_speed_rad_s"])?,
             duty: reader.pairs_of("current", ["current_A", "duty"])?,
             gyroscope_scale_rad_s: value("gyroscope_scale")?,
             sample_time_s: value("sample_time")?,
             field_ut: value("field")?,
+            lever_arm: stated_lever_arm(&section)?,
             plumb_lines: plumb_lines(&section)?,
             folder: folder.clone(),
         };
@@ -208,6 +224,10 @@ impl CalibrationRecordings {
             if self.hanging.is_none() {
                 return Err(needs("swing", "hanging", "hanging = \"hanging.csv\""));
             }
+        }
+        if self.lever_arm.is_none() && section.has("lever_arm_std") {
+            let example = "lever_arm = [0.05, 0.0] (m)";
+            return Err(needs("lever_arm_std", "lever_arm", example));
         }
         if self.hanging.is_some() {
             if self.swing.is_none() {
@@ -285,6 +305,37 @@ impl Reader<'_> {
         Ok(Some(pairs))
     }
 
+    /// Whether a file has the column that stands for `name`.
+    fn has_column(&self, file: &Located<String>, name: &str) -> Result<bool, Error> {
+        let path = self.folder.join(&file.value);
+        let table = self.open(file, &path, &[name])?;
+        Ok(table.columns().contains(&self.column(name)))
+    }
+
+    /// What the header calls `name`.
+    fn column(&self, name: &str) -> String {
+        let own = self.columns.iter().find(|(key, _)| key == name);
+        own.map_or(name.to_owned(), |(_, column)| column.value.clone())
+    }
+
+    fn open<'p>(
+        &self,
+        file: &Located<String>,
+        path: &'p Path,
+        names: &[&str],
+    ) -> Result<csv_table::OpenTable<'p>, Error> {
+        csv_table::open(path, &names.join(",")).map_err(|error| match error.problem() {
+            Problem::NotFound | Problem::NotAFile { .. } => self.source.error(
+                file.span.clone(),
+                Problem::NoLog {
+                    path: path.display().to_string(),
+                    reason: error.problem().to_string(),
+                },
+            ),
+            _ => error,
+        })
+    }
+
     fn rows(
         &self,
         file: &Located<String>,
@@ -292,24 +343,8 @@ impl Reader<'_> {
         names: &[&str],
         take: impl FnMut(&csv_table::Row) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let mut table =
-            csv_table::open(path, &names.join(",")).map_err(|error| match error.problem() {
-                Problem::NotFound | Problem::NotAFile { .. } => self.source.error(
-                    file.span.clone(),
-                    Problem::NoLog {
-                        path: path.display().to_string(),
-                        reason: error.problem().to_string(),
-                    },
-                ),
-                _ => error,
-            })?;
-        let mapped: Vec<String> = names
-            .iter()
-            .map(|name| {
-                let own = self.columns.iter().find(|(key, _)| key == name);
-                own.map_or((*name).to_owned(), |(_, column)| column.value.clone())
-            })
-            .collect();
+        let mut table = self.open(file, path, names)?;
+        let mapped: Vec<String> = names.iter().map(|name| self.column(name)).collect();
         for (name, column) in names.iter().zip(&mapped) {
             if !table.columns().contains(column) {
                 return Err(table.header_error(
@@ -325,6 +360,17 @@ impl Reader<'_> {
         table.read_rows(&mapped, take)?;
         Ok(())
     }
+}
+
+fn stated_lever_arm(section: &Section) -> Result<Option<LeverArmCalibration>, Error> {
+    let Some(position_m) = pair(section, "lever_arm")? else {
+        return Ok(None);
+    };
+    let std = section.required_positive_number("lever_arm_std", "lever_arm_std = 0.001 (m)")?;
+    Ok(Some(LeverArmCalibration {
+        position_m,
+        position_std_m: [std; 2],
+    }))
 }
 
 fn plumb_lines(section: &Section) -> Result<Option<PlumbLines>, Error> {
@@ -380,6 +426,15 @@ pub struct MountingCalibration {
     pub angle_std_rad: f64,
 }
 
+/// Where the accelerometer sits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeverArmCalibration {
+    /// From the pivot axis along the sensor's x and y after the mounting's alignment, m.
+    pub position_m: [f64; 2],
+    /// Standard errors, m.
+    pub position_std_m: [f64; 2],
+}
+
 /// A straight line y = `slope` x + `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineCalibration {
@@ -401,12 +456,17 @@ pub struct LineCalibration {
 /// bias_std    = [0.3, 0.3, 0.3]
 /// matrix      = [[2.4e-3, 0.0, 0.0], [0.0, 2.4e-3, 0.0], [0.0, 0.0, 2.4e-3]]
 /// matrix_std  = [[1e-7, 0.0, 0.0], [0.0, 1e-7, 0.0], [0.0, 0.0, 1e-7]]
+/// # beta      = 0.01                # gyroscope only, rad/s
 ///
 /// [calibration.mounting]
 /// axis         = [0.01, -0.02, 0.9997]     # of the pivot in the sensor's frame
 /// axis_std_rad = 2e-4
 /// angle        = 2.356              # rad, from the body's axis to the sensor's x axis
 /// angle_std    = 1e-3
+///
+/// [calibration.lever_arm]           # accelerometer from the pivot axis, the aligned sensor's x, y
+/// position     = [0.05, 0.0]        # m; left out, the motion's part of the reading stays in it
+/// position_std = [1e-4, 1e-4]
 ///
 /// [calibration.wheel_speed]         # rad/s over counts; likewise current: duty over A
 /// slope = 0.893373
@@ -420,12 +480,17 @@ pub struct Calibration {
     pub accelerometer: Option<SensorCalibration>,
     /// Gyroscope, rad/s per count.
     pub gyroscope: Option<SensorCalibration>,
-    /// Madgwick's β from the gyroscope's noise, rad/s (`beta` under `[calibration.gyroscope]`).
+    /// Madgwick's β from the gyroscope's noise, rad/s (`beta` under `[calibration.gyroscope]`). The
+    /// filter turns the estimate back by at most 2β: where the gyroscope's bias wanders by more
+    /// after the recording, with warmth say, a larger β is to be written here. Another calibration
+    /// of the gyroscope writes it anew.
     pub beta_rad_s: Option<f64>,
     /// Magnetometer, µT per count.
     pub magnetometer: Option<SensorCalibration>,
     /// Place of the sensor on the body.
     pub mounting: Option<MountingCalibration>,
+    /// Place of the accelerometer, for which the filter corrects.
+    pub lever_arm: Option<LeverArmCalibration>,
     /// Wheel speed in rad/s over converter counts.
     pub wheel_speed: Option<LineCalibration>,
     /// Duty in counts over the current in A (`[calibration.current]`).
@@ -440,6 +505,7 @@ impl Calibration {
             "gyroscope",
             "magnetometer",
             "mounting",
+            "lever_arm",
             "wheel_speed",
             "current",
         ])?;
@@ -483,6 +549,20 @@ impl Calibration {
                 })
             }
         };
+        let lever_arm = match section.section("lever_arm")? {
+            None => None,
+            Some(table) => {
+                table.allow_only(&["position", "position_std"])?;
+                let pair = |key: &str| -> Result<[f64; 2], Error> {
+                    let example = "a list of two numbers, along x and y in m";
+                    pair(&table, key)?.ok_or_else(|| table.error(table.missing(key, example)))
+                };
+                Some(LeverArmCalibration {
+                    position_m: pair("position")?,
+                    position_std_m: pair("position_std")?,
+                })
+            }
+        };
         let beta = match section.section("gyroscope")? {
             None => None,
             Some(table) => table.positive_number("beta")?.map(|beta| beta.value),
@@ -493,6 +573,7 @@ impl Calibration {
             beta_rad_s: beta,
             magnetometer: sensor("magnetometer")?,
             mounting,
+            lever_arm,
             wheel_speed: line("wheel_speed")?,
             duty: line("current")?,
         })
@@ -536,6 +617,16 @@ impl Calibration {
                 set(table, "angle_std", number(mounting.angle_std_rad));
             }
         }
+        match &self.lever_arm {
+            None => {
+                section.remove("lever_arm");
+            }
+            Some(arm) => {
+                let table = table_in(section, "lever_arm", false);
+                set(table, "position", list(&arm.position_m));
+                set(table, "position_std", list(&arm.position_std_m));
+            }
+        }
         for (key, line) in [("wheel_speed", &self.wheel_speed), ("current", &self.duty)] {
             let Some(line) = line else {
                 section.remove(key);
@@ -548,6 +639,12 @@ impl Calibration {
             set(table, "offset_std", number(line.offset_std));
         }
     }
+}
+
+/// Two numbers, along x and y, if the key is there.
+fn pair(table: &Section, key: &str) -> Result<Option<[f64; 2]>, Error> {
+    let numbers = table.numbers(key, &[2], "a list of two numbers, along x and y in m")?;
+    Ok(numbers.map(|numbers| [numbers[0], numbers[1]]))
 }
 
 fn vector(table: &Section, key: &str) -> Result<[f64; 3], Error> {
@@ -564,10 +661,10 @@ fn matrix(table: &Section, key: &str) -> Result<[[f64; 3]; 3], Error> {
     Ok([0, 1, 2].map(|row| [0, 1, 2].map(|column| numbers[3 * row + column])))
 }
 
-fn list(values: &[f64; 3]) -> Value {
+fn list(values: &[f64]) -> Value {
     Value::Array(values.iter().map(|value| number(*value)).collect::<Array>())
 }
 
 fn lists(rows: &[[f64; 3]; 3]) -> Value {
-    Value::Array(rows.iter().map(list).collect::<Array>())
+    Value::Array(rows.iter().map(|row| list(row)).collect::<Array>())
 }

@@ -25,8 +25,8 @@ mod write;
 
 pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
 pub use calibration::{
-    Calibration, CalibrationRecordings, CountsRecording, LineCalibration, MountingCalibration,
-    PlumbLines, SensorCalibration,
+    Calibration, CalibrationRecordings, CountsRecording, LeverArmCalibration, LineCalibration,
+    MountingCalibration, PlumbLines, SensorCalibration,
 };
 pub use channel::Channel;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};

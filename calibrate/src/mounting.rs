@@ -7,7 +7,7 @@
 //! Hanging at rest (α = 0, θ = −π) the mounting angle is m = atan2(−v_y, v_x) − θ, with v the
 //! accelerometer's mean after the axis has been turned onto z.
 
-use crate::{CalibrationError, error::at_least};
+use crate::{CalibrationError, SensorCalibration, error::at_least};
 use attitude::{SensorLine, pivot_angle_of_gravity, wrap_angle};
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 
@@ -22,7 +22,8 @@ pub struct Mounting {
     pub alignment: Rotation3<f64>,
     /// Angle from the body's axis to the sensor's x axis after the alignment, rad in [−π, π).
     pub angle_rad: f64,
-    /// Its standard error from the noise of the accelerometer's mean, rad.
+    /// Its standard error from the noise of the accelerometer's mean and the standard errors of its
+    /// calibration, rad.
     pub angle_std_rad: f64,
 }
 
@@ -41,7 +42,7 @@ pub fn mounting(
     swing: &[[i16; 3]],
     gyro: &SensorLine,
     hanging: &[[i16; 3]],
-    accel: &SensorLine,
+    accel: &SensorCalibration,
 ) -> Result<Mounting, CalibrationError> {
     at_least("samples of the swing", swing.len(), 100)?;
     let moment: Matrix3<f64> = swing
@@ -75,8 +76,9 @@ pub fn mounting(
     let axis_std_rad = (2.0 * variance / along).sqrt();
 
     let rest = crate::still::still(hanging)?;
-    let up = alignment * accel.matrix * (rest.mean - accel.bias_counts);
-    let up_std = alignment.matrix().abs() * accel.matrix.abs() * rest.mean_std;
+    let line = &accel.line;
+    let field_counts = rest.mean - line.bias_counts;
+    let up = alignment * line.matrix * field_counts;
     let across_axis = up.x.hypot(up.y);
     if across_axis.is_nan() || across_axis <= 0.5 * up.norm() {
         return Err(CalibrationError::NotDetermined {
@@ -86,12 +88,23 @@ pub fn mounting(
         });
     }
     let tangent = Vector3::new(-up.y, up.x, 0.0) / (across_axis * across_axis);
+    // What a change of the calibrated reading, and of a count on each axis, does to the angle.
+    let per_reading = alignment.inverse() * tangent;
+    let per_count = line.matrix.transpose() * per_reading;
+    let mut variance = per_count.component_mul(&rest.mean_std).norm_squared()
+        + per_count.component_mul(&accel.bias_std).norm_squared();
+    for row in 0..3 {
+        for column in 0..3 {
+            let std = accel.matrix_std[(row, column)];
+            variance += (per_reading[row] * field_counts[column] * std).powi(2);
+        }
+    }
     let angle = pivot_angle_of_gravity(&up, 0.0) + std::f64::consts::PI;
     Ok(Mounting {
         axis,
         axis_std_rad,
         alignment,
         angle_rad: wrap_angle(angle),
-        angle_std_rad: tangent.component_mul(&up_std).norm(),
+        angle_std_rad: variance.sqrt(),
     })
 }

@@ -14,6 +14,8 @@ pub struct Calibrated<'a> {
     pub magnetometer: Option<&'a SensorCalibration>,
     /// Place on the body; turns all three sensors, so that z lies along the pivot axis.
     pub mounting: Option<&'a Mounting>,
+    /// Position of the accelerometer from the pivot axis along x and y of the aligned sensor, m.
+    pub lever_arm_m: Option<[f64; 2]>,
     /// Madgwick's β from the gyroscope's noise, rad/s.
     pub beta_rad_s: Option<f64>,
 }
@@ -38,6 +40,7 @@ pub fn attitude_spec(base: &AttitudeSpec, calibrated: &Calibrated) -> AttitudeSp
         mounting_angle_rad: calibrated
             .mounting
             .map_or(base.mounting_angle_rad, |mounting| mounting.angle_rad),
+        lever_arm_m: calibrated.lever_arm_m.unwrap_or(base.lever_arm_m),
         ..*base
     }
 }

@@ -511,7 +511,7 @@ fn loop_claims(
         }
         let Some(stated) = &certificate.closed_loop else {
             return Outcome::NotRun(
-                "the certificate states none: no set was found that the perturbations cannot leave"
+                "the certificate states none: no set was found that the perturbations cannot leave, or the module has an observer of the angle's bias, which the bound does not include"
                     .to_owned(),
             );
         };

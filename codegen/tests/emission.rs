@@ -167,6 +167,23 @@ fn a_certificate_of_the_closed_loop_is_carried_as_it_is() {
     assert_eq!(json["closed_loop"], closed_loop);
 }
 
+/// The bound for all time is that of the law on what the sensors say: with an observer, which makes
+/// another loop, the certificate does not state it.
+#[test]
+fn an_observer_leaves_the_bound_of_the_closed_loop_out() {
+    let mut spec = thesis::spec();
+    spec.hardware.bias_observer = Some(codegen::hardware::BiasObserverSpec {
+        decay: 0.999,
+        direct: [0.01, 1e-3, 1e-5],
+        from_states: [0.01, 1e-3, 1e-5],
+        from_current: 1e-4,
+        limit_rad: 0.1,
+    });
+    let emitted = generate(&spec).unwrap();
+    let json: Value = serde_json::from_str(emitted.file("certificate.json").unwrap()).unwrap();
+    assert!(json["closed_loop"].is_null(), "{}", json["closed_loop"]);
+}
+
 /// The folder of tests that persists between runs, so that dependencies compile once.
 fn scratch(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)

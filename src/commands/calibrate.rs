@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use bench_files::{
-    Calibration, CalibrationRecordings, CountsRecording, LineCalibration, ModelFile,
-    MountingCalibration, Parameter, Problem, SensorCalibration,
+    Calibration, CalibrationRecordings, CountsRecording, LeverArmCalibration, LineCalibration,
+    ModelFile, MountingCalibration, Parameter, Problem, SensorCalibration,
 };
 use calibrate::{CalibrationError, LineFit, MagnetometerCalibration, PlumbLine};
 use serde::Serialize;
@@ -17,6 +17,17 @@ use crate::report::table::{Align, Table};
 
 /// Scale of the magnetometer's data sheet (FXOS8700), µT per count.
 const MAGNETOMETER_UT_PER_COUNT: f64 = 0.1;
+
+/// A lever arm from the swing that is less certain than this is not used, m: at 30 rad/s², as near
+/// 15° from upright, it moves the apparent vertical by a third of a degree.
+const LEVER_ARM_STD_MAX_M: f64 = 2e-3;
+
+/// Standard errors between ruler and swing beyond which they contradict each other.
+const CONTRADICTION: f64 = 4.0;
+
+/// A gyroscope's scale that is off by more than this is that of another range, or a slip: data sheets
+/// allow a few per cent.
+const SCALE_ERROR_MAX: f64 = 0.05;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -36,6 +47,7 @@ struct CalibrateJson {
     gyroscope: Option<SensorJson>,
     magnetometer: Option<SensorJson>,
     mounting: Option<MountingJson>,
+    lever_arm: Option<LeverArmJson>,
     wheel_speed: Option<LineJson>,
     current: Option<LineJson>,
     centre_of_mass: Option<CentreJson>,
@@ -60,6 +72,24 @@ struct MountingJson {
     axis_std_rad: f64,
     angle_rad: f64,
     angle_std_rad: f64,
+}
+
+#[derive(Serialize)]
+struct LeverArmJson {
+    /// What went into the model, if anything.
+    position_m: Option<[f64; 2]>,
+    position_std_m: Option<[f64; 2]>,
+    from_swing: Option<LeverArmOfSwingJson>,
+}
+
+#[derive(Serialize)]
+struct LeverArmOfSwingJson {
+    position_m: [f64; 2],
+    position_std_m: [f64; 2],
+    /// The true rate about the pivot axis is (1 + this) times the calibrated one.
+    gyro_scale_error: f64,
+    gyro_scale_error_std: f64,
+    residual_std_m_s2: f64,
 }
 
 #[derive(Serialize)]
@@ -106,7 +136,14 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let gyroscope = work.gyroscope()?;
     work.magnetometer()?;
     if let (Some(accelerometer), Some(gyroscope)) = (accelerometer, gyroscope) {
-        work.mounting(&accelerometer, &gyroscope)?;
+        let mounting = work.mounting(&accelerometer, &gyroscope)?;
+        let of_swing = match mounting {
+            Some(mounting) => work.lever_arm_of_swing(&accelerometer, &gyroscope, &mounting)?,
+            None => None,
+        };
+        work.lever_arm(of_swing);
+    } else {
+        work.lever_arm(None);
     }
     work.lines()?;
     let centre = work.centre_of_mass()?;
@@ -141,6 +178,7 @@ fn merged(before: Option<Calibration>, now: Calibration) -> Calibration {
         beta_rad_s: now.beta_rad_s.or(before.beta_rad_s),
         magnetometer: now.magnetometer.or(before.magnetometer),
         mounting: now.mounting.or(before.mounting),
+        lever_arm: now.lever_arm.or(before.lever_arm),
         wheel_speed: now.wheel_speed.or(before.wheel_speed),
         duty: now.duty.or(before.duty),
     }
@@ -248,16 +286,16 @@ impl Work<'_> {
         &mut self,
         accelerometer: &calibrate::SensorCalibration,
         gyroscope: &calibrate::SensorCalibration,
-    ) -> Result<(), Failure> {
+    ) -> Result<Option<calibrate::Mounting>, Failure> {
         let (Some(swing), Some(hanging)) = (&self.recordings.swing, &self.recordings.hanging)
         else {
-            return Ok(());
+            return Ok(None);
         };
         let found = calibrate::mounting(
             &swing.counts,
             &gyroscope.line,
             &hanging.counts,
-            &accelerometer.line,
+            accelerometer,
         )
         .map_err(in_recording(&swing.file))?;
         let axis = [found.axis.x, found.axis.y, found.axis.z];
@@ -279,7 +317,115 @@ impl Work<'_> {
             angle_rad: found.angle_rad,
             angle_std_rad: found.angle_std_rad,
         });
-        Ok(())
+        Ok(Some(found))
+    }
+
+    fn lever_arm_of_swing(
+        &self,
+        accelerometer: &calibrate::SensorCalibration,
+        gyroscope: &calibrate::SensorCalibration,
+        mounting: &calibrate::Mounting,
+    ) -> Result<Option<calibrate::LeverArm>, Failure> {
+        let recordings = self.recordings;
+        let (Some(swing), Some(swing_accelerometer), Some(hanging), Some(sample_time_s)) = (
+            &recordings.swing,
+            &recordings.swing_accelerometer,
+            &recordings.hanging,
+            recordings.sample_time_s,
+        ) else {
+            return Ok(None);
+        };
+        calibrate::lever_arm(
+            &swing.counts,
+            &swing_accelerometer.counts,
+            &gyroscope.line,
+            &hanging.counts,
+            accelerometer,
+            mounting,
+            sample_time_s,
+        )
+        .map(Some)
+        .map_err(in_recording(&swing.file))
+    }
+
+    /// The lever arm by the ruler, or else by the swing where that is certain enough.
+    fn lever_arm(&mut self, of_swing: Option<calibrate::LeverArm>) {
+        let stated = self.recordings.lever_arm;
+        if stated.is_none() && of_swing.is_none() {
+            return;
+        }
+        let millimetres = |position: [f64; 2], std: [f64; 2]| {
+            [0, 1]
+                .map(|axis| with_uncertainty(1e3 * position[axis], Some(1e3 * std[axis])))
+                .join(", ")
+        };
+        self.text
+            .push_str("\nAccelerometer from the pivot axis, along x and y of the aligned sensor\n");
+        if let Some(stated) = stated {
+            self.text.push_str(&format!(
+                "  as stated: {} mm\n",
+                millimetres(stated.position_m, stated.position_std_m)
+            ));
+        }
+        let mut used = stated;
+        if let Some(found) = of_swing {
+            self.text.push_str(&format!(
+                "  from the swing: {} mm; residual {} m/s2; the gyroscope's scale lacks {} %\n",
+                millimetres(found.position_m, found.position_std_m),
+                significant(found.residual_std_m_s2, 3),
+                with_uncertainty(
+                    100.0 * found.gyro_scale_error,
+                    Some(100.0 * found.gyro_scale_error_std)
+                ),
+            ));
+            let certain = CONTRADICTION * found.gyro_scale_error_std;
+            if found.gyro_scale_error.abs() > SCALE_ERROR_MAX.max(certain) {
+                self.json.warnings.push(format!(
+                    "by the swing the rate about the pivot is {} times what gyroscope_scale says; \
+                     look up the sensor's range",
+                    significant(1.0 + found.gyro_scale_error, 3)
+                ));
+            }
+            let worst = found.position_std_m[0].max(found.position_std_m[1]);
+            match stated {
+                Some(stated) => {
+                    let contradict = (0..2).any(|axis| {
+                        let apart = found.position_m[axis] - stated.position_m[axis];
+                        let std = found.position_std_m[axis].hypot(stated.position_std_m[axis]);
+                        apart.abs() > CONTRADICTION * std
+                    });
+                    if contradict {
+                        self.json.warnings.push(
+                            "the stated lever arm contradicts the swing; the stated one is used"
+                                .to_owned(),
+                        );
+                    }
+                }
+                None if worst <= LEVER_ARM_STD_MAX_M => {
+                    used = Some(LeverArmCalibration {
+                        position_m: found.position_m,
+                        position_std_m: found.position_std_m,
+                    });
+                }
+                None => self.json.warnings.push(format!(
+                    "the swing leaves the lever arm open by {} mm and it is not used: record a \
+                     swing from 45° or more, or state lever_arm",
+                    significant(1e3 * worst, 2)
+                )),
+            }
+        }
+        self.found.lever_arm = used;
+        self.json.lever_arm = Some(LeverArmJson {
+            position_m: used.map(|arm| arm.position_m),
+            position_std_m: used.map(|arm| arm.position_std_m),
+            from_swing: of_swing.map(|found| LeverArmOfSwingJson {
+                position_m: found.position_m,
+                position_std_m: found.position_std_m,
+                gyro_scale_error: found.gyro_scale_error,
+                gyro_scale_error_std: found.gyro_scale_error_std,
+                residual_std_m_s2: found.residual_std_m_s2,
+            }),
+        });
     }
 
     fn lines(&mut self) -> Result<(), Failure> {

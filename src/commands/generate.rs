@@ -69,7 +69,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     );
     if let Some(time) = result.bias_time_constant_s {
         law.push_str(&format!(
-            "A constant bias of the angle is found and taken out within about {} s\n",
+            "A constant bias of the angle is found and taken out within about {} s;\n\
+             the certificate's bound for all time is that of the loop without this observer and is left out\n",
             significant(time, 3)
         ));
     }

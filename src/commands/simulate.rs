@@ -491,8 +491,14 @@ impl<'a> Work<'a> {
 
     /// The ways to an angle on one free swing (thesis figure 3.3).
     fn attitude_filters(&mut self) -> Result<Vec<FilterJson>, Failure> {
-        // On the pivot an accelerometer alone would do; off it, it feels the swing.
-        let lever_arm_m = [SENSOR_FROM_PIVOT_M, 0.0];
+        // On the pivot an accelerometer alone would do; off it, it feels the swing. A model that
+        // does not say where the sensor sits gets one that is off it.
+        let stated = self.spec.hardware.attitude.lever_arm_m;
+        let lever_arm_m = if stated == [0.0; 2] {
+            [SENSOR_FROM_PIVOT_M, 0.0]
+        } else {
+            stated
+        };
         let attitude = AttitudeSpec {
             sample_time_s: self.spec.sample_time_s,
             lever_arm_m,
@@ -547,8 +553,11 @@ impl<'a> Work<'a> {
         };
         let svg = figures::series(&figures::Series {
             title: &format!("{}: ways to the angle", self.designed.name()),
-            subtitle: "One simulated free swing, the same raw counts for all; sensor 50 mm off the \
-                       pivot, for which Madgwick's filter corrects",
+            subtitle: &format!(
+                "One simulated free swing, the same raw counts for all; sensor {} mm off the pivot, \
+                 for which Madgwick's filter corrects",
+                significant(1e3 * lever_arm_m[0].hypot(lever_arm_m[1]), 3)
+            ),
             x: Quantity {
                 name: "time",
                 unit: "s",

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bench_files::{
-    Bench, Calibration, CalibrationRecordings, LineCalibration, ModelFile, MountingCalibration,
-    SensorCalibration,
+    Bench, Calibration, CalibrationRecordings, LeverArmCalibration, LineCalibration, ModelFile,
+    MountingCalibration, SensorCalibration,
 };
 
 use crate::common::Folder;
@@ -79,6 +79,50 @@ fn recordings_come_out_as_counts_and_pairs() {
     let plumb = found.plumb_lines.expect("plumb lines");
     assert_eq!(plumb.pivot_m, [0.0, 1.0]);
     assert_eq!(plumb.lines[1], [[-0.1, 0.0], [-0.01, -0.13]]);
+}
+
+/// The accelerometer's place: by the ruler, and from a swing whose file has the accelerometer too.
+#[test]
+fn the_lever_arm_is_stated_or_recorded() {
+    let plain = folder(TOML);
+    let found = CalibrationRecordings::load(plain.path()).expect("loads");
+    assert_eq!((found.lever_arm, found.swing_accelerometer), (None, None));
+
+    let stated = "field = 48.9\nlever_arm = [0.05, -0.01]\nlever_arm_std = 0.001\n";
+    let full = folder(&TOML.replace("field = 48.9\n", stated));
+    full.write("swing.csv", b"gx,gy,gz,acc_x,ay,az\n7,8,9,10,11,-12\n");
+    let found = CalibrationRecordings::load(full.path()).expect("loads");
+    let arm = found.lever_arm.expect("a lever arm");
+    assert_eq!(arm.position_m, [0.05, -0.01]);
+    assert_eq!(arm.position_std_m, [0.001; 2]);
+    let swing = found.swing_accelerometer.expect("accelerometer");
+    assert_eq!(swing.counts, [[10, 11, -12]]);
+    assert_eq!(found.swing.expect("gyroscope").counts, [[7, 8, 9]]);
+
+    let refused = |toml: &str, parts: &[&str]| {
+        let error = CalibrationRecordings::load(folder(toml).path())
+            .expect_err(toml)
+            .to_string();
+        for part in parts {
+            assert!(error.contains(part), "{part:?} is not in {error}");
+        }
+    };
+    let with = |line: &str| TOML.replace("field = 48.9\n", line);
+    refused(&with("lever_arm = [0.05, 0.0]\n"), &["lever_arm_std"]);
+    refused(
+        &with("lever_arm_std = 0.001\n"),
+        &["\"lever_arm_std\" needs \"lever_arm\""],
+    );
+    refused(
+        &with("lever_arm = [0.05]\nlever_arm_std = 0.001\n"),
+        &["bench.toml:14:13", "two numbers"],
+    );
+    let model =
+        "[parameters]\n[effects]\npresent = []\n[calibration.lever_arm]\nposition = [0.05, 0.0]\n";
+    let error = ModelFile::parse(model, Path::new("m.toml"))
+        .expect_err("no standard error")
+        .to_string();
+    assert!(error.contains("position_std"), "{error}");
 }
 
 #[test]
@@ -225,6 +269,10 @@ fn results_survive_model_toml() {
             axis_std_rad: 2e-4,
             angle_rad: 2.356,
             angle_std_rad: 1e-3,
+        }),
+        lever_arm: Some(LeverArmCalibration {
+            position_m: [0.05, -0.012],
+            position_std_m: [1e-4, 2e-4],
         }),
         wheel_speed: Some(line),
         duty: Some(line),

@@ -1,0 +1,167 @@
+//! Instructions of the emitted controller on a 32-bit core without FPU, counted one call at a
+//! time over readings of every kind: plausible ones, random words, limits and zeros.
+//!
+//! Prints a line a function: its name, the most instructions of a call, and the mean. The count
+//! does not depend on time: equal images give equal numbers.
+#![no_std]
+#![no_main]
+
+mod machine;
+
+use core::hint::black_box;
+
+use generated::{Angle, Attitude, Controller, Rate, Sample, WheelSpeed, control};
+use machine::{instructions, power_off, print, print_number};
+
+/// Calls of each function.
+const CALLS: u32 = 200_000;
+
+/// Marsaglia's xorshift; the seed is fixed, so that the count is.
+struct Random(u32);
+
+impl Random {
+    fn word(&mut self) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0
+    }
+
+    /// A reading within ± 2^(15 − `shift`).
+    fn axes(&mut self, shift: u32) -> [i16; 3] {
+        [0; 3].map(|_| self.word() as i16 >> shift)
+    }
+
+    /// A reading of any kind.
+    fn reading(&mut self) -> [i16; 3] {
+        match self.word() >> 28 {
+            0 => [0; 3],
+            1 => [i16::MIN; 3],
+            2 => [i16::MAX; 3],
+            3 => [0; 3].map(|_| {
+                if self.word() >> 31 == 0 {
+                    -32_767
+                } else {
+                    32_766
+                }
+            }),
+            4 => [0, 0, 1],
+            kind => self.axes(kind - 4),
+        }
+    }
+
+    fn sample(&mut self, nine_axes: bool) -> Sample {
+        Sample {
+            gyro: self.reading(),
+            accel: self.reading(),
+            mag: if nine_axes {
+                Some(self.reading())
+            } else {
+                None
+            },
+            wheel_adc: self.word() as u16,
+        }
+    }
+}
+
+/// Counts the calls of `call` on the inputs of `input` and prints the line.
+fn count<I>(name: &str, mut input: impl FnMut() -> I, mut call: impl FnMut(&I)) {
+    let (mut most, mut sum) = (0, 0);
+    for _ in 0..CALLS {
+        let given = black_box(input());
+        let before = instructions();
+        call(&given);
+        // Less the reading of the counter itself.
+        let spent = instructions().wrapping_sub(before).wrapping_sub(1);
+        most = if spent > most { spent } else { most };
+        sum += spent;
+    }
+    print(name);
+    print(" ");
+    print_number(most);
+    print(" ");
+    print_number(sum / CALLS);
+    print("\n");
+}
+
+#[inline(never)]
+fn six_axes(attitude: &mut Attitude, sample: &Sample) -> Angle {
+    attitude.update_imu(sample.gyro, sample.accel);
+    attitude.angle()
+}
+
+#[inline(never)]
+fn nine_axes(attitude: &mut Attitude, sample: &Sample) -> Angle {
+    match sample.mag {
+        Some(mag) => attitude.update_marg(sample.gyro, sample.accel, mag),
+        None => attitude.update_imu(sample.gyro, sample.accel),
+    }
+    attitude.angle()
+}
+
+#[inline(never)]
+fn step(controller: &mut Controller, sample: &Sample) -> u16 {
+    controller.step(sample).0
+}
+
+#[inline(never)]
+fn law(state: &[i32; 3]) -> i32 {
+    let [angle, rate, wheel_speed] = *state;
+    control(
+        Angle::from_bits(angle),
+        Rate::from_bits(rate),
+        WheelSpeed::from_bits(wheel_speed),
+    )
+    .to_bits()
+}
+
+/// Where `_start` jumps to.
+#[unsafe(no_mangle)]
+extern "C" fn main() -> ! {
+    let mut random = Random(0x9e37_79b9);
+    let mut attitude = Attitude::new();
+    let mut controller = Controller::new();
+    controller.arm();
+    count(
+        "control",
+        || [0; 3].map(|_| random.word() as i32),
+        |state| {
+            black_box(law(state));
+        },
+    );
+    count(
+        "attitude-6",
+        || random.sample(false),
+        |sample| {
+            black_box(six_axes(&mut attitude, sample));
+        },
+    );
+    count(
+        "attitude-9",
+        || random.sample(true),
+        |sample| {
+            black_box(nine_axes(&mut attitude, sample));
+        },
+    );
+    count(
+        "step-6",
+        || random.sample(false),
+        |sample| {
+            black_box(step(&mut controller, sample));
+        },
+    );
+    count(
+        "step-9",
+        || random.sample(true),
+        |sample| {
+            black_box(step(&mut controller, sample));
+        },
+    );
+    power_off()
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    print("PANIC\n");
+    power_off()
+}
