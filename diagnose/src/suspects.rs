@@ -5,7 +5,6 @@ use identify::{
     carry_over, cogging_start, fit_from_scratch, joined, promise, rate_against_angle, ratios,
     refit, scaled_start,
 };
-use nalgebra::DVector;
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
 
@@ -195,38 +194,12 @@ fn starts(
         .map(|chosen| {
             let mut start = vec![0.0; model.parameter_count()];
             start[at..at + chosen.len()].copy_from_slice(&chosen);
-            let mut values = carry_over(&from.model, &point.values, &model, &start);
+            let values = carry_over(&from.model, &point.values, &model, &start);
             let unknowns = Unknowns::new(&model, &setup.free(&model));
+            let windows = &point.windows;
+            let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
             let all = vec![true; unknowns.free.len()];
-            let promised = |values: &[f64]| {
-                promise(
-                    records,
-                    &model,
-                    values,
-                    &point.windows,
-                    &unknowns,
-                    Some(known),
-                )
-            };
-            let first = promised(&values);
-            let mut step = first.step(&values, &unknowns, &all);
-            if effect == EffectId::BodyCableSpring {
-                values = cable_start(&values, at, &unknowns, &step.step);
-            } else if let Some(cable) = model.position(EffectId::BodyCableSpring) {
-                // The new effect may leave the cable another stiffness: a valley in which the fit
-                // would creep (see `cable_start`).
-                let mut cost = first.cost();
-                for _ in 0..CABLE_STEPS {
-                    let moved = cable_start(&values, cable, &unknowns, &step.step);
-                    let there = promised(&moved);
-                    if there.cost() >= cost {
-                        break;
-                    }
-                    cost = there.cost();
-                    step = there.step(&moved, &unknowns, &all);
-                    values = moved;
-                }
-            }
+            let step = promise.step(&values, &unknowns, &all);
             Start {
                 effect,
                 model: model.clone(),
@@ -283,35 +256,6 @@ fn is_reached(records: &[&Record], supply: &[f64], torque_constant: f64) -> bool
     })
 }
 
-/// Where to start with a cable whose promise was computed at a hardly stretched one.
-///
-/// κ (α − α₀) is linear in κ and in κ α₀, not in κ and α₀: of the promised step the torques are kept
-/// and κ and α₀ follow from them. The other parameters move along (the inertia takes up the change of
-/// the period).
-///
-/// In κ and α₀ themselves the way of a fit from one cable to another that is as taut lies along a
-/// hyperbola, a curved valley that takes hundreds of steps.
-fn cable_start(values: &[f64], at: usize, unknowns: &Unknowns, step: &DVector<f64>) -> Vec<f64> {
-    let mut moved = values.to_vec();
-    for (index, &position) in unknowns.free.iter().enumerate() {
-        let (low, high) = unknowns.bounds[index];
-        moved[position] = (values[position] + step[index]).clamp(low, high);
-    }
-    let change = |position: usize| {
-        let index = unknowns.free.iter().position(|&free| free == position);
-        index.map_or(0.0, |index| step[index])
-    };
-    let (stiffness, rest) = (values[at], values[at + 1]);
-    let offset = stiffness * rest + change(at) * rest + stiffness * change(at + 1);
-    moved[at] = (stiffness + change(at)).max(stiffness);
-    moved[at + 1] = (offset / moved[at]).clamp(-LARGEST_REST_RAD, LARGEST_REST_RAD);
-    moved
-}
-
-/// Most steps of the promise that a cable of the model takes before a fit.
-const CABLE_STEPS: usize = 3;
-/// A cable that would come to rest further away than this is a constant torque.
-const LARGEST_REST_RAD: f64 = 1.5;
 /// Stiffness of the hardly stretched cable at which the promise is computed, in gravity torques: the
 /// phase of a hundred swings then changes by less than a thousandth of a radian.
 const HARDLY_STRETCHED: f64 = 1e-6;

@@ -276,6 +276,7 @@ pub fn minimise(
     let mut outcome = Outcome::OutOfIterations;
     let mut on_bound = vec![false; count];
     let mut costs = vec![assembled.cost];
+    let factors = factors(model);
     if !assembled.cost.is_finite() {
         outcome = Outcome::NotFinite;
     }
@@ -301,6 +302,20 @@ pub fn minimise(
         let mut taken = step.clone();
         for (index, &position) in unknowns.free.iter().enumerate() {
             let (low, high) = unknowns.bounds[index];
+            // Of a product a b the step (da, db) promises the change b da + a db; b + a db/(a + da) brings
+            // just that. With b + db the way of a fit from one cable to another that is as taut would lie
+            // along a hyperbola, a curved valley of hundreds of steps.
+            if let Some(factor) = factors[position]
+                && next_values[factor] > 0.0
+            {
+                let share = values[factor] / next_values[factor];
+                let next = values[position] + share * step[index];
+                next_values[position] = next.clamp(low, high);
+                if share > 0.0 {
+                    taken[index] = (next_values[position] - values[position]) / share;
+                }
+                continue;
+            }
             let next = if unknowns.logarithmic[index] {
                 // More than a factor of e² at once leaves the range where the step means anything.
                 values[position] * step[index].clamp(-2.0, 2.0).exp()
@@ -378,6 +393,18 @@ pub fn minimise(
         outcome,
         evaluations,
     }
+}
+
+/// For every position of the parameter vector the position of the factor a with which it forms a product
+/// a b, in which the torque is linear ([`plant::EffectInfo::product`]).
+fn factors(model: &Model) -> Vec<Option<usize>> {
+    let mut factors = vec![None; model.parameter_count()];
+    for &effect in model.effects() {
+        if let (Some((a, b)), Some(at)) = (effect.info().product, model.position(effect)) {
+            factors[at + b] = Some(at + a);
+        }
+    }
+    factors
 }
 
 /// What a full Gauss–Newton step from a point promises, without taking it: the score test.

@@ -127,6 +127,8 @@ pub struct EffectInfo {
     pub shows_in: &'static [Kind],
     /// The torque has a kink where the speed that it acts against changes sign.
     pub has_kink: bool,
+    /// The torque is linear in p[i] and in the product p[i] p[j] for this (i, j), not in p[j] itself.
+    pub product: Option<(usize, usize)>,
     /// What becomes of it in the linear model.
     pub linearised: Linearised,
 }

@@ -40,6 +40,7 @@ impl Effect for BackEmfLimit {
         replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: false,
+        product: None,
         linearised: Linearised::LeftOut,
     };
 

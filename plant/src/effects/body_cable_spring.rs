@@ -40,6 +40,7 @@ impl Effect for BodyCableSpring {
         replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: false,
+        product: Some((0, 1)),
         linearised: Linearised::Exactly,
     };
 

@@ -30,6 +30,7 @@ impl Effect for BodyCoulombFriction {
         replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
+        product: None,
         linearised: Linearised::AsDryFriction,
     };
 

@@ -44,6 +44,7 @@ impl Effect for BodyPreslidingFriction {
         replaces: &["body-coulomb-friction"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
+        product: None,
         linearised: Linearised::AsDryFriction,
     };
 

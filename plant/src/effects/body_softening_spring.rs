@@ -30,6 +30,7 @@ impl Effect for BodySofteningSpring {
         replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Driven],
         has_kink: false,
+        product: None,
         linearised: Linearised::LeftOut,
     };
 

@@ -51,6 +51,7 @@ impl Effect for BodyStribeckFriction {
         replaces: &["body-coulomb-friction"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
+        product: None,
         linearised: Linearised::AsDryFriction,
     };
 

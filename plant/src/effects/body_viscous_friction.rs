@@ -30,6 +30,7 @@ impl Effect for BodyViscousFriction {
         replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: false,
+        product: None,
         linearised: Linearised::Exactly,
     };
 

@@ -30,6 +30,7 @@ impl Effect for InputDelay {
         replaces: &[],
         shows_in: &[Kind::Balance, Kind::Driven, Kind::SpinUp],
         has_kink: false,
+        product: None,
         linearised: Linearised::LeftOut,
     };
 

@@ -30,6 +30,7 @@ impl Effect for MotorSaturation {
         replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: false,
+        product: None,
         linearised: Linearised::LeftOut,
     };
 

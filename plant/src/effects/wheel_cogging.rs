@@ -50,6 +50,7 @@ impl Effect for WheelCogging {
         replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: false,
+        product: None,
         linearised: Linearised::LeftOut,
     };
 

@@ -30,6 +30,7 @@ impl Effect for WheelCoulombFriction {
         replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: true,
+        product: None,
         linearised: Linearised::LeftOut,
     };
 
