@@ -264,16 +264,22 @@ pub fn prepared<'a>(
         suspects,
     };
     if largest_remainder(&bench.records, &start) > NEAR {
-        let window_s = WINDOW_PERIODS * period_s(&start.minimum.values);
+        // The period is that of the samples, and the fit may start from what they show: the free run of
+        // a model that lacks something essential can have strayed to parameters without meaning.
+        let shown = setup.start_values(&start.model);
+        let window_s = WINDOW_PERIODS * period_s(&shown);
         bench.window_s = Some(window_s);
-        let windowed = fit_windowed(
-            &bench.records,
-            &start.model,
-            start.minimum.values.clone(),
-            &setup.free(&start.model),
-            window_s,
-            Effort::FULL,
-        );
+        let free = setup.free(&start.model);
+        let fits = [start.minimum.values.clone(), shown].map(|values| {
+            let (records, model) = (&bench.records, &start.model);
+            fit_windowed(records, model, values, &free, window_s, Effort::FULL)
+        });
+        let [windowed, from_samples] = fits;
+        let windowed = if from_samples.cost < windowed.cost {
+            from_samples
+        } else {
+            windowed
+        };
         start = Candidate::new(
             setup,
             &bench.records,

@@ -1,9 +1,9 @@
 //! Which effects of the library could be missing, and what each of them promises.
 
 use identify::{
-    Effort, KnownPromise, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup, Unknowns,
-    carry_over, cogging_start, fit_from_scratch, joined, promise, rate_against_angle, ratios,
-    refit, scaled_start,
+    Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup,
+    Unknowns, Window, carry_over, cogging_start, fit_from_scratch, guessed, joined, promise,
+    rate_against_angle, ratios, refit, scaled_start,
 };
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
@@ -18,6 +18,8 @@ struct Start {
     values: Vec<f64>,
     /// Cost that one full step from here promises, in the windows of the score test.
     promised_cost: f64,
+    /// The windows of the score test where they do not start as those of the fitted model.
+    windows: Option<Vec<Vec<Window>>>,
 }
 
 /// What a search works on.
@@ -146,6 +148,7 @@ fn absent_starts(
                         model,
                         values,
                         promised_cost,
+                        windows: None,
                     }
                 })
                 .collect::<Vec<_>>()
@@ -205,6 +208,7 @@ fn starts(
                 model: model.clone(),
                 values,
                 promised_cost: step.cost,
+                windows: None,
             }
         })
         .collect()
@@ -218,27 +222,39 @@ const LARGE_ZERO_RAD: f64 = 0.1;
 /// gravity and friction that they show around it.
 fn zero_start(bench: &Bench, point: &Minimum, absent: &Start, angle_zero_rad: f64) -> Start {
     let model = absent.model.clone();
-    let guessed = bench.setup.start_values(&model);
+    let shown = bench.setup.start_values(&model);
     let mut values = absent.values.clone();
-    values[..plant::BASE_PARAMETERS.len()]
-        .copy_from_slice(&guessed[..plant::BASE_PARAMETERS.len()]);
+    values[..plant::BASE_PARAMETERS.len()].copy_from_slice(&shown[..plant::BASE_PARAMETERS.len()]);
     for (effect, value) in [
         (EffectId::AngleOffset, Some(angle_zero_rad)),
         (EffectId::BodyViscousFriction, None),
     ] {
         if let Some(at) = model.position(effect) {
-            values[at] = value.unwrap_or(guessed[at]);
+            values[at] = value.unwrap_or(shown[at]);
         }
     }
     let unknowns = Unknowns::new(&model, &bench.setup.free(&model));
     let all = vec![true; unknowns.free.len()];
-    let windows = &point.windows;
-    let promise = promise(&bench.records, &model, &values, windows, &unknowns, None);
+    // The body starts as the samples show, less the zero.
+    let mut windows = vec![];
+    for (record, fitted) in bench.records.iter().zip(&point.windows) {
+        windows.push(guessed(record, &values, fitted));
+    }
+    for (record, windows) in bench.records.iter().zip(&mut windows) {
+        let locals = Local::of(record);
+        if let Some(at) = locals.iter().position(|&local| local == Local::Angle) {
+            for window in windows {
+                window.locals[at] -= angle_zero_rad;
+            }
+        }
+    }
+    let promise = promise(&bench.records, &model, &values, &windows, &unknowns, None);
     Start {
         effect: EffectId::AngleOffset,
         promised_cost: promise.step(&values, &unknowns, &all).cost,
         model,
         values,
+        windows: Some(windows),
     }
 }
 
@@ -284,7 +300,7 @@ fn fit_best(
             records,
             &start.model,
             start.values.clone(),
-            point.windows.clone(),
+            start.windows.as_ref().unwrap_or(&point.windows).clone(),
             &setup.free(&start.model),
             if bench.window_s.is_some() {
                 Effort::SCORE

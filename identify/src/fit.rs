@@ -130,6 +130,14 @@ pub fn final_windows(record: &Record, values: &[f64]) -> Vec<Window> {
     windows(record, values, f64::INFINITY, &[])
 }
 
+/// The same stretches of the log with the starts that the samples show.
+pub fn guessed(record: &Record, values: &[f64], windows: &[Window]) -> Vec<Window> {
+    windows
+        .iter()
+        .map(|window| guess(record, values, window.samples.clone()))
+        .collect()
+}
+
 /// Fits from a plain start: the schedule of growing windows.
 pub fn fit_from_scratch(
     records: &[&Record],

@@ -44,8 +44,8 @@ pub use contradiction::{
 pub use covariance::pseudo_inverse;
 pub use decay::{AtAmplitude, Decay, DecayLaw, Estimate, decay};
 pub use fit::{
-    BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, joined,
-    period_s, refit, traces,
+    BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, guessed,
+    joined, period_s, refit, traces,
 };
 pub use identification::{
     Identification, IdentifyError, Setup, carry_over, extend, identify, scaled_start,

@@ -1,6 +1,9 @@
 //! Known parameters come back from simulated logs, with errors that mean what they say.
 
-use identify::{Identification, Record, Setup, find_pushes, identify};
+use identify::{
+    Effort, Identification, KnownPromise, Record, Setup, Unknowns, carry_over, find_pushes,
+    identify, promise, refit,
+};
 use plant::{EffectId, Kind, Model};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -368,5 +371,152 @@ fn a_coast_down_to_standstill_gives_both_frictions_of_the_wheel() {
                 "seed {seed} {name}: {value} ± {std}"
             );
         }
+    }
+}
+
+/// From one cable to another that is as taut the way is straight in stiffness and stiffness times rest angle.
+#[test]
+fn a_cable_is_found_from_a_wrong_one_in_few_steps() {
+    let (stiffness, rest_angle) = (2e-3, 0.5);
+    let cable = |now: &Now| -stiffness * (now.angle - rest_angle);
+    let physics = Physics {
+        on_body: &cable,
+        ..Physics::base()
+    };
+    for seed in 2700..2703 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let records = [
+            free_swing("free swing 20 deg", 20f64.to_radians(), 20.0),
+            free_swing("free swing 52 deg", 52f64.to_radians(), 20.0),
+        ]
+        .iter()
+        .map(|experiment| simulate(&physics, experiment, &mut rng))
+        .collect();
+        let setup = setup(records);
+        let found = fitted(&setup, &[EffectId::BodyCableSpring]);
+        let model = &found.fit.model;
+        let at = model.position(EffectId::BodyCableSpring).expect("a cable");
+        let mut values = found.fit.values.clone();
+        values[at] *= 0.25;
+        values[at + 1] *= 4.0;
+        let records = setup.all_records();
+        let windows = found.fit.minimum.windows.clone();
+        let free = setup.free(model);
+        let again = refit(&records, model, values, windows, &free, Effort::FULL);
+        assert!(
+            again.evaluations <= 12,
+            "seed {seed}: {}",
+            again.evaluations
+        );
+        assert!(
+            (again.cost - found.fit.minimum.cost).abs() < 0.1,
+            "seed {seed}"
+        );
+        for (name, truth) in [
+            ("cable_stiffness", stiffness),
+            ("cable_rest_angle", rest_angle),
+        ] {
+            let (value, std) = parameter(&found, name);
+            assert!(
+                (value - truth).abs() < 4.0 * std,
+                "seed {seed} {name}: {value} {std}"
+            );
+        }
+    }
+}
+
+/// Many suspects are scored in one simulation, and records that a suspect does not touch are not simulated
+/// again: neither may change what a suspect promises.
+#[test]
+fn a_suspect_promises_the_same_alone_and_beside_others_at_zero() {
+    let setup = setup(short_bench(&Physics::base(), 2800));
+    let records = setup.all_records();
+    let base = fitted(&setup, &[]).fit;
+    let suspects = [
+        EffectId::BodyQuadraticDrag,
+        EffectId::WheelQuadraticDrag,
+        EffectId::CurrentOffset,
+        EffectId::AngleOffset,
+    ];
+    let unknowns = |model: &Model| Unknowns::new(model, &setup.free(model));
+    let at_zero = |model: &Model| {
+        let zeros = vec![0.0; model.parameter_count()];
+        carry_over(&base.model, &base.values, model, &zeros)
+    };
+    let windows = &base.minimum.windows;
+    let of_base = promise(
+        &records,
+        &base.model,
+        &base.values,
+        windows,
+        &unknowns(&base.model),
+        None,
+    );
+    let all = suspects
+        .iter()
+        .fold(Model::base(), |model, &effect| model.with(effect));
+    let together = promise(
+        &records,
+        &all,
+        &at_zero(&all),
+        windows,
+        &unknowns(&all),
+        None,
+    );
+    for effect in suspects {
+        let model = base.model.with(effect);
+        let (values, own) = (at_zero(&model), unknowns(&model));
+        let known = KnownPromise {
+            model: &base.model,
+            values: &base.values,
+            unknowns: &unknowns(&base.model),
+            promise: &of_base,
+        };
+        let every = vec![true; own.free.len()];
+        let [alone, reused] = [None, Some(known)].map(|known| {
+            let promise = promise(&records, &model, &values, windows, &own, known);
+            promise.step(&values, &own, &every).cost
+        });
+        let names = all.parameters();
+        let whole = unknowns(&all);
+        let moves: Vec<bool> = whole
+            .free
+            .iter()
+            .map(|&at| model.position_of(names[at].name).is_some())
+            .collect();
+        let beside = together.step(&at_zero(&all), &whole, &moves).cost;
+        let gain = of_base.cost() - alone;
+        for other in [reused, beside] {
+            assert!(
+                (other - alone).abs() < 1e-6 * (1.0 + gain.abs()),
+                "{effect:?} {alone} {other}"
+            );
+        }
+    }
+}
+
+/// The order of cogging is read off the wheel's speed, and the wheel's angle in the windows of a balance log
+/// is known as well as the noise of its speed lets it.
+#[test]
+fn cogging_is_found_with_its_order() {
+    let (torque, order, phase) = (1.5e-3, 7.0, 0.5);
+    let cogging = |now: &Now| -torque * (order * now.wheel_angle + phase).sin();
+    let physics = Physics {
+        on_wheel: &cogging,
+        ..Physics::base()
+    };
+    for seed in 2900..2902 {
+        let found = fitted(&setup(bench(&physics, seed)), &[EffectId::WheelCogging]);
+        let at = found
+            .fit
+            .model
+            .position(EffectId::WheelCogging)
+            .expect("cogging");
+        assert_eq!(found.fit.values[at + 1], order, "seed {seed}");
+        let (value, std) = parameter(&found, "cogging_torque");
+        assert!(
+            (value - torque).abs() < 4.0 * std,
+            "seed {seed}: {value} {std}"
+        );
     }
 }
