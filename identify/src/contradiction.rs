@@ -26,7 +26,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use plant::{BASE_PARAMETERS, Model, TOTAL_INERTIA, WHEEL_INERTIA};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::covariance::{gradient_covariance, pseudo_inverse};
+use crate::covariance::{gradient_error, pseudo_inverse};
 use crate::identification::Setup;
 use crate::record::Record;
 use crate::sensitivity::{Unknowns, Window};
@@ -222,7 +222,7 @@ impl<'a> Statistics<'a> {
             .zip(&at)
             .map(|((record, windows), at)| {
                 let own = shortest_solution(&at.information, &at.gradient);
-                gradient_covariance(record, windows, model, values, &unknowns, &own)
+                gradient_error(record, windows, model, values, &unknowns, &own).covariance()
             })
             .collect();
         Statistics {

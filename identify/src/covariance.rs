@@ -13,15 +13,19 @@
 //! that for motion, so that it is hardly seen in the residual; it enters as a second term. An error δi of
 //! the current over the interval h after sample k moves the wheel speed at every later sample j by
 //! (τ/j_w) h exp(−(r_w/j_w)(t_j − t_k)) δi, and with it the gradient.
+//!
+//! A real joint sticks, the model's dry friction passes through zero over the speed v₀. What that does
+//! to the outputs is taken as one standard error of them, common to all logs: v₀ is a parameter that
+//! is considered and not estimated (Schmidt 1966; Bierman 1977, chapter VIII).
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use plant::Model;
+use plant::{Model, Smoothing};
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use crate::noise::input_noise_std;
 use crate::record::{Output, Record};
-use crate::sensitivity::{Unknowns, Window, normal, observe, relevant};
+use crate::sensitivity::{Unknowns, Window, normal, observe, relevant, simulate_smoothed};
 
 /// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
 /// logarithm), from the final windows of a fit; `None` where the information is singular.
@@ -38,9 +42,13 @@ pub fn covariance(
     let count = unknowns.free.len();
     let nowhere = DVector::zeros(count);
     let mut middle = DMatrix::zeros(count, count);
+    let mut stick = DVector::zeros(count);
     for (record, windows) in records.iter().zip(windows) {
-        middle += gradient_covariance(record, windows, model, values, unknowns, &nowhere);
+        let error = gradient_error(record, windows, model, values, unknowns, &nowhere);
+        middle += error.noise;
+        stick += error.stick;
     }
+    middle += &stick * stick.transpose();
     let inverse = pseudo_inverse(information, held)?;
     Some(&inverse * middle * &inverse)
 }
@@ -68,25 +76,45 @@ pub fn pseudo_inverse(information: &DMatrix<f64>, held: &[bool]) -> Option<DMatr
     Some(full)
 }
 
-/// One record's share of the middle sum Σᵢⱼ sᵢ R(i−j) sⱼᵀ: the covariance of its gradient, with R of
+/// How far one record's gradient can be from that of a perfect measurement and a perfect model.
+#[derive(Clone, Debug)]
+pub struct GradientError {
+    /// Covariance by the noise of the sensors and of the recorded current.
+    pub noise: DMatrix<f64>,
+    /// What a joint that sticks would change.
+    pub stick: DVector<f64>,
+}
+
+impl GradientError {
+    /// Both together, for this record alone.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        &self.noise + &self.stick * self.stick.transpose()
+    }
+}
+
+/// One record's share of the middle sum Σᵢⱼ sᵢ R(i−j) sⱼᵀ, with R of
 /// the residual that is left once the free parameters have taken `step` (in the fit's coordinates;
 /// to first order). A record that is to be compared with others takes its own step, so that its
 /// disagreement with them does not count as its noise.
-pub fn gradient_covariance(
+pub fn gradient_error(
     record: &Record,
     windows: &[Window],
     model: &Model,
     values: &[f64],
     unknowns: &Unknowns,
     step: &DVector<f64>,
-) -> DMatrix<f64> {
+) -> GradientError {
     let count = unknowns.free.len();
     let mut middle = DMatrix::zeros(count, count);
+    let mut stick = DVector::zeros(count);
     let globals = relevant(record, model, unknowns);
     let n = record.len();
     let p = globals.len();
     if p == 0 {
-        return middle;
+        return GradientError {
+            noise: middle,
+            stick,
+        };
     }
     let own_step = DVector::from_fn(p, |row, _| step[globals[row]]);
     let channels = record.channels.len();
@@ -139,6 +167,18 @@ pub fn gradient_covariance(
             }
         }
     }
+    if globals
+        .iter()
+        .any(|&global| is_dry_friction(model, unknowns.free[global]))
+    {
+        let changes = stuck(record, windows, model, values);
+        for (row, &to_row) in globals.iter().enumerate() {
+            for (changes, sensitivities) in changes.iter().zip(&sensitivities) {
+                let both = changes.iter().zip(&sensitivities[row]);
+                stick[to_row] += both.map(|(change, s)| change * s).sum::<f64>();
+            }
+        }
+    }
     let total: usize = counts.iter().sum();
     // Unbiased variance: the fitted unknowns took their share of the residual.
     let freedom = total as f64 / total.saturating_sub(p + locals_total).max(1) as f64;
@@ -156,7 +196,46 @@ pub fn gradient_covariance(
             }
         }
     }
-    middle
+    GradientError {
+        noise: middle,
+        stick,
+    }
+}
+
+/// Whether a position of the parameter vector belongs to a dry friction whose sign is smoothed.
+fn is_dry_friction(model: &Model, position: usize) -> bool {
+    model.effects().iter().any(|&effect| {
+        let info = effect.info();
+        let first = model.position(effect);
+        info.has_kink
+            && first.is_some_and(|at| (at..at + info.parameters.len()).contains(&position))
+    })
+}
+
+/// Share of the smoothing speed at which dry friction is that of a joint that sticks.
+const STICKS: f64 = 0.1;
+
+/// What a joint that sticks would change in every output, in units of the channel's noise.
+fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Vec<f64>> {
+    let v0 = Smoothing::SIMULATION;
+    let sticks = Smoothing {
+        body_rad_s: v0.body_rad_s * STICKS,
+        wheel_rad_s: v0.wheel_rad_s * STICKS,
+    };
+    let mut changes = vec![vec![0.0; record.len()]; record.channels.len()];
+    for (smoothing, factor) in [(sticks, 1.0), (v0, -1.0)] {
+        for window in windows {
+            simulate_smoothed(record, window, model, values, smoothing, |k, reading, _| {
+                for (series, channel) in changes.iter_mut().zip(&record.channels) {
+                    let change = factor * channel.output.of(reading) / channel.noise_std;
+                    if change.is_finite() {
+                        series[k] += change;
+                    }
+                }
+            });
+        }
+    }
+    changes
 }
 
 /// Covariance that the noise of the recorded current gives the gradient of one window, through the

@@ -1,7 +1,7 @@
 //! One window of a log: simulated with exact derivatives, compared, summed into normal equations.
 
 use nalgebra::{DMatrix, DVector};
-use plant::{Current, Dual, EffectId, Kind, Model, Plant, Scalar, State};
+use plant::{Current, Dual, EffectId, Kind, Model, Plant, Scalar, Smoothing, State};
 
 use crate::record::{Output, Record, RecordedCurrent};
 
@@ -223,8 +223,13 @@ fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
     (state, current, angle_zero)
 }
 
-fn plant_of<S: Scalar>(record: &Record, model: &Model, values: &[S]) -> Plant<S> {
-    let plant = Plant::new(model, values, record.kind);
+fn plant_of<S: Scalar>(
+    record: &Record,
+    model: &Model,
+    values: &[S],
+    smoothing: Smoothing,
+) -> Plant<S> {
+    let plant = Plant::smoothed(model, values, record.kind, smoothing);
     if record.current_is_measured {
         plant.with_measured_current()
     } else {
@@ -365,7 +370,7 @@ fn run_lanes<const N: usize>(
         .map(|(lane, &value)| Dual::variable(value, globals.len() + lane))
         .collect();
     let (start, held, angle_zero) = start_state(&locals, &starts);
-    let plant = plant_of(record, model, &duals);
+    let plant = plant_of(record, model, &duals, Smoothing::SIMULATION);
     let start = with_memory(record, window, model, &plant, start);
     plant.run(
         start,
@@ -484,10 +489,22 @@ pub fn simulate(
     window: &Window,
     model: &Model,
     values: &[f64],
+    each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
+) {
+    simulate_smoothed(record, window, model, values, Smoothing::SIMULATION, each);
+}
+
+/// As [`simulate`], with another smoothing of dry friction.
+pub fn simulate_smoothed(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    smoothing: Smoothing,
     mut each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
 ) {
     let (start, held, angle_zero) = start_state(&Local::of(record), &window.locals);
-    let plant = plant_of(record, model, values);
+    let plant = plant_of(record, model, values, smoothing);
     let start = with_memory(record, window, model, &plant, start);
     plant.run(
         start,

@@ -127,6 +127,37 @@ fn the_noise_of_the_recorded_current_is_in_the_standard_errors() {
     assert!(inside >= 35, "{inside} of 40, seeds {seeds:?}");
 }
 
+/// A real bearing sticks; the model's passes through zero speed over 1 rad/s, near which a balancing wheel
+/// lives. The standard errors know of it.
+#[test]
+fn that_a_real_joint_sticks_is_in_the_standard_errors() {
+    let truth = 1.2e-3;
+    let sticks = |now: &Now| -truth * (now.wheel_speed / 0.05).tanh();
+    let physics = Physics {
+        on_wheel: &sticks,
+        ..Physics::base()
+    };
+    let seeds = 2700..2720u64;
+    let errors: Vec<f64> = seeds
+        .clone()
+        .into_par_iter()
+        .map(|seed| {
+            let setup = setup(short_bench(&physics, seed));
+            let found = fitted(&setup, &[EffectId::WheelCoulombFriction]);
+            let (value, std) = parameter(&found, "wheel_coulomb_torque");
+            (value - truth) / std
+        })
+        .collect();
+    eprintln!("errors in standard errors {errors:.2?}");
+    // Stick is one standard error of the model, beside which the noise of these logs is small.
+    for error in errors {
+        assert!(
+            (0.3..2.0).contains(&error.abs()),
+            "{error}, seeds {seeds:?}"
+        );
+    }
+}
+
 #[test]
 fn a_whole_bench_gives_both_inertias_within_half_a_percent() {
     for seed in 2200..2203 {
@@ -310,21 +341,29 @@ fn an_encoder_of_coarse_steps_gives_the_same_parameters() {
 #[test]
 fn dry_friction_of_the_wheel_comes_back_from_a_balance_log_alone() {
     let dry = 1.2e-3;
-    let on_wheel = |now: &Now| -dry * now.wheel_speed.tanh();
+    let smooth = |now: &Now| -dry * now.wheel_speed.tanh();
+    let sticks = |now: &Now| -dry * (now.wheel_speed / 0.05).tanh();
     for seed in 2800..2804 {
-        let physics = Physics {
-            on_wheel: &on_wheel,
-            ..Physics::base()
+        let estimate = |on_wheel: &(dyn Fn(&Now) -> f64 + Sync)| {
+            let physics = Physics {
+                on_wheel,
+                ..Physics::base()
+            };
+            let records = vec![log(&physics, &balance("balance", &PUSHES), seed)];
+            let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
+            parameter(&found, "wheel_coulomb_torque")
         };
-        let records = vec![log(&physics, &balance("balance", &PUSHES), seed)];
-        let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
-        let (value, std) = parameter(&found, "wheel_coulomb_torque");
-        eprintln!("seed {seed}: {value:.4e} ± {std:.1e}");
+        // Friction that is smoothed as the model's is leaves only the noise.
+        let (value, _) = estimate(&smooth);
+        eprintln!("seed {seed}: {value:.4e}");
+        assert!((value / dry - 1.0).abs() < 0.02, "seed {seed}: {value}");
+        // A wheel that turns slowly all the time feels a bearing that sticks: the stated error says so.
+        let (value, std) = estimate(&sticks);
+        eprintln!("seed {seed}, sticking: {value:.4e} ± {std:.1e}");
         assert!(
-            (value - dry).abs() < 4.0 * std,
+            (value - dry).abs() < 2.0 * std && std < 0.2 * dry,
             "seed {seed}: {value} ± {std}"
         );
-        assert!(std < 0.01 * dry, "seed {seed}: {value} ± {std}");
     }
 }
 
