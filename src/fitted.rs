@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use bench_files::{ModelFile, Parameter};
+use bench_files::{Correlation, ModelFile, Parameter};
 use identify::{FailureMap, Fit, Identification, Push, Quantity, Record, Region, Trace, Window};
 use plant::Model;
 use serde::Serialize;
@@ -22,6 +22,8 @@ pub struct Fitted<'a> {
     pub model: Model,
     /// Its parameters as model.toml has them.
     pub parameters: Vec<Parameter>,
+    /// How their errors hang together.
+    pub correlation: Option<Correlation>,
     /// For each record, each of its channels.
     pub traces: Vec<Vec<Trace>>,
     /// For each record, the pushes that nobody recorded.
@@ -102,6 +104,7 @@ impl<'a> Fitted<'a> {
             folder,
             model: found.fit.model.clone(),
             parameters: parameters_of(folder, &found.fit),
+            correlation: correlation_of(&found.fit),
             traces: found.traces,
             pushes: found.pushes,
             statements: found.statements,
@@ -124,6 +127,7 @@ impl<'a> Fitted<'a> {
             folder,
             model: file.model(),
             parameters: file.parameters.clone(),
+            correlation: file.correlation.clone(),
             traces,
             pushes,
             statements: Vec::new(),
@@ -632,6 +636,22 @@ pub fn parameters_of(folder: &BenchFolder, fit: &Fit) -> Vec<Parameter> {
         })
         .chain(derived)
         .collect()
+}
+
+/// The correlations of a fit for model.toml. Parameters that were given or derived have none.
+pub fn correlation_of(fit: &Fit) -> Option<Correlation> {
+    let infos = fit.model.parameters();
+    let (positions, matrix) = fit.correlation()?;
+    Some(Correlation {
+        parameters: positions
+            .iter()
+            .map(|&position| infos[position].name.to_owned())
+            .collect(),
+        matrix: matrix
+            .row_iter()
+            .map(|row| row.iter().copied().collect())
+            .collect(),
+    })
 }
 
 fn shortened(text: &str, width: usize) -> String {

@@ -267,6 +267,28 @@ fn the_whole_chain() {
 
     let design = json_of(["design", model, "--out", out, "--json", "-"]);
     assert_eq!(design["controllability_rank"], 3);
+    assert_eq!(design["pole_uncertainty"]["correlated"], true);
+    let fitted = fs::read_to_string(model).expect("model.toml");
+    let dry_and_viscous =
+        "\"body_viscous_friction\", \"wheel_viscous_friction\", \"body_coulomb_torque\"]";
+    assert!(
+        fitted.contains("[correlation]\nparameters = [\"total_inertia\", \"wheel_inertia\", "),
+        "{fitted}"
+    );
+    assert!(fitted.contains(dry_and_viscous), "{fitted}");
+    // Without the section the same standard errors count as independent, and the poles say so.
+    let (before, after) = fitted.split_once("[correlation]").expect("there");
+    let rest = &after[after.find("\n[").expect("another section")..];
+    let alone = folder.path().join("independent.toml");
+    fs::write(&alone, format!("{before}{rest}")).expect("write");
+    let alone = alone.to_str().expect("path");
+    let independent = json_of(["design", alone, "--out", out, "--json", "-"]);
+    assert_eq!(independent["pole_uncertainty"]["correlated"], false);
+    assert_eq!(independent["gains"], design["gains"]);
+    assert_ne!(
+        independent["pole_uncertainty"]["open_loop_std"],
+        design["pole_uncertainty"]["open_loop_std"]
+    );
     let crate_folder = folder.path().join("emitted");
     let emitted = crate_folder.to_str().expect("path");
     let generated = json_of(["generate", model, "--out", emitted, "--json", "-"]);

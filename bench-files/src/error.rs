@@ -282,6 +282,13 @@ pub enum Problem {
         other: &'static str,
     },
 
+    /// A parameter that the correlations name twice.
+    #[error("\"{name}\" stands in this list already; name every parameter once")]
+    CorrelatedTwice {
+        /// The parameter.
+        name: String,
+    },
+
     // --- logs -------------------------------------------------------------------------------
     /// Not a byte, or only blank lines and comments.
     #[error("the file is empty; a log is a CSV with a header line and one sample a line")]

@@ -14,6 +14,7 @@
 mod bench;
 mod calibration;
 mod channel;
+mod correlation;
 mod csv_table;
 mod drop_out;
 mod error;
@@ -29,6 +30,7 @@ pub use calibration::{
     MountingCalibration, PlumbLines, SensorCalibration,
 };
 pub use channel::Channel;
+pub use correlation::Correlation;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use error::{Error, Place, Problem};

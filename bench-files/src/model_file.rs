@@ -9,6 +9,7 @@ use plant::{BASE_PARAMETERS, EffectId, Model, ParameterInfo};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 use crate::calibration::Calibration;
+use crate::correlation::Correlation;
 use crate::error::{Error, Names, Problem};
 use crate::toml_source::{Section, TomlSource};
 use crate::write::write_atomically;
@@ -68,6 +69,8 @@ pub struct DesignSection {
 pub struct ModelFile {
     /// The parameters, in the order of the file. Names are unique and known to the library.
     pub parameters: Vec<Parameter>,
+    /// How the errors of the parameters hang together; `None`: they are independent.
+    pub correlation: Option<Correlation>,
     /// The effects of the model, in the order of the file.
     pub effects: Vec<EffectId>,
     /// The design's wishes, if the file has any.
@@ -90,6 +93,7 @@ impl Default for ModelFile {
 impl PartialEq for ModelFile {
     fn eq(&self, other: &Self) -> bool {
         self.parameters == other.parameters
+            && self.correlation == other.correlation
             && self.effects == other.effects
             && self.design == other.design
             && self.calibration == other.calibration
@@ -101,6 +105,7 @@ impl ModelFile {
     pub fn new() -> ModelFile {
         ModelFile {
             parameters: Vec::new(),
+            correlation: None,
             effects: Model::base().effects().to_vec(),
             design: None,
             calibration: None,
@@ -128,7 +133,13 @@ impl ModelFile {
     fn from_source(source: &TomlSource) -> Result<ModelFile, Error> {
         let document = source.parse()?;
         let root = source.root(&document);
-        root.refuse_slips(&["parameters", "effects", "design", "calibration"])?;
+        root.refuse_slips(&[
+            "parameters",
+            "correlation",
+            "effects",
+            "design",
+            "calibration",
+        ])?;
 
         let section = root.section("parameters")?.ok_or_else(|| {
             root.error(root.missing(
@@ -152,6 +163,16 @@ impl ModelFile {
                 parameters.push(read_parameter(key.value, info, &entry)?);
             }
         }
+
+        let with_std: Vec<&str> = parameters
+            .iter()
+            .filter(|parameter| parameter.std.is_some())
+            .map(|parameter| parameter.name.as_str())
+            .collect();
+        let correlation = root
+            .section("correlation")?
+            .map(|section| Correlation::read(&section, &with_std))
+            .transpose()?;
 
         let missing_effects =
             "[effects] with present = [\"body-viscous-friction\", \"wheel-viscous-friction\"]";
@@ -196,6 +217,7 @@ impl ModelFile {
             .transpose()?;
         Ok(ModelFile {
             parameters,
+            correlation,
             effects,
             design,
             calibration,
@@ -211,8 +233,11 @@ impl ModelFile {
             .find(|parameter| parameter.name == name)
     }
 
-    /// Puts a parameter in, in the place of one with the same name.
+    /// Puts a parameter in, in the place of one with the same name. The correlations of that one go
+    /// with it.
     pub fn set_parameter(&mut self, parameter: Parameter) {
+        let others = self.correlation.take();
+        self.correlation = others.and_then(|all| all.among(|name| name != parameter.name));
         match self
             .parameters
             .iter_mut()
@@ -223,9 +248,14 @@ impl ModelFile {
         }
     }
 
-    /// Puts in the parameters of a model in place of those of another; what stands beside the motion
-    /// (a centre of mass from plumb lines, say) stays.
-    pub fn replace_model_parameters(&mut self, parameters: Vec<Parameter>) {
+    /// Puts in the parameters of a model with the correlations of their errors, in place of those of
+    /// another; what stands beside the motion (a centre of mass from plumb lines, say) stays.
+    pub fn replace_model_parameters(
+        &mut self,
+        parameters: Vec<Parameter>,
+        correlation: Option<Correlation>,
+    ) {
+        self.correlation = correlation;
         let beside = |old: &Parameter| {
             BESIDE_THE_MOTION
                 .iter()
@@ -332,6 +362,14 @@ impl ModelFile {
                     set(entry, key, Value::from(text.as_str()));
                 }
             }
+        }
+
+        let has_std = |name: &str| self.parameter(name).is_some_and(|p| p.std.is_some());
+        match self.correlation.as_ref().and_then(|all| all.among(has_std)) {
+            None => {
+                root.remove("correlation");
+            }
+            Some(correlation) => correlation.write(root),
         }
 
         let effects = table_in(root, "effects", false);

@@ -136,6 +136,11 @@ impl<'a> Section<'a> {
         self.source.error(span, problem)
     }
 
+    /// An error at a part of a value, which stands at `span`.
+    pub fn error_in_value(&self, span: Range<usize>, problem: Problem) -> Error {
+        self.source.error(span, problem)
+    }
+
     /// Refuses keys that are almost one of the list; keys that are far from it belong to others.
     pub fn refuse_slips(&self, known: &[&str]) -> Result<(), Error> {
         for key in self.keys() {
@@ -402,6 +407,29 @@ impl<'a> Section<'a> {
             ));
         }
         Ok(Some(numbers))
+    }
+
+    /// A square matrix of finite numbers under this key, each with its place.
+    pub fn square_matrix(
+        &self,
+        key: &str,
+        size: usize,
+    ) -> Result<Option<Vec<Vec<Located<f64>>>>, Error> {
+        let expected = format!("{size} rows of {size} numbers, [[…], …]");
+        let Some(numbers) = self.numbers(key, &[size, size], &expected)? else {
+            return Ok(None);
+        };
+        let items = self.table.get(key).and_then(Item::as_array);
+        let spans = items.into_iter().flatten().filter_map(Value::as_array);
+        let spans: Vec<_> = spans.flatten().filter_map(Value::span).collect();
+        let located = |(index, value)| Located {
+            value,
+            span: spans.get(index).cloned().unwrap_or_else(|| self.span()),
+        };
+        let entries: Vec<_> = numbers.into_iter().enumerate().map(located).collect();
+        Ok(Some(
+            entries.chunks(size.max(1)).map(<[_]>::to_vec).collect(),
+        ))
     }
 
     /// Three finite numbers under this key, in the order of the state: angle, rate, wheel speed.

@@ -50,6 +50,23 @@ impl UncertainParameters {
         }
     }
 
+    /// Parameters with standard deviations, (name, value, std) each, and the correlation of the
+    /// errors of every two of them, by name.
+    pub fn correlated(
+        parameters: &[(&str, f64, f64)],
+        correlation: impl Fn(&str, &str) -> f64,
+    ) -> Self {
+        let mut all = UncertainParameters::independent(parameters);
+        for (row, (a, _, std_a)) in parameters.iter().enumerate() {
+            for (column, (b, _, std_b)) in parameters.iter().enumerate() {
+                if row != column {
+                    all.covariance[(row, column)] = correlation(a, b) * std_a * std_b;
+                }
+            }
+        }
+        all
+    }
+
     fn check(&self) -> Result<(), DesignError> {
         let count = self.values.len();
         check_shape(
@@ -402,6 +419,39 @@ mod tests {
             let alone: f64 = pole.per_parameter.iter().map(|(_, by)| by.norm()).sum();
             assert!(pole.std_re < 1e-6 * alone && pole.sampled_std_re < 1e-6 * alone);
             assert!(alone > 1e-4 * pole.value.norm());
+        }
+    }
+
+    #[test]
+    fn correlated_errors_cancel_in_a_quotient() {
+        // Without friction and with a light wheel the unstable pole is √(G/Θ), and
+        // (σ/λ)² = (g² + h² − 2 ρ g h)/4 with the relative errors g of G and h of Θ.
+        let (inertia, gravity) = (2.3e-3, 0.245);
+        let (h, g) = (0.01, 0.012);
+        let list = [
+            ("total_inertia", inertia, h * inertia),
+            ("gravity_torque", gravity, g * gravity),
+        ];
+        let model = |values: &[f64]| {
+            let mut bench = thesis::PARAMETERS;
+            bench[0] = values[0] + bench[1];
+            bench[2] = values[1];
+            (bench[4], bench[5]) = (0.0, 0.0);
+            Ok(thesis::model_of(bench))
+        };
+        let samples = 4000;
+        for rho in [-0.5, 0.0, 0.9, 0.999] {
+            let parameters = UncertainParameters::correlated(&list, |_, _| rho);
+            let gains = thesis::golden_gains();
+            let study = pole_uncertainty(&parameters, &model, &gains, 1e-3, samples, 3).unwrap();
+            let golden = 0.5 * (g * g + h * h - 2.0 * rho * g * h).sqrt();
+            let pole = &study.open_loop[2];
+            let first_order = pole.std_re / pole.value.re;
+            assert!((first_order / golden - 1.0).abs() < 1e-5, "{rho}: {pole:?}");
+            // Four standard errors of a standard deviation, and a per cent of curvature.
+            let allowed = 4.0 / (2.0 * samples as f64).sqrt() + 0.01;
+            let ratio = pole.sampled_std_re / pole.std_re;
+            assert!((ratio - 1.0).abs() < allowed, "{rho}: {pole:?}");
         }
     }
 

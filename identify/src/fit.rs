@@ -5,7 +5,7 @@
 //! own (multiple shooting; Bock 1983), whose cost is nearly quadratic, and lengthens the windows
 //! until one of them spans the log.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use crate::cogging::settled;
@@ -44,6 +44,40 @@ impl Fit {
         let index = self.unknowns.free.iter().position(|&at| at == position)?;
         let variance = self.covariance.as_ref()?[(index, index)];
         (variance > 0.0).then(|| variance.sqrt())
+    }
+
+    /// The parameters that have a standard error, by position, and the correlations of their errors
+    /// in that order: symmetric, ones on the diagonal, no negative eigenvalue. `None` where fewer
+    /// than two have one.
+    pub fn correlation(&self) -> Option<(Vec<usize>, DMatrix<f64>)> {
+        let covariance = self.covariance.as_ref()?;
+        let (indices, stds): (Vec<usize>, Vec<f64>) = (0..self.unknowns.free.len())
+            .filter_map(|index| Some((index, self.std(self.unknowns.free[index])?)))
+            .unzip();
+        let count = indices.len();
+        if count < 2 {
+            return None;
+        }
+        let scaled = DMatrix::from_fn(count, count, |row, column| {
+            let (a, b) = (indices[row], indices[column]);
+            0.5 * (covariance[(a, b)] + covariance[(b, a)]) / (stds[row] * stds[column])
+        });
+        // Strong correlations are differences of large numbers: rounding can leave an eigenvalue a
+        // little below zero, which stands for zero.
+        let mut eigen = SymmetricEigen::new(scaled);
+        eigen.eigenvalues.apply(|value| *value = value.max(0.0));
+        let possible = eigen.recompose();
+        let matrix = DMatrix::from_fn(count, count, |row, column| {
+            let (a, b) = (row.min(column), row.max(column));
+            let scale = (possible[(a, a)] * possible[(b, b)]).sqrt();
+            if a == b {
+                1.0
+            } else {
+                possible[(a, b)] / scale
+            }
+        });
+        let positions = indices.iter().map(|&index| self.unknowns.free[index]);
+        Some((positions.collect(), matrix))
     }
 }
 

@@ -86,6 +86,9 @@ struct DesignJson {
 
 #[derive(Serialize)]
 struct UncertaintyJson {
+    /// Whether the model states how the errors of its parameters hang together; else they count as
+    /// independent.
+    correlated: bool,
     /// [standard deviation of the real part, of the imaginary part], 1/s.
     open_loop_std: Vec<[f64; 2]>,
     closed_loop_std_per_s: Vec<[f64; 2]>,
@@ -173,7 +176,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     Report::new(text, &json)
 }
 
-/// What the parameters' standard errors do to the poles; none where the file states no errors.
+/// What the parameters' standard errors and their correlations do to the poles; none where the file states no errors.
 fn uncertainty(designed: &ModelDesign) -> Result<Option<PoleUncertainty>, design::DesignError> {
     let infos = designed.model.parameters();
     let parameters: Vec<(&str, f64, f64)> = infos
@@ -192,7 +195,10 @@ fn uncertainty(designed: &ModelDesign) -> Result<Option<PoleUncertainty>, design
         return Ok(None);
     }
     pole_uncertainty(
-        &UncertainParameters::independent(&parameters),
+        &match &designed.file.correlation {
+            Some(known) => UncertainParameters::correlated(&parameters, |a, b| known.between(a, b)),
+            None => UncertainParameters::independent(&parameters),
+        },
         &|values| designed.linearise(values),
         &designed.design.gains,
         designed.wishes.sample_time_s,
@@ -275,6 +281,7 @@ fn json(
             .map(|pole| [pole.re, pole.im])
             .collect(),
         pole_uncertainty: uncertainty.map(|found| UncertaintyJson {
+            correlated: designed.file.correlation.is_some(),
             open_loop_std: stds(&found.open_loop),
             closed_loop_std_per_s: stds(&found.closed_loop),
             drawn: found.samples,
@@ -362,7 +369,7 @@ fn text(
         None => "Coulomb friction is not in the linear model\n".to_owned(),
     });
     text.push_str(&linear_model_text(&designed.design));
-    text.push_str(&poles_text(&designed.design, uncertainty));
+    text.push_str(&poles_text(designed, uncertainty));
     text.push_str(&loop_text(&designed.design));
     text.push_str(&friction_text(&designed.design));
     text.push_str(&pushes_text(pushes));
@@ -408,12 +415,13 @@ fn linear_model_text(design: &Design) -> String {
     )
 }
 
-fn poles_text(design: &Design, uncertainty: Option<&PoleUncertainty>) -> String {
+fn poles_text(designed: &ModelDesign, uncertainty: Option<&PoleUncertainty>) -> String {
+    let design = &designed.design;
     let mut table = Table::new(&[
         ("loop", Align::Left),
         ("pole", Align::Left),
         ("1/s ± standard error", Align::Left),
-        ("mostly from", Align::Left),
+        ("moved most by", Align::Left),
     ]);
     // The parameter whose standard error alone moves the pole farthest.
     let culprit = |pole: Option<&UncertainPole>| -> String {
@@ -460,6 +468,10 @@ fn poles_text(design: &Design, uncertainty: Option<&PoleUncertainty>) -> String 
         table.text()
     );
     if let Some(found) = uncertainty {
+        text.push_str(match &designed.file.correlation {
+            Some(_) => "  the errors of the parameters hang together as [correlation] says\n",
+            None => "  the model has no [correlation]: the errors count as independent\n",
+        });
         text.push_str(&format!(
             "  {} of {} parameter sets drawn within their standard errors leave the loop stable\n",
             found.samples - found.unstable - found.impossible,

@@ -12,7 +12,7 @@ use crate::commands::identify::with_model;
 use crate::design_change::DesignChange;
 use crate::diagnosed::{Diagnosed, DiagnosisJson};
 use crate::failure::Failure;
-use crate::fitted::parameters_of;
+use crate::fitted::{correlation_of, parameters_of};
 use crate::progress::while_saying;
 use crate::report::Report;
 
@@ -58,7 +58,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let mut design_change = None;
     let model_of = |fit: &identify::Fit| {
         let parameters = parameters_of(&folder, fit);
-        with_model(&folder, file.clone(), &fit.model, parameters)
+        let correlation = correlation_of(fit);
+        with_model(&folder, file.clone(), &fit.model, parameters, correlation)
     };
     let before = model_of(&identified.fit);
     if arguments.apply {

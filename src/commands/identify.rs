@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use bench_files::{ModelFile, Parameter};
+use bench_files::{Correlation, ModelFile, Parameter};
 use plant::Model;
 
 use crate::bench_folder::BenchFolder;
@@ -63,8 +63,9 @@ pub fn with_model(
     mut file: ModelFile,
     model: &Model,
     parameters: Vec<Parameter>,
+    correlation: Option<Correlation>,
 ) -> ModelFile {
-    file.replace_model_parameters(parameters);
+    file.replace_model_parameters(parameters, correlation);
     file.effects = model.effects().to_vec();
     file.design.get_or_insert_with(|| folder.usual_design());
     file
@@ -73,7 +74,13 @@ pub fn with_model(
 /// Writes a fit to the bench's model.toml; `file` is what stood there. Returns what to say about it.
 pub fn save(folder: &BenchFolder, file: ModelFile, fitted: &Fitted) -> Result<String, Failure> {
     let had_design = file.design.is_some();
-    let file = with_model(folder, file, &fitted.model, fitted.parameters.clone());
+    let file = with_model(
+        folder,
+        file,
+        &fitted.model,
+        fitted.parameters.clone(),
+        fitted.correlation.clone(),
+    );
     folder.write_model(&file)?;
     let mut text = format!("\nWritten: {}\n", folder.model_path.display());
     if !had_design {

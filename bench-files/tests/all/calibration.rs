@@ -303,7 +303,7 @@ fn a_fit_keeps_the_centre_of_mass() {
          [parameters.total_inertia]\nvalue = 1e-3\n[effects]\npresent = []\n",
     );
     let mut other = parse("[parameters.wheel_inertia]\nvalue = 1e-4\n[effects]\npresent = []\n");
-    file.replace_model_parameters(std::mem::take(&mut other.parameters));
+    file.replace_model_parameters(std::mem::take(&mut other.parameters), None);
     let names: Vec<&str> = file.parameters.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["wheel_inertia", "pivot_to_com"]);
     let again = parse(&file.to_toml());

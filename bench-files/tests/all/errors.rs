@@ -720,6 +720,134 @@ fn model_toml() {
 }
 
 #[test]
+fn correlations_that_no_errors_can_have() {
+    let section = |parameters: &str, matrix: &str| {
+        let mut toml = String::new();
+        for name in ["total_inertia", "gravity_torque", "wheel_inertia"] {
+            toml.push_str(&format!("[parameters.{name}]\nvalue = 0.1\nstd = 1e-3\n"));
+        }
+        format!(
+            "{toml}[parameters.torque_constant]\nvalue = 0.0335\n{EFFECTS}[correlation]\n\
+             parameters = {parameters}\nmatrix = {matrix}\n"
+        )
+    };
+    let two = r#"["total_inertia", "gravity_torque"]"#;
+    let three = r#"["total_inertia", "gravity_torque", "wheel_inertia"]"#;
+    let cases: [(&str, String, &[&str]); 13] = [
+        (
+            "unknown name",
+            section(r#"["total_inertia", "gravty_torque"]"#, "[[1, 0], [0, 1]]"),
+            &[
+                "model.toml:15:32",
+                "\"gravty_torque\"",
+                "did you mean \"gravity_torque\"",
+            ],
+        ),
+        (
+            "no standard error",
+            section(
+                r#"["total_inertia", "torque_constant"]"#,
+                "[[1, 0], [0, 1]]",
+            ),
+            &[
+                "model.toml:15:32",
+                "unknown parameter with a std \"torque_constant\"",
+            ],
+        ),
+        (
+            "a name twice",
+            section(r#"["total_inertia", "total_inertia"]"#, "[[1, 0], [0, 1]]"),
+            &[
+                "model.toml:15:32",
+                "\"total_inertia\" stands in this list already",
+            ],
+        ),
+        (
+            "no names",
+            section("[]", "[]"),
+            &["model.toml:15:14", "[correlation] lacks \"parameters\""],
+        ),
+        (
+            "no matrix",
+            section(two, "[[1, 0], [0, 1]]").replace("matrix = [[1, 0], [0, 1]]\n", ""),
+            &["model.toml:14:1", "[correlation] lacks \"matrix\""],
+        ),
+        (
+            "a row too short",
+            section(two, "[[1, 0], [1]]"),
+            &[
+                "model.toml:16:10",
+                "2 rows of 2 numbers",
+                "a list of 2 values",
+            ],
+        ),
+        (
+            "a row too few",
+            section(three, "[[1, 0, 0], [0, 1, 0]]"),
+            &["model.toml:16:10", "3 rows of 3 numbers"],
+        ),
+        (
+            "not finite",
+            section(two, "[[1, nan], [nan, 1]]"),
+            &["model.toml:16:10", "finite"],
+        ),
+        (
+            "covariances instead",
+            section(two, "[[1e-6, 1e-7], [1e-7, 1e-6]]"),
+            &[
+                "model.toml:16:12",
+                "\"total_inertia with total_inertia\" is 0.000001",
+                "must be 1",
+            ],
+        ),
+        (
+            "beyond one",
+            section(two, "[[1, 1.2], [1.2, 1]]"),
+            &[
+                "model.toml:16:15",
+                "\"total_inertia with gravity_torque\" is 1.2",
+                "between -1 and 1",
+            ],
+        ),
+        (
+            "not symmetric",
+            section(two, "[[1, 0.9], [0.8, 1]]"),
+            &[
+                "model.toml:16:22",
+                "\"gravity_torque with total_inertia\" is 0.8",
+                "0.9",
+                "symmetric",
+            ],
+        ),
+        (
+            // Eigenvalues 1.9, 1.9 and −0.8.
+            "each pair possible, not all three",
+            section(three, "[[1, 0.9, 0.9], [0.9, 1, -0.9], [0.9, -0.9, 1]]"),
+            &[
+                "model.toml:16:10",
+                "smallest eigenvalue",
+                "-0.8",
+                "zero or positive",
+            ],
+        ),
+        (
+            "a slip in the name",
+            section(two, "[[1, 0], [0, 1]]").replace("[correlation]", "[correlations]"),
+            &["model.toml:14:2", "did you mean \"correlation\""],
+        ),
+    ];
+    for (case, toml, parts) in cases {
+        match ModelFile::parse(&toml, Path::new("model.toml")) {
+            Ok(_) => panic!("{case}: parsed"),
+            Err(error) => assert_says(case, &error, parts),
+        }
+    }
+    // One of rank one is possible: two parameters that move as one.
+    let one = section(two, "[[1, -1], [-1, 1]]");
+    assert!(ModelFile::parse(&one, Path::new("model.toml")).is_ok());
+}
+
+#[test]
 fn a_model_that_lacks_a_parameter_or_the_design() {
     let toml = format!("{PARAMETERS}{EFFECTS}");
     let file = ModelFile::parse(&toml, Path::new("m.toml")).expect("parses");

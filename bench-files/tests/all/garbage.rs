@@ -44,6 +44,12 @@ value = 2.30344e-3
 std = 1.2e-6
 unit = "kg m2"
 source = "free swing"
+[parameters.wheel_inertia]
+value = 1.36e-4
+std = 1e-7
+[correlation]
+parameters = ["wheel_inertia", "total_inertia"]
+matrix = [[1.0, -0.3], [-0.3, 1.0]]
 [effects]
 present = ["body-viscous-friction", "body-coulomb-friction"]
 [design]

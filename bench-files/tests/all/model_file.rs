@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use bench_files::{DesignSection, ModelFile, Parameter, write_atomically};
+use bench_files::{Correlation, DesignSection, ModelFile, Parameter, write_atomically};
 use plant::EffectId;
 use proptest::prelude::*;
 
@@ -146,6 +146,83 @@ text = "kept"
     }
     assert!(!after.contains("wheel_inertia"), "{after}");
     assert_eq!(parse(&after), file);
+}
+
+/// Correlations as someone would write them by hand, the text around them, and what a change does.
+#[test]
+fn correlations() {
+    let text = r#"[parameters.total_inertia]
+value = 2.3e-3
+std = 1e-5
+[parameters.gravity_torque]
+value = 0.245
+std = 1e-3
+[parameters.wheel_inertia]
+value = 1.36e-4
+std = 1e-6
+[parameters.torque_constant]
+value = 0.0335
+
+# from the report
+[correlation]
+parameters = ["gravity_torque", "total_inertia", "wheel_inertia"]
+matrix = [
+    [1, 0.998, 0],   # the period knows G/Θ
+    [0.998, 1.0, -0.02],
+    [0, -0.02, 1],
+]
+
+[effects]
+present = []
+"#;
+    let mut file = parse(text);
+    assert_eq!(
+        file.to_toml(),
+        text,
+        "an unchanged file is written as it was"
+    );
+    let known = file.correlation.clone().expect("there");
+    assert_eq!(known.between("total_inertia", "gravity_torque"), 0.998);
+    assert_eq!(known.between("wheel_inertia", "total_inertia"), -0.02);
+    assert_eq!(known.between("wheel_inertia", "wheel_inertia"), 1.0);
+    assert_eq!(known.between("torque_constant", "total_inertia"), 0.0);
+
+    // A value of its own has nothing to do with the others any more.
+    file.set_parameter(parameter("wheel_inertia", 1.4e-4, Some(1e-7)));
+    let pair = Correlation {
+        parameters: vec!["gravity_torque".to_string(), "total_inertia".to_string()],
+        matrix: vec![vec![1.0, 0.998], vec![0.998, 1.0]],
+    };
+    assert_eq!(file.correlation, Some(pair.clone()));
+    assert_eq!(parse(&file.to_toml()), file);
+
+    // Digits that do not end; the new section stands in a file that had none.
+    let mut file = parse(&text.replace("[correlation]", "[note]"));
+    assert_eq!(file.correlation, None);
+    let third = 0.999 + 1e-3 / 3.0;
+    let strong = Correlation {
+        matrix: vec![vec![1.0, third], vec![third, 1.0]],
+        ..pair
+    };
+    let parameters = file.parameters.clone();
+    file.replace_model_parameters(parameters, Some(strong.clone()));
+    let written = file.to_toml();
+    assert_eq!(parse(&written).correlation, Some(strong), "{written}");
+    assert!(
+        written.contains("\nmatrix = [\n    [1.0, 0.9993"),
+        "{written}"
+    );
+
+    // A parameter that lost its standard error leaves the section, and the file can be read.
+    file.parameters[0].std = None;
+    let again = parse(&file.to_toml()).correlation.expect("there");
+    assert_eq!(again.parameters, ["gravity_torque"]);
+    file.replace_model_parameters(Vec::new(), None);
+    assert!(
+        !file.to_toml().contains("[correlation]"),
+        "{}",
+        file.to_toml()
+    );
 }
 
 #[test]

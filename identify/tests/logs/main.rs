@@ -3,6 +3,7 @@
 
 mod breakdown;
 mod contradiction;
+mod correlation;
 mod other_rig;
 mod real;
 mod recovery;
