@@ -22,6 +22,9 @@ pub const PERIODS: usize = 10;
 /// Error of the period at which the linear model counts as no longer good.
 const PERIOD_SHARE: f64 = 0.01;
 
+/// A column of a table: its name and its values.
+type Column<'a> = (&'static str, &'a [f64]);
+
 /// The free swings of a bench with both models over them.
 pub struct SwingLinearity {
     swings: Vec<(String, SwingOverMeasurement)>,
@@ -254,7 +257,7 @@ impl SwingLinearity {
     }
 
     /// Name and columns of each swing's table.
-    pub fn columns(&self) -> Vec<(&str, [(&'static str, &[f64]); 4])> {
+    pub fn columns(&self) -> Vec<(&str, [Column<'_>; 4])> {
         self.swings
             .iter()
             .map(|(name, swing)| {

@@ -4,9 +4,15 @@
 //! ways: by the momentum of body and wheel, and by the command. The second has the lower noise, but an
 //! error of the motor's model (a lag, a dead zone) looks like a push in it; the first knows no motor.
 //! A push is what the second shows and the first does not contradict.
+//!
+//! In a log that is sampled more slowly than the loop answers, nobody knows the current and the angle
+//! between two samples, and the fit that sees neither well is off by a large share of either torque:
+//! every push has echoes in the answer to it. There a push is only what exceeds all that motor and
+//! gravity did meanwhile; the rest is left out of the fit like a push, but not reported as one.
 
-use plant::{Kind, Model};
+use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
 
+use crate::fit::BALANCE_WINDOW_S;
 use crate::missing_torque::{MeasuredMotion, TorqueOn, half_samples, missing_torque};
 use crate::record::{Output, Record};
 
@@ -112,8 +118,60 @@ fn centre(series: &mut [f64], time_s: &[f64]) -> f64 {
     1.4826 * median(absolute).unwrap_or(0.0)
 }
 
-/// The pushes in a balance log; none in other kinds.
+/// Whether a log has too few samples to follow the loop's answer to a push: windows of
+/// [`BALANCE_WINDOW_S`] hold fewer than a window needs.
+pub(crate) fn is_slow(record: &Record) -> bool {
+    // `Record::windows` makes no window shorter than this.
+    let least = record.windows(0.0).first().map_or(0, |window| window.len());
+    record.kind == Kind::Balance && samples_in_window(record) < least as f64
+}
+
+/// Samples in [`BALANCE_WINDOW_S`].
+pub(crate) fn samples_in_window(record: &Record) -> f64 {
+    let span_s = record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
+    BALANCE_WINDOW_S * (record.len().max(1) - 1) as f64 / span_s.max(1e-300)
+}
+
+/// The pushes in a balance log; none in other kinds. In a slow log only those that exceed all that
+/// motor and gravity did while they acted.
 pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
+    let mut pushes = find_disturbances(record, model);
+    if is_slow(record) {
+        pushes.retain(|push| push.impulse_nms.abs() > own_impulse_nms(record, model, push));
+    }
+    pushes
+}
+
+/// Impulse of the size of the motor's and gravity's torque while a push acted, in N m s. The current
+/// counts from the middle of the log's, which holds the body where it leans and has the sensor's
+/// offset.
+fn own_impulse_nms(record: &Record, model: &PushModel, push: &Push) -> f64 {
+    let mut sorted: Vec<f64> = record.current_a.clone();
+    sorted.retain(|current| current.is_finite());
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let angle = record.channel(Output::Angle);
+    let size_nm = |k: usize| {
+        let motor = model.base[TORQUE_CONSTANT] * (record.current_a[k] - middle);
+        let gravity = angle.map_or(0.0, |angle| {
+            model.base[GRAVITY_TORQUE] * angle.samples[k].sin()
+        });
+        // A missing sample says nothing of what acted.
+        [motor, gravity]
+            .iter()
+            .filter(|torque| torque.is_finite())
+            .map(|torque| torque.abs())
+            .sum::<f64>()
+    };
+    let first = record.time_s.partition_point(|time| *time < push.span_s.0);
+    let end = record.time_s.partition_point(|time| *time <= push.span_s.1);
+    (first.max(1)..end)
+        .map(|k| 0.5 * (size_nm(k - 1) + size_nm(k)) * (record.time_s[k] - record.time_s[k - 1]))
+        .sum()
+}
+
+/// Everything in a balance log that looks like a push, echoes in a slow log included.
+pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push> {
     if record.kind != Kind::Balance {
         return vec![];
     }

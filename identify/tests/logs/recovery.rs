@@ -204,6 +204,47 @@ fn pushes_are_found_where_and_as_large_as_they_were_and_none_elsewhere() {
     }
 }
 
+/// The same loop at 1 kHz, of which only every 50th sample was logged, without rates: what is reported
+/// is a push, though fewer may be found, and a sentence says why.
+#[test]
+fn in_a_log_at_20_hz_no_echo_of_a_push_is_reported_as_one() {
+    let large: Vec<(f64, f64)> = PUSHES.iter().map(|(size, at)| (3.0 * size, *at)).collect();
+    let mut reported = 0;
+    for seed in 2460..2466 {
+        let fast = log(&Physics::base(), &balance("balance", &large), seed).every(50);
+        let outputs = fast.channels.iter().map(|channel| {
+            (channel.output != identify::Output::Rate).then(|| channel.samples.clone())
+        });
+        let outputs: Vec<Option<Vec<f64>>> = outputs.collect();
+        let record = Record::new(
+            "balance",
+            Kind::Balance,
+            fast.time_s.clone(),
+            outputs.try_into().expect("three channels"),
+            Some(fast.current_a.clone()),
+            false,
+        );
+        let swing = log(
+            &Physics::base(),
+            &free_swing("swing", 0.35, 10.0),
+            seed + 50,
+        );
+        let found = fitted(&setup(vec![swing, record]), &[]);
+        let said = format!("seed {seed}: {:?}", found.pushes[1]);
+        eprintln!("{said}");
+        for push in &found.pushes[1] {
+            let is_true = large
+                .iter()
+                .any(|(size, at)| (push.time_s - at).abs() < 0.1 && push.impulse_nms * size > 0.0);
+            assert!(is_true, "{said}");
+        }
+        reported += found.pushes[1].len();
+        let sentence = "cannot be told from the answer";
+        assert!(found.statements.iter().any(|each| each.contains(sentence)));
+    }
+    eprintln!("{reported} of {} pushes reported", 6 * large.len());
+}
+
 #[test]
 fn no_push_is_found_in_other_kinds_of_log() {
     let record = log(&Physics::base(), &free_swing("swing", 0.35, 10.0), 2450);
