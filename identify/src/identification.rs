@@ -508,8 +508,8 @@ fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String> {
             out.push(format!(
                 "{}: {BALANCE_WINDOW_S} s hold only {in_window:.0} samples, so that windows of {least} \
                  samples are compared, of which a start of their own takes up to three: the fit percent \
-                 says little here; what looks like a push while motor and gravity did as much or more \
-                 cannot be told from the answer to an earlier one: it is left out of the fit, but not \
+                 says little here; what looks like a push, but is no larger than the error of motor and \
+                 gravity, cannot be told from the answer to an earlier one: it is left out of the fit, but not \
                  reported",
                 record.name
             ));
