@@ -14,6 +14,7 @@ mod module_spec;
 mod progress;
 mod report;
 mod swing_decay;
+mod swing_linearity;
 
 use std::io::Write;
 use std::panic;

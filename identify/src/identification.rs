@@ -9,7 +9,9 @@ use plant::{
 use crate::cogging::cogging_start;
 use crate::contradiction::{Contradiction, body_inertia_contradiction, contradictions};
 use crate::fit::{BALANCE_WINDOW_S, Fit, Trace, finish, fit_from_scratch, refit, traces};
-use crate::pushes::{Push, PushModel, find_pushes, leave_out};
+use crate::pushes::{
+    Push, PushModel, find_disturbances, find_pushes, is_slow, leave_out, samples_in_window,
+};
 use crate::record::{Output, Record};
 use crate::sensitivity::Window;
 use crate::solver::Effort;
@@ -116,7 +118,7 @@ impl Setup {
                 wheel_friction,
             };
             for record in &mut records {
-                let pushes = find_pushes(record, &model);
+                let pushes = find_disturbances(record, &model);
                 leave_out(record, &pushes, BALANCE_WINDOW_S);
             }
         }
@@ -152,7 +154,7 @@ impl Setup {
         let mut changed = false;
         for record in &mut again.records {
             let before = record.weight.clone();
-            let pushes = find_pushes(record, &push_model);
+            let pushes = find_disturbances(record, &push_model);
             leave_out(record, &pushes, BALANCE_WINDOW_S);
             for (weight, before) in record.weight.iter_mut().zip(before) {
                 changed |= *weight < before;
@@ -499,15 +501,16 @@ const OPEN_RELATIVE_STD: f64 = 1.0;
 fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String> {
     let mut out = vec![];
     for (record, traces) in records.iter().zip(traces) {
-        let span_s = record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
-        let in_window = BALANCE_WINDOW_S * (record.len().max(1) - 1) as f64 / span_s.max(1e-300);
-        // `Record::windows` makes no window shorter than this.
-        let least = record.windows(0.0).first().map_or(0, |window| window.len());
-        if record.kind == Kind::Balance && in_window < least as f64 {
+        if is_slow(record) {
+            let in_window = samples_in_window(record);
+            // `Record::windows` makes no window shorter than this.
+            let least = record.windows(0.0).first().map_or(0, |window| window.len());
             out.push(format!(
                 "{}: {BALANCE_WINDOW_S} s hold only {in_window:.0} samples, so that windows of {least} \
                  samples are compared, of which a start of their own takes up to three: the fit percent \
-                 says little here, and a push cannot be told from the answer to it in the samples after",
+                 says little here; what looks like a push, but is no larger than the error of motor and \
+                 gravity, cannot be told from the answer to an earlier one: it is left out of the fit, but not \
+                 reported",
                 record.name
             ));
         }

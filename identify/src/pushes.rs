@@ -4,9 +4,17 @@
 //! ways: by the momentum of body and wheel, and by the command. The second has the lower noise, but an
 //! error of the motor's model (a lag, a dead zone) looks like a push in it; the first knows no motor.
 //! A push is what the second shows and the first does not contradict.
+//!
+//! In a log that is sampled more slowly than the loop answers, nobody knows the current and the angle
+//! between two samples, and the fit that sees neither well is off by a large share of either torque:
+//! every push has echoes in the answer to it. There a push is only what exceeds the shares of motor and
+//! gravity that are missing over the whole log; the rest is left out of the fit like a push, but not
+//! reported as one.
 
-use plant::{Kind, Model};
+use nalgebra::{Matrix2, Vector2};
+use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
 
+use crate::fit::BALANCE_WINDOW_S;
 use crate::missing_torque::{MeasuredMotion, TorqueOn, half_samples, missing_torque};
 use crate::record::{Output, Record};
 
@@ -112,8 +120,92 @@ fn centre(series: &mut [f64], time_s: &[f64]) -> f64 {
     1.4826 * median(absolute).unwrap_or(0.0)
 }
 
-/// The pushes in a balance log; none in other kinds.
+/// Whether a log has too few samples to follow the loop's answer to a push: windows of
+/// [`BALANCE_WINDOW_S`] hold fewer than a window needs.
+pub(crate) fn is_slow(record: &Record) -> bool {
+    // `Record::windows` makes no window shorter than this.
+    let least = record.windows(0.0).first().map_or(0, |window| window.len());
+    record.kind == Kind::Balance && samples_in_window(record) < least as f64
+}
+
+/// Samples in [`BALANCE_WINDOW_S`].
+pub(crate) fn samples_in_window(record: &Record) -> f64 {
+    let span_s = record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
+    BALANCE_WINDOW_S * (record.len().max(1) - 1) as f64 / span_s.max(1e-300)
+}
+
+/// The pushes in a balance log; none in other kinds. In a slow log only those that exceed what motor
+/// and gravity, as wrong as they are in it, may have done while they acted.
 pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
+    let mut pushes = find_disturbances(record, model);
+    if !pushes.is_empty()
+        && is_slow(record)
+        && let Some((_, missing_nm)) = torque_on_body(record, model)
+    {
+        let own_nm = own_torques_nm(record, model);
+        let shares = wrong_shares(&missing_nm, &own_nm);
+        pushes.retain(|push| {
+            push.impulse_nms.abs() > own_impulse_nms(record, &own_nm, &shares, push)
+        });
+    }
+    pushes
+}
+
+/// Motor and gravity at every sample of a record, N m. The current counts from the middle of the log's,
+/// which holds the body where it leans and has the sensor's offset.
+fn own_torques_nm(record: &Record, model: &PushModel) -> Vec<Vector2<f64>> {
+    let mut sorted: Vec<f64> = record.current_a.clone();
+    sorted.retain(|current| current.is_finite());
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let angle = record.channel(Output::Angle);
+    // A missing sample says nothing of what acted.
+    let known = |torque: f64| if torque.is_finite() { torque } else { 0.0 };
+    (0..record.len())
+        .map(|k| {
+            let motor = model.base[TORQUE_CONSTANT] * (record.current_a[k] - middle);
+            let gravity = angle.map_or(0.0, |angle| {
+                model.base[GRAVITY_TORQUE] * angle.samples[k].sin()
+            });
+            Vector2::new(known(motor), known(gravity))
+        })
+        .collect()
+}
+
+/// The shares of motor and gravity that explain the most of a missing torque, by least squares: how
+/// wrong either is in this log. Real pushes add to them, which errs towards not reporting.
+fn wrong_shares(missing_nm: &[f64], own_nm: &[Vector2<f64>]) -> Vector2<f64> {
+    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+    let rows = missing_nm.iter().zip(own_nm);
+    for (missing, own) in rows.filter(|(missing, _)| missing.is_finite()) {
+        normal += own * own.transpose();
+        right += own * *missing;
+    }
+    let shares = normal
+        .try_inverse()
+        .map_or(Vector2::repeat(1.0), |inverse| inverse * right);
+    shares.abs()
+}
+
+/// Impulse in N m s that the wrong shares of motor and gravity may have while a push acted.
+fn own_impulse_nms(
+    record: &Record,
+    own_nm: &[Vector2<f64>],
+    shares: &Vector2<f64>,
+    push: &Push,
+) -> f64 {
+    let first = record.time_s.partition_point(|time| *time < push.span_s.0);
+    let end = record.time_s.partition_point(|time| *time <= push.span_s.1);
+    (first.max(1)..end)
+        .map(|k| {
+            let size = (own_nm[k - 1].abs() + own_nm[k].abs()).dot(shares);
+            0.5 * size * (record.time_s[k] - record.time_s[k - 1])
+        })
+        .sum()
+}
+
+/// Everything in a balance log that looks like a push, echoes in a slow log included.
+pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push> {
     if record.kind != Kind::Balance {
         return vec![];
     }

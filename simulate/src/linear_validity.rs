@@ -10,6 +10,9 @@
 //! phase however small A is: after n periods by 2πn A²/16. "Good" therefore needs a horizon. Here
 //! it is good while the root mean square of the error over n periods is below a share of the
 //! amplitude.
+//!
+//! Against a measured swing both models run from the start that the whole one was fitted to, and the
+//! amplitudes at which the measured period is that of the linear model are found without any start.
 
 use crate::SimulateError;
 use crate::error::check_positive;
@@ -58,13 +61,13 @@ pub fn compare_free_swing(
     check_positive("the amplitude in rad", amplitude_rad)?;
     check_positive("the duration in s", duration_s)?;
     let (smooth_model, smooth_values) = smooth_part(model, values);
-    let a = swing_matrix(&smooth_model, &smooth_values);
-    let linear_period_s = period_s(&a)?;
+    let linear = LinearSwing::of(&smooth_model, &smooth_values);
+    let linear_period_s = linear.period_s()?;
     let step_s = linear_period_s / SAMPLES_A_PERIOD as f64;
     let samples = ((duration_s / step_s).ceil() as usize).max(SAMPLES_A_PERIOD) + 1;
     let time_s: Vec<f64> = (0..samples).map(|index| index as f64 * step_s).collect();
 
-    let linear_rad = linear_swing(&a, amplitude_rad, step_s, samples)?;
+    let linear_rad = linear.run([amplitude_rad, 0.0], &time_s)?;
     let whole_rad = swing(model, values, amplitude_rad, &time_s);
     let smooth_rad = swing(&smooth_model, &smooth_values, amplitude_rad, &time_s);
     let error = |other: &[f64]| relative_error(&linear_rad, other, amplitude_rad, SAMPLES_A_PERIOD);
@@ -95,14 +98,14 @@ pub fn largest_linear_amplitude(
     check_positive("the number of periods", periods as f64)?;
     check_positive("the share of the amplitude", share)?;
     let (model, values) = smooth_part(model, values);
-    let a = swing_matrix(&model, &values);
-    let step_s = period_s(&a)? / SAMPLES_A_PERIOD as f64;
+    let linear = LinearSwing::of(&model, &values);
+    let step_s = linear.period_s()? / SAMPLES_A_PERIOD as f64;
     let samples = periods * SAMPLES_A_PERIOD;
     let time_s: Vec<f64> = (0..=samples).map(|index| index as f64 * step_s).collect();
     let error = |amplitude: f64| -> Result<f64, SimulateError> {
-        let linear = linear_swing(&a, amplitude, step_s, samples + 1)?;
+        let linear_rad = linear.run([amplitude, 0.0], &time_s)?;
         let nonlinear = swing(&model, &values, amplitude, &time_s);
-        Ok(relative_error(&linear, &nonlinear, amplitude, samples))
+        Ok(relative_error(&linear_rad, &nonlinear, amplitude, samples))
     };
     // The error grows with the amplitude; half way to upright it is beyond any use.
     let (mut good, mut bad) = (0.0, FRAC_PI_2);
@@ -118,6 +121,176 @@ pub fn largest_linear_amplitude(
         }
     }
     Ok(good)
+}
+
+/// A measured free swing and the whole model over it; angle 0 hanging, SI units.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredSwing<'a> {
+    /// Time in s, increasing.
+    pub time_s: &'a [f64],
+    /// Measured angle in rad; NaN where a sample is missing.
+    pub angle_rad: &'a [f64],
+    /// What the sensor would read of the whole model, in rad.
+    pub whole_rad: &'a [f64],
+    /// True angle (rad) and rate (rad/s) of the whole model at the first sample.
+    pub start: [f64; 2],
+}
+
+/// Both models over the first periods of a measured swing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SwingOverMeasurement {
+    /// Amplitude that the linear model has from the common start, in rad.
+    pub amplitude_rad: f64,
+    /// Time in s from the first sample.
+    pub time_s: Vec<f64>,
+    /// Measured angle in rad.
+    pub measured_rad: Vec<f64>,
+    /// The whole model in rad.
+    pub whole_rad: Vec<f64>,
+    /// The linear model in rad.
+    pub linear_rad: Vec<f64>,
+    /// Root mean square of measurement − whole model over these periods, over the amplitude.
+    pub whole_error: f64,
+    /// Root mean square of measurement − linear model over these periods, over the amplitude.
+    pub linear_error: f64,
+}
+
+/// Lays the linear free swing over the first `periods` of its periods of a measured one (or the
+/// whole log, where it is shorter), from the start of the whole model.
+///
+/// # Errors
+/// Series of different length or fewer than two samples; a model that does not swing, or is at rest
+/// at the start.
+pub fn over_measurement(
+    model: &Model,
+    values: &[f64],
+    swing: &MeasuredSwing<'_>,
+    periods: usize,
+) -> Result<SwingOverMeasurement, SimulateError> {
+    let expected = swing.time_s.len().max(2);
+    for (what, found) in [
+        ("the measured swing", swing.time_s.len()),
+        ("the measured angle", swing.angle_rad.len()),
+        ("the modelled angle", swing.whole_rad.len()),
+    ] {
+        if found != expected {
+            return Err(SimulateError::WrongLength {
+                what,
+                found,
+                expected,
+            });
+        }
+    }
+    let (smooth_model, smooth_values) = smooth_part(model, values);
+    let linear = LinearSwing::of(&smooth_model, &smooth_values);
+    let period_s = linear.period_s()?;
+    let from_rest = [
+        swing.start[0] - linear.rest_rad,
+        swing.start[1] * period_s / TAU,
+    ];
+    let amplitude_rad = from_rest[0].hypot(from_rest[1]);
+    check_positive("the amplitude in rad", amplitude_rad)?;
+
+    let first_s = swing.time_s[0];
+    let until_s = first_s + periods as f64 * period_s;
+    let count = swing.time_s.partition_point(|time| *time <= until_s).max(2);
+    let time_s: Vec<f64> = swing.time_s[..count].iter().map(|t| t - first_s).collect();
+    let measured_rad = swing.angle_rad[..count].to_vec();
+    let whole_rad = swing.whole_rad[..count].to_vec();
+    // An offset of the sensor belongs to the reading of either model.
+    let offset_rad = whole_rad[0] - swing.start[0];
+    let linear_rad: Vec<f64> = linear
+        .run(swing.start, &time_s)?
+        .iter()
+        .map(|angle| angle + offset_rad)
+        .collect();
+    let error = |modelled: &[f64]| {
+        let differences = measured_rad.iter().zip(modelled).map(|(y, m)| y - m);
+        let counted: Vec<f64> = differences.filter(|d| d.is_finite()).collect();
+        let squares: f64 = counted.iter().map(|d| d * d).sum();
+        (squares / counted.len().max(1) as f64).sqrt() / amplitude_rad
+    };
+    Ok(SwingOverMeasurement {
+        amplitude_rad,
+        whole_error: error(&whole_rad),
+        linear_error: error(&linear_rad),
+        time_s,
+        measured_rad,
+        whole_rad,
+        linear_rad,
+    })
+}
+
+/// The period of a measured swing at one of its amplitudes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredPeriod {
+    /// Amplitude in rad.
+    pub amplitude_rad: f64,
+    /// Period in s.
+    pub period_s: f64,
+    /// Its standard error in s.
+    pub std_s: f64,
+}
+
+/// Measured periods against that of the linear model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearRange {
+    /// Period of the linear model in s.
+    pub linear_period_s: f64,
+    /// Smallest and largest amplitude in rad at which a period was measured well enough.
+    pub measured_rad: (f64, f64),
+    /// The amplitudes in rad between which the measured periods are those of the linear model to
+    /// within the share asked for; none where they nowhere are.
+    pub good_rad: Option<(f64, f64)>,
+    /// The next larger amplitude in rad at which a period was measured, where the linear model is no
+    /// longer good; none where it is good up to the largest.
+    pub off_from_rad: Option<f64>,
+}
+
+/// Where the linear model has the measured periods to within `share`: the range of amplitudes with
+/// the most periods inside, those outside counted against it by how far they are off. A period whose
+/// standard error exceeds the share says nothing and is left out; none where no other is left.
+///
+/// # Errors
+/// A share that is not positive; a model that does not swing.
+pub fn linear_range(
+    model: &Model,
+    values: &[f64],
+    periods: &[MeasuredPeriod],
+    share: f64,
+) -> Result<Option<LinearRange>, SimulateError> {
+    check_positive("the share of the period", share)?;
+    let (smooth_model, smooth_values) = smooth_part(model, values);
+    let linear_period_s = LinearSwing::of(&smooth_model, &smooth_values).period_s()?;
+    let mut known: Vec<&MeasuredPeriod> = periods
+        .iter()
+        .filter(|period| period.std_s <= share * linear_period_s)
+        .collect();
+    known.sort_by(|a, b| a.amplitude_rad.total_cmp(&b.amplitude_rad));
+    let (Some(first), Some(last)) = (known.first(), known.last()) else {
+        return Ok(None);
+    };
+    // The run with the largest sum (Kadane).
+    let (mut best, mut best_sum) = (None, 0.0);
+    let (mut from, mut sum) = (first.amplitude_rad, 0.0);
+    for period in &known {
+        if sum <= 0.0 {
+            (from, sum) = (period.amplitude_rad, 0.0);
+        }
+        sum += share - (period.period_s / linear_period_s - 1.0).abs();
+        if sum > best_sum {
+            (best, best_sum) = (Some((from, period.amplitude_rad)), sum);
+        }
+    }
+    Ok(Some(LinearRange {
+        linear_period_s,
+        measured_rad: (first.amplitude_rad, last.amplitude_rad),
+        good_rad: best,
+        off_from_rad: best.and_then(|(_, to)| {
+            let mut amplitudes = known.iter().map(|period| period.amplitude_rad);
+            amplitudes.find(|amplitude| *amplitude > to)
+        }),
+    }))
 }
 
 /// The linear spin-up over the nonlinear one, body clamped.
@@ -217,42 +390,55 @@ fn smooth_part(model: &Model, values: &[f64]) -> (Model, Vec<f64>) {
     (part, values)
 }
 
-/// [[0, 1], [∂α̈/∂α, ∂α̈/∂α̇]] hanging, wheel locked.
-fn swing_matrix(model: &Model, values: &[f64]) -> DMatrix<f64> {
-    let constants: Vec<Dual<2>> = values.iter().map(|value| Dual::constant(*value)).collect();
-    let plant = Plant::new(model, &constants, Kind::FreeSwing);
-    let at = State {
-        angle_rad: Dual::variable(0.0, 0),
-        rate_rad_s: Dual::variable(0.0, 1),
-        ..State::rest()
-    };
-    let (rate_dot, _) = plant.derivative(&at, Dual::constant(0.0), 0.0);
-    let [by_angle, by_rate] = rate_dot.derivatives;
-    DMatrix::from_row_slice(2, 2, &[0.0, 1.0, by_angle, by_rate])
+/// The free swing linearised at α = 0, wheel locked.
+struct LinearSwing {
+    /// [[0, 1], [∂α̈/∂α, ∂α̈/∂α̇]].
+    matrix: DMatrix<f64>,
+    /// Angle at which it comes to rest, rad: not 0 where a cable pulls the body aside.
+    rest_rad: f64,
 }
 
-/// The period of the linear swing in s, damping included.
-fn period_s(a: &DMatrix<f64>) -> Result<f64, SimulateError> {
-    let square = -a[(1, 0)] - 0.25 * a[(1, 1)].powi(2);
-    check_positive("the square of the swing's frequency in 1/s2", square)?;
-    Ok(TAU / square.sqrt())
-}
+impl LinearSwing {
+    fn of(model: &Model, values: &[f64]) -> LinearSwing {
+        let constants: Vec<Dual<2>> = values.iter().map(|value| Dual::constant(*value)).collect();
+        let plant = Plant::new(model, &constants, Kind::FreeSwing);
+        let at = State {
+            angle_rad: Dual::variable(0.0, 0),
+            rate_rad_s: Dual::variable(0.0, 1),
+            ..State::rest()
+        };
+        let (rate_dot, _) = plant.derivative(&at, Dual::constant(0.0), 0.0);
+        let [by_angle, by_rate] = rate_dot.derivatives;
+        LinearSwing {
+            matrix: DMatrix::from_row_slice(2, 2, &[0.0, 1.0, by_angle, by_rate]),
+            rest_rad: -rate_dot.value / by_angle,
+        }
+    }
 
-fn linear_swing(
-    a: &DMatrix<f64>,
-    amplitude_rad: f64,
-    step_s: f64,
-    samples: usize,
-) -> Result<Vec<f64>, SimulateError> {
-    let step = exponential(&(a * step_s))?;
-    let mut x = DMatrix::from_column_slice(2, 1, &[amplitude_rad, 0.0]);
-    Ok((0..samples)
-        .map(|_| {
-            let angle = x[0];
+    /// Its period in s, damping included.
+    fn period_s(&self) -> Result<f64, SimulateError> {
+        let a = &self.matrix;
+        let square = -a[(1, 0)] - 0.25 * a[(1, 1)].powi(2);
+        check_positive("the square of the swing's frequency in 1/s2", square)?;
+        Ok(TAU / square.sqrt())
+    }
+
+    /// The angle in rad at every time, from angle (rad) and rate (rad/s) at the first.
+    fn run(&self, start: [f64; 2], time_s: &[f64]) -> Result<Vec<f64>, SimulateError> {
+        let mut x = DMatrix::from_column_slice(2, 1, &[start[0] - self.rest_rad, start[1]]);
+        let mut angles = vec![start[0]];
+        let (mut step_s, mut step) = (0.0, DMatrix::identity(2, 2));
+        for pair in time_s.windows(2) {
+            // A log has one sample time, give or take the digits of its clock.
+            if ((pair[1] - pair[0]) - step_s).abs() > 1e-9 * step_s {
+                step_s = pair[1] - pair[0];
+                step = exponential(&(&self.matrix * step_s))?;
+            }
             x = &step * &x;
-            angle
-        })
-        .collect())
+            angles.push(self.rest_rad + x[0]);
+        }
+        Ok(angles)
+    }
 }
 
 fn swing(model: &Model, values: &[f64], amplitude_rad: f64, time_s: &[f64]) -> Vec<f64> {

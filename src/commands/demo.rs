@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     })?;
     let closed_loop = simulate::run(&simulate::Arguments {
         model: model.clone(),
-        bench: None,
+        bench: Some(bench_path.clone()),
         seed: 1,
         out: Some(out.join("figures")),
         output: quiet(),

@@ -28,6 +28,7 @@ use crate::progress::while_doing;
 use crate::report::Report;
 use crate::report::numbers::{significant, with_prefix};
 use crate::report::table::{Align, Table};
+use crate::swing_linearity::{PERIODS, SwingLinearity, SwingLinearityJson};
 
 /// Resolution of the bisection for the largest recoverable angle, rad: a hundredth of a degree.
 const ANGLE_RESOLUTION_RAD: f64 = 1.745e-4;
@@ -47,7 +48,7 @@ const LINEAR_SHARE: f64 = 0.05;
 pub struct Arguments {
     /// The model: a model.toml
     pub model: PathBuf,
-    /// Overlay the balance logs of this bench
+    /// Overlay the free swings and balance logs of this bench
     #[arg(long)]
     pub bench: Option<PathBuf>,
     /// Seed of the sensors' noise
@@ -71,6 +72,8 @@ struct SimulateJson {
     attitude_filters: Vec<FilterJson>,
     effects: Vec<EffectsJson>,
     linear_model: LinearJson,
+    /// The measured free swings of the bench, where one was named and has any.
+    measured_swings: Option<SwingLinearityJson>,
     overlays: Vec<OverlayJson>,
     files: Vec<PathBuf>,
 }
@@ -209,9 +212,9 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         let attitude_filters = work.attitude_filters()?;
         let effects = work.effects()?;
         let linear_model = work.linear_model()?;
-        let overlays = match &bench {
-            Some(bench) => work.overlays(bench)?,
-            None => Vec::new(),
+        let (measured_swings, overlays) = match &bench {
+            Some(bench) => (work.measured_swings(bench)?, work.overlays(bench)?),
+            None => (None, Vec::new()),
         };
         Ok(SimulateJson {
             model: work.designed.name(),
@@ -223,6 +226,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             attitude_filters,
             effects,
             linear_model,
+            measured_swings,
             overlays,
             files: work.files.clone(),
         })
@@ -662,7 +666,7 @@ impl<'a> Work<'a> {
         let (model, values) = (&self.designed.model, &self.designed.values);
         let failure = self.failure();
         let good_up_to_amplitude_rad =
-            largest_linear_amplitude(model, values, 10, LINEAR_SHARE).map_err(&failure)?;
+            largest_linear_amplitude(model, values, PERIODS, LINEAR_SHARE).map_err(&failure)?;
         let swings = [20.0_f64, 60.0]
             .map(|degrees| compare_free_swing(model, values, degrees.to_radians(), 6.0));
         let [small, large] = swings;
@@ -757,6 +761,21 @@ impl<'a> Work<'a> {
             ],
         )?;
         Ok(json)
+    }
+
+    /// The nonlinear and the linear model over each measured free swing of a bench.
+    fn measured_swings(&mut self, bench: &Bench) -> Result<Option<SwingLinearityJson>, Failure> {
+        let found = SwingLinearity::of(bench, self.designed).map_err(self.failure())?;
+        if found.is_empty() {
+            return Ok(None);
+        }
+        self.text.push_str(&found.text());
+        let svg = found.figure(&self.designed.name())?;
+        self.write_figure("simulate-measured-free-swings", &svg)?;
+        for (name, columns) in found.columns() {
+            self.write_columns(&format!("simulate-over-{}", file_name(name)), &columns)?;
+        }
+        Ok(Some(found.json()))
     }
 
     /// The simulated loop over each balance log of a bench, with the pushes found in it.

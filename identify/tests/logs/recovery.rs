@@ -1,7 +1,7 @@
 //! Known parameters come back from simulated logs, with errors that mean what they say.
 
 use identify::{
-    Effort, Identification, KnownPromise, Record, Setup, Unknowns, carry_over, find_pushes,
+    Effort, Identification, KnownPromise, Output, Record, Setup, Unknowns, carry_over, find_pushes,
     identify, promise, refit,
 };
 use plant::{EffectId, Kind, Model};
@@ -236,6 +236,47 @@ fn pushes_are_found_where_and_as_large_as_they_were_and_none_elsewhere() {
             }
         }
     }
+}
+
+/// A body ten times as heavy, whose loop takes a second to answer, and of the log only every 50th sample,
+/// without rates: what is reported is a push, and a sentence says why there may be others.
+#[test]
+fn in_a_log_at_20_hz_no_echo_of_a_push_is_reported_as_one() {
+    let large: Vec<(f64, f64)> = PUSHES.iter().map(|(size, at)| (4.0 * size, *at)).collect();
+    let mut values = VALUES;
+    values[0] *= 10.0;
+    let physics = Physics {
+        values,
+        ..Physics::base()
+    };
+    let mut reported = 0;
+    for seed in 2460..2466 {
+        let slow = log(&physics, &balance("balance", &large), seed).every(50);
+        let samples = |output| slow.channel(output).map(|channel| channel.samples.clone());
+        let record = Record::new(
+            "balance",
+            Kind::Balance,
+            slow.time_s.clone(),
+            [samples(Output::Angle), None, samples(Output::WheelSpeed)],
+            Some(slow.current_a.clone()),
+            false,
+        );
+        let swing = log(&physics, &free_swing("swing", 0.35, 10.0), seed + 50);
+        let found = fitted(&setup(vec![swing, record]), &[]);
+        let said = format!("seed {seed}: {:?}", found.pushes[1]);
+        eprintln!("{said}");
+        for push in &found.pushes[1] {
+            let is_true = large
+                .iter()
+                .any(|(size, at)| (push.time_s - at).abs() < 0.1 && push.impulse_nms * size > 0.0);
+            assert!(is_true, "{said}");
+        }
+        reported += found.pushes[1].len();
+        let sentence = "cannot be told from the answer";
+        assert!(found.statements.iter().any(|each| each.contains(sentence)));
+    }
+    eprintln!("{reported} of {} pushes reported", 6 * large.len());
+    assert!(reported >= 3 * large.len());
 }
 
 #[test]

@@ -2,7 +2,10 @@
 
 use crate::bench::{BASE, bench, exact_law, plain_loop};
 use plant::{EffectId, Model};
-use simulate::linear_validity::{compare_free_swing, compare_spin_up, largest_linear_amplitude};
+use simulate::linear_validity::{
+    MeasuredPeriod, MeasuredSwing, compare_free_swing, compare_spin_up, largest_linear_amplitude,
+    linear_range, over_measurement,
+};
 use simulate::overlay::MeasuredLog;
 use simulate::scenario::Scale;
 use simulate::{
@@ -52,6 +55,119 @@ fn the_linear_model_is_good_at_20_degrees_and_not_at_60() {
     // And at the amplitude found the error is the one asked for.
     let at = compare_free_swing(&model, &values, once, 1.0).unwrap();
     assert!((at.geometric_error_over_first_period - 0.05).abs() < 1e-3);
+}
+
+/// The period of a pendulum exceeds that of small swings by 1 % at 22.81385° (2 K(sin A/2)/π = 1.01,
+/// Abramowitz & Stegun 17.3.1, solved for A apart from this program).
+#[test]
+fn measured_periods_leave_the_linear_one_where_the_elliptic_integral_says() {
+    let values = [BASE[0], BASE[1], BASE[2], BASE[3], 0.0, 0.0];
+    let period = TAU * (BASE[0] / BASE[2]).sqrt();
+    let nodes = 2000;
+    // The midpoint rule converges exponentially on a whole period of the integrand.
+    let elliptic = |amplitude: f64| -> f64 {
+        let k = (0.5 * amplitude).sin();
+        (0..nodes)
+            .map(|node| (f64::from(node) + 0.5) * 0.5 * PI / f64::from(nodes))
+            .map(|theta| 1.0 / (1.0 - (k * theta.sin()).powi(2)).sqrt())
+            .sum::<f64>()
+            / f64::from(nodes)
+    };
+    let mut periods: Vec<MeasuredPeriod> = (1..=600)
+        .map(|tenth| (f64::from(tenth) * 0.1).to_radians())
+        .map(|amplitude_rad| MeasuredPeriod {
+            amplitude_rad,
+            period_s: period * elliptic(amplitude_rad),
+            std_s: 1e-4 * period,
+        })
+        .collect();
+    let range =
+        |periods: &[MeasuredPeriod]| linear_range(&Model::base(), &values, periods, 0.01).unwrap();
+    let found = range(&periods).unwrap();
+    assert!((found.linear_period_s - period).abs() < 1e-9);
+    let (from, to) = found.good_rad.unwrap();
+    assert!((from.to_degrees() - 0.1).abs() < 1e-9);
+    let limit = 22.813_85_f64;
+    assert!(to.to_degrees() <= limit && to.to_degrees() > limit - 0.1);
+    let off = found.off_from_rad.unwrap().to_degrees();
+    assert!((off - to.to_degrees() - 0.1).abs() < 1e-9);
+    assert_eq!(range(&periods[..200]).unwrap().off_from_rad, None);
+    assert!((found.measured_rad.1.to_degrees() - 60.0).abs() < 1e-9);
+    // A period that is not known to 1 % says nothing.
+    periods.push(MeasuredPeriod {
+        amplitude_rad: 0.1,
+        period_s: 9.0 * period,
+        std_s: 0.02 * period,
+    });
+    assert_eq!(range(&periods), Some(found));
+    assert_eq!(range(&periods[600..]), None);
+    // Another pendulum: nowhere.
+    let slow: Vec<MeasuredPeriod> = periods[..600]
+        .iter()
+        .map(|at| MeasuredPeriod {
+            period_s: 1.1 * at.period_s,
+            ..*at
+        })
+        .collect();
+    assert_eq!(range(&slow).unwrap().good_rad, None);
+}
+
+/// Small swings about a rest that a cable pulls aside, read by a sensor with an offset: linear and
+/// nonlinear model must both lie on the measurement. From 60° the linear one must not.
+#[test]
+fn both_models_start_where_the_measured_swing_does() {
+    let model = Model::base().with(EffectId::BodyCableSpring);
+    let position = |name| model.position_of(name).unwrap();
+    let mut values = vec![0.0; model.parameter_count()];
+    for info in model.parameters() {
+        if let Some(base) = Model::base().position_of(info.name) {
+            values[position(info.name)] = BASE[base];
+        }
+    }
+    values[position("cable_stiffness")] = 0.2 * BASE[2];
+    values[position("cable_rest_angle")] = 0.12;
+    let offset = 0.05;
+    let time_s: Vec<f64> = (0..2000).map(|k| 3.0 + f64::from(k) * 4e-3).collect();
+    let errors = |start: [f64; 2]| {
+        let plant = plant::Plant::new(&model, &values, plant::Kind::FreeSwing);
+        let mut state = plant::State {
+            angle_rad: start[0],
+            rate_rad_s: start[1],
+            ..plant::State::rest()
+        };
+        let drive = plant::Drive {
+            current_a: 0.0,
+            push: [0.0; 3],
+        };
+        let angle_rad: Vec<f64> = time_s
+            .iter()
+            .map(|_| {
+                let read = state.angle_rad + offset;
+                state = plant.step(&state, &drive, 4e-3);
+                read
+            })
+            .collect();
+        let swing = MeasuredSwing {
+            time_s: &time_s,
+            angle_rad: &angle_rad,
+            whole_rad: &angle_rad,
+            start,
+        };
+        let over = over_measurement(&model, &values, &swing, 10).unwrap();
+        assert_eq!((over.time_s[0], over.whole_error), (0.0, 0.0));
+        assert!(over.time_s.len() < time_s.len());
+        (over.amplitude_rad, over.linear_error)
+    };
+    // With a rest of 0.02 rad, linear: 0.2·0.12/1.2.
+    let (amplitude, error) = errors([0.03, 0.0]);
+    assert!((amplitude - 0.01).abs() < 1e-6, "{amplitude}");
+    assert!(error < 0.02, "{error}");
+    // From the rest with a rate it is the same swing, a quarter of a period on.
+    let omega = (1.2 * BASE[2] / BASE[0]).sqrt();
+    let (amplitude, error) = errors([0.02, 0.01 * omega]);
+    assert!((amplitude - 0.01).abs() < 1e-5, "{amplitude}");
+    assert!(error < 0.02, "{error}");
+    assert!(errors([60.0_f64.to_radians(), 0.0]).1 > 0.5);
 }
 
 #[test]
