@@ -84,13 +84,13 @@ pub fn proved(primitives: &[Primitive]) -> HashMap<usize, Contract> {
 
 /// The invariant of the words of a state: the quaternion's components and the rates within the
 /// limits that the source states, everything else of any value.
-struct Invariant {
-    component: i128,
-    rate: i128,
+pub(crate) struct Invariant {
+    pub(crate) component: i128,
+    pub(crate) rate: i128,
 }
 
 impl Invariant {
-    fn read(module: &Module) -> Result<Invariant, String> {
+    pub(crate) fn read(module: &Module) -> Result<Invariant, String> {
         let limit = |file: &str, name: &str| match module.constant(file, name) {
             Some([word]) if *word > 0 => Ok(*word),
             _ => Err(format!(
@@ -226,7 +226,8 @@ fn own_words(program: &Program) -> usize {
     program.inputs.iter().filter(is_own).count()
 }
 
-fn analysed(
+/// Ranges of the results of `name` for a state in the invariant and any readings.
+pub(crate) fn analysed(
     module: &Module,
     contracts: &HashMap<usize, Contract>,
     name: &str,

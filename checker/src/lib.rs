@@ -10,6 +10,7 @@
 //! | [`contract`] | ranges that functions promise each other |
 //! | [`intervals`] | ranges of every word; contracts by halving the domain |
 //! | [`forms`] | words as linear forms of the arguments |
+//! | [`polynomial`] | words as polynomials of symbols |
 //! | [`exact`], [`enclosure`] | rational numbers; outward-rounded intervals |
 //! | [`certificate`] | `certificate.json`, read strictly |
 //! | [`claims`] | the claims |
@@ -17,6 +18,7 @@
 //! | [`hardware`] | the words of sensors and drive against their real numbers |
 //! | [`control_law`] | claims about the control law |
 //! | [`filter`] | claims about the attitude filter and the full step |
+//! | [`length`] | the length of the filter's quaternion |
 //! | [`closed_loop`] | the loop for all time |
 //! | [`reference`] | the filter's equations in double precision, and random runs against them |
 //! | [`smt`] | questions to z3 |
@@ -42,9 +44,11 @@ pub mod hardware;
 pub mod interpret;
 pub mod intervals;
 pub mod language;
+pub mod length;
 pub mod lower;
 pub mod module;
 pub mod mutate;
+pub mod polynomial;
 pub mod program;
 pub mod prove;
 pub mod reference;

@@ -15,6 +15,7 @@ use crate::control_law::{ControlLaw, LawError};
 use crate::exact::rounded_up;
 use crate::filter;
 use crate::hardware;
+use crate::length;
 use crate::module::{Module, ReadError, sources};
 use crate::reference;
 use crate::smt::{self, Answer};
@@ -470,6 +471,15 @@ fn filter_claims(
     );
     table.add("filter-total", INTERVALS, || {
         of(filter::check_filter(module, &contracts).map(|()| "the invariant is kept".to_owned()))
+    });
+    table.add("filter-length", EXACT, || {
+        of(length::check(module, &contracts).map(|lengths| {
+            format!(
+                "squared length after a step: {}; after an alignment: {}",
+                length::distances(&lengths.after_step),
+                length::distances(&lengths.after_alignment)
+            )
+        }))
     });
     table.add("step-total", INTERVALS, || {
         let drive = &certificate.drive;

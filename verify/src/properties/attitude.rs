@@ -1,9 +1,9 @@
 //! The attitude filter and the whole step: ranges, whatever the sensors say.
 //!
 //! The state's invariant has two parts. The components' ranges are shown by induction for every
-//! bit pattern of every reading: [`step_keeps_ranges`]. The quaternion's length follows from
-//! exact arithmetic for states whose length is right, which no range of components can express:
-//! [`step_keeps_length`], on random states.
+//! bit pattern of every reading: [`step_keeps_ranges`]. The quaternion's length is a polynomial of
+//! degree six, which does not close as bits: the checker of the source proves it in exact
+//! arithmetic, and [`step_keeps_length`] is run on random states.
 
 use generated::constants::{FILTER, MOUNTING_ANGLE, ZERO_CURRENT};
 use generated::filter::{FilterState, step_imu, step_marg};
