@@ -20,6 +20,7 @@ use crate::reference;
 use crate::smt::{self, Answer};
 use crate::source::SourceError;
 use crate::stability::{self, RegionFailure};
+use crate::words;
 
 /// What came of a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -557,6 +558,9 @@ fn filter_claims(
     let fewer = (settings.cases / 10).max(1);
     table.add("filter-accurate", RANDOM, || {
         tested(reference::filter(module, fewer, settings.seed))
+    });
+    table.add("filter-exact", RANDOM, || {
+        tested(words::run(module, fewer, settings.seed))
     });
     table.add("step-total", RANDOM, || {
         let runs = reference::step(module, certificate, fewer, settings.seed);
