@@ -105,6 +105,13 @@ pub const CLAIMS: [Claim; 15] = [
         is_in_certificate: false,
     },
     Claim {
+        id: "filter-exact",
+        statement: "Every function of the filter gives, bit for bit, the words of the checker's own statement of it in exact integers.",
+        domain: "random words, ends of ranges, and words where pieces meet",
+        assumptions: "",
+        is_in_certificate: false,
+    },
+    Claim {
         id: "closed-loop-stable",
         statement: "All eigenvalues of Ad - Bd K with the quantised gains lie inside the unit circle.",
         domain: "the linear model sampled at the stated time",

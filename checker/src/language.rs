@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use syn::spanned::Spanned;
+use syn::visit::{self, Visit};
 
 use crate::source::{Place, SourceError};
 
@@ -117,6 +118,8 @@ pub struct Struct {
     pub name: String,
     /// Names (`0`, `1`, … in a tuple struct) and types of the fields.
     pub fields: Vec<(String, Type)>,
+    /// Whether code outside its module can write a field.
+    pub is_open: bool,
 }
 
 /// Something that a name of a module stands for.
@@ -253,6 +256,9 @@ impl Declarations {
         }
         for (module, (path, file)) in parsed.iter().enumerate() {
             inner_attributes(path, &file.attrs)?;
+            if declarations.files[module].module.is_empty() {
+                declarations.root(path, file)?;
+            }
             for item in &file.items {
                 declarations.item_name(module, path, item)?;
             }
@@ -342,6 +348,10 @@ impl Declarations {
             self.structs.push(Struct {
                 name: item.ident.to_string(),
                 fields: Vec::new(),
+                is_open: item
+                    .fields
+                    .iter()
+                    .any(|field| !matches!(field.vis, syn::Visibility::Inherited)),
             });
             self.define(module, path, &item.ident, Named::Type(Type::Struct(number)))?;
         }
@@ -396,9 +406,57 @@ impl Declarations {
         name: &syn::Ident,
         named: Named,
     ) -> Read<()> {
-        let names = &mut self.files[module].names;
-        if names.insert(name.to_string(), named).is_some() {
+        let text = name.to_string();
+        // Rust would take the new meaning where this reader takes the usual one.
+        let is_taken = Integer::named(&text).is_some() || TAKEN_NAMES.contains(&text.as_str());
+        if is_taken {
+            return refuse(path, name.span(), format!("`{name}` has a meaning in Rust"));
+        }
+        if self.files[module].names.insert(text, named).is_some() {
             return refuse(path, name.span(), format!("`{name}` is defined twice"));
+        }
+        Ok(())
+    }
+
+    /// `src/lib.rs` forbids unsafe code, needs no standard library, and declares every file.
+    fn root(&self, path: &Arc<str>, file: &syn::File) -> Read<()> {
+        let start = proc_macro2::Span::call_site();
+        for (name, argument) in [("no_std", None), ("forbid", Some("unsafe_code"))] {
+            let is_there = file.attrs.iter().any(|attribute| {
+                attribute.path().is_ident(name)
+                    && attribute
+                        .meta
+                        .require_list()
+                        .ok()
+                        .map(|list| list.tokens.to_string())
+                        .as_deref()
+                        == argument
+            });
+            if !is_there {
+                let shown = argument.map_or(name.to_owned(), |text| format!("{name}({text})"));
+                return refuse(path, start, format!("`#![{shown}]` is missing"));
+            }
+        }
+        let is_declared = |name: &str| {
+            file.items
+                .iter()
+                .any(|item| matches!(item, syn::Item::Mod(item) if item.ident == name))
+        };
+        for other in &self.files {
+            if !other.module.is_empty() && !is_declared(&other.module) {
+                let message = format!("`{}` is a file of no module", other.path);
+                return refuse(path, start, message);
+            }
+        }
+        for item in &file.items {
+            let (vis, span) = match item {
+                syn::Item::Mod(item) => (&item.vis, item.span()),
+                syn::Item::Use(item) => (&item.vis, item.span()),
+                _ => continue,
+            };
+            if !matches!(vis, syn::Visibility::Public(_)) {
+                return refuse(path, span, format!("{} is not public", shown(item)));
+            }
         }
         Ok(())
     }
@@ -424,7 +482,10 @@ impl Declarations {
                 match self.import(module, &segments) {
                     Some(named) => {
                         let name = segments.last().cloned().unwrap_or_default();
-                        self.files[module].names.insert(name, named);
+                        let names = &mut self.files[module].names;
+                        if names.insert(name.clone(), named).is_some() {
+                            return refuse(&path, span, format!("`{name}` is defined twice"));
+                        }
                     }
                     None => left.push((module, path, segments, span)),
                 }
@@ -483,6 +544,7 @@ impl Declarations {
             syn::Item::Const(item) => {
                 outer_attributes(path, &item.attrs)?;
                 no_generics(path, &item.generics)?;
+                no_attributes(path, |finder| finder.visit_expr(&item.expr))?;
                 let type_ = self.type_(module, path, &item.ty)?;
                 if item.ident == "_" {
                     self.constants.push(Constant {
@@ -502,6 +564,10 @@ impl Declarations {
             }
             syn::Item::Fn(item) => {
                 outer_attributes(path, &item.attrs)?;
+                no_attributes(path, |finder| {
+                    finder.visit_signature(&item.sig);
+                    finder.visit_block(&item.block);
+                })?;
                 let (arguments, result) = self.signature(module, path, &item.sig, None)?;
                 if let Some(Named::Function(number)) =
                     self.files[module].names.get(&item.sig.ident.to_string())
@@ -532,6 +598,16 @@ impl Declarations {
                         item.span(),
                         "modules are declared in src/lib.rs, each with a file of its own"
                             .to_owned(),
+                    );
+                }
+                if ["fixed", "core", "std", "alloc"]
+                    .iter()
+                    .any(|name| item.ident == name)
+                {
+                    return refuse(
+                        path,
+                        item.span(),
+                        format!("`{}` is the name of another crate", item.ident),
                     );
                 }
                 if self.module(&item.ident.to_string()).is_none() {
@@ -586,7 +662,23 @@ impl Declarations {
                 );
             };
             outer_attributes(path, &function.attrs)?;
+            no_attributes(path, |finder| {
+                finder.visit_signature(&function.sig);
+                finder.visit_block(&function.block);
+            })?;
             let (arguments, result) = self.signature(module, path, &function.sig, Some(owner))?;
+            // What a step keeps about a state holds only if nothing else can write it.
+            let is_mutating = arguments.first().is_some_and(|first| first.is_mutable);
+            if is_mutating && self.structs[owner].is_open {
+                return refuse(
+                    path,
+                    function.sig.ident.span(),
+                    format!(
+                        "`{}` has a field that others can write, and a method that changes it",
+                        self.structs[owner].name
+                    ),
+                );
+            }
             let number = self.functions.len();
             let name = function.sig.ident.to_string();
             self.functions.push(Function {
@@ -600,7 +692,13 @@ impl Declarations {
                 attributes: function.attrs.clone(),
                 is_public: matches!(function.vis, syn::Visibility::Public(_)),
             });
-            self.methods.insert((owner, name), number);
+            if self.methods.insert((owner, name), number).is_some() {
+                return refuse(
+                    path,
+                    function.sig.ident.span(),
+                    format!("{} is defined twice", shown(&function.sig.ident)),
+                );
+            }
         }
         Ok(())
     }
@@ -613,8 +711,7 @@ impl Declarations {
         owner: Option<usize>,
     ) -> Read<(Vec<Argument>, Type)> {
         no_generics(path, &signature.generics)?;
-        if signature.asyncness.is_some() || signature.abi.is_some() || signature.variadic.is_some()
-        {
+        if !is_plain(signature) {
             return refuse(
                 path,
                 signature.span(),
@@ -638,12 +735,17 @@ impl Declarations {
                     });
                 }
                 syn::FnArg::Typed(typed) => {
-                    let syn::Pat::Ident(name) = &*typed.pat else {
-                        return refuse(
-                            path,
-                            typed.pat.span(),
-                            format!("found {}; an argument has a name", shown(&typed.pat)),
-                        );
+                    let name = match &*typed.pat {
+                        syn::Pat::Ident(name) if name.by_ref.is_none() && name.subpat.is_none() => {
+                            name
+                        }
+                        other => {
+                            return refuse(
+                                path,
+                                other.span(),
+                                format!("found {}; an argument has a name", shown(other)),
+                            );
+                        }
                     };
                     let (type_, is_mutable) = match &*typed.ty {
                         syn::Type::Reference(reference) => (
@@ -824,6 +926,42 @@ fn fixed_named(name: &str) -> Option<Type> {
     (integer.checked_add(fraction)? == 32).then_some(Type::Fixed(fraction))
 }
 
+/// Names that Rust gives a meaning where nothing else has them; integers are known beside these.
+const TAKEN_NAMES: [&str; 18] = [
+    "bool", "char", "str", "isize", "usize", "u128", "f16", "f32", "f64", "f128", "Option", "Some",
+    "None", "Result", "Ok", "Err", "Default", "Self",
+];
+
+fn is_plain(signature: &syn::Signature) -> bool {
+    signature.asyncness.is_none()
+        && signature.abi.is_none()
+        && signature.variadic.is_none()
+        && matches!(signature.safety, syn::Safety::Default)
+}
+
+/// Finds attributes inside of functions, where `cfg` would take away code that is read here.
+struct AttributeFinder(Option<proc_macro2::Span>);
+
+impl<'ast> Visit<'ast> for AttributeFinder {
+    fn visit_attribute(&mut self, attribute: &'ast syn::Attribute) {
+        self.0.get_or_insert(attribute.span());
+        visit::visit_attribute(self, attribute);
+    }
+}
+
+fn no_attributes(path: &Arc<str>, look: impl FnOnce(&mut AttributeFinder)) -> Read<()> {
+    let mut finder = AttributeFinder(None);
+    look(&mut finder);
+    match finder.0 {
+        Some(span) => refuse(
+            path,
+            span,
+            "an attribute stands here; bodies and arguments have none".to_owned(),
+        ),
+        None => Ok(()),
+    }
+}
+
 fn no_generics(path: &Arc<str>, generics: &syn::Generics) -> Read<()> {
     if generics.params.is_empty() && generics.where_clause.is_none() {
         Ok(())
@@ -862,17 +1000,45 @@ fn inner_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -> Read<()> 
 pub(crate) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -> Read<()> {
     attributes.iter().try_for_each(|attribute| {
         let name = attribute.path();
-        let is_harmless = ["doc", "inline", "derive", "must_use"]
+        let list = || {
+            attribute
+                .parse_args_with(
+                    syn::punctuated::Punctuated::<syn::Meta, syn::Token![,]>::parse_terminated,
+                )
+                .ok()
+        };
+        let is_harmless = ["doc", "inline", "must_use"]
             .iter()
             .any(|known| name.is_ident(known));
-        let is_contract = name.is_ident("cfg_attr")
-            && attribute.meta.require_list().is_ok_and(|list| {
-                list.tokens
-                    .to_string()
-                    .replace(" ", "")
-                    .starts_with("kani,kani::")
+        let is_derive = name.is_ident("derive")
+            && list().is_some_and(|list| {
+                list.iter().all(|item| {
+                    ["Clone", "Copy", "Debug", "PartialEq", "Eq"]
+                        .iter()
+                        .any(|known| item.path().is_ident(known))
+                })
             });
-        if is_harmless || is_contract {
+        // One contract each: a second attribute in the list could be anything.
+        let is_contract = name.is_ident("cfg_attr")
+            && list().is_some_and(|list| {
+                let paths: Vec<Vec<String>> = list
+                    .iter()
+                    .map(|item| {
+                        let segments = item.path().segments.iter();
+                        segments.map(|segment| segment.ident.to_string()).collect()
+                    })
+                    .collect();
+                let paths: Vec<Vec<&str>> = paths
+                    .iter()
+                    .map(|path| path.iter().map(String::as_str).collect())
+                    .collect();
+                let paths: Vec<&[&str]> = paths.iter().map(Vec::as_slice).collect();
+                matches!(
+                    paths.as_slice(),
+                    [["kani"], ["kani", "requires" | "ensures"]]
+                )
+            });
+        if is_harmless || is_derive || is_contract {
             Ok(())
         } else {
             refuse(

@@ -25,6 +25,7 @@
 //! | [`document`] | CLAIMS.md |
 //! | [`mutate`] | damages the source and shows which engine notices |
 //! | [`prove`] | every claim by every engine |
+//! | [`words`] | the filter's functions a second time in exact integers, and runs against them |
 //! | [`stability`] | sampling, stability, stability over the parameters' region |
 
 #![warn(missing_docs)]
@@ -55,6 +56,7 @@ pub mod reference;
 pub mod smt;
 pub mod source;
 pub mod stability;
+pub mod words;
 
 pub use interpret::{Machine, Trap};
 pub use module::{Module, ReadError};

@@ -28,6 +28,9 @@ struct Scope {
     variables: Vec<(String, Value)>,
     /// `assert!`, `abs` and `i128` are for constants that assert something.
     is_assertion: bool,
+    /// Whether the value of what is read is the value of the function: only there is `return`
+    /// what this reader takes it for.
+    is_tail: bool,
 }
 
 /// Values of the constants, computed when first needed.
@@ -122,6 +125,7 @@ pub fn constant(
         owner: None,
         variables: Vec::new(),
         is_assertion: constant.name == "_",
+        is_tail: false,
     };
     let mut steps = Vec::new();
     let value = builder.expression(
@@ -270,6 +274,7 @@ impl<'a> Builder<'a> {
                 .zip(arguments)
                 .collect(),
             is_assertion: false,
+            is_tail: true,
         };
         let result = self.statements(
             &mut scope,
@@ -327,12 +332,18 @@ impl<'a> Builder<'a> {
         for (index, statement) in statements.iter().enumerate() {
             let is_last = index + 1 == statements.len();
             match statement {
-                syn::Stmt::Local(local) => self.binding(scope, local, steps)?,
-                syn::Stmt::Expr(syn::Expr::Return(value), _) if is_last => {
+                syn::Stmt::Local(local) => {
+                    let is_tail = std::mem::replace(&mut scope.is_tail, false);
+                    self.binding(scope, local, steps)?;
+                    scope.is_tail = is_tail;
+                }
+                syn::Stmt::Expr(syn::Expr::Return(value), _) if is_last && scope.is_tail => {
                     return self.returned(scope, value, expected, steps);
                 }
                 syn::Stmt::Expr(syn::Expr::If(choice), _)
-                    if choice.else_branch.is_none() && returns(&choice.then_branch) =>
+                    if scope.is_tail
+                        && choice.else_branch.is_none()
+                        && returns(&choice.then_branch) =>
                 {
                     // if c { return x; } rest   is   if c { x } else { rest }
                     let rest = &statements[index + 1..];
@@ -351,7 +362,9 @@ impl<'a> Builder<'a> {
                     return self.expression(scope, expression, expected, steps);
                 }
                 syn::Stmt::Expr(expression, _) => {
+                    let is_tail = std::mem::replace(&mut scope.is_tail, false);
                     let value = self.expression(scope, expression, None, steps)?;
+                    scope.is_tail = is_tail;
                     let is_effect = matches!(
                         expression,
                         syn::Expr::Assign(_)
@@ -561,7 +574,9 @@ impl<'a> Builder<'a> {
         then: impl FnOnce(&mut Self, &mut Scope, &mut Vec<Step>) -> Read<Value>,
         otherwise: impl FnOnce(&mut Self, &mut Scope, &mut Vec<Step>) -> Read<Value>,
     ) -> Read<Value> {
+        let is_tail = std::mem::replace(&mut scope.is_tail, false);
         let test = self.expression(scope, condition, Some(&Type::Bool), steps)?;
+        scope.is_tail = is_tail;
         self.require(scope, condition.span(), &Type::Bool, &test.type_)?;
         self.choice_on(scope, test.slots[0], span, steps, then, otherwise)
     }
@@ -628,6 +643,16 @@ impl<'a> Builder<'a> {
             type_: Type::Tuple(Vec::new()),
             slots: Vec::new(),
         };
+        let keeps_tail = matches!(
+            expression,
+            syn::Expr::If(_) | syn::Expr::Match(_) | syn::Expr::Block(_)
+        );
+        if scope.is_tail && !keeps_tail {
+            scope.is_tail = false;
+            let value = self.expression(scope, expression, expected, steps);
+            scope.is_tail = true;
+            return value;
+        }
         match expression {
             syn::Expr::Paren(inner) => self.expression(scope, &inner.expr, expected, steps),
             syn::Expr::Group(inner) => self.expression(scope, &inner.expr, expected, steps),
@@ -1232,6 +1257,13 @@ impl<'a> Builder<'a> {
                 format!("{} is no struct of this crate", shown(&literal.path)),
             );
         };
+        if let Some(rest) = &literal.rest {
+            return refuse(
+                &scope.path,
+                rest.span(),
+                "a struct is written with all its fields".to_owned(),
+            );
+        }
         let declarations = self.declarations;
         let fields = &declarations.structs[number].fields;
         let mut values: HashMap<String, Value> = HashMap::new();
@@ -1302,7 +1334,9 @@ impl<'a> Builder<'a> {
         expected: Option<&Type>,
         steps: &mut Vec<Step>,
     ) -> Read<Value> {
+        let is_tail = std::mem::replace(&mut scope.is_tail, false);
         let value = self.expression(scope, &choice.expr, None, steps)?;
+        scope.is_tail = is_tail;
         let mut some = None;
         let mut none = None;
         for arm in &choice.arms {

@@ -21,6 +21,7 @@ use crate::reference;
 use crate::smt::{self, Answer};
 use crate::source::SourceError;
 use crate::stability::{self, RegionFailure};
+use crate::words;
 
 /// What came of a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -171,6 +172,8 @@ pub struct Emitted {
     pub cargo: String,
     /// `certificate.json`.
     pub certificate: String,
+    /// What else lies there that would be compiled or run with the crate.
+    pub strays: Vec<String>,
 }
 
 impl Emitted {
@@ -187,7 +190,19 @@ impl Emitted {
             certificate: text("certificate.json")?,
             cargo: text("Cargo.toml")?,
             sources: sources(directory).map_err(ProveError::Read)?,
+            strays: strays(directory)?,
         })
+    }
+
+    /// Nothing is built but the sources, with nothing but `fixed`.
+    fn check_surroundings(&self) -> Result<(), String> {
+        if let Some(stray) = self.strays.first() {
+            return Err(format!("{stray} does not belong to an emitted crate"));
+        }
+        if !self.sources.iter().any(|(path, _)| path == "src/lib.rs") {
+            return Err("there is no src/lib.rs".to_owned());
+        }
+        check_cargo(&self.cargo)
     }
 
     fn module(&self) -> Result<Module, SourceError> {
@@ -203,6 +218,31 @@ impl Emitted {
         let sources = self.sources.iter().map(|(path, _)| path.clone());
         sources.chain(["Cargo.toml".to_owned()]).collect()
     }
+}
+
+/// Files that Cargo would pick up beside the sources, and whatever in `src` is no file of Rust.
+fn strays(directory: &Path) -> Result<Vec<String>, ProveError> {
+    let picked_up = ["build.rs", ".cargo"];
+    let mut strays: Vec<String> = picked_up
+        .into_iter()
+        .filter(|name| directory.join(name).exists())
+        .map(str::to_owned)
+        .collect();
+    let path = directory.join("src");
+    let io = |source| ProveError::Io {
+        path: path.clone(),
+        source,
+    };
+    for entry in fs::read_dir(&path).map_err(io)? {
+        let entry = entry.map_err(io)?;
+        let is_source = entry.path().extension().is_some_and(|e| e == "rs")
+            && entry.file_type().map_err(io)?.is_file();
+        if !is_source {
+            strays.push(format!("src/{}", entry.file_name().to_string_lossy()));
+        }
+    }
+    strays.sort();
+    Ok(strays)
 }
 
 /// Settles every claim about the crate in `directory`.
@@ -278,7 +318,8 @@ pub fn settle(
         }
     };
     let functions = module.declarations().functions.len();
-    let understood = check_cargo(&emitted.cargo)
+    let understood = emitted
+        .check_surroundings()
         .map(|()| format!("{functions} functions in {} files", emitted.sources.len()));
     table.row(
         "source-understood",
@@ -320,27 +361,62 @@ pub fn settle(
     table.0
 }
 
-/// The crate depends on nothing but `fixed`, runs nothing while it is built, and forbids unsafe.
+/// The crate depends on nothing but `fixed`, runs nothing while it is built, and forbids unsafe:
+/// every line is one of those that an emitted manifest may hold.
 fn check_cargo(text: &str) -> Result<(), String> {
     let mut section = "";
+    let mut found = Vec::new();
     for line in text.lines().map(str::trim) {
-        if line.starts_with('[') {
-            section = line;
-            let known = ["[package]", "[dependencies]", "[lints.rust]"];
-            if !known.contains(&line) {
-                return Err(format!("Cargo.toml has a section {line}"));
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let is_known = match section {
+            _ if line.starts_with('[') => {
+                section = line;
+                ["[package]", "[dependencies]", "[lints.rust]"].contains(&line)
             }
-        } else if section == "[dependencies]" && !line.is_empty() && !line.starts_with('#') {
-            let is_fixed =
-                line.starts_with("fixed = {") && line.contains("default-features = false");
-            if !is_fixed || line.contains("path") || line.contains("git") {
-                return Err(format!("Cargo.toml depends on `{line}`"));
-            }
-        } else if section == "[package]" && line.starts_with("build") {
-            return Err("Cargo.toml names a build script".to_owned());
+            "[package]" => [
+                "name",
+                "version",
+                "edition",
+                "description",
+                "license",
+                "publish",
+            ]
+            .iter()
+            .any(|key| {
+                let rest = line.strip_prefix(key).map(str::trim_start);
+                rest.is_some_and(|rest| rest.starts_with('='))
+            }),
+            "[dependencies]" => is_fixed(line),
+            "[lints.rust]" => [
+                FORBIDS_UNSAFE,
+                "missing_docs = \"warn\"",
+                "unexpected_cfgs = { level = \"warn\", check-cfg = ['cfg(kani)'] }",
+            ]
+            .contains(&line),
+            _ => false,
+        };
+        if !is_known {
+            return Err(format!("Cargo.toml holds `{line}`"));
+        }
+        found.push(line);
+    }
+    for needed in ["edition = \"2024\"", FORBIDS_UNSAFE] {
+        if !found.contains(&needed) {
+            return Err(format!("Cargo.toml does not say `{needed}`"));
         }
     }
     Ok(())
+}
+
+const FORBIDS_UNSAFE: &str = "unsafe_code = \"forbid\"";
+
+/// `fixed` of crates.io, version 1, without its default features.
+fn is_fixed(line: &str) -> bool {
+    line.strip_prefix("fixed = { version = \"1.")
+        .and_then(|rest| rest.strip_suffix("\", default-features = false }"))
+        .is_some_and(|version| version.chars().all(|c| c.is_ascii_digit() || c == '.'))
 }
 
 fn control_claims(
@@ -492,6 +568,9 @@ fn filter_claims(
     let fewer = (settings.cases / 10).max(1);
     table.add("filter-accurate", RANDOM, || {
         tested(reference::filter(module, fewer, settings.seed))
+    });
+    table.add("filter-exact", RANDOM, || {
+        tested(words::run(module, fewer, settings.seed))
     });
     table.add("step-total", RANDOM, || {
         let runs = reference::step(module, certificate, fewer, settings.seed);
@@ -674,15 +753,30 @@ mod tests {
 
     #[test]
     fn dependencies_are_looked_at() {
-        let good = "[package]\nname = \"x\"\n[dependencies]\nfixed = { version = \"1.31\", default-features = false }\n";
+        let good = "[package]\nname = \"x\"\nedition = \"2024\"\n[lints.rust]\nunsafe_code = \"forbid\"\n[dependencies]\nfixed = { version = \"1.31\", default-features = false }\n";
         assert_eq!(check_cargo(good), Ok(()));
         for bad in [
             "libm = \"0.2\"",
             "fixed = { path = \"../evil\", default-features = false }",
+            "fixed = { version = \"1.31\", default-features = false, package = \"evil\" }",
+            "fixed = { version = \"1.31\", default-features = false, features = [\"std\"] }",
             "[build-dependencies]",
+            "[features]",
+            "[lib]",
             "fixed = \"1\"",
         ] {
             assert!(check_cargo(&format!("{good}{bad}\n")).is_err(), "{bad}");
+        }
+        for bad in ["lib.path = \"evil.rs\"", "dependencies.evil = \"1\""] {
+            assert!(check_cargo(&format!("{bad}\n{good}")).is_err(), "{bad}");
+        }
+        for (from, to) in [
+            ("\"forbid\"", "\"allow\""),
+            ("\"2024\"", "\"2018\""),
+            ("name =", "build = \"evil.rs\"\nname ="),
+            ("unsafe_code", "missing_docs"),
+        ] {
+            assert!(check_cargo(&good.replace(from, to)).is_err(), "{to}");
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! The control law is compared in exact integers with the words of the certificate. The attitude
 //! filter is compared with Madgwick's equations (report of 2010, eq. 25 to 46) in double precision,
-//! written here from the paper. This is the only file with floating point.
+//! written here from the paper. Beside [`crate::words`], which draws its numbers with it, this is
+//! the only file with floating point.
 
 use crate::certificate::Certificate;
 use crate::interpret::Machine;
@@ -42,6 +43,16 @@ impl Random {
     /// Uniform within [-1, 1).
     fn real(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// Uniform within [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// One of `0..count`.
+    pub fn choice(&mut self, count: u64) -> u64 {
+        self.next() % count
     }
 
     /// An integer within ±`limit`.

@@ -24,15 +24,8 @@ fn most_damages_are_noticed_and_survivors_are_listed() {
     }
     eprintln!("{summary:?}");
     assert!(summary.mutants > 150, "{}", summary.mutants);
-    // Moving a threshold or coefficient by a unit, and a clamp at equality, change nothing that is
-    // promised: such survivors are listed with that reason and are not counted as damage.
-    let unexplained = verdicts
-        .iter()
-        .filter(|verdict| verdict.caught_by.is_none() && verdict.reason.is_empty())
-        .count();
-    let damages = summary.caught + unexplained;
-    assert!(summary.caught * 100 >= damages * 95, "{summary:?}");
-    assert!(summary.caught * 100 >= summary.mutants * 85, "{summary:?}");
+    // Of all mutants, the harmless ones among them.
+    assert!(summary.caught * 100 >= summary.mutants * 95, "{summary:?}");
 }
 
 #[test]

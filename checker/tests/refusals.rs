@@ -1,6 +1,8 @@
 //! Whatever is not in the language is refused with its place.
 
-use checker::{Machine, Module};
+use checker::certificate::Certificate;
+use checker::prove::{Emitted, settle};
+use checker::{Machine, Module, Outcome, Settings};
 
 fn refused(body: &str) -> String {
     let text = format!("pub fn f(a: i32, b: i32) -> i32 {{\n    {body}\n}}\n");
@@ -42,6 +44,13 @@ fn constructs_outside_the_language() {
         ("a as i128 as i32", "128 bits stand in assertions only"),
         ("a; b", "its value is not used"),
         ("(a, b)", "returns a i32"),
+        // What `cfg` takes away is no code, and a `return` ends more than its block.
+        ("#[cfg(any())] let a = b; a", "an attribute stands here"),
+        ("let x = #[cfg(any())] a; x", "an attribute stands here"),
+        ("let x = if a < b { return a; } else { b }; x + 1", "return"),
+        ("let x = { if a < b { return a; } b }; x + 1", "return"),
+        ("(if a < b { return a; } else { b }) + 1", "return"),
+        ("if { return a; } { b } else { a }", "return"),
     ];
     for (body, said) in cases {
         let message = refused(body);
@@ -71,6 +80,31 @@ fn items_outside_the_language() {
         ("fn (", "no Rust"),
         ("pub mod y;", "modules are declared in src/lib.rs"),
         ("macro_rules! m { () => {} }", "found `macro_rules!"),
+        ("unsafe fn f() -> i32 { 1 }", "functions are plain"),
+        (
+            "fn f(#[cfg(any())] a: i32) -> i32 { 1 }",
+            "an attribute stands here",
+        ),
+        ("fn f(ref a: i32) -> i32 { 1 }", "an argument has a name"),
+        ("type i32 = fixed::types::I3F29;", "has a meaning in Rust"),
+        ("struct Option { a: i32 }", "has a meaning in Rust"),
+        ("#[derive(Hash)] struct X { a: i32 }", "not an attribute"),
+        (
+            "#[cfg_attr(kani, kani::requires(true), cfg(any()))] fn f() -> i32 { 1 }",
+            "not an attribute",
+        ),
+        (
+            "struct X { pub a: i32 } impl X { fn f(&mut self) { self.a = 1; } }",
+            "a field that others can write",
+        ),
+        (
+            "struct X { a: i32 } impl X { fn f(&self) -> i32 { 1 } } impl X { fn f(&self) -> i32 { 2 } }",
+            "defined twice",
+        ),
+        (
+            "struct X { a: i32 } fn f(x: X) -> X { X { a: 1, ..x } }",
+            "all its fields",
+        ),
     ];
     for (text, said) in cases {
         match Module::parse(&[("src/x.rs", text)]) {
@@ -143,4 +177,79 @@ fn expressions() {
         let mut machine = Machine::new(module.function("f").unwrap());
         assert_eq!(machine.call(&[7, -3]).unwrap(), [expected], "{body}");
     }
+}
+
+#[test]
+fn the_root_declares_every_file_and_forbids_unsafe() {
+    let good = "#![no_std]\n#![forbid(unsafe_code)]\npub mod x;\npub use x::f;\n";
+    let x = "pub fn f(a: i32) -> i32 { a }";
+    let read = |root: &str| {
+        let files = [("src/lib.rs", root), ("src/x.rs", x)];
+        Module::parse(&files).map_err(|error| error.to_string())
+    };
+    assert!(read(good).is_ok());
+    let cases = [
+        ("#![no_std]\n", "", "`#![no_std]` is missing"),
+        (
+            "#![forbid(unsafe_code)]\n",
+            "",
+            "`#![forbid(unsafe_code)]` is missing",
+        ),
+        ("unsafe_code", "missing_docs", "is missing"),
+        ("pub mod x;\n", "", "a file of no module"),
+        ("pub mod", "mod", "is not public"),
+        ("pub use", "use", "is not public"),
+        (
+            "pub mod x",
+            "#[path = \"y.rs\"] pub mod x",
+            "not an attribute",
+        ),
+    ];
+    for (from, to, said) in cases {
+        match read(&good.replace(from, to)) {
+            Ok(_) => panic!("understood without {from}"),
+            Err(message) => assert!(message.contains(said), "{from}: {message}"),
+        }
+    }
+    // An import does not silently take the place of what is defined.
+    let two = [
+        ("src/x.rs", "use super::y::f; pub fn f(a: i32) -> i32 { a }"),
+        ("src/y.rs", "pub fn f(a: i32) -> i32 { a + 1 }"),
+    ];
+    let error = Module::parse(&two).unwrap_err().to_string();
+    assert!(error.contains("defined twice"), "{error}");
+}
+
+#[test]
+fn files_that_would_be_built_along_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let copy = |name: &str| {
+        let text = std::fs::read(format!("../generated/{name}")).unwrap();
+        std::fs::write(folder.path().join(name), text).unwrap();
+    };
+    std::fs::create_dir(folder.path().join("src")).unwrap();
+    copy("Cargo.toml");
+    copy("certificate.json");
+    for entry in std::fs::read_dir("../generated/src").unwrap() {
+        copy(&format!("src/{}", entry.unwrap().file_name().display()));
+    }
+    let strays = || Emitted::read(folder.path()).unwrap().strays;
+    assert_eq!(strays(), [""; 0]);
+    std::fs::write(folder.path().join("build.rs"), "fn main() {}").unwrap();
+    std::fs::create_dir(folder.path().join("src/bin")).unwrap();
+    assert_eq!(strays(), ["build.rs", "src/bin"]);
+    let emitted = Emitted::read(folder.path()).unwrap();
+    let certificate = Certificate::parse(&emitted.certificate).unwrap();
+    let settings = Settings {
+        cases: 10,
+        smt: false,
+        kani: false,
+        closed_loop: false,
+        ..Settings::default()
+    };
+    let results = settle(&emitted, &certificate, &settings);
+    let Outcome::Failed(why) = &results[0].outcome else {
+        panic!("{:?}", results[0]);
+    };
+    assert!(why.contains("build.rs"), "{why}");
 }
