@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    add, calibrate, compare, demo, design, diagnose, exam, generate, identify, prove, remove,
-    simulate,
+    add, calibrate, compare, demo, design, diagnose, exam, generate, identify, mutate, prove,
+    remove, simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -50,6 +50,8 @@ pub enum Command {
     Generate(generate::Arguments),
     /// Check the certificate of an emitted crate against its source
     Prove(prove::Arguments),
+    /// Damage an emitted crate in many small ways and show what notices
+    Mutate(mutate::Arguments),
     /// Blind exam of the diagnosis on benches with a hidden effect
     Exam(exam::Arguments),
 }
@@ -69,6 +71,7 @@ impl Command {
             Command::Simulate(arguments) => simulate::run(arguments),
             Command::Generate(arguments) => generate::run(arguments),
             Command::Prove(arguments) => prove::run(arguments),
+            Command::Mutate(arguments) => mutate::run(arguments),
             Command::Exam(arguments) => exam::run(arguments),
         }
     }
@@ -87,6 +90,7 @@ impl Command {
             Command::Simulate(arguments) => &arguments.output,
             Command::Generate(arguments) => &arguments.output,
             Command::Prove(arguments) => &arguments.output,
+            Command::Mutate(arguments) => &arguments.output,
             Command::Exam(arguments) => &arguments.output,
         }
     }

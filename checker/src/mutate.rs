@@ -2,10 +2,14 @@
 //!
 //! A mutant is one edit of one token in a function, constant or alias: a constant moved by one or
 //! by a bit, a sign turned, an operator or comparison exchanged, a shift or index moved, a format
-//! changed, two arguments or names swapped, a rounding or saturation dropped. Documentation and
-//! attributes are left alone.
+//! changed, two arguments or names swapped, a rounding, saturation or assignment dropped, a `let`
+//! made conditional. Documentation is left alone. The manifest and the head of `src/lib.rs` are
+//! damaged line by line.
+//!
+//! No compiler runs: a mutant that `rustc` would refuse counts as noticed only where an engine
+//! notices it.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use serde::Serialize;
@@ -38,10 +42,19 @@ pub struct Mutant {
 pub struct Verdict {
     /// The mutant.
     pub mutant: Mutant,
-    /// Claim and engine that noticed it; `None` for a survivor.
-    pub caught_by: Option<(String, String)>,
+    /// Claims that fail and the engines that noticed, first one first; empty for a survivor.
+    pub noticed: Vec<Notice>,
     /// Why a survivor is harmless; empty for others, and where no reason is known.
     pub reason: &'static str,
+}
+
+/// A claim that fails.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Notice {
+    /// Identifier of the claim.
+    pub claim: String,
+    /// What settled it.
+    pub engine: &'static str,
 }
 
 /// A token with its place in the file.
@@ -191,6 +204,18 @@ pub fn mutants(file: &str, text: &str) -> Vec<Mutant> {
             let swapped = format!("{}{}{}", b.text, &text[a.end..b.start], a.text);
             replace("swapped arguments", swapped, a.start, b.end);
         }
+        // What stands under `cfg` is not there; an assignment may be missing.
+        if token.text == "let" {
+            let after = "#[cfg(any())] let".to_owned();
+            replace("conditional compilation", after, token.start, token.end);
+        }
+        if token.text == "self" && [";", "{", "}"].contains(&previous) {
+            let end = tokens[index..].iter().find(|token| token.text == ";");
+            if let Some(end) = end.filter(|end| !text[token.start..end.end].contains('{')) {
+                let dropped = String::new();
+                replace("dropped assignment", dropped, token.start, end.end);
+            }
+        }
         // + NAME and .clamp(…) dropped.
         if token.text == "+" && next == "HALF_UNIT" {
             replace(
@@ -332,48 +357,124 @@ pub fn applied(text: &str, mutant: &Mutant) -> String {
     format!("{}{}{}", &text[..start], mutant.after, &text[end..])
 }
 
-/// Runs the engines on mutants of every file, at most `most` of each file, evenly spread.
-pub fn run(emitted: &Emitted, certificate: &Certificate, most: usize) -> Vec<Verdict> {
-    let mut chosen = Vec::new();
+/// Damages to what surrounds the code: `Cargo.toml` and the attributes and modules of
+/// `src/lib.rs`.
+fn surroundings(emitted: &Emitted) -> Vec<Mutant> {
+    let edits: [(&str, &str, &'static str); 10] = [
+        ("#![no_std]", "", "attribute"),
+        ("#![forbid(unsafe_code)]", "", "attribute"),
+        (
+            "#![forbid(unsafe_code)]",
+            "#![allow(unsafe_code)]",
+            "attribute",
+        ),
+        ("pub mod control;", "", "module"),
+        (
+            "pub mod control;",
+            "#[path = \"controller.rs\"]\npub mod control;",
+            "module",
+        ),
+        ("pub mod control;", "mod control;", "module"),
+        (
+            "default-features = false",
+            "default-features = true",
+            "manifest",
+        ),
+        (
+            "[dependencies]",
+            "[dependencies]\nlibm = \"0.2\"",
+            "manifest",
+        ),
+        (
+            "unsafe_code = \"forbid\"",
+            "unsafe_code = \"allow\"",
+            "manifest",
+        ),
+        (
+            "[dependencies]",
+            "build = \"build.rs\"\n[dependencies]",
+            "manifest",
+        ),
+    ];
+    let manifest = ("Cargo.toml".to_owned(), emitted.cargo.clone());
+    let root = emitted
+        .sources
+        .iter()
+        .filter(|(path, _)| path == "src/lib.rs");
+    let mut found = Vec::new();
+    for (file, text) in root.chain([&manifest]) {
+        for (before, after, kind) in edits {
+            let Some(start) = text.find(before) else {
+                continue;
+            };
+            let above = &text[..start];
+            found.push(Mutant {
+                file: file.clone(),
+                line: above.matches('\n').count() + 1,
+                column: start - above.rfind('\n').map_or(0, |end| end + 1) + 1,
+                kind,
+                before: before.to_owned(),
+                after: after.to_owned(),
+                range: (start, start + before.len()),
+            });
+        }
+    }
+    found
+}
+
+/// The mutants of an emitted crate: all, or at most so many of each file, evenly spread.
+pub fn chosen(emitted: &Emitted, most: Option<usize>) -> Vec<Mutant> {
+    let mut chosen = surroundings(emitted);
     for (path, text) in &emitted.sources {
         let all = mutants(path, text);
-        let count = all.len().min(most);
+        let count = most.map_or(all.len(), |most| most.min(all.len()));
         chosen.extend((0..count).map(|index| all[index * all.len() / count].clone()));
     }
     chosen
+}
+
+/// What runs on a mutant: no engine that some users do not have, none that takes minutes.
+const SETTINGS: Settings = Settings {
+    cases: 3_000,
+    seed: 1,
+    smt: false,
+    kani: false,
+    // It reads nothing of the source but the law, and that is compared before.
+    closed_loop: false,
+};
+
+/// The claims that fail.
+pub fn notices(emitted: &Emitted, certificate: &Certificate) -> Vec<Notice> {
+    settle(emitted, certificate, &SETTINGS)
         .into_iter()
-        .map(|mutant| judged(emitted, certificate, mutant))
+        .filter(|result| matches!(result.outcome, Outcome::Failed(_)))
+        .map(|result| Notice {
+            claim: result.id,
+            engine: result.engine,
+        })
         .collect()
 }
 
 /// Runs the engines on one mutant.
 pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> Verdict {
     let mut damaged = emitted.clone();
+    if mutant.file == "Cargo.toml" {
+        damaged.cargo = applied(&emitted.cargo, &mutant);
+    }
     for (path, text) in &mut damaged.sources {
         if *path == mutant.file {
             *text = applied(text, &mutant);
         }
     }
-    let settings = Settings {
-        cases: 3_000,
-        seed: 1,
-        smt: false,
-        kani: false,
-        // It reads nothing of the source but the law, and that is compared before.
-        closed_loop: false,
-    };
-    let caught_by = settle(&damaged, certificate, &settings)
-        .into_iter()
-        .find(|result| matches!(result.outcome, Outcome::Failed(_)))
-        .map(|result| (result.id, result.engine.to_owned()));
-    let reason = if caught_by.is_none() {
+    let noticed = notices(&damaged, certificate);
+    let reason = if noticed.is_empty() {
         harmless(&mutant)
     } else {
         ""
     };
     Verdict {
         mutant,
-        caught_by,
+        noticed,
         reason,
     }
 }
@@ -392,31 +493,40 @@ fn harmless(mutant: &Mutant) -> &'static str {
     }
 }
 
-/// Mutants, caught and not, by engine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Mutants, caught and not.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Summary {
     /// How many there were.
     pub mutants: usize,
     /// How many were caught.
     pub caught: usize,
-    /// Caught, by the engine that noticed first.
-    pub by_engine: Vec<(String, usize)>,
+    /// How many survived for a known reason.
+    pub harmless: usize,
+    /// By the engine that noticed first.
+    pub by_engine: BTreeMap<&'static str, usize>,
+    /// Caught and all, by kind.
+    pub by_kind: BTreeMap<&'static str, (usize, usize)>,
 }
 
 /// Adds up verdicts.
 pub fn summary(verdicts: &[Verdict]) -> Summary {
-    let mut by_engine: HashMap<String, usize> = HashMap::new();
-    for (_, engine) in verdicts
-        .iter()
-        .filter_map(|verdict| verdict.caught_by.as_ref())
-    {
-        *by_engine.entry(engine.clone()).or_default() += 1;
-    }
-    let mut by_engine: Vec<_> = by_engine.into_iter().collect();
-    by_engine.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
-    Summary {
+    let mut summary = Summary {
         mutants: verdicts.len(),
-        caught: by_engine.iter().map(|(_, count)| count).sum(),
-        by_engine,
+        caught: 0,
+        harmless: 0,
+        by_engine: BTreeMap::new(),
+        by_kind: BTreeMap::new(),
+    };
+    for verdict in verdicts {
+        let (caught, all) = summary.by_kind.entry(verdict.mutant.kind).or_default();
+        *all += 1;
+        if let Some(first) = verdict.noticed.first() {
+            *caught += 1;
+            summary.caught += 1;
+            *summary.by_engine.entry(first.engine).or_default() += 1;
+        } else if !verdict.reason.is_empty() {
+            summary.harmless += 1;
+        }
     }
+    summary
 }

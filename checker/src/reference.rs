@@ -1052,6 +1052,9 @@ pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, St
         let limit = f.constant("constants", "ANGLE_MAX")?[0];
         let factor = f.constant("constants", "ANGLE_FACTOR")?[0];
         let shift = f.constant("constants", "ANGLE_SHIFT")?[0];
+        if limit < 0 || !(0..32).contains(&shift) {
+            return Err(format!("ANGLE_MAX is {limit}, ANGLE_SHIFT is {shift}"));
+        }
         let wanted = (radians.clamp(-limit, limit) * factor) >> shift;
         let found = f.call("Attitude::angle", &attitude)?;
         same("Attitude::angle", &attitude, &found, &[wanted])?;

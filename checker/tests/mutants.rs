@@ -3,19 +3,20 @@
 use std::path::Path;
 
 use checker::certificate::Certificate;
-use checker::mutate::{applied, mutants, run, summary};
+use checker::mutate::{applied, chosen, judged, mutants, notices, summary};
 use checker::prove::Emitted;
 
 #[test]
 fn most_damages_are_noticed_and_survivors_are_listed() {
     let emitted = Emitted::read(Path::new("../generated")).unwrap();
     let certificate = Certificate::parse(&emitted.certificate).unwrap();
-    let verdicts = run(&emitted, &certificate, 14);
+    assert_eq!(notices(&emitted, &certificate), [], "undamaged");
+    let verdicts: Vec<_> = chosen(&emitted, Some(14))
+        .into_iter()
+        .map(|mutant| judged(&emitted, &certificate, mutant))
+        .collect();
     let summary = summary(&verdicts);
-    for verdict in verdicts
-        .iter()
-        .filter(|verdict| verdict.caught_by.is_none())
-    {
+    for verdict in verdicts.iter().filter(|verdict| verdict.noticed.is_empty()) {
         let m = &verdict.mutant;
         eprintln!(
             "survives: {}:{}:{} {}: `{}` -> `{}`: {}",

@@ -9,6 +9,7 @@ pub mod diagnose;
 pub mod exam;
 pub mod generate;
 pub mod identify;
+pub mod mutate;
 pub mod prove;
 pub mod remove;
 pub mod simulate;
