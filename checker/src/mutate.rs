@@ -441,11 +441,25 @@ const SETTINGS: Settings = Settings {
     kani: false,
     // It reads nothing of the source but the law, and that is compared before.
     closed_loop: false,
+    filter_length: false,
 };
 
-/// The claims that fail.
+/// The claims that fail, after those that take seconds only if no other does.
 pub fn notices(emitted: &Emitted, certificate: &Certificate) -> Vec<Notice> {
-    settle(emitted, certificate, &SETTINGS)
+    let quick = failures(emitted, certificate, &SETTINGS);
+    if !quick.is_empty() {
+        return quick;
+    }
+    let slow = Settings {
+        cases: 1,
+        filter_length: true,
+        ..SETTINGS
+    };
+    failures(emitted, certificate, &slow)
+}
+
+fn failures(emitted: &Emitted, certificate: &Certificate, settings: &Settings) -> Vec<Notice> {
+    settle(emitted, certificate, settings)
         .into_iter()
         .filter(|result| matches!(result.outcome, Outcome::Failed(_)))
         .map(|result| Notice {

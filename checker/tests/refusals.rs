@@ -245,6 +245,7 @@ fn files_that_would_be_built_along_are_refused() {
         smt: false,
         kani: false,
         closed_loop: false,
+        filter_length: false,
         ..Settings::default()
     };
     let results = settle(&emitted, &certificate, &settings);
