@@ -6,7 +6,7 @@
 //! over one power of two.
 
 use num_rational::BigRational;
-use num_traits::{One, Signed, Zero};
+use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::certificate::Certificate;
 use crate::control_law::{ControlLaw, exponent};
@@ -36,7 +36,8 @@ impl Words {
 
     fn small(&self, name: &str) -> Result<i32, String> {
         let word = self.get(name)?;
-        num_traits::ToPrimitive::to_i32(&word.to_integer())
+        word.to_integer()
+            .to_i32()
             .ok_or_else(|| format!("{name} is too large"))
     }
 }
@@ -247,6 +248,11 @@ fn sensor(
         }
     };
     let shift = words.small(&format!("FILTER.{name}.shift"))?;
+    // Half a unit of the output, and one for what the three products round down on average.
+    let half_unit = words.get(&format!("FILTER.{name}.half_unit"))?;
+    if half_unit != (power_of_two(shift) * half()).floor() + integer(1) {
+        return Err(format!("FILTER.{name}.half_unit is {half_unit}"));
+    }
     for (index, counts) in bias.iter().enumerate() {
         let word = format!("FILTER.{name}.bias[{index}]");
         nearest(&word, &words.get(&word)?, &(counts * power_of_two(15)))?;
@@ -280,6 +286,17 @@ fn check_angle(module: &Module, text: &str, angle_bits: i32, observer: &Words) -
     exact("ANGLE_FACTOR", &power_of_two(up))?;
     exact("ANGLE_SHIFT", &integer((28 - angle_bits).max(0).into()))?;
     let limit = observer.get("BIAS_OBSERVER.limit")?;
+    if limit.is_zero() || text.contains("No observer of the angle's bias") {
+        // No observer: nothing of one is left but shifts that are valid.
+        for (name, word) in &observer.0 {
+            let wanted = i128::from(name.ends_with("_shift"));
+            if *word != wanted {
+                return Err(format!(
+                    "{name} is {word} in a module without a bias estimate"
+                ));
+            }
+        }
+    }
     let largest = (integer(i32::MAX.into()) - limit) * power_of_two(-up);
     exact("ANGLE_MAX", &largest.floor())?;
 
@@ -317,8 +334,16 @@ fn line(
     nearest(&format!("{name}.scale"), &word, &(slope * &scale))?;
     let offset = field("offset")?;
     let real = (at_zero + half()) * &scale;
-    // The offset is rounded in double precision: 2⁻⁵² of itself.
-    let allowed = half() + real.abs() * power_of_two(-51);
+    // The offset is rounded in double precision, some 2⁻⁵² of itself, where it has more bits than that.
+    let is_exact = real
+        .to_f64()
+        .and_then(BigRational::from_float)
+        .is_some_and(|double| double == real);
+    let allowed = if is_exact {
+        half()
+    } else {
+        half() + real.abs() * power_of_two(-51)
+    };
     if (&offset - &real).abs() > allowed {
         return Err(format!(
             "{name}.offset is {}, the line makes it {}",

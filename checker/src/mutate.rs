@@ -15,7 +15,10 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use serde::Serialize;
 
 use crate::certificate::Certificate;
+use crate::contract::stated;
+use crate::interpret::{Machine, range_of};
 use crate::prove::{Emitted, Outcome, Settings, settle};
+use crate::words::Draw;
 
 /// One damaged source.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -45,7 +48,7 @@ pub struct Verdict {
     /// Claims that fail and the engines that noticed, first one first; empty for a survivor.
     pub noticed: Vec<Notice>,
     /// Why a survivor is harmless; empty for others, and where no reason is known.
-    pub reason: &'static str,
+    pub reason: String,
 }
 
 /// A claim that fails.
@@ -482,9 +485,9 @@ pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> V
     }
     let noticed = notices(&damaged, certificate);
     let reason = if noticed.is_empty() {
-        harmless(&mutant)
+        harmless(emitted, &damaged, &mutant)
     } else {
-        ""
+        String::new()
     };
     Verdict {
         mutant,
@@ -493,18 +496,73 @@ pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> V
     }
 }
 
+/// Runs of one function before and after the damage.
+const COMPARISONS: usize = 20_000;
+/// Runs without an overflow before the damage that are enough to say something.
+const ENOUGH: usize = 500;
+
 /// Why a survivor changes nothing that is promised; empty where no reason is known, so that the
 /// survivor is to be looked at.
-fn harmless(mutant: &Mutant) -> &'static str {
+fn harmless(emitted: &Emitted, damaged: &Emitted, mutant: &Mutant) -> String {
     let file = mutant.file.as_str();
     let is_edge = mutant.before == "<" && mutant.after == "<="
         || mutant.before == ">" && mutant.after == ">=";
-    match file {
-        "src/product.rs" | "src/line.rs" | "src/bias_observer.rs" if is_edge => {
-            "at equality both sides of the clamp are the same number"
-        }
-        _ => "",
+    if is_edge && ["src/product.rs", "src/line.rs", "src/bias_observer.rs"].contains(&file) {
+        return "at equality both sides of the clamp are the same number".to_owned();
     }
+    compared(emitted, damaged, mutant).unwrap_or_default()
+}
+
+/// What the function with the damage returns, against what it returned before, for arguments within
+/// its contract that favour the places where pieces meet: the numbers that stand in the function, their
+/// neighbours, powers of two, ends of ranges.
+fn compared(emitted: &Emitted, damaged: &Emitted, mutant: &Mutant) -> Option<String> {
+    let (before, after) = (emitted.module().ok()?, damaged.module().ok()?);
+    let functions = &before.declarations().functions;
+    let number = (0..functions.len())
+        .filter(|&number| {
+            let place = &functions[number].place;
+            *place.file == *mutant.file && place.line <= mutant.line
+        })
+        .max_by_key(|&number| functions[number].place.line)?;
+    let (old, new) = (before.program(number)?, after.program(number)?);
+    let contract = stated(&before, number).unwrap_or_default();
+    let ranges: Vec<(i128, i128)> = old
+        .argument_types
+        .iter()
+        .enumerate()
+        .map(|(word, type_)| {
+            let required = contract.requires.iter().filter(|range| range.word == word);
+            required.fold(range_of(type_), |(low, high), range| {
+                (low.max(range.low), high.min(range.high))
+            })
+        })
+        .collect();
+    let constants = old.initial.iter().zip(&old.is_constant);
+    let corners: Vec<i128> = constants
+        .filter_map(|(word, is_constant)| is_constant.then_some(*word))
+        .collect();
+    let mut draw = Draw::new(SETTINGS.seed);
+    let (mut old, mut new) = (Machine::new(old), Machine::new(new));
+    let mut runs = 0;
+    for _ in 0..COMPARISONS {
+        let arguments: Vec<i128> = ranges
+            .iter()
+            .map(|&(low, high)| draw.at_corners(low, high, &corners))
+            .collect();
+        let Ok(wanted) = old.call(&arguments) else {
+            continue;
+        };
+        let found = new.call(&arguments).ok()?;
+        runs += 1;
+        if wanted != found {
+            return None;
+        }
+    }
+    let name = &functions[number].name;
+    (runs >= ENOUGH).then(|| {
+        format!("`{name}` returns the same words in {runs} runs aimed at the numbers in it")
+    })
 }
 
 /// Mutants, caught and not.

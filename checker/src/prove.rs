@@ -208,7 +208,7 @@ impl Emitted {
         check_cargo(&self.cargo)
     }
 
-    fn module(&self) -> Result<Module, SourceError> {
+    pub(crate) fn module(&self) -> Result<Module, SourceError> {
         let borrowed: Vec<_> = self
             .sources
             .iter()

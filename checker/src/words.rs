@@ -301,10 +301,89 @@ fn calibrated(raw: &[i128], line: &[i128]) -> Words {
         .collect()
 }
 
+/// The words of `FilterConstants`, in its order.
+struct Filter {
+    words: Words,
+}
+
+impl Filter {
+    const GRAVITY_MIN: usize = 42;
+    const FIELD_MIN: usize = 43;
+
+    fn gyro(&self) -> &[i128] {
+        &self.words[..14]
+    }
+
+    fn accel(&self) -> &[i128] {
+        &self.words[14..28]
+    }
+
+    fn mag(&self) -> &[i128] {
+        &self.words[28..42]
+    }
+
+    fn beta(&self) -> i128 {
+        self.words[48]
+    }
+
+    /// Gravity in the accelerometer's units: its reading less what the body's motion adds.
+    fn gravity(&self, accel: &[i128], rate: i128, slow: i128) -> Words {
+        let mut up = calibrated(accel, self.accel());
+        let lever = &self.words[44..48];
+        let (squared, excess) = (nearest(rate * rate), rate - slow);
+        let limit = 1 << 29;
+        up[0] += ((squared * lever[0] + excess * lever[3]) >> 16).clamp(-limit, limit);
+        up[1] += ((squared * lever[1] - excess * lever[2]) >> 16).clamp(-limit, limit);
+        up
+    }
+
+    fn shows_gravity(&self, accel: &[i128], up: &[i128]) -> bool {
+        !is_saturated(accel) && squares(up) >= self.words[Self::GRAVITY_MIN]
+    }
+
+    /// State: quaternion, rate, slow rate. Without a magnetometer its share is left out.
+    fn step(&self, state: &[i128], gyro: &[i128], accel: &[i128], mag: Option<&[i128]>) -> Words {
+        let turn = calibrated(gyro, self.gyro());
+        let up = self.gravity(accel, turn[2], state[5]);
+        let q = &state[..4];
+        let field = mag
+            .filter(|mag| !is_saturated(mag))
+            .map(|mag| calibrated(mag, self.mag()))
+            .filter(|field| squares(field) >= self.words[Self::FIELD_MIN]);
+        let correction = match field {
+            _ if !self.shows_gravity(accel, &up) => vec![0; 5],
+            None => correction_imu(q, &unit(&up), self.beta()),
+            Some(field) => correction_marg(q, &unit(&up), &unit(&field), self.beta()),
+        };
+        let mut next = turned(q, &turn, &correction);
+        next.extend([turn[2], (state[5] >> 1) + (turn[2] >> 1)]);
+        next
+    }
+}
+
+/// Whether a count is at a limit of its range.
+fn is_saturated(raw: &[i128]) -> bool {
+    raw.iter().any(|count| [-32_768, 32_767].contains(count))
+}
+
 /// Random words that favour the places where pieces meet.
-struct Draw(Random);
+pub(crate) struct Draw(Random);
 
 impl Draw {
+    /// From a seed other than zero.
+    pub(crate) fn new(seed: u64) -> Draw {
+        Draw(Random::new(seed))
+    }
+
+    /// As [`Draw::within`], and now and then one of `corners` or a neighbour of it.
+    pub(crate) fn at_corners(&mut self, low: i128, high: i128, corners: &[i128]) -> i128 {
+        if corners.is_empty() || self.0.choice(3) > 0 {
+            return self.within(low, high);
+        }
+        let corner = corners[self.0.choice(corners.len() as u64) as usize];
+        (corner + self.0.choice(3) as i128 - 1).clamp(low, high)
+    }
+
     /// A word within [low, high]: any, a small one, an end, a power of two or its neighbour.
     fn within(&mut self, low: i128, high: i128) -> i128 {
         let any = low + (self.0.unit() * (high - low + 1) as f64) as i128;
@@ -328,6 +407,24 @@ impl Draw {
             limit
         };
         (0..length).map(|_| self.within(-limit, limit)).collect()
+    }
+
+    /// A vector whose largest component is a power of two or a neighbour of one.
+    fn at_power(&mut self, length: usize, most: u64) -> Words {
+        let power = 1_i128 << self.0.choice(most);
+        let mut v: Words = (0..length).map(|_| self.within(-power, power)).collect();
+        let sign = 1 - 2 * self.0.choice(2) as i128;
+        v[self.0.choice(length as u64) as usize] = sign * (power + self.0.choice(3) as i128 - 1);
+        v
+    }
+
+    /// Any calibration of a sensor: bias, matrix, shift, half a unit.
+    fn sensor_line(&mut self) -> Words {
+        let mut line = self.vector(3, 1 << 28);
+        line.extend(self.vector(9, 1 << 29));
+        line.push(self.0.choice(17) as i128);
+        line.push(self.within(0, 1 << 16));
+        line
     }
 
     /// A vector of about this length, as every step after the first has.
@@ -362,7 +459,7 @@ impl Draw {
 /// The first arguments for which a word differs.
 pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     constants(module)?;
-    let mut draw = Draw(Random::new(seed));
+    let mut draw = Draw::new(seed);
     let same = |name: &str, arguments: &[i128], wanted: &[i128]| {
         let program = module
             .function(name)
@@ -411,13 +508,17 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
         same("unit_q28", &v, &unit(&v))?;
         let v = draw.vector(4, 7 << 28);
         same("scaled_up4", &v, &scaled(&v, 31))?;
+        let v = draw.at_power(2, 30);
+        same("scaled_up2", &v, &scaled(&v, 31))?;
+        let v = draw.at_power(3, 30);
+        same("scaled_up3", &v, &scaled(&v, 15))?;
+        let v = draw.at_power(4, 30);
+        same("scaled_up4", &v, &scaled(&v, 31))?;
 
         attitude(&mut draw, &same)?;
+        steps(&mut draw, module, &same)?;
         let raw = draw.vector(3, 32_767);
-        let mut line = draw.vector(3, 1 << 28);
-        line.extend(draw.vector(9, 1 << 29));
-        line.push(draw.0.choice(17) as i128);
-        line.push(draw.within(0, 1 << 16));
+        let line = draw.sensor_line();
         let arguments = [&raw[..], &line].concat();
         same("calibrate", &arguments, &calibrated(&raw, &line))?;
     }
@@ -447,6 +548,26 @@ fn attitude(
         &[&q[..], &measured, &field, &[beta]].concat(),
         &correction_marg(&q, &measured, &field, beta),
     )?;
+    // A gradient that just stops the correction, and any other.
+    let least = 1 << 8;
+    let corners = [least, -least];
+    let just = (0..4).map(|_| draw.at_corners(-least - 1, least + 1, &corners));
+    for gradient in [just.collect(), draw.vector(4, 7 << 28)] {
+        same(
+            "scaled_correction",
+            &[&gradient[..], &[least, beta]].concat(),
+            &correction(&gradient, least, beta),
+        )?;
+    }
+    // The level sensor in a field that just leaves the vertical, 2²⁴ of 2²⁸ to one side.
+    let mut aslant = vec![0, 0, 1 << 28];
+    aslant[draw.0.choice(2) as usize] = (1 << 24) + draw.0.choice(64) as i128 - 32;
+    let level = [ONE, 0, 0, 0];
+    same(
+        "correction_marg",
+        &[&level[..], &measured, &aslant, &[beta]].concat(),
+        &correction_marg(&level, &measured, &aslant, beta),
+    )?;
     // At rest the gradient is as small as its least value, which stops the correction.
     let at_rest: Words = up(&q)
         .iter()
@@ -467,12 +588,76 @@ fn attitude(
     )?;
     same("normalised", &q, &normalised(&q))?;
     same("aligned", &measured, &aligned(&measured))?;
-    let near_down = [
-        draw.within(-0x4_0001, 0x4_0001),
-        draw.within(-0x4_0001, 0x4_0001),
-        draw.within(-0x4_0001, 0x4_0001) - (1 << 28),
-    ];
+    let mut near_down =
+        [0; 3].map(|_| draw.at_corners(-0x4_0001, 0x4_0001, &[1 << 18, -(1 << 18)]));
+    near_down[2] -= 1 << 28;
     same("aligned", &near_down, &aligned(&near_down))
+}
+
+/// Whole steps with the bench's constants or any calibration: any counts, each sensor saturated now and then without the
+/// others, and least lengths that the readings just reach, or just miss.
+fn steps(
+    draw: &mut Draw,
+    module: &Module,
+    same: &impl Fn(&str, &[i128], &[i128]) -> Result<(), String>,
+) -> Result<(), String> {
+    let words = module
+        .constant("constants", "FILTER")
+        .filter(|words| words.len() == 49)
+        .ok_or("constants::FILTER has not the 49 words of its documents")?;
+    let mut filter = Filter {
+        words: words.to_vec(),
+    };
+    // Any calibration, so that none can stand for another.
+    for sensor in 0..3 {
+        if draw.0.choice(2) == 0 {
+            let line = draw.sensor_line();
+            filter.words.splice(14 * sensor..14 * (sensor + 1), line);
+        }
+    }
+    let mut counts = |limit: i128| {
+        let mut counts: Words = (0..3).map(|_| draw.within(-limit, limit)).collect();
+        if draw.0.choice(6) == 0 {
+            counts[draw.0.choice(3) as usize] = [-32_768, 32_767][draw.0.choice(2) as usize];
+        }
+        counts
+    };
+    let (gyro, accel, mag) = (counts(20_000), counts(20_000), counts(3_000));
+    let mut state = draw.of_length(4, ONE as f64);
+    state.extend([
+        draw.within(-(1 << 28), 1 << 28),
+        draw.within(-(1 << 28), 1 << 28),
+    ]);
+    let turn = calibrated(&gyro, filter.gyro());
+    let up = filter.gravity(&accel, turn[2], state[5]);
+    let field = calibrated(&mag, filter.mag());
+    for (at, length) in [
+        (Filter::GRAVITY_MIN, squares(&up)),
+        (Filter::FIELD_MIN, squares(&field)),
+    ] {
+        if draw.0.choice(2) == 0 {
+            filter.words[at] = (length + draw.0.choice(3) as i128 - 1).clamp(1, (1 << 31) - 1);
+        }
+    }
+    let words = &filter.words;
+    same(
+        "step_imu",
+        &[&state[..], &gyro, &accel, words].concat(),
+        &filter.step(&state, &gyro, &accel, None),
+    )?;
+    same(
+        "step_marg",
+        &[&state[..], &gyro, &accel, &mag, words].concat(),
+        &filter.step(&state, &gyro, &accel, Some(&mag)),
+    )?;
+    let up = calibrated(&accel, filter.accel());
+    let is_usable = filter.shows_gravity(&accel, &up);
+    let mut next = state.clone();
+    if is_usable {
+        next.splice(..4, aligned(&unit(&up)));
+    }
+    next.push(i128::from(is_usable));
+    same("align", &[&state[..], &accel, words].concat(), &next)
 }
 
 /// The named constants that stand for numbers of mathematics or bounds of a format.
@@ -487,8 +672,14 @@ fn constants(module: &Module) -> Result<(), String> {
         ("scaling", "SCALED_MIN", 1 << 29),
         ("calibration", "CALIBRATED_MAX", 1 << 29),
         ("lever_arm", "CORRECTION_MAX", 1 << 29),
+        ("madgwick", "GRADIENT_MIN_IMU", 1 << 8),
+        ("madgwick", "GRADIENT_MIN_MARG", 1 << 6),
+        ("madgwick", "HORIZONTAL_SQUARED_MIN", 1 << 21),
     ];
-    for (file, name, wanted) in known {
+    let names = ["C0", "C1", "C2", "C3", "C4", "C5", "C6"];
+    let series = names.iter().zip(ARC_TANGENT.iter().rev());
+    let series = series.map(|(name, wanted)| ("arc_tangent", *name, *wanted));
+    for (file, name, wanted) in known.into_iter().chain(series) {
         match module.constant(file, name) {
             Some([found]) if *found == wanted => {}
             found => return Err(format!("{file}::{name} is {found:?}, not {wanted}")),

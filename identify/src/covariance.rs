@@ -9,17 +9,19 @@
 //! (Morelli & Klein, J. Aircraft 34 (1997), eq. 21). The double sum is evaluated in the frequency
 //! domain: ∫ S(f) s(f) s(f)ᴴ df, with S a smoothed periodogram of the residual.
 //!
-//! The recorded current has noise of its own, which the wheel integrates to a random walk. The fit takes
-//! that for motion, so that it is hardly seen in the residual; it enters as a second term. An error δi of
-//! the current over the interval h after sample k moves the wheel speed at every later sample j by
-//! (τ/j_w) h exp(−(r_w/j_w)(t_j − t_k)) δi, and with it the gradient.
+//! The recorded current has noise of its own, which the wheel integrates to a random walk and which swings
+//! the body. The fit takes that for motion, so that it is hardly seen in the residual; it enters as a
+//! second term. An error δi of the current over the interval h after sample k moves the state by
+//! h B δi, which the motion, linearised along the measured angle, carries to every later sample, and
+//! with it the gradient. While balancing the current answers to the noise of the sensors; that part of
+//! it flows, and what the column adds cannot be told from it: nothing is added there.
 //!
 //! A real joint sticks, the model's dry friction passes through zero over the speed v₀. What that does
 //! to the outputs is taken as one standard error of them, common to all logs: v₀ is a parameter that
 //! is considered and not estimated (Schmidt 1966; Bierman 1977, chapter VIII).
 
-use nalgebra::{Cholesky, DMatrix, DVector};
-use plant::{Model, Smoothing};
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
+use plant::{Kind, Model, Smoothing};
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
@@ -238,8 +240,8 @@ fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> 
     changes
 }
 
-/// Covariance that the noise of the recorded current gives the gradient of one window, through the
-/// wheel speed. `sensitivities` is for each channel and parameter the normalised series over the record.
+/// Covariance that the noise of the recorded current gives the gradient of one window. `sensitivities`
+/// is for each channel and parameter the normalised series over the record.
 fn input_walk(
     record: &Record,
     window: &Window,
@@ -249,29 +251,65 @@ fn input_walk(
 ) -> DMatrix<f64> {
     let p = sensitivities.first().map_or(0, Vec::len);
     let mut walk = DMatrix::zeros(p, p);
-    let channels = record.channels.iter().zip(sensitivities);
-    let wheel = channels
-        .into_iter()
-        .find(|(channel, _)| channel.output == Output::WheelSpeed);
-    let noise_a = input_noise_std(&record.current_a);
-    let (Some((channel, series)), true) = (wheel, noise_a > 0.0) else {
-        return walk;
+    let noise_a = match record.kind {
+        Kind::SpinUp | Kind::Driven => input_noise_std(&record.current_a),
+        Kind::FreeSwing | Kind::Balance => 0.0,
     };
+    if noise_a == 0.0 {
+        return walk;
+    }
+    let friction = |name| model.position_of(name).map_or(0.0, |at| values[at]);
+    let wheel_friction = friction("wheel_viscous_friction");
+    let body_friction = friction("body_viscous_friction");
     let wheel_inertia = values[plant::WHEEL_INERTIA];
-    let friction = model
-        .position_of("wheel_viscous_friction")
-        .map_or(0.0, |at| values[at]);
-    let per_ampere = values[plant::TORQUE_CONSTANT] / wheel_inertia / channel.noise_std;
-    let mut later: DVector<f64> = DVector::zeros(p);
+    let torque_constant = values[plant::TORQUE_CONSTANT];
+    let is_clamped = record.kind == Kind::SpinUp;
+    let body_mobility = if is_clamped {
+        0.0
+    } else {
+        1.0 / (values[plant::TOTAL_INERTIA] - wheel_inertia)
+    };
+    // (α, α̇, φ̇)' = F (α, α̇, φ̇) + B i.
+    let on_body = body_mobility * torque_constant;
+    let input = Vector3::new(0.0, -on_body, torque_constant / wheel_inertia + on_body);
+    let angle = record.channel(Output::Angle);
+    let dynamics = |k: usize| {
+        let angle_rad = angle.map_or(0.0, |channel| channel.samples[k]);
+        let gravity = body_mobility * values[plant::GRAVITY_TORQUE] * angle_rad.cos();
+        let body = body_mobility * body_friction;
+        let coupling = body_mobility * wheel_friction;
+        Matrix3::new(
+            0.0,
+            f64::from(u8::from(!is_clamped)),
+            0.0,
+            -gravity,
+            -body,
+            coupling,
+            gravity,
+            body,
+            -wheel_friction / wheel_inertia - coupling,
+        )
+    };
+    // Sum over all later samples of the sensitivity times what is left there of a change of the state.
+    let mut later = Matrix3xX::<f64>::zeros(p);
     for k in window.samples.clone().rev().skip(1) {
         let step_s = record.time_s[k + 1] - record.time_s[k];
-        // Sum over all later samples of sensitivity times what is left of a change of speed.
-        for (sum, series) in later.iter_mut().zip(series) {
-            *sum += series[k + 1];
+        for (channel, series) in record.channels.iter().zip(sensitivities) {
+            let row = match channel.output {
+                Output::Angle => 0,
+                Output::Rate => 1,
+                Output::WheelSpeed => 2,
+            };
+            for (index, series) in series.iter().enumerate() {
+                later[(row, index)] += series[k + 1] / channel.noise_std;
+            }
         }
-        let moved = &later * (per_ampere * step_s * noise_a);
+        let moved = later.tr_mul(&input) * (step_s * noise_a);
         walk += &moved * moved.transpose();
-        later *= (-friction / wheel_inertia * step_s).exp();
+        let dynamics = dynamics(k);
+        if dynamics.iter().all(|entry| entry.is_finite()) {
+            later = (dynamics * step_s).exp().transpose() * later;
+        }
     }
     walk
 }

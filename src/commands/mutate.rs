@@ -98,7 +98,7 @@ fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
     let mut survivors = Table::without_head(&[Align::Left; 4]);
     for verdict in verdicts.iter().filter(|verdict| verdict.noticed.is_empty()) {
         let mutant = &verdict.mutant;
-        let reason = match verdict.reason {
+        let reason = match verdict.reason.as_str() {
             "" => "no reason known",
             reason => reason,
         };
@@ -144,7 +144,7 @@ fn csv_of(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
             &mutant.after,
             claim,
             engine,
-            verdict.reason,
+            &verdict.reason,
         ])?;
     }
     writer

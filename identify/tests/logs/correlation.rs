@@ -11,14 +11,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::simulated::{Experiment, NOISE, Physics, VALUES, free_swing, simulate, spin_up};
+use crate::simulated::{Experiment, Physics, VALUES, free_swing, simulate, spin_up};
 
 const SEED: u64 = 2026;
 const REFITS: u64 = 80;
 
 /// A bench of which only the torque constant is known: G and Θ have their common scale from a driven
-/// swing, their quotient from the period. The recorded current is exact: its noise would swing the body
-/// of a driven log too, and the standard errors count only what it does to the wheel.
+/// swing, their quotient from the period. The noise of the recorded current moves wheel and body.
 fn fit(seed: u64) -> Fit {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let drive = |t: f64| 0.5 * (TAU * 1.1 * t).sin();
@@ -33,12 +32,7 @@ fn fit(seed: u64) -> Fit {
         free_swing("free swing", 0.35, 12.0),
         driven,
     ];
-    let [angle, rate, speed, _] = NOISE;
-    let physics = Physics {
-        noise: [angle, rate, speed, 0.0],
-        ..Physics::base()
-    };
-    let simulated = experiments.map(|experiment| simulate(&physics, &experiment, &mut rng));
+    let simulated = experiments.map(|experiment| simulate(&Physics::base(), &experiment, &mut rng));
     let known = [None, None, None, Some(VALUES[3])];
     let setup = Setup::from_records(simulated.to_vec(), known, Default::default());
     let found = identify(&setup.expect("records"), &Model::base(), None);
@@ -115,6 +109,20 @@ fn poles_scatter_over_refits_as_the_correlations_say() {
     assert!(off.abs() < 4.0 / (n - 3.0).sqrt(), "{scattered} {stated}");
 
     // A standard deviation from n values has the relative standard error 1/√(2n).
+    let infos = fits[0].model.parameters();
+    for position in fit(SEED).correlation().expect("several").0 {
+        let values = series(position);
+        let scatter = covariance(&values, &values).sqrt();
+        let stds: Vec<f64> = fits.iter().filter_map(|fit| fit.std(position)).collect();
+        let (stated, name) = (mean(&stds), infos[position].name);
+        println!("seed {SEED}: {name} over refits ± {scatter}, stated ± {stated}");
+        let ratio = scatter / stated;
+        assert!(
+            (ratio - 1.0).abs() < 4.0 / (2.0 * n).sqrt(),
+            "{name}: {ratio}"
+        );
+    }
+
     let with: Vec<_> = fits.iter().map(|fit| unstable(&poles(fit, true))).collect();
     let without: Vec<_> = fits
         .iter()
