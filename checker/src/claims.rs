@@ -19,7 +19,7 @@ pub struct Claim {
 }
 
 /// Every claim, in the order in which they are shown.
-pub const CLAIMS: [Claim; 16] = [
+pub const CLAIMS: [Claim; 17] = [
     Claim {
         id: "source-understood",
         statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
@@ -123,6 +123,13 @@ pub const CLAIMS: [Claim; 16] = [
         statement: "From any start in the stated ellipsoid the loop with the emitted law never saturates and stays within the stated bounds of the loop in real numbers, at every step.",
         domain: "all time; every start in the ellipsoid; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model; the sensors return the nearest count, the angle directly and not through the filter; the other loop computes in real numbers.",
+        is_in_certificate: false,
+    },
+    Claim {
+        id: "region-of-attraction",
+        statement: "From any start in the stated share of the ellipsoid the loop with the emitted law never saturates, and comes into the stated smaller share and stays there.",
+        domain: "all time; every start in that share; every perturbation by words or sensor counts",
+        assumptions: "The plant is the stated linear model with gravity as G sin(angle); the sensors return the nearest count, the angle directly and not through the filter.",
         is_in_certificate: false,
     },
     Claim {

@@ -20,6 +20,7 @@
 //! | [`filter`] | claims about the attitude filter and the full step |
 //! | [`length`] | the length of the filter's quaternion |
 //! | [`closed_loop`] | the loop for all time |
+//! | [`attraction`] | a region from which the pendulum itself returns |
 //! | [`reference`] | the filter's equations in double precision, and random runs against them |
 //! | [`smt`] | questions to z3 |
 //! | [`document`] | CLAIMS.md |
@@ -30,6 +31,7 @@
 
 #![warn(missing_docs)]
 
+pub mod attraction;
 pub mod certificate;
 pub mod claims;
 pub mod closed_loop;

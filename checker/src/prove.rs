@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use crate::attraction;
 use crate::certificate::{Certificate, CertificateError};
 use crate::claims::{Claim, claim};
 use crate::closed_loop;
@@ -599,6 +600,7 @@ fn loop_claims(
     table.add("closed-loop-stable", EXACT, || {
         of(stability::check_stable(certificate, law).map(|()| "Hurwitz' criterion".to_owned()))
     });
+    let mut found = None;
     table.add("closed-loop-for-all-time", EXACT, || {
         if !settings.closed_loop {
             return Outcome::NotRun("switched off".to_owned());
@@ -609,7 +611,9 @@ fn loop_claims(
                     .to_owned(),
             );
         };
-        of(closed_loop::check(certificate, stated, law).map(|bounds| {
+        let checked = closed_loop::check(certificate, stated, law);
+        found = checked.as_ref().ok().cloned();
+        of(checked.map(|bounds| {
             let parts: Vec<_> = bounds
                 .cases
                 .iter()
@@ -626,6 +630,22 @@ fn loop_claims(
                 .collect();
             parts.join("; ")
         }))
+    });
+    table.add("region-of-attraction", EXACT, || {
+        let (Some(stated), Some(bounds)) = (&certificate.closed_loop, &found) else {
+            return Outcome::NotRun("it needs closed-loop-for-all-time".to_owned());
+        };
+        match attraction::check(certificate, stated, bounds, law) {
+            Ok(region) => Outcome::Proved(format!(
+                "from {} of the ellipsoid (up to {} rad, {} rad/s, {} rad/s) into {} of it",
+                rounded_up(&region.outer, 3),
+                rounded_up(&region.extents[0], 3),
+                rounded_up(&region.extents[1], 3),
+                rounded_up(&region.extents[2], 3),
+                rounded_up(&region.inner, 3)
+            )),
+            Err(why) => Outcome::NotRun(why),
+        }
     });
     table.add(
         "stable-for-parameters",
