@@ -2,11 +2,12 @@
 
 use crate::certificate::Certificate;
 use crate::claims::CLAIMS;
+use crate::module::Module;
 use crate::prove::ClaimResult;
 
 /// The text of CLAIMS.md for one emitted crate. `results` tells which engines settle a claim; times
 /// and outcomes, which differ from machine to machine, are not in the text.
-pub fn claims(certificate: &Certificate, results: &[ClaimResult]) -> String {
+pub fn claims(certificate: &Certificate, module: &Module, results: &[ClaimResult]) -> String {
     let mut text = String::from(
         "# Claims\n\n\
          Written by the checker from the table that `flywheel prove` uses. A test holds this file\n\
@@ -58,5 +59,171 @@ pub fn claims(certificate: &Certificate, results: &[ClaimResult]) -> String {
             constant.claims.join(", ")
         ));
     }
+    text.push_str(
+        "\n# Where the constants of sensors, filter and drive come from\n\n\
+         Each word is the real number, which stands in the documents of the constant, rounded to its\n\
+         format; `hardware-words` computes it again.\n\n\
+         | word | from | value | format | line | claims |\n|---|---|---|---|---|---|\n",
+    );
+    for (file, constant) in BENCH {
+        let words = module.constant_words(file, constant).unwrap_or_default();
+        let line = module
+            .constant_place(file, constant)
+            .map_or(0, |place| place.line);
+        for (name, value) in words {
+            let Some((_, from, format, claims)) =
+                TRACES.iter().find(|(start, ..)| name.starts_with(start))
+            else {
+                continue;
+            };
+            text.push_str(&format!(
+                "| `{name}` | {from} | {value} | {format} | src/{file}.rs:{line} | {claims} |\n"
+            ));
+        }
+    }
     text
 }
+
+/// The constants that hold a bench's numbers: file and name.
+const BENCH: [(&str, &str); 10] = [
+    ("constants", "FILTER"),
+    ("constants", "MOUNTING_ANGLE"),
+    ("constants", "ANGLE_FACTOR"),
+    ("constants", "ANGLE_SHIFT"),
+    ("constants", "ANGLE_MAX"),
+    ("constants", "RATE_LINE"),
+    ("constants", "WHEEL_SPEED_LINE"),
+    ("constants", "DUTY_LINE"),
+    ("constants", "ZERO_CURRENT"),
+    ("constants", "BIAS_OBSERVER"),
+];
+
+/// Claims that speak of every word of the filter.
+const OF_FILTER: &str = "hardware-words, filter-total, filter-accurate, step-total";
+/// Claims that speak of every word of the lines into and out of the control law.
+const OF_LINES: &str = "hardware-words, step-total";
+
+/// Start of the word's name, where its number comes from, its format, the claims that speak of it.
+const TRACES: [(&str, &str, &str, &str); 21] = [
+    (
+        "FILTER.gyro.bias",
+        "gyroscope: bias in counts",
+        "/ 2^15",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.gyro.shift",
+        "gyroscope: bits beyond the output",
+        "bits",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.gyro.half_unit",
+        "gyroscope: 2^shift / 2 + 1",
+        "integer",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.gyro",
+        "gyroscope: matrix in rad/s per count, times T/2",
+        "/ 2^(49 + shift)",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.accel.bias",
+        "accelerometer: bias in counts",
+        "/ 2^15",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.accel.shift",
+        "accelerometer: bits beyond the output",
+        "bits",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.accel.half_unit",
+        "accelerometer: 2^shift / 2 + 1",
+        "integer",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.accel",
+        "accelerometer: matrix over its largest row",
+        "/ 2^(30 + shift)",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.mag.bias",
+        "magnetometer: bias in counts",
+        "/ 2^15",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.mag.shift",
+        "magnetometer: bits beyond the output",
+        "bits",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.mag.half_unit",
+        "magnetometer: 2^shift / 2 + 1",
+        "integer",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.mag",
+        "magnetometer: matrix over its largest row",
+        "/ 2^(30 + shift)",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.gravity_squared_min",
+        "(gravity / 8)² in the accelerometer's units",
+        "units of 2^32",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.field_squared_min",
+        "(weakest usable field)² in the magnetometer's units",
+        "units of 2^32",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.lever_arm",
+        "lever arm in m, over T² in the accelerometer's units",
+        "/ 2^16",
+        OF_FILTER,
+    ),
+    ("FILTER.beta", "beta in rad/s, times T", "/ 2^35", OF_FILTER),
+    (
+        "MOUNTING_ANGLE",
+        "mounting angle in rad",
+        "/ 2^28",
+        OF_LINES,
+    ),
+    (
+        "ANGLE_",
+        "from rad / 2^28 to the word of the angle, and its largest value less the bias",
+        "integer",
+        OF_LINES,
+    ),
+    (
+        "BIAS_OBSERVER",
+        "observer of the angle's bias; zero where there is none",
+        "as documented",
+        OF_LINES,
+    ),
+    (
+        "ZERO_CURRENT",
+        "duty at zero current",
+        "counts",
+        "certificate-consistent, step-total",
+    ),
+    (
+        "",
+        "slope, offset with the half that rounds, and ends of the documented line",
+        "over 2^shift",
+        OF_LINES,
+    ),
+];

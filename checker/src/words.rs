@@ -476,6 +476,21 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             ))
         }
     };
+    // Where pieces of one argument can meet, in any case.
+    let powers = (0..31).flat_map(|bits| [-1, 0, 1].map(|step| (1_i128 << bits) + step));
+    for n in powers.filter(|n| (0..=i32::MAX.into()).contains(n)) {
+        same("inverse_length", &[n], &[inverse_length(n, 2)])?;
+        same("coarse_inverse_length", &[n], &[inverse_length(n, 1)])?;
+        same("square_root_q30", &[n], &[square_root(n)])?;
+        same("arc_tangent_q31", &[n], &[arc_tangent(n)])?;
+        if (1 << 28..ONE).contains(&n) {
+            same("inverse_root_q30", &[n], &[inverse_root(n, 2)])?;
+            same("coarse_inverse_root_q30", &[n], &[inverse_root(n, 1)])?;
+        }
+        if (1 << 29..=ONE).contains(&n) {
+            same("reciprocal_q29", &[n], &[reciprocal(n)])?;
+        }
+    }
     for _ in 0..cases {
         let n = draw.within(1 << 28, ONE - 1);
         same("seed", &[n], &[root_seed(n)])?;
