@@ -5,6 +5,7 @@ mod demo;
 #[path = "cli/diagnose.rs"]
 mod diagnose;
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -341,6 +342,49 @@ fn check_finds_a_changed_byte() {
 }
 
 /// The thesis' own numbers: matrix 4.4 and 4.5 as printed, poles, gains of the sampled loop.
+#[test]
+fn mutants_of_the_emitted_crate() {
+    let generated = Path::new(env!("CARGO_MANIFEST_DIR")).join("generated");
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("mutants.csv");
+    let before = contents(&generated.join("src"));
+    let json: Value = serde_json::from_slice(
+        &flywheel([
+            OsStr::new("mutate"),
+            generated.as_os_str(),
+            OsStr::new("--most"),
+            OsStr::new("2"),
+            OsStr::new("--csv"),
+            csv.as_os_str(),
+            OsStr::new("--json"),
+            OsStr::new("-"),
+        ])
+        .stdout,
+    )
+    .expect("JSON on standard output");
+    assert_eq!(
+        contents(&generated.join("src")),
+        before,
+        "nothing is touched"
+    );
+    let verdicts = json["verdicts"].as_array().unwrap();
+    let number = |value: &Value| value.as_u64().unwrap() as usize;
+    let summary = &json["summary"];
+    assert_eq!(number(&summary["mutants"]), verdicts.len());
+    let caught = verdicts
+        .iter()
+        .filter(|verdict| !verdict["noticed"].as_array().unwrap().is_empty())
+        .count();
+    assert_eq!(number(&summary["caught"]), caught);
+    assert!(10 * caught > 9 * verdicts.len(), "{caught}");
+    let rows = csv::Reader::from_path(csv).unwrap().records().count();
+    assert_eq!(rows, verdicts.len());
+    refused(
+        [OsStr::new("mutate"), folder.path().as_os_str()],
+        &["certificate.json"],
+    );
+}
+
 #[test]
 fn the_thesis_design() {
     let folder = tempfile::tempdir().expect("folder");
