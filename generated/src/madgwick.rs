@@ -47,6 +47,16 @@ pub const NO_CORRECTION: Correction = Correction {
 
 /// Unit vector in Q28 along `v`, which is within ±2³⁰ and has a component of at least 2¹⁴.
 /// Error: at most 1e-8 a component. Each component within ±5·2²⁷ for any `v` in range.
+#[cfg_attr(kani, kani::requires(
+    (-0x4000_0000..=0x4000_0000).contains(&v[0])
+        && (-0x4000_0000..=0x4000_0000).contains(&v[1])
+        && (-0x4000_0000..=0x4000_0000).contains(&v[2])
+))]
+#[cfg_attr(kani, kani::ensures(|r|
+    (-0x2800_0000..=0x2800_0000).contains(&r[0])
+        && (-0x2800_0000..=0x2800_0000).contains(&r[1])
+        && (-0x2800_0000..=0x2800_0000).contains(&r[2])
+))]
 #[inline]
 pub fn unit_q28(v: [i32; 3]) -> [i32; 3] {
     let scaled = scaled_up3(v);
@@ -61,6 +71,17 @@ pub fn unit_q28(v: [i32; 3]) -> [i32; 3] {
 
 /// The upward direction in the sensor's frame, in Q28 (eq. 25). Each component within 2³⁰ + 2²⁰ whatever
 /// the length of q.
+#[cfg_attr(kani, kani::requires(
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[3])
+))]
+#[cfg_attr(kani, kani::ensures(|r|
+    (-0x4010_0000..=0x4010_0000).contains(&r[0])
+        && (-0x4010_0000..=0x4010_0000).contains(&r[1])
+        && (-0x4010_0000..=0x4010_0000).contains(&r[2])
+))]
 #[inline]
 pub fn up_q28(q: [i32; 4]) -> [i32; 3] {
     let (w, x, y, z) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
@@ -72,6 +93,23 @@ pub fn up_q28(q: [i32; 4]) -> [i32; 3] {
 }
 
 /// Gradient of the six-axis error: ½Jᵀ(v − a) in Q26 (eq. 25, 26).
+#[cfg_attr(kani, kani::requires(
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[3])
+        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[0])
+        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[1])
+        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[2])
+        && (0..=0x1fff_ffff).contains(&beta)
+))]
+#[cfg_attr(kani, kani::ensures(|r|
+    (-0x7000_0000..=0x7000_0000).contains(&r.direction[0])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[1])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[3])
+        && (0..=0x0980_0001).contains(&r.gain)
+))]
 #[inline]
 pub fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correction {
     let up = up_q28(q);
@@ -90,6 +128,26 @@ pub fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correcti
 
 /// Gradient of the nine-axis error in Q24 (eq. 29 to 34, 45, 46); that of six axes if the field
 /// is nearly vertical in the estimated frame.
+#[cfg_attr(kani, kani::requires(
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[3])
+        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[0])
+        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[1])
+        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[2])
+        && (-0x2800_0000..=0x2800_0000).contains(&field[0])
+        && (-0x2800_0000..=0x2800_0000).contains(&field[1])
+        && (-0x2800_0000..=0x2800_0000).contains(&field[2])
+        && (0..=0x1fff_ffff).contains(&beta)
+))]
+#[cfg_attr(kani, kani::ensures(|r|
+    (-0x7000_0000..=0x7000_0000).contains(&r.direction[0])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[1])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[3])
+        && (0..=0x0980_0001).contains(&r.gain)
+))]
 #[inline]
 pub fn correction_marg(
     q: [i32; 4],
@@ -140,15 +198,39 @@ pub fn correction_marg(
 }
 
 /// Scalar product of two directions in Q28, as Q30 within ±1.
+#[cfg_attr(kani, kani::requires(
+    (-0x4020_0000..=0x4020_0000).contains(&axis[0])
+        && (-0x4020_0000..=0x4020_0000).contains(&axis[1])
+        && (-0x4020_0000..=0x4020_0000).contains(&axis[2])
+        && (-0x2800_0000..=0x2800_0000).contains(&v[0])
+        && (-0x2800_0000..=0x2800_0000).contains(&v[1])
+        && (-0x2800_0000..=0x2800_0000).contains(&v[2])
+))]
+#[cfg_attr(kani, kani::ensures(|r| (-0x4000_0000..=0x4000_0000).contains(r)))]
 #[inline]
-fn component_q30(axis: [i32; 3], v: [i32; 3]) -> i32 {
+pub fn component_q30(axis: [i32; 3], v: [i32; 3]) -> i32 {
     let sum = mul_high(axis[0], v[0]) + mul_high(axis[1], v[1]) + mul_high(axis[2], v[2]);
     clamp(sum, -0x100_0000, 0x100_0000) * 64
 }
 
 /// The normalised gradient times β T (eq. 43); none if all components are below `min`.
+#[cfg_attr(kani, kani::requires(
+    (-0x7000_0000..=0x7000_0000).contains(&gradient[0])
+        && (-0x7000_0000..=0x7000_0000).contains(&gradient[1])
+        && (-0x7000_0000..=0x7000_0000).contains(&gradient[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&gradient[3])
+        && min >= 1
+        && (0..=0x1fff_ffff).contains(&beta)
+))]
+#[cfg_attr(kani, kani::ensures(|r|
+    (-0x7000_0000..=0x7000_0000).contains(&r.direction[0])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[1])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[3])
+        && (0..=0x0980_0001).contains(&r.gain)
+))]
 #[inline]
-fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction {
+pub fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction {
     if is_within(gradient[0], min)
         && is_within(gradient[1], min)
         && is_within(gradient[2], min)
@@ -173,6 +255,26 @@ fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction {
 ///
 /// `half_angle` is within ±2²⁹. The change is summed in Q62 and rounded once, so that its error
 /// is half a unit of q and has no preferred sign.
+#[cfg_attr(kani, kani::requires(
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[3])
+        && (-0x2000_0000..=0x2000_0000).contains(&half_angle[0])
+        && (-0x2000_0000..=0x2000_0000).contains(&half_angle[1])
+        && (-0x2000_0000..=0x2000_0000).contains(&half_angle[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&correction.direction[0])
+        && (-0x7000_0000..=0x7000_0000).contains(&correction.direction[1])
+        && (-0x7000_0000..=0x7000_0000).contains(&correction.direction[2])
+        && (-0x7000_0000..=0x7000_0000).contains(&correction.direction[3])
+        && (0..=0x0980_0001).contains(&correction.gain)
+))]
+#[cfg_attr(kani, kani::ensures(|r|
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[3])
+))]
 #[inline]
 pub fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i32; 4] {
     let (w, x, y, z) = (q[0] as i64, q[1] as i64, q[2] as i64, q[3] as i64);
@@ -195,6 +297,18 @@ pub fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i3
 /// For |ε| ≤ 0.06, the most that a step can make of it, the length is 1 to within
 /// 5|ε|³/16 + 2⁻²⁵ < 1e-4. Components are clamped to [`COMPONENT_MAX`], which acts only on
 /// quaternions far from unit length.
+#[cfg_attr(kani, kani::requires(
+    (-0x6000_0000..=0x6000_0000).contains(&q[0])
+        && (-0x6000_0000..=0x6000_0000).contains(&q[1])
+        && (-0x6000_0000..=0x6000_0000).contains(&q[2])
+        && (-0x6000_0000..=0x6000_0000).contains(&q[3])
+))]
+#[cfg_attr(kani, kani::ensures(|r|
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[3])
+))]
 #[inline]
 pub fn normalised(q: [i32; 4]) -> [i32; 4] {
     let squared = (mul_high(q[0], q[0]) >> 1)
