@@ -13,6 +13,7 @@ mod model_design;
 mod module_spec;
 mod progress;
 mod report;
+mod spin_linearity;
 mod swing_decay;
 mod swing_linearity;
 

@@ -14,7 +14,7 @@ use simulate::linear_validity::{
 
 use crate::failure::Failure;
 use crate::model_design::ModelDesign;
-use crate::report::numbers::significant;
+use crate::report::numbers::{percent, significant};
 use crate::report::table::{Align, Table};
 
 /// Periods over which a swing is compared.
@@ -277,8 +277,4 @@ impl SwingLinearity {
 
 fn degrees(angle_rad: f64) -> String {
     format!("{:.1}°", angle_rad.to_degrees())
-}
-
-fn percent(share: f64) -> String {
-    format!("{} %", significant(100.0 * share, 2))
 }

@@ -338,26 +338,9 @@ pub fn compare_spin_up(
         |_, _, state| whole_rad_s.push(state.wheel_speed_rad_s),
     );
 
-    let (smooth_model, smooth_values) = smooth_part(model, values);
-    let constants: Vec<Dual<2>> = smooth_values.iter().map(|v| Dual::constant(*v)).collect();
-    let linear = Plant::new(&smooth_model, &constants, Kind::SpinUp);
-    let at = State {
-        wheel_speed_rad_s: Dual::variable(0.0, 0),
-        ..State::rest()
-    };
-    let (_, slope) = linear.derivative(&at, Dual::variable(0.0, 1), 0.0);
-    let a = DMatrix::from_element(1, 1, slope.derivatives[0]);
-    let b = DMatrix::from_element(1, 1, slope.derivatives[1]);
-    let hold = zero_order_hold(&a, &b, step_s)?;
-    let mut speed = 0.0;
-    let linear_rad_s: Vec<f64> = time_s
-        .iter()
-        .map(|_| {
-            let now = speed;
-            speed = hold.state[0] * speed + hold.input[0] * current_a;
-            now
-        })
-        .collect();
+    let linear = LinearSpinUp::of(model, values);
+    let current_a_held = vec![current_a; time_s.len()];
+    let linear_rad_s = linear.run(0.0, &time_s, &current_a_held)?;
 
     let largest = whole_rad_s
         .iter()
@@ -375,6 +358,136 @@ pub fn compare_spin_up(
         linear_rad_s,
         good_up_to_rad_s,
     })
+}
+
+/// A measured spin-up and the whole model over it; SI units.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredSpinUp<'a> {
+    /// Time in s, increasing.
+    pub time_s: &'a [f64],
+    /// Measured wheel speed in rad/s; NaN where a sample is missing.
+    pub wheel_speed_rad_s: &'a [f64],
+    /// Current in A, held from each sample to the next.
+    pub current_a: &'a [f64],
+    /// Wheel speed of the whole model in rad/s.
+    pub whole_rad_s: &'a [f64],
+}
+
+/// Both models over a measured spin-up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpinUpOverMeasurement {
+    /// Time in s from the first sample.
+    pub time_s: Vec<f64>,
+    /// Measured wheel speed in rad/s.
+    pub measured_rad_s: Vec<f64>,
+    /// The whole model in rad/s.
+    pub whole_rad_s: Vec<f64>,
+    /// The linear model in rad/s, from the whole model's start.
+    pub linear_rad_s: Vec<f64>,
+    /// Largest speed of the whole model in rad/s.
+    pub largest_rad_s: f64,
+    /// Root mean square of measurement − whole model, over the largest speed.
+    pub whole_error: f64,
+    /// Root mean square of measurement − linear model, over the largest speed.
+    pub linear_error: f64,
+}
+
+/// Lays the linear spin-up over a measured one, from the start of the whole model.
+///
+/// # Errors
+/// Series of different length or fewer than two samples; a wheel that never turns.
+pub fn spin_up_over_measurement(
+    model: &Model,
+    values: &[f64],
+    spin_up: &MeasuredSpinUp<'_>,
+) -> Result<SpinUpOverMeasurement, SimulateError> {
+    let expected = spin_up.time_s.len().max(2);
+    for (what, found) in [
+        ("the measured spin-up", spin_up.time_s.len()),
+        ("the measured wheel speed", spin_up.wheel_speed_rad_s.len()),
+        ("the current", spin_up.current_a.len()),
+        ("the modelled wheel speed", spin_up.whole_rad_s.len()),
+    ] {
+        if found != expected {
+            return Err(SimulateError::WrongLength {
+                what,
+                found,
+                expected,
+            });
+        }
+    }
+    let whole_rad_s = spin_up.whole_rad_s.to_vec();
+    let speeds = whole_rad_s.iter().filter(|speed| speed.is_finite());
+    let largest_rad_s = speeds.fold(0.0, |largest: f64, speed| largest.max(speed.abs()));
+    check_positive("the largest wheel speed in rad/s", largest_rad_s)?;
+    let linear = LinearSpinUp::of(model, values);
+    let linear_rad_s = linear.run(whole_rad_s[0], spin_up.time_s, spin_up.current_a)?;
+    let error = |modelled: &[f64]| {
+        let pairs = spin_up.wheel_speed_rad_s.iter().zip(modelled);
+        let differences = pairs.map(|(y, m)| y - m).filter(|d| d.is_finite());
+        let counted: Vec<f64> = differences.collect();
+        let squares: f64 = counted.iter().map(|d| d * d).sum();
+        (squares / counted.len().max(1) as f64).sqrt() / largest_rad_s
+    };
+    Ok(SpinUpOverMeasurement {
+        whole_error: error(&whole_rad_s),
+        linear_error: error(&linear_rad_s),
+        largest_rad_s,
+        time_s: spin_up
+            .time_s
+            .iter()
+            .map(|t| t - spin_up.time_s[0])
+            .collect(),
+        measured_rad_s: spin_up.wheel_speed_rad_s.to_vec(),
+        whole_rad_s,
+        linear_rad_s,
+    })
+}
+
+/// The spin-up linearised at rest: φ̈ = a φ̇ + b i.
+struct LinearSpinUp {
+    a: DMatrix<f64>,
+    b: DMatrix<f64>,
+}
+
+impl LinearSpinUp {
+    fn of(model: &Model, values: &[f64]) -> LinearSpinUp {
+        let (smooth_model, smooth_values) = smooth_part(model, values);
+        let constants: Vec<Dual<2>> = smooth_values.iter().map(|v| Dual::constant(*v)).collect();
+        let linear = Plant::new(&smooth_model, &constants, Kind::SpinUp);
+        let at = State {
+            wheel_speed_rad_s: Dual::variable(0.0, 0),
+            ..State::rest()
+        };
+        let (_, slope) = linear.derivative(&at, Dual::variable(0.0, 1), 0.0);
+        LinearSpinUp {
+            a: DMatrix::from_element(1, 1, slope.derivatives[0]),
+            b: DMatrix::from_element(1, 1, slope.derivatives[1]),
+        }
+    }
+
+    /// Wheel speed in rad/s at the samples; the current is held between them.
+    fn run(
+        &self,
+        start_rad_s: f64,
+        time_s: &[f64],
+        current_a: &[f64],
+    ) -> Result<Vec<f64>, SimulateError> {
+        let mut speeds = vec![start_rad_s];
+        let mut step_s = f64::NAN;
+        let mut hold = None;
+        for (pair, current) in time_s.windows(2).zip(current_a) {
+            let interval_s = pair[1] - pair[0];
+            if interval_s != step_s {
+                step_s = interval_s;
+                hold = Some(zero_order_hold(&self.a, &self.b, step_s)?);
+            }
+            if let (Some(hold), Some(speed)) = (&hold, speeds.last()) {
+                speeds.push(hold.state[0] * speed + hold.input[0] * current);
+            }
+        }
+        Ok(speeds)
+    }
 }
 
 /// The part of a model that has a Jacobian at rest, with its parameters.

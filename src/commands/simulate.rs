@@ -28,6 +28,7 @@ use crate::progress::while_doing;
 use crate::report::Report;
 use crate::report::numbers::{significant, with_prefix};
 use crate::report::table::{Align, Table};
+use crate::spin_linearity::{SpinLinearity, SpinUpJson};
 use crate::swing_linearity::{PERIODS, SwingLinearity, SwingLinearityJson};
 
 /// Resolution of the bisection for the largest recoverable angle, rad: a hundredth of a degree.
@@ -74,6 +75,8 @@ struct SimulateJson {
     linear_model: LinearJson,
     /// The measured free swings of the bench, where one was named and has any.
     measured_swings: Option<SwingLinearityJson>,
+    /// The measured spin-ups of the bench; empty where none was named or has any.
+    measured_spin_ups: Vec<SpinUpJson>,
     overlays: Vec<OverlayJson>,
     files: Vec<PathBuf>,
 }
@@ -212,9 +215,13 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         let attitude_filters = work.attitude_filters()?;
         let effects = work.effects()?;
         let linear_model = work.linear_model()?;
-        let (measured_swings, overlays) = match &bench {
-            Some(bench) => (work.measured_swings(bench)?, work.overlays(bench)?),
-            None => (None, Vec::new()),
+        let (measured_swings, measured_spin_ups, overlays) = match &bench {
+            Some(bench) => (
+                work.measured_swings(bench)?,
+                work.measured_spin_ups(bench)?,
+                work.overlays(bench)?,
+            ),
+            None => (None, Vec::new(), Vec::new()),
         };
         Ok(SimulateJson {
             model: work.designed.name(),
@@ -227,6 +234,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             effects,
             linear_model,
             measured_swings,
+            measured_spin_ups,
             overlays,
             files: work.files.clone(),
         })
@@ -776,6 +784,21 @@ impl<'a> Work<'a> {
             self.write_columns(&format!("simulate-over-{}", file_name(name)), &columns)?;
         }
         Ok(Some(found.json()))
+    }
+
+    /// The nonlinear and the linear model over each measured spin-up of a bench.
+    fn measured_spin_ups(&mut self, bench: &Bench) -> Result<Vec<SpinUpJson>, Failure> {
+        let found = SpinLinearity::of(bench, self.designed).map_err(self.failure())?;
+        if found.is_empty() {
+            return Ok(vec![]);
+        }
+        self.text.push_str(&found.text());
+        let svg = found.figure(&self.designed.name())?;
+        self.write_figure("simulate-measured-spin-ups", &svg)?;
+        for (name, columns) in found.columns() {
+            self.write_columns(&format!("simulate-over-{}", file_name(name)), &columns)?;
+        }
+        Ok(found.json())
     }
 
     /// The simulated loop over each balance log of a bench, with the pushes found in it.

@@ -56,6 +56,11 @@ fn exponent_of(positive: f64) -> i32 {
     positive.log10().floor() as i32
 }
 
+/// A share in percent to two digits: `0.034` is `3.4 %`.
+pub fn percent(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 2))
+}
+
 /// A complex number as `a + bj`, or `a` where it is real.
 pub fn complex(re: f64, im: f64) -> String {
     if im == 0.0 {

@@ -3,8 +3,8 @@
 use crate::bench::{BASE, bench, exact_law, plain_loop};
 use plant::{EffectId, Model};
 use simulate::linear_validity::{
-    MeasuredPeriod, MeasuredSwing, compare_free_swing, compare_spin_up, largest_linear_amplitude,
-    linear_range, over_measurement,
+    MeasuredPeriod, MeasuredSpinUp, MeasuredSwing, compare_free_swing, compare_spin_up,
+    largest_linear_amplitude, linear_range, over_measurement, spin_up_over_measurement,
 };
 use simulate::overlay::MeasuredLog;
 use simulate::scenario::Scale;
@@ -190,6 +190,58 @@ fn a_viscous_spin_up_is_linear_and_a_saturating_motor_is_not() {
     let instant = (0.05 * BASE[3] / drag).sqrt();
     let good = bent.good_up_to_rad_s.unwrap();
     assert!(good > instant && good < 3.0 * instant, "{good} {instant}");
+}
+
+/// A coast-down with dry friction μ_w: φ̇ + μ_w/r_w decays as exp(−r_w t/j_w). The linear model has the
+/// viscous part alone, so that it is off by μ_w/r_w (1 − exp(−r_w t/j_w)).
+#[test]
+fn dry_friction_takes_the_linear_coast_down_off_as_the_closed_form_says() {
+    let model = Model::base().with(EffectId::WheelCoulombFriction);
+    let dry = 6e-4;
+    let values: Vec<f64> = BASE.iter().copied().chain([dry]).collect();
+    let (rate, start, floor) = (BASE[5] / BASE[1], 300.0, dry / BASE[5]);
+    let time_s: Vec<f64> = (0..1000).map(|k| 2.0 + f64::from(k) * 4e-3).collect();
+    let decay = |t: f64| (-rate * (t - 2.0)).exp();
+    let whole: Vec<f64> = time_s
+        .iter()
+        .map(|t| (start + floor) * decay(*t) - floor)
+        .collect();
+    let current = vec![0.0; time_s.len()];
+    let mut measured = whole.clone();
+    measured[7] = f64::NAN;
+    let over = spin_up_over_measurement(
+        &model,
+        &values,
+        &MeasuredSpinUp {
+            time_s: &time_s,
+            wheel_speed_rad_s: &measured,
+            current_a: &current,
+            whole_rad_s: &whole,
+        },
+    )
+    .unwrap();
+    assert_eq!(
+        (over.time_s[0], over.whole_error, over.largest_rad_s),
+        (0.0, 0.0, start)
+    );
+    let mut squares = 0.0;
+    for (index, (t, linear)) in time_s.iter().zip(&over.linear_rad_s).enumerate() {
+        let off = floor * (1.0 - decay(*t));
+        assert!((linear - whole[index] - off).abs() < 1e-9 * start);
+        squares += if index == 7 { 0.0 } else { off * off };
+    }
+    let expected = (squares / 999.0).sqrt() / start;
+    assert!(
+        (over.linear_error / expected - 1.0).abs() < 1e-9,
+        "{expected}"
+    );
+    let short = MeasuredSpinUp {
+        time_s: &time_s,
+        wheel_speed_rad_s: &measured[1..],
+        current_a: &current,
+        whole_rad_s: &whole,
+    };
+    assert!(spin_up_over_measurement(&model, &values, &short).is_err());
 }
 
 #[test]
