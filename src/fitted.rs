@@ -34,6 +34,9 @@ pub struct Fitted<'a> {
     pub failure: FailureMap,
 }
 
+/// Correlation from which two parameters are named: less than a fifth of the variance of one is then its
+/// own (1 − 0.9²).
+const STRONG_CORRELATION: f64 = 0.9;
 /// Most figures of broken-down residuals that are drawn.
 const MOST_BREAKDOWNS: usize = 4;
 
@@ -44,6 +47,8 @@ pub struct FittedJson {
     model: PathBuf,
     effects: Vec<&'static str>,
     parameters: Vec<json::Parameter>,
+    /// How the errors of the parameters hang together, as in model.toml.
+    correlation: Option<json::Correlation>,
     /// RMSE in SI units, by "experiment/channel".
     rmse: Keyed,
     fit_percent: Keyed,
@@ -173,6 +178,7 @@ impl<'a> Fitted<'a> {
             model: self.folder.model_path.clone(),
             effects: self.model.effects().iter().map(|e| e.name()).collect(),
             parameters: json::parameters(&self.parameters),
+            correlation: json::correlation(self.correlation.as_ref()),
             rmse: self.keyed(|_, trace| trace.rmse),
             fit_percent: self.keyed(|_, trace| trace.fit_percent),
             sensor_noise: self.keyed(|noise, _| noise),
@@ -266,7 +272,37 @@ impl<'a> Fitted<'a> {
                 shortened(&parameter.source, 44),
             ]);
         }
-        format!("\nModel: {}\n{}", effects.join(", "), table.text())
+        format!(
+            "\nModel: {}\n{}{}",
+            effects.join(", "),
+            table.text(),
+            self.strong_correlations()
+        )
+    }
+
+    /// A line for every two parameters whose errors hardly move alone.
+    fn strong_correlations(&self) -> String {
+        let Some(correlation) = &self.correlation else {
+            return String::new();
+        };
+        let names = &correlation.parameters;
+        let mut text = String::new();
+        for (row, a) in names.iter().enumerate() {
+            for b in &names[row + 1..] {
+                let found = correlation.between(a, b);
+                if found.abs() >= STRONG_CORRELATION {
+                    let how = if found > 0.0 {
+                        "together"
+                    } else {
+                        "against each other"
+                    };
+                    text.push_str(&format!(
+                        "  the errors of {a} and {b} go {how}: correlation {found:.4}\n"
+                    ));
+                }
+            }
+        }
+        text
     }
 
     /// Model against measurement, channel by channel.

@@ -303,6 +303,20 @@ fn the_whole_chain() {
     let reset = json_of([
         "identify", bench, "--reset", "--model", model, "--json", "-",
     ]);
+
+    // Rows and columns in the order of the names, each parameter one with itself.
+    let correlation = &reset["correlation"];
+    let names = correlation["parameters"].as_array().expect("names");
+    assert!(names.len() > 2, "{names:?}");
+    for (index, row) in correlation["matrix"]
+        .as_array()
+        .expect("rows")
+        .iter()
+        .enumerate()
+    {
+        assert_eq!(row.as_array().expect("row").len(), names.len());
+        assert_eq!(row[index], 1.0);
+    }
     assert_eq!(
         reset["effects"],
         serde_json::json!(["body-viscous-friction", "wheel-viscous-friction"])

@@ -15,6 +15,21 @@ pub struct Parameter {
     pub unit: String,
 }
 
+/// Correlations of the errors of parameters, row by row in their order.
+#[derive(serde::Serialize)]
+pub struct Correlation {
+    parameters: Vec<String>,
+    matrix: Vec<Vec<f64>>,
+}
+
+/// Of model.toml's section.
+pub fn correlation(found: Option<&bench_files::Correlation>) -> Option<Correlation> {
+    found.map(|found| Correlation {
+        parameters: found.parameters.clone(),
+        matrix: found.matrix.clone(),
+    })
+}
+
 /// Parameters of a model.toml.
 pub fn parameters(parameters: &[bench_files::Parameter]) -> Vec<Parameter> {
     parameters
