@@ -129,9 +129,17 @@ fn a_law_emitted_for_another_bench_balances_it() {
 
 #[test]
 fn a_crate_without_the_law_is_refused() {
-    let other = Module::parse(&[("src/lib.rs", "pub fn other(a: i32) -> i32 { a }\n")]).unwrap();
+    let other = Module::parse(&[(
+        "src/lib.rs",
+        "#![no_std]\n#![forbid(unsafe_code)]\npub fn other(a: i32) -> i32 { a }\n",
+    )])
+    .unwrap();
     let failure = InterpretedLaw::new(&other).unwrap_err();
     assert!(failure.to_string().contains("no function `control`"));
-    let wrong = Module::parse(&[("src/lib.rs", "pub fn control(a: i32) -> i32 { a }\n")]).unwrap();
+    let wrong = Module::parse(&[(
+        "src/lib.rs",
+        "#![no_std]\n#![forbid(unsafe_code)]\npub fn control(a: i32) -> i32 { a }\n",
+    )])
+    .unwrap();
     assert!(InterpretedLaw::new(&wrong).is_err());
 }

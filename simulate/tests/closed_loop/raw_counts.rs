@@ -150,7 +150,11 @@ fn from_source_and_compiled_are_one() {
     let compiled = on.run(0.1, 2.0, &mut Controller::new(), false).unwrap();
     let interpreted = on.run(0.1, 2.0, &mut from_source, false).unwrap();
     assert_eq!(compiled, interpreted);
-    let other = Module::parse(&[("src/lib.rs", "pub fn other(a: i32) -> i32 { a }\n")]).unwrap();
+    let other = Module::parse(&[(
+        "src/lib.rs",
+        "#![no_std]\n#![forbid(unsafe_code)]\npub fn other(a: i32) -> i32 { a }\n",
+    )])
+    .unwrap();
     assert!(InterpretedController::new(&other).is_err());
 }
 
