@@ -14,6 +14,7 @@
 //! | [`scenario`] | the runs of the thesis: transient, disturbance, half a minute with pushes |
 //! | [`transient`] | how well a transient went: oscillations, overshoot, settling |
 //! | [`recovery`] | the largest angle from which the loop recovers |
+//! | [`attraction`] | the largest ellipsoid of starts that it brings back |
 //! | [`mod@overlay`] | a simulated loop over a measured balance log |
 //! | [`linear_validity`] | how far the linear model can be trusted |
 //!
@@ -22,6 +23,7 @@
 #![warn(missing_docs)]
 
 pub mod attitude_filters;
+pub mod attraction;
 pub mod closed_loop;
 mod error;
 pub mod interpreted;
@@ -36,6 +38,7 @@ pub mod scenario;
 pub mod sensors;
 pub mod transient;
 
+pub use attraction::{Attraction, region_of_attraction};
 pub use closed_loop::{Actuator, ClosedLoop, Deviation, Trace};
 pub use error::SimulateError;
 pub use interpreted::InterpretedLaw;

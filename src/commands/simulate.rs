@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use attitude::AttitudeSpec;
 use bench_files::Bench;
+use checker::certificate::Certificate;
 use codegen::ModuleSpec;
 use figures::{Line, Panel, Quantity, Role};
 use identify::{PushModel, Record};
+use nalgebra::Matrix3;
 use plant::{Kind, Plant};
 use serde::Serialize;
 use simulate::attitude_filters::compare_filters;
@@ -16,7 +18,7 @@ use simulate::scenario::Scale;
 use simulate::{
     Actuator, ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, Motion, Push, RawLoop,
     RawSensors, Scenario, Sensors, SimulateError, Trace, Transient, effects_on_transient,
-    largest_recoverable_angle, overlay,
+    largest_recoverable_angle, overlay, region_of_attraction,
 };
 
 use crate::bench_folder::file_name;
@@ -31,6 +33,10 @@ use crate::report::table::{Align, Table};
 use crate::spin_linearity::{SpinLinearity, SpinUpJson};
 use crate::swing_linearity::{PERIODS, SwingLinearity, SwingLinearityJson};
 
+/// Starts on each boundary of the region of attraction.
+const STARTS: usize = 600;
+/// Resolution of its size, the certificate's ellipsoid having 1.
+const SIZE_RESOLUTION: f64 = 0.02;
 /// Resolution of the bisection for the largest recoverable angle, rad: a hundredth of a degree.
 const ANGLE_RESOLUTION_RAD: f64 = 1.745e-4;
 /// An angle that counts as a swing, as a share of the largest angle that the current allows.
@@ -70,6 +76,8 @@ struct SimulateJson {
     runs: Vec<RunJson>,
     raw_counts: RawCountsJson,
     recovery: RecoveryJson,
+    /// Where the certificate states an ellipsoid to enlarge.
+    attraction: Option<AttractionJson>,
     attitude_filters: Vec<FilterJson>,
     effects: Vec<EffectsJson>,
     linear_model: LinearJson,
@@ -111,6 +119,17 @@ struct FilterJson {
     filter: &'static str,
     /// RMS of its angle against the true one over the swing.
     error_rad: f64,
+}
+
+#[derive(Serialize)]
+struct AttractionJson {
+    /// Largest size of the certificate's ellipsoid of which every start came back.
+    size: f64,
+    lost_size: f64,
+    /// rad, rad/s, rad/s.
+    lost: [f64; 3],
+    extents: [f64; 3],
+    starts: usize,
 }
 
 #[derive(Serialize)]
@@ -172,6 +191,8 @@ struct Work<'a> {
     /// The sensors that the module believes in, with what a calibration leaves.
     sensors: RawSensors,
     spec: ModuleSpec,
+    /// P of the set in which no command saturates, where the certificate states one.
+    ellipsoid: Option<Matrix3<f64>>,
     files: Vec<PathBuf>,
     text: String,
 }
@@ -185,7 +206,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let limit_a = designed.wishes.current_limit_a;
     let plant = Plant::new(&designed.model, &designed.values, Kind::Balance);
     let spec = module_spec(&designed)?;
-    let module = emitted_module(&spec, &arguments.model)?;
+    let (module, ellipsoid) = emitted_module(&spec, &arguments.model)?;
     let mut work = Work {
         plant: &plant,
         scale: Scale::new(&designed.values, limit_a).map_err(in_file)?,
@@ -201,6 +222,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             .map_err(|error| Failure::in_file(&arguments.model, error))?,
         sensors: sensors_of(&spec).map_err(in_file)?,
         spec,
+        ellipsoid,
         files: Vec::new(),
         text: format!(
             "{}: the emitted law, run word for word from its source, on the nonlinear bench\n",
@@ -212,6 +234,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         let runs = work.scenarios()?;
         let raw_counts = work.raw_counts()?;
         let recovery = work.recovery()?;
+        let attraction = work.attraction()?;
         let attitude_filters = work.attitude_filters()?;
         let effects = work.effects()?;
         let linear_model = work.linear_model()?;
@@ -230,6 +253,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             runs,
             raw_counts,
             recovery,
+            attraction,
             attitude_filters,
             effects,
             linear_model,
@@ -253,8 +277,11 @@ fn out_folder(arguments: &Arguments) -> PathBuf {
     })
 }
 
-/// The source that `generate` would emit.
-fn emitted_module(spec: &ModuleSpec, model: &Path) -> Result<checker::Module, Failure> {
+/// The source that `generate` would emit, and P of the ellipsoid in its certificate.
+fn emitted_module(
+    spec: &ModuleSpec,
+    model: &Path,
+) -> Result<(checker::Module, Option<Matrix3<f64>>), Failure> {
     let emitted = codegen::generate(spec).map_err(|refusal| Failure::in_file(model, refusal))?;
     let sources: Vec<(&str, &str)> = emitted
         .files
@@ -262,8 +289,23 @@ fn emitted_module(spec: &ModuleSpec, model: &Path) -> Result<checker::Module, Fa
         .filter(|file| file.path.ends_with(".rs"))
         .map(|file| (file.path.as_str(), file.contents.as_str()))
         .collect();
-    checker::Module::parse(&sources)
-        .map_err(|error| Failure::in_file(model, format!("the emitted source: {error}")))
+    let module = checker::Module::parse(&sources)
+        .map_err(|error| Failure::in_file(model, format!("the emitted source: {error}")))?;
+    let mut texts = emitted.files.iter();
+    let certificate = texts
+        .find(|file| file.path == "certificate.json")
+        .map(|file| Certificate::parse(&file.contents))
+        .transpose()
+        .map_err(|error| Failure::in_file(model, format!("the emitted {error}")))?;
+    let ellipsoid = certificate.and_then(|certificate| {
+        let rows = certificate.closed_loop?.ellipsoid;
+        // Every decimal of the certificate is a number.
+        let entry = |row: usize, column: usize| rows[row][column].to_string().parse();
+        Some(Matrix3::from_fn(|row, column| {
+            entry(row, column).unwrap_or(f64::NAN)
+        }))
+    });
+    Ok((module, ellipsoid))
 }
 
 /// Sensors and drive that the module's constants describe rightly, but for what a calibration
@@ -618,6 +660,43 @@ impl<'a> Work<'a> {
             limit_rad: emitted.limit_rad,
             resolution_rad: ANGLE_RESOLUTION_RAD,
         })
+    }
+
+    /// The largest ellipsoid of starts that the emitted law brings back, noise and all.
+    fn attraction(&mut self) -> Result<Option<AttractionJson>, Failure> {
+        let Some(shape) = self.ellipsoid else {
+            return Ok(None);
+        };
+        let found = region_of_attraction(
+            &self.bench(),
+            &self.scale,
+            &mut self.emitted,
+            &shape,
+            STARTS,
+            SIZE_RESOLUTION,
+        )
+        .map_err(self.failure())?;
+        let [angle, rate, speed] = found.extents;
+        let lost = found.lost;
+        self.text.push_str(&format!(
+            "\nRegion of attraction, {} starts all over the boundary, with the sensors' noise\n  all return from {:.2} of the certificate's ellipsoid (up to {:.1}°, {} rad/s, wheel {} rad/s)\n  one is lost from {:.2} of it: {:.1}°, {} rad/s, wheel {} rad/s\n",
+            found.starts,
+            found.size,
+            angle.to_degrees(),
+            significant(rate, 3),
+            significant(speed, 3),
+            found.lost_size,
+            lost[0].to_degrees(),
+            significant(lost[1], 3),
+            significant(lost[2], 3),
+        ));
+        Ok(Some(AttractionJson {
+            size: found.size,
+            lost_size: found.lost_size,
+            lost,
+            extents: found.extents,
+            starts: found.starts,
+        }))
     }
 
     /// What each effect of the model does to the transient.

@@ -1,6 +1,7 @@
 //! Linear against nonlinear, overlays, transients.
 
 use crate::bench::{BASE, bench, exact_law, plain_loop};
+use nalgebra::Matrix3;
 use plant::{EffectId, Model};
 use simulate::linear_validity::{
     MeasuredPeriod, MeasuredSpinUp, MeasuredSwing, compare_free_swing, compare_spin_up,
@@ -9,7 +10,8 @@ use simulate::linear_validity::{
 use simulate::overlay::MeasuredLog;
 use simulate::scenario::Scale;
 use simulate::{
-    Actuator, ClosedLoop, Motion, Push, Scenario, Sensors, Transient, effects_on_transient, overlay,
+    Actuator, ClosedLoop, Motion, Push, Scenario, Sensors, Transient, effects_on_transient,
+    overlay, region_of_attraction,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -242,6 +244,43 @@ fn dry_friction_takes_the_linear_coast_down_off_as_the_closed_form_says() {
         whole_rad_s: &whole,
     };
     assert!(spin_up_over_measurement(&model, &values, &short).is_err());
+}
+
+/// A set of starts that all come back keeps doing so a little smaller and from other starts; a larger
+/// drive brings back more; the start that was lost is lost.
+#[test]
+fn the_region_of_attraction_is_one_and_grows_with_the_drive() {
+    let plant = bench(true);
+    let on = ClosedLoop {
+        sensors: Sensors::of_the_thesis(),
+        ..plain_loop(Motion::Nonlinear(&plant))
+    };
+    let scale = Scale::new(&BASE, 2.0).unwrap();
+    // Of the size of the angle that the motor can hold, and speeds that go with it.
+    let shape = Matrix3::new(250.0, 20.0, 0.44, 20.0, 1.7, 0.038, 0.44, 0.038, 1.4e-3);
+    let region = |limit_a: f64, starts: usize| {
+        let mut law = exact_law();
+        law.limit_a = limit_a;
+        region_of_attraction(&on, &scale, &mut law, &shape, starts, 0.02).unwrap()
+    };
+    let found = region(2.0, 200);
+    assert!(
+        found.size > 1.0 && found.lost_size - found.size <= 0.02,
+        "{found:?}"
+    );
+    assert!(region(2.0, 97).lost_size > 0.9 * found.size);
+    assert!(region(1.0, 200).size < 0.7 * found.size);
+    let [angle, rate, speed] = found.lost;
+    let start = plant::State {
+        angle_rad: PI + angle,
+        rate_rad_s: rate,
+        wheel_speed_rad_s: speed,
+        ..plant::State::rest()
+    };
+    let trace = on.run(&start, 10.0, &mut exact_law(), true).unwrap();
+    assert!(trace.fell_at_s.is_some(), "{found:?}");
+    let flat = Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0);
+    assert!(region_of_attraction(&on, &scale, &mut exact_law(), &flat, 10, 0.1).is_err());
 }
 
 #[test]
