@@ -6,15 +6,6 @@
 
 /// Upper word of a product: ⌊a b/2³²⌋. Error within [−1, 0] units; any arguments.
 #[cfg_attr(kani, kani::ensures(|r| (-0x4000_0000..=0x4000_0000).contains(r)))]
-#[cfg_attr(kani, kani::ensures(|r| {
-    // In shifts, which solvers follow at once where they do not follow a product: a factor within
-    // 2³⁰ + 2²⁰ leaves a quarter of the other and a little more, one within 2²⁹ an eighth.
-    let (m, n, size) = (a.unsigned_abs(), b.unsigned_abs(), r.unsigned_abs());
-    (m > 0x4010_0000 || size <= (n >> 2) + (n >> 12) + 3)
-        && (n > 0x4010_0000 || size <= (m >> 2) + (m >> 12) + 3)
-        && (n > 0x2000_0000 || size <= (m >> 3) + 1)
-        && ((a < 0) != (b < 0) || *r >= 0)
-}))]
 #[inline]
 pub fn mul_high(a: i32, b: i32) -> i32 {
     ((a as i64 * b as i64) >> 32) as i32
