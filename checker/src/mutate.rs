@@ -45,7 +45,7 @@ pub struct Mutant {
 pub struct Verdict {
     /// The mutant.
     pub mutant: Mutant,
-    /// Claims that fail and the engines that noticed, first one first; empty for a survivor.
+    /// Claims that fail and the engines that noticed; empty for a survivor.
     pub noticed: Vec<Notice>,
     /// Why a survivor is harmless; empty for others, and where no reason is known.
     pub reason: String,
@@ -444,21 +444,28 @@ const SETTINGS: Settings = Settings {
     kani: false,
     // It reads nothing of the source but the law, and that is compared before.
     closed_loop: false,
+    filter_ranges: false,
     filter_length: false,
 };
 
-/// The claims that fail, after those that take seconds only if no other does.
+/// The claims that fail: the quick engines first, the slower only if these notice nothing.
 pub fn notices(emitted: &Emitted, certificate: &Certificate) -> Vec<Notice> {
-    let quick = failures(emitted, certificate, &SETTINGS);
-    if !quick.is_empty() {
-        return quick;
-    }
-    let slow = Settings {
+    let slower = Settings {
         cases: 1,
-        filter_length: true,
+        filter_ranges: true,
         ..SETTINGS
     };
-    failures(emitted, certificate, &slow)
+    let slowest = Settings {
+        filter_length: true,
+        ..slower
+    };
+    for settings in [SETTINGS, slower, slowest] {
+        let found = failures(emitted, certificate, &settings);
+        if !found.is_empty() {
+            return found;
+        }
+    }
+    Vec::new()
 }
 
 fn failures(emitted: &Emitted, certificate: &Certificate, settings: &Settings) -> Vec<Notice> {

@@ -14,6 +14,7 @@ const SETTINGS: Settings = Settings {
     smt: false,
     kani: false,
     closed_loop: true,
+    filter_ranges: true,
     filter_length: false,
 };
 
