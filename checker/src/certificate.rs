@@ -76,6 +76,9 @@ pub struct Certificate {
     pub bounds: Bounds,
     /// What is claimed.
     pub claims: Vec<Claim>,
+    /// The observer of the angle's bias; null where the module has none.
+    #[serde(deserialize_with = "stated")]
+    pub bias_observer: Option<BiasObserver>,
     /// Bounds of the closed loop for all time; null where there are none.
     #[serde(deserialize_with = "stated")]
     pub closed_loop: Option<ClosedLoop>,
@@ -208,6 +211,22 @@ pub struct Bounds {
     /// Of rounding a real state (A).
     #[serde(rename = "state_rounding_A")]
     pub state_rounding: Decimal,
+}
+
+/// Observer of the angle's bias; see [`crate::bias_observer`] for its equations.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BiasObserver {
+    /// λ, without unit.
+    pub decay: Decimal,
+    /// ℓ, rad per unit of each state.
+    pub direct: [Decimal; 3],
+    /// f, rad per unit of each state.
+    pub from_states: [Decimal; 3],
+    /// g (rad/A).
+    pub from_current: Decimal,
+    /// Largest estimate (rad).
+    pub limit_rad: Decimal,
 }
 
 /// A claim.

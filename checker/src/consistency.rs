@@ -3,6 +3,7 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed};
 
+use crate::bias_observer::check_numbers;
 use crate::certificate::{Certificate, Decimal, vector};
 use crate::claims::CLAIMS;
 use crate::control_law::{ControlLaw, exponent};
@@ -75,12 +76,13 @@ pub fn check(
     check_bounds(certificate, law)?;
     check_claims(certificate)?;
     check_drive(certificate, module)?;
-    check_sampling(certificate)
+    check_sampling(certificate)?;
+    check_numbers(certificate)
 }
 
 fn check_header(certificate: &Certificate, module: &Module, files: &[String]) -> Check {
     equal("generator", certificate.generator.as_str(), MARK)?;
-    equal("format_version", certificate.format_version, 1)?;
+    equal("format_version", certificate.format_version, 2)?;
     let mut stated = certificate.files.clone();
     stated.sort();
     let mut found = files.to_vec();

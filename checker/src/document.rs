@@ -210,9 +210,9 @@ const TRACES: [(&str, &str, &str, &str); 21] = [
     ),
     (
         "BIAS_OBSERVER",
-        "observer of the angle's bias; zero where there is none",
-        "as documented",
-        OF_LINES,
+        "`bias_observer` of the certificate; zero where it is null",
+        "products of equal fraction bits",
+        "hardware-words, step-total, bias-observer-stable",
     ),
     (
         "ZERO_CURRENT",

@@ -8,6 +8,7 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
+use crate::bias_observer::check_words;
 use crate::certificate::Certificate;
 use crate::control_law::{ControlLaw, exponent};
 use crate::exact::{decimal, half, integer, power_of_two, rounded_up};
@@ -16,17 +17,17 @@ use crate::module::Module;
 type Check = Result<(), String>;
 
 /// Words by name.
-struct Words(Vec<(String, i128)>);
+pub(crate) struct Words(Vec<(String, i128)>);
 
 impl Words {
-    fn read(module: &Module, name: &str) -> Result<Words, String> {
+    pub(crate) fn read(module: &Module, name: &str) -> Result<Words, String> {
         module
             .constant_words("constants", name)
             .map(Words)
             .ok_or_else(|| format!("src/constants.rs has no {name}"))
     }
 
-    fn get(&self, name: &str) -> Result<BigRational, String> {
+    pub(crate) fn get(&self, name: &str) -> Result<BigRational, String> {
         self.0
             .iter()
             .find(|(known, _)| known == name)
@@ -34,7 +35,11 @@ impl Words {
             .ok_or_else(|| format!("src/constants.rs has no {name}"))
     }
 
-    fn small(&self, name: &str) -> Result<i32, String> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, i128)> {
+        self.0.iter().map(|(name, word)| (name.as_str(), *word))
+    }
+
+    pub(crate) fn small(&self, name: &str) -> Result<i32, String> {
         let word = self.get(name)?;
         word.to_integer()
             .to_i32()
@@ -43,7 +48,7 @@ impl Words {
 }
 
 /// A word is the nearest to a real number; half a unit and what double precision may add.
-fn nearest(name: &str, word: &BigRational, real: &BigRational) -> Check {
+pub(crate) fn nearest(name: &str, word: &BigRational, real: &BigRational) -> Check {
     let allowed = half() + crate::exact::power(10, -3);
     if (word - real).abs() <= allowed {
         Ok(())
@@ -137,6 +142,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Ch
 
     let angle_bits = exponent(law.state_bits[0]);
     let observer = Words::read(module, "BIAS_OBSERVER")?;
+    check_words(certificate, text, law, &observer)?;
     check_angle(module, text, angle_bits, &observer)?;
 
     let rate_unit = power_of_two(exponent(law.state_bits[1]));
@@ -286,17 +292,6 @@ fn check_angle(module: &Module, text: &str, angle_bits: i32, observer: &Words) -
     exact("ANGLE_FACTOR", &power_of_two(up))?;
     exact("ANGLE_SHIFT", &integer((28 - angle_bits).max(0).into()))?;
     let limit = observer.get("BIAS_OBSERVER.limit")?;
-    if limit.is_zero() || text.contains("No observer of the angle's bias") {
-        // No observer: nothing of one is left but shifts that are valid.
-        for (name, word) in &observer.0 {
-            let wanted = i128::from(name.ends_with("_shift"));
-            if *word != wanted {
-                return Err(format!(
-                    "{name} is {word} in a module without a bias estimate"
-                ));
-            }
-        }
-    }
     let largest = (integer(i32::MAX.into()) - limit) * power_of_two(-up);
     exact("ANGLE_MAX", &largest.floor())?;
 

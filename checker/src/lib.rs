@@ -16,6 +16,7 @@
 //! | [`claims`] | the claims |
 //! | [`consistency`] | the certificate against the source, field by field |
 //! | [`hardware`] | the words of sensors and drive against their real numbers |
+//! | [`bias_observer`] | the observer of the angle's bias: numbers, words, loop |
 //! | [`control_law`] | claims about the control law |
 //! | [`filter`] | claims about the attitude filter and the full step |
 //! | [`length`] | the length of the filter's quaternion |
@@ -32,6 +33,7 @@
 #![warn(missing_docs)]
 
 pub mod attraction;
+pub mod bias_observer;
 pub mod certificate;
 pub mod claims;
 pub mod closed_loop;

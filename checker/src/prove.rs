@@ -8,6 +8,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::attraction;
+use crate::bias_observer;
 use crate::certificate::{Certificate, CertificateError};
 use crate::claims::{Claim, claim};
 use crate::closed_loop;
@@ -364,7 +365,7 @@ pub fn settle(
     table.add("hardware-words", EXACT, || {
         of(hardware::check(certificate, &module, &law).map(|()| "every word".to_owned()))
     });
-    loop_claims(&mut table, certificate, &law, settings);
+    loop_claims(&mut table, &module, certificate, &law, settings);
     table.0
 }
 
@@ -608,12 +609,25 @@ fn filter_claims(
 
 fn loop_claims(
     table: &mut Table,
+    module: &Module,
     certificate: &Certificate,
     law: &ControlLaw,
     settings: &Settings,
 ) {
     table.add("closed-loop-stable", EXACT, || {
         of(stability::check_stable(certificate, law).map(|()| "Hurwitz' criterion".to_owned()))
+    });
+    table.add("bias-observer-stable", EXACT, || {
+        of(
+            bias_observer::check_loop(certificate, module, law).map(|rest| match rest {
+                Some((left, speed)) => format!(
+                    "{} of a bias is left; the wheel turns with {} rad/s for each rad of bias",
+                    rounded_up(&left, 2),
+                    rounded_up(&speed, 2)
+                ),
+                None => "there is no observer: its words are zero".to_owned(),
+            }),
+        )
     });
     let mut found = None;
     table.add("closed-loop-for-all-time", EXACT, || {

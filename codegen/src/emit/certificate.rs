@@ -14,7 +14,7 @@ use crate::ir::ControlLaw;
 use crate::spec::ModuleSpec;
 
 /// Version of the layout below; raised when a field changes its meaning.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// Significant digits of a bound.
 const BOUND_DIGITS: u32 = 40;
@@ -39,6 +39,8 @@ struct Certificate<'a> {
     constants: Vec<Constant<'a>>,
     bounds: Bounds,
     claims: Vec<Claim>,
+    /// The observer of the angle's bias, where the module has one.
+    bias_observer: Option<Observer>,
     /// Bounds of the closed loop for all time, where they have been computed.
     closed_loop: Option<serde_json::Value>,
 }
@@ -124,6 +126,16 @@ struct Bounds {
     state_rounding: String,
 }
 
+/// Numbers of the observer, in rad per unit of each state and per A.
+#[derive(Debug, Serialize)]
+struct Observer {
+    decay: String,
+    direct: [String; 3],
+    from_states: [String; 3],
+    from_current: String,
+    limit_rad: String,
+}
+
 #[derive(Debug, Serialize)]
 struct Claim {
     id: ClaimId,
@@ -200,6 +212,17 @@ pub fn file(
             state_rounding: outward(&law.bounds.state_rounding, BOUND_DIGITS),
         },
         claims: ClaimId::ALL.map(|id| claim(id, law)).into(),
+        bias_observer: spec
+            .hardware
+            .bias_observer
+            .as_ref()
+            .map(|observer| Observer {
+                decay: number(observer.decay),
+                direct: observer.direct.map(number),
+                from_states: observer.from_states.map(number),
+                from_current: number(observer.from_current),
+                limit_rad: number(observer.limit_rad),
+            }),
         closed_loop,
     };
     let mut contents =
