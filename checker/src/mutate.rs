@@ -17,7 +17,10 @@ use serde::Serialize;
 use crate::certificate::Certificate;
 use crate::contract::stated;
 use crate::interpret::{Machine, range_of};
+use crate::module::Module;
+use crate::program::Program;
 use crate::prove::{Emitted, Outcome, Settings, settle};
+use crate::smt::{self, Answer};
 use crate::words::Draw;
 
 /// One damaged source.
@@ -47,8 +50,36 @@ pub struct Verdict {
     pub mutant: Mutant,
     /// Claims that fail and the engines that noticed; empty for a survivor.
     pub noticed: Vec<Notice>,
-    /// Why a survivor is harmless; empty for others, and where no reason is known.
+    /// What is known of it.
+    pub fate: Fate,
+    /// What is known of a survivor, as a sentence; empty for others, and where nothing is known.
     pub reason: String,
+}
+
+/// What is known of a mutant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fate {
+    /// An engine noticed it.
+    Caught,
+    /// It survives, and z3 proves that it changes nothing.
+    Same,
+    /// It survives, and no difference was found in a random sample.
+    NoDifferenceFound,
+    /// It survives, and a difference was found or nothing could be compared: to be looked at.
+    Unexplained,
+}
+
+impl Fate {
+    /// As in JSON.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Fate::Caught => "caught",
+            Fate::Same => "same",
+            Fate::NoDifferenceFound => "no-difference-found",
+            Fate::Unexplained => "unexplained",
+        }
+    }
 }
 
 /// A claim that fails.
@@ -491,14 +522,15 @@ pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> V
         }
     }
     let noticed = notices(&damaged, certificate);
-    let reason = if noticed.is_empty() {
-        harmless(emitted, &damaged, &mutant)
+    let (fate, reason) = if noticed.is_empty() {
+        compared(emitted, &damaged, &mutant).unwrap_or_else(|| (Fate::Unexplained, String::new()))
     } else {
-        String::new()
+        (Fate::Caught, String::new())
     };
     Verdict {
         mutant,
         noticed,
+        fate,
         reason,
     }
 }
@@ -508,32 +540,57 @@ const COMPARISONS: usize = 20_000;
 /// Runs without an overflow before the damage that are enough to say something.
 const ENOUGH: usize = 500;
 
-/// Why a survivor changes nothing that is promised; empty where no reason is known, so that the
-/// survivor is to be looked at.
-fn harmless(emitted: &Emitted, damaged: &Emitted, mutant: &Mutant) -> String {
-    let file = mutant.file.as_str();
-    let is_edge = mutant.before == "<" && mutant.after == "<="
-        || mutant.before == ">" && mutant.after == ">=";
-    if is_edge && ["src/product.rs", "src/line.rs", "src/bias_observer.rs"].contains(&file) {
-        return "at equality both sides of the clamp are the same number".to_owned();
-    }
-    compared(emitted, damaged, mutant).unwrap_or_default()
+/// How far up from the damaged function its callers are compared.
+const MOST_CALLERS_UP: usize = 3;
+
+/// The function with the damage against what it was before, for arguments within its contract:
+/// first in runs that favour the places where pieces meet (numbers that stand in the function,
+/// their neighbours, powers of two, ends of ranges), then, where these show no difference, by z3
+/// for all arguments. Where the function differs, its callers are compared, who may never call it
+/// with the arguments that make the difference. `None` where a difference remains, or nothing can be
+/// compared.
+fn compared(emitted: &Emitted, damaged: &Emitted, mutant: &Mutant) -> Option<(Fate, String)> {
+    let (before, after) = (emitted.module().ok()?, damaged.module().ok()?);
+    let number = function_at(&before, &mutant.file, mutant.line)?;
+    alike(&before, &after, number, MOST_CALLERS_UP)
 }
 
-/// What the function with the damage returns, against what it returned before, for arguments within
-/// its contract that favour the places where pieces meet: the numbers that stand in the function, their
-/// neighbours, powers of two, ends of ranges.
-fn compared(emitted: &Emitted, damaged: &Emitted, mutant: &Mutant) -> Option<String> {
-    let (before, after) = (emitted.module().ok()?, damaged.module().ok()?);
-    let functions = &before.declarations().functions;
-    let number = (0..functions.len())
+/// The function that stands at a line: the last that begins at or above it.
+fn function_at(module: &Module, file: &str, line: usize) -> Option<usize> {
+    let functions = &module.declarations().functions;
+    (0..functions.len())
         .filter(|&number| {
             let place = &functions[number].place;
-            *place.file == *mutant.file && place.line <= mutant.line
+            *place.file == *file && place.line <= line
         })
-        .max_by_key(|&number| functions[number].place.line)?;
+        .max_by_key(|&number| functions[number].place.line)
+}
+
+/// The functions in whose text the name of function `number` stands.
+fn callers(module: &Module, number: usize) -> Vec<usize> {
+    let name = &module.declarations().functions[number].name;
+    let name = name.rsplit("::").next().unwrap_or(name);
+    let mut found: Vec<usize> = module
+        .texts()
+        .iter()
+        .flat_map(|(file, text)| {
+            tokens(text)
+                .into_iter()
+                .filter(|token| token.text == name)
+                .filter_map(|token| function_at(module, file, token.line))
+                .collect::<Vec<_>>()
+        })
+        .filter(|&caller| caller != number)
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+fn alike(before: &Module, after: &Module, number: usize, up: usize) -> Option<(Fate, String)> {
+    let function = &before.declarations().functions[number];
     let (old, new) = (before.program(number)?, after.program(number)?);
-    let contract = stated(&before, number).unwrap_or_default();
+    let contract = stated(before, number).unwrap_or_default();
     let ranges: Vec<(i128, i128)> = old
         .argument_types
         .iter()
@@ -545,6 +602,44 @@ fn compared(emitted: &Emitted, damaged: &Emitted, mutant: &Mutant) -> Option<Str
             })
         })
         .collect();
+    let name = &function.name;
+    match runs_alike(old, new, &ranges) {
+        Some(_) if smt::is_available() && smt::same(old, new, &ranges) == Answer::Proved => {
+            let text = format!("`{name}` returns the same words for all arguments (z3)");
+            Some((Fate::Same, text))
+        }
+        Some(runs) if runs >= ENOUGH => {
+            let text = format!("`{name}`: no difference found in {runs} runs aimed at its numbers");
+            Some((Fate::NoDifferenceFound, text))
+        }
+        Some(_) => None,
+        None if up == 0 => None,
+        None => {
+            let callers = callers(before, number);
+            let mut all = (Fate::Same, Vec::new());
+            for &caller in &callers {
+                let (fate, text) = alike(before, after, caller, up - 1)?;
+                if fate != Fate::Same {
+                    all.0 = fate;
+                }
+                if !all.1.contains(&text) {
+                    all.1.push(text);
+                }
+            }
+            (!callers.is_empty()).then(|| {
+                let text = format!(
+                    "`{name}` differs for arguments that its callers do not pass: {}",
+                    all.1.join("; ")
+                );
+                (all.0, text)
+            })
+        }
+    }
+}
+
+/// In how many random runs two versions of a function return the same words; `None` where one does
+/// not.
+fn runs_alike(old: &Program, new: &Program, ranges: &[(i128, i128)]) -> Option<usize> {
     let constants = old.initial.iter().zip(&old.is_constant);
     let corners: Vec<i128> = constants
         .filter_map(|(word, is_constant)| is_constant.then_some(*word))
@@ -560,16 +655,12 @@ fn compared(emitted: &Emitted, damaged: &Emitted, mutant: &Mutant) -> Option<Str
         let Ok(wanted) = old.call(&arguments) else {
             continue;
         };
-        let found = new.call(&arguments).ok()?;
-        runs += 1;
-        if wanted != found {
+        if wanted != new.call(&arguments).ok()? {
             return None;
         }
+        runs += 1;
     }
-    let name = &functions[number].name;
-    (runs >= ENOUGH).then(|| {
-        format!("`{name}` returns the same words in {runs} runs aimed at the numbers in it")
-    })
+    Some(runs)
 }
 
 /// Mutants, caught and not.
@@ -579,8 +670,10 @@ pub struct Summary {
     pub mutants: usize,
     /// How many were caught.
     pub caught: usize,
-    /// How many survived for a known reason.
-    pub harmless: usize,
+    /// How many survived and are proved to change nothing.
+    pub same: usize,
+    /// How many survived without a difference in a random sample.
+    pub no_difference_found: usize,
     /// By the engine that noticed first.
     pub by_engine: BTreeMap<&'static str, usize>,
     /// Caught and all, by kind.
@@ -592,7 +685,8 @@ pub fn summary(verdicts: &[Verdict]) -> Summary {
     let mut summary = Summary {
         mutants: verdicts.len(),
         caught: 0,
-        harmless: 0,
+        same: 0,
+        no_difference_found: 0,
         by_engine: BTreeMap::new(),
         by_kind: BTreeMap::new(),
     };
@@ -603,8 +697,11 @@ pub fn summary(verdicts: &[Verdict]) -> Summary {
             *caught += 1;
             summary.caught += 1;
             *summary.by_engine.entry(first.engine).or_default() += 1;
-        } else if !verdict.reason.is_empty() {
-            summary.harmless += 1;
+        }
+        match verdict.fate {
+            Fate::Same => summary.same += 1,
+            Fate::NoDifferenceFound => summary.no_difference_found += 1,
+            Fate::Caught | Fate::Unexplained => {}
         }
     }
     summary

@@ -161,6 +161,14 @@ pub enum ProveError {
     /// The certificate cannot be read.
     #[error("{0}")]
     Certificate(CertificateError),
+    /// A file of every emitted crate is not there.
+    #[error("{} is no emitted crate: there is no {missing} in it; flywheel generate writes one", folder.display())]
+    NoCrate {
+        /// The folder.
+        folder: PathBuf,
+        /// What is missing.
+        missing: &'static str,
+    },
     /// A file cannot be read.
     #[error("{}: {source}", path.display())]
     Io {
@@ -190,9 +198,16 @@ impl Emitted {
     /// # Errors
     /// [`ProveError`] with the file.
     pub fn read(directory: &Path) -> Result<Emitted, ProveError> {
-        let text = |name: &str| {
+        let text = |name: &'static str| {
             let path = directory.join(name);
-            fs::read_to_string(&path).map_err(|source| ProveError::Io { path, source })
+            fs::read_to_string(&path).map_err(|source| {
+                if source.kind() == std::io::ErrorKind::NotFound && directory.is_dir() {
+                    let folder = directory.to_owned();
+                    let missing = name;
+                    return ProveError::NoCrate { folder, missing };
+                }
+                ProveError::Io { path, source }
+            })
         };
         Ok(Emitted {
             certificate: text("certificate.json")?,

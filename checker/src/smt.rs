@@ -1,7 +1,9 @@
-//! Questions about the control law to z3, as integer problems in SMT-LIB.
+//! Questions to z3 about the control law, and whether two functions are the same, as integer
+//! problems in SMT-LIB.
 //!
-//! Words are unbounded integers with their ranges as assumptions; a right shift is a division
-//! that rounds down. Every claim is asked as "is there a counterexample"; `unsat` proves it.
+//! Words are unbounded integers with their ranges as assumptions, truth is 0 or 1; a right shift is
+//! a division that rounds down. Every claim is asked as "is there a counterexample"; `unsat` proves
+//! it.
 
 use std::collections::HashMap;
 use std::process::{Command, Stdio};
@@ -12,8 +14,13 @@ use crate::certificate::Certificate;
 use crate::interpret::range_of;
 use crate::program::{Action, Arithmetic, Comparison, Program, Slot, Step};
 
-/// Milliseconds that a question may take.
+/// Milliseconds that a question about a claim may take.
 const TIMEOUT_MS: u32 = 20_000;
+/// Milliseconds that a comparison of two functions may take.
+const COMPARISON_MS: u32 = 4_000;
+
+/// Most memory of z3 (MB).
+const MEMORY: &str = "-memory:2000";
 
 /// What z3 said.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +48,13 @@ struct Question {
     context: Context,
     /// Conditions under which nothing has gone wrong.
     sound: Vec<SExpr>,
+    /// Conditions of the branches around the step that is translated.
+    path: Vec<SExpr>,
+    /// Number of names given.
+    names: usize,
+    /// Stands for the product of two words, of which nothing is then known but that it commutes.
+    product: Option<SExpr>,
+    timeout_ms: u32,
 }
 
 /// Why a question could not be asked.
@@ -51,14 +65,23 @@ fn io<T>(result: std::io::Result<T>) -> Asked<T> {
 }
 
 impl Question {
-    fn new() -> Asked<Question> {
-        let mut context = io(ContextBuilder::new().with_z3_defaults().build())?;
-        let milliseconds = context.numeral(TIMEOUT_MS);
+    fn new(timeout_ms: u32) -> Asked<Question> {
+        // Preprocessing does not look at the clock of `:timeout`; the process ends a little later.
+        let seconds = format!("-T:{}", timeout_ms / 1000 + 1);
+        let mut context = io(ContextBuilder::new()
+            .solver("z3")
+            .solver_args(["-smt2", "-in", "-v:0", &seconds, MEMORY])
+            .build())?;
+        let milliseconds = context.numeral(timeout_ms);
         io(context.set_option(":timeout", milliseconds))?;
         io(context.set_logic("ALL"))?;
         Ok(Question {
             context,
             sound: Vec::new(),
+            path: Vec::new(),
+            names: 0,
+            product: None,
+            timeout_ms,
         })
     }
 
@@ -93,6 +116,27 @@ impl Question {
         Ok(unknowns)
     }
 
+    /// A name for a value, so that its text is sent once however often it is used.
+    fn named(&mut self, value: SExpr) -> Asked<SExpr> {
+        self.names += 1;
+        let sort = self.context.int_sort();
+        io(self
+            .context
+            .define_const(format!("v{}", self.names), sort, value))
+    }
+
+    /// Nothing has gone wrong only if `condition` holds where the step is reached.
+    fn needs(&mut self, condition: SExpr) {
+        let guarded = match self.path[..] {
+            [] => condition,
+            _ => {
+                let reached = self.context.and_many(self.path.iter().copied());
+                self.context.imp(reached, condition)
+            }
+        };
+        self.sound.push(guarded);
+    }
+
     /// The program's results for `arguments`.
     fn results(&mut self, program: &Program, arguments: &[SExpr]) -> Asked<Vec<SExpr>> {
         let mut values: HashMap<Slot, SExpr> = HashMap::new();
@@ -104,19 +148,23 @@ impl Question {
         for (slot, argument) in program.arguments.iter().zip(arguments) {
             values.insert(*slot, *argument);
         }
-        for step in &program.steps {
-            self.step(program, step, &mut values)?;
-        }
+        self.steps(program, &program.steps, &mut values)?;
         program
             .results
             .iter()
-            .map(|slot| {
-                values
-                    .get(slot)
-                    .copied()
-                    .ok_or("a word without value".to_owned())
-            })
+            .map(|slot| value_of(&values, *slot))
             .collect()
+    }
+
+    fn steps(
+        &mut self,
+        program: &Program,
+        steps: &[Step],
+        values: &mut HashMap<Slot, SExpr>,
+    ) -> Asked<()> {
+        steps
+            .iter()
+            .try_for_each(|step| self.step(program, step, values))
     }
 
     fn step(
@@ -125,12 +173,7 @@ impl Question {
         step: &Step,
         values: &mut HashMap<Slot, SExpr>,
     ) -> Asked<()> {
-        let known = |slot: &Slot| {
-            values
-                .get(slot)
-                .copied()
-                .ok_or("a word without value".to_owned())
-        };
+        let known = |slot: &Slot| value_of(values, *slot);
         match &step.action {
             Action::Arithmetic {
                 to,
@@ -140,16 +183,32 @@ impl Question {
                 type_,
             } => {
                 let (x, y) = (known(a)?, known(b)?);
+                let constant =
+                    |slot: Slot| program.is_constant[slot].then(|| program.initial[slot]);
+                let products = match (operation, constant(*a).or(constant(*b)), self.product) {
+                    (Arithmetic::Multiply, None, Some(product)) => Some(product),
+                    _ => None,
+                };
+                if let Some(product) = products {
+                    let swapped = self.context.eq(
+                        self.context.list(vec![product, x, y]),
+                        self.context.list(vec![product, y, x]),
+                    );
+                    io(self.context.assert(swapped))?;
+                }
                 let c = &self.context;
                 let value = match operation {
+                    Arithmetic::Multiply if products.is_some() => {
+                        c.list(products.into_iter().chain([x, y]).collect())
+                    }
                     Arithmetic::Add => c.plus(x, y),
                     Arithmetic::Subtract => c.sub(x, y),
                     Arithmetic::Multiply => c.times(x, y),
                     Arithmetic::ShiftRight | Arithmetic::ShiftLeft => {
-                        let amount = u32::try_from(program.initial[*b]).unwrap_or(u32::MAX);
-                        if !program.is_constant[*b] || amount >= type_.bits {
-                            return Err("a shift by no constant".to_owned());
-                        }
+                        let amount = constant(*b)
+                            .and_then(|amount| u32::try_from(amount).ok())
+                            .filter(|amount| *amount < type_.bits)
+                            .ok_or("a shift by no constant")?;
                         let factor = self.number(1_i128 << amount);
                         if *operation == Arithmetic::ShiftRight {
                             c.div(x, factor)
@@ -157,16 +216,28 @@ impl Question {
                             c.times(x, factor)
                         }
                     }
-                    Arithmetic::And => return Err("bits are not translated".to_owned()),
+                    Arithmetic::And => {
+                        // The lowest bits of a number: what a division leaves.
+                        let (value, mask) = match (constant(*a), constant(*b)) {
+                            (_, Some(mask)) => (x, mask),
+                            (Some(mask), None) => (y, mask),
+                            _ => return Err("bits are not translated".to_owned()),
+                        };
+                        if mask < 0 || (mask & (mask + 1)) != 0 {
+                            return Err("bits are not translated".to_owned());
+                        }
+                        c.modulo(value, self.number(mask + 1))
+                    }
                 };
+                let value = self.named(value)?;
                 let fits = self.within(value, type_.min(), type_.max());
-                self.sound.push(fits);
+                self.needs(fits);
                 values.insert(*to, value);
             }
             Action::Cast { to, a, type_ } => {
                 let value = known(a)?;
                 let fits = self.within(value, type_.min(), type_.max());
-                self.sound.push(fits);
+                self.needs(fits);
                 values.insert(*to, value);
             }
             Action::Clamp { to, a, low, high } => {
@@ -175,7 +246,8 @@ impl Question {
                 let ordered = c.lte(low, high);
                 let upper = c.ite(c.lt(high, value), high, value);
                 let clamped = c.ite(c.lt(value, low), low, upper);
-                self.sound.push(ordered);
+                self.needs(ordered);
+                let clamped = self.named(clamped)?;
                 values.insert(*to, clamped);
             }
             Action::Compare {
@@ -186,15 +258,47 @@ impl Question {
             } => {
                 let (x, y) = (known(a)?, known(b)?);
                 let c = &self.context;
-                let value = match comparison {
+                let holds = match comparison {
                     Comparison::Less => c.lt(x, y),
                     Comparison::LessEqual => c.lte(x, y),
                     Comparison::Equal => c.eq(x, y),
                     Comparison::NotEqual => c.not(c.eq(x, y)),
                 };
+                let value = c.ite(holds, self.number(1), self.number(0));
+                let value = self.named(value)?;
                 values.insert(*to, value);
             }
-            _ => return Err("branches are not translated".to_owned()),
+            Action::Not { to, a } => {
+                let value = self.context.sub(self.number(1), known(a)?);
+                let value = self.named(value)?;
+                values.insert(*to, value);
+            }
+            Action::If {
+                condition,
+                then,
+                otherwise,
+                joins,
+            } => {
+                let holds = self.context.eq(known(condition)?, self.number(1));
+                let fails = self.context.not(holds);
+                for (condition, steps) in [(holds, then), (fails, otherwise)] {
+                    self.path.push(condition);
+                    let translated = self.steps(program, steps, values);
+                    self.path.pop();
+                    translated?;
+                }
+                for (slot, one, other) in joins {
+                    let (one, other) = (value_of(values, *one)?, value_of(values, *other)?);
+                    let joined = self.context.ite(holds, one, other);
+                    let joined = self.named(joined)?;
+                    values.insert(*slot, joined);
+                }
+            }
+            Action::Assert { a, .. } => {
+                let holds = self.context.eq(known(a)?, self.number(1));
+                self.needs(holds);
+            }
+            Action::Contract { .. } => return Err("contracts are not translated".to_owned()),
         }
         Ok(())
     }
@@ -207,7 +311,7 @@ impl Question {
             Response::Unsat => Ok(Answer::Proved),
             Response::Unknown => Ok(Answer::Unknown(format!(
                 "z3 did not know within {} s",
-                TIMEOUT_MS / 1000
+                self.timeout_ms / 1000
             ))),
             Response::Sat => {
                 let model = io(self.context.get_model())?;
@@ -219,6 +323,13 @@ impl Question {
     }
 }
 
+fn value_of(values: &HashMap<Slot, SExpr>, slot: Slot) -> Asked<SExpr> {
+    values
+        .get(&slot)
+        .copied()
+        .ok_or_else(|| "a word without value".to_owned())
+}
+
 fn answered(asked: Asked<Answer>) -> Answer {
     asked.unwrap_or_else(Answer::Unknown)
 }
@@ -226,7 +337,7 @@ fn answered(asked: Asked<Answer>) -> Answer {
 /// Claim `control-total`: no operation leaves its type, and the command lies within the limit.
 pub fn total(program: &Program, limit: i128) -> Answer {
     let ask = || {
-        let mut question = Question::new()?;
+        let mut question = Question::new(TIMEOUT_MS)?;
         let arguments = question.arguments(program, "x")?;
         let results = question.results(program, &arguments)?;
         let within = question.within(results[0], -limit, limit);
@@ -242,7 +353,7 @@ pub fn total(program: &Program, limit: i128) -> Answer {
 /// limit of the certificate.
 pub fn accurate(program: &Program, certificate: &Certificate) -> Answer {
     let ask = || {
-        let mut question = Question::new()?;
+        let mut question = Question::new(TIMEOUT_MS)?;
         let arguments = question.arguments(program, "x")?;
         let results = question.results(program, &arguments)?;
         let shift = certificate.bounds.shift;
@@ -270,7 +381,7 @@ pub fn accurate(program: &Program, certificate: &Certificate) -> Answer {
 /// Claim `control-monotone`, for one state: two copies of the law that differ in it.
 pub fn monotone(program: &Program, certificate: &Certificate, state: usize) -> Answer {
     let ask = || {
-        let mut question = Question::new()?;
+        let mut question = Question::new(TIMEOUT_MS)?;
         let lower = question.arguments(program, "x")?;
         let mut upper = lower.clone();
         let (low, high) = range_of(&program.argument_types[state]);
@@ -291,4 +402,50 @@ pub fn monotone(program: &Program, certificate: &Certificate, state: usize) -> A
         question.ask(wanted)
     };
     answered(ask())
+}
+
+/// Whether two versions of a function return the same words, and neither overflows where the other
+/// does not, for all arguments within `ranges`. Products of two words are first taken as unknown,
+/// which proves quickly what does not depend on their values.
+pub fn same(one: &Program, other: &Program, ranges: &[(i128, i128)]) -> Answer {
+    match compared(one, other, ranges, true) {
+        Ok(Answer::Proved) => Answer::Proved,
+        _ => answered(compared(one, other, ranges, false)),
+    }
+}
+
+fn compared(
+    one: &Program,
+    other: &Program,
+    ranges: &[(i128, i128)],
+    products_are_unknown: bool,
+) -> Asked<Answer> {
+    if one.argument_types != other.argument_types || one.results.len() != other.results.len() {
+        return Err("the functions have different arguments or results".to_owned());
+    }
+    let mut question = Question::new(COMPARISON_MS)?;
+    if products_are_unknown {
+        let sort = question.context.int_sort();
+        let declared = question
+            .context
+            .declare_fun("product", vec![sort, sort], sort);
+        question.product = Some(io(declared)?);
+    }
+    let arguments = question.arguments(one, "x")?;
+    for (argument, (low, high)) in arguments.iter().zip(ranges) {
+        let range = question.within(*argument, *low, *high);
+        io(question.context.assert(range))?;
+    }
+    let first = question.results(one, &arguments)?;
+    let assumed = std::mem::take(&mut question.sound);
+    let second = question.results(other, &arguments)?;
+    for condition in assumed {
+        io(question.context.assert(condition))?;
+    }
+    let mut wanted = std::mem::take(&mut question.sound);
+    for (a, b) in first.iter().zip(&second) {
+        wanted.push(question.context.eq(*a, *b));
+    }
+    let wanted = question.context.and_many(wanted);
+    question.ask(wanted)
 }

@@ -95,30 +95,35 @@ fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
     for (engine, count) in &summary.by_engine {
         engines.row([(*engine).to_owned(), count.to_string()]);
     }
-    let mut survivors = Table::without_head(&[Align::Left; 4]);
+    let mut list = Table::without_head(&[Align::Left; 4]);
     for verdict in verdicts.iter().filter(|verdict| verdict.noticed.is_empty()) {
         let mutant = &verdict.mutant;
         let reason = match verdict.reason.as_str() {
             "" => "no reason known",
             reason => reason,
         };
-        survivors.row([
+        list.row([
             format!("{}:{}:{}", mutant.file, mutant.line, mutant.column),
             mutant.kind.to_owned(),
             format!("`{}` -> `{}`", mutant.before, mutant.after),
             reason.to_owned(),
         ]);
     }
-    let listed = if survivors.is_empty() {
+    let survivors = summary.mutants - summary.caught;
+    let listed = if list.is_empty() {
         String::new()
     } else {
-        format!("\nSurvivors\n{}", survivors.text())
+        format!("\nSurvivors\n{}", list.text())
     };
     format!(
-        "{} of {} mutants caught, {} of the others harmless for a known reason\n\n{}\n{}{listed}",
+        "{} of {} mutants caught; of the {} others {} proved to change nothing, {} without a \
+         difference in random runs, {} unexplained\n\n{}\n{}{listed}",
         summary.caught,
         summary.mutants,
-        summary.harmless,
+        survivors,
+        summary.same,
+        summary.no_difference_found,
+        survivors - summary.same - summary.no_difference_found,
         kinds.text(),
         engines.text(),
     )
@@ -127,7 +132,7 @@ fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
 fn csv_of(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(vec![]);
     writer.write_record([
-        "file", "line", "column", "kind", "before", "after", "claim", "engine", "reason",
+        "file", "line", "column", "kind", "before", "after", "fate", "claim", "engine", "reason",
     ])?;
     for verdict in verdicts {
         let mutant = &verdict.mutant;
@@ -142,6 +147,7 @@ fn csv_of(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
             mutant.kind,
             &mutant.before,
             &mutant.after,
+            verdict.fate.as_str(),
             claim,
             engine,
             &verdict.reason,
