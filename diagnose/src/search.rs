@@ -5,6 +5,7 @@ use identify::{
     without_rounding,
 };
 use plant::EffectId;
+use rayon::prelude::*;
 
 use crate::candidate::Candidate;
 use crate::evidence::{TIE, effective, log_evidence, residual};
@@ -308,16 +309,17 @@ pub fn search(
     let mut beam = vec![0usize];
     let mut best = 0usize;
     for depth in 1..=MOST_EFFECTS {
-        let mut found = vec![];
         for &index in &beam {
             let names = names(&pool[index].added);
             progress(&format!("trying every effect on top of {names}"));
-            let most = if depth == 1 { MOST_FITS } else { MOST_FITS / 2 };
             extended.push(pool[index].set());
-            found.extend(try_all(&bench, &pool[index], most, &|set| {
-                is_fitted(&pool, set)
-            }));
         }
+        let most = if depth == 1 { MOST_FITS } else { MOST_FITS / 2 };
+        let is_fitted = |set: &[EffectId]| is_fitted(&pool, set);
+        let found: Vec<Candidate> = beam
+            .par_iter()
+            .flat_map(|&index| try_all(&bench, &pool[index], most, &is_fitted))
+            .collect();
         if found.is_empty() {
             break;
         }
@@ -372,7 +374,7 @@ fn prune_and_swap(
         progress("trying others in the place of each effect");
         let smaller: Vec<Candidate> = chosen
             .added
-            .iter()
+            .par_iter()
             .filter(|&&effect| {
                 let mut rest = chosen.set();
                 rest.retain(|&other| other != effect);
@@ -380,16 +382,15 @@ fn prune_and_swap(
             })
             .map(|&effect| without(bench, &chosen, effect))
             .collect();
-        let mut found = vec![];
-        for candidate in &smaller {
-            if extended.contains(&candidate.set()) {
-                continue;
-            }
-            extended.push(candidate.set());
-            found.extend(try_all(bench, candidate, MOST_FITS / 2, &|set| {
-                is_fitted(pool, set)
-            }));
-        }
+        let mut from: Vec<&Candidate> = smaller.iter().collect();
+        from.retain(|candidate| !extended.contains(&candidate.set()));
+        extended.extend(from.iter().map(|candidate| candidate.set()));
+        let found: Vec<Candidate> = from
+            .par_iter()
+            .flat_map(|candidate| {
+                try_all(bench, candidate, MOST_FITS / 2, &|set| is_fitted(pool, set))
+            })
+            .collect();
         merge(pool, smaller);
         merge(pool, found);
         let evidence = finished_evidences(bench, pool);

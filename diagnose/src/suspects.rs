@@ -2,7 +2,7 @@
 
 use identify::{
     Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup,
-    Unknowns, Window, carry_over, cogging_start, fit_from_scratch, guessed, joined, promise,
+    Unknowns, Window, acts, carry_over, cogging_start, fit_from_scratch, guessed, joined, promise,
     rate_against_angle, ratios, refit, scaled_start,
 };
 use plant::{EffectId, Kind, Model, Role};
@@ -39,10 +39,16 @@ pub struct Bench<'a> {
 const MOST_LOCALS: usize = 5;
 /// Most starts of one suspect that are fitted.
 const MOST_STARTS: usize = 2;
+/// A fit that brings this share of what another start promises makes that start needless.
+const KEPT_SHARE: f64 = 0.9;
 /// Most suspects that are fitted in one round; the score test has sorted out the others.
 pub const MOST_FITS: usize = 8;
 /// A suspect that promises less than this share of the best one's gain is not fitted.
 const LEAST_SHARE: f64 = 0.1;
+/// An effect that takes less than this part of what the model misses in the experiments in which it
+/// acts is not what is missing there: an unknown cause looks a little like everything. Beside what is
+/// missing it may be real, and is found once that has been added.
+const LEAST_PART: f64 = 0.01;
 /// An effect goes before one that contains it if it promises at least this share of its gain.
 const SIMPLER_SHARE: f64 = 0.9;
 /// Least gain of a suspect in χ²: the 1e-5 point for two parameters, so that even twenty suspects on
@@ -200,6 +206,15 @@ fn starts(
             let values = carry_over(&from.model, &point.values, &model, &start);
             let unknowns = Unknowns::new(&model, &setup.free(&model));
             let windows = &point.windows;
+            // A limit that is not reached in a record leaves no trace there.
+            let torque_constant = base[plant::TORQUE_CONSTANT];
+            let leaves_no_trace = |record: &Record| {
+                effect == EffectId::BackEmfLimit && !is_reached(&[record], &chosen, torque_constant)
+            };
+            let known = KnownPromise {
+                leaves_no_trace: &leaves_no_trace,
+                ..known
+            };
             let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
             let all = vec![true; unknowns.free.len()];
             let step = promise.step(&values, &unknowns, &all);
@@ -296,6 +311,14 @@ fn fit_best(
     starts.sort_by(|a, b| a.promised_cost.total_cmp(&b.promised_cost));
     let mut best: Option<(Minimum, Start)> = None;
     for start in starts.into_iter().take(MOST_STARTS) {
+        // What has been reached already, or nearly, no other start is tried for.
+        let promised = KEPT_SHARE * (point.cost - start.promised_cost);
+        if best
+            .as_ref()
+            .is_some_and(|(best, _)| point.cost - best.cost >= promised)
+        {
+            continue;
+        }
         let minimum = refit(
             records,
             &start.model,
@@ -315,7 +338,8 @@ fn fit_best(
             best = Some((minimum, start));
         }
     }
-    let (rough, start) = best?;
+    // A fit that leaves the effect at nothing is that of the smaller model.
+    let (rough, start) = best.filter(|(rough, _)| point.cost - rough.cost >= LEAST_GAIN)?;
     let free = setup.free(&start.model);
     let windows = records
         .iter()
@@ -406,6 +430,7 @@ pub fn try_all(
             &unknowns,
             None,
         ),
+        leaves_no_trace: &|_| false,
     };
     let (scored, others) = rayon::join(
         || absent_starts(bench, from, point, known, &absent),
@@ -447,6 +472,18 @@ pub fn try_all(
                 })
             })
         })
+    });
+    // What the model misses, in χ² beyond the noise, in the experiments in which an effect acts.
+    let missed = |effect: EffectId| -> f64 {
+        let records = bench.records.iter().zip(&known.promise.records);
+        records
+            .filter(|(record, _)| acts(effect, record.kind))
+            .map(|(record, share)| (share.cost - record.observations() as f64).max(0.0))
+            .sum()
+    };
+    screened.retain(|(gain, starts)| {
+        let least = |start: &Start| LEAST_PART * missed(start.effect);
+        starts.first().is_some_and(|start| *gain >= least(start))
     });
     screened.sort_by(|a, b| b.0.total_cmp(&a.0));
     let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);

@@ -19,22 +19,20 @@ use crate::solver::Minimum;
 pub fn cogging_start(records: &[&Record], model: &Model, minimum: &Minimum) -> Option<Vec<f64>> {
     const HIGHEST_ORDER: usize = 60;
     let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
-    let windows = wheel_speed_errors(records, model, minimum);
+    let mut windows: Vec<(WheelSpeedError, Turns)> = wheel_speed_errors(records, model, minimum)
+        .into_iter()
+        .map(|window| {
+            let turns = Turns::new(&window.wheel_angle_rad);
+            (window, turns)
+        })
+        .collect();
     let mut gains: Vec<(f64, Vec<f64>)> = vec![];
     for order in 1..=HIGHEST_ORDER {
         let n = order as f64;
         let (mut cc, mut ss, mut cs, mut ce, mut se) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for window in &windows {
-            let mut cosine = integral(
-                window,
-                |angle| (n * angle).sin() / n,
-                |angle| (n * angle).cos(),
-            );
-            let mut sine = integral(
-                window,
-                |angle| -(n * angle).cos() / n,
-                |angle| (n * angle).sin(),
-            );
+        for (window, turns) in &mut windows {
+            turns.next_order();
+            let (mut cosine, mut sine) = integrals(window, turns, n);
             remove_line(&window.time_s, &mut cosine);
             remove_line(&window.time_s, &mut sine);
             let weight = 1.0 / window.noise_std.powi(2);
@@ -113,26 +111,54 @@ fn wheel_speed_errors(
     found
 }
 
-/// ∫ f(φ) dt over a window, sample by sample, with the wheel turning evenly between samples: its
-/// antiderivative over φ where it turns, f itself where it rests.
-fn integral(
-    window: &WheelSpeedError,
-    antiderivative: impl Fn(f64) -> f64,
-    function: impl Fn(f64) -> f64,
-) -> Vec<f64> {
-    let mut sum = 0.0;
-    let mut out = vec![0.0];
-    for k in 1..window.time_s.len() {
-        let (from, to) = (window.wheel_angle_rad[k - 1], window.wheel_angle_rad[k]);
-        let mean = if (to - from).abs() > 1e-6 {
-            (antiderivative(to) - antiderivative(from)) / (to - from)
-        } else {
-            function(from)
+/// cos nφ and sin nφ at every sample, order by order: e^{inφ} = e^{i(n−1)φ} e^{iφ}.
+struct Turns {
+    first: Vec<(f64, f64)>,
+    /// (cos nφ, sin nφ).
+    of_order: Vec<(f64, f64)>,
+}
+
+impl Turns {
+    /// At order 0.
+    fn new(angle_rad: &[f64]) -> Turns {
+        let pair = |angle: &f64| {
+            let (sin, cos) = angle.sin_cos();
+            (cos, sin)
         };
-        sum += mean * (window.time_s[k] - window.time_s[k - 1]);
-        out.push(sum);
+        Turns {
+            first: angle_rad.iter().map(pair).collect(),
+            of_order: vec![(1.0, 0.0); angle_rad.len()],
+        }
     }
-    out
+
+    fn next_order(&mut self) {
+        for ((cos, sin), (c, s)) in self.of_order.iter_mut().zip(&self.first) {
+            (*cos, *sin) = (*cos * c - *sin * s, *sin * c + *cos * s);
+        }
+    }
+}
+
+/// ∫ cos nφ dt and ∫ sin nφ dt over a window, sample by sample, with the wheel turning evenly between
+/// samples: the antiderivative over φ where it turns, the function itself where it rests.
+fn integrals(window: &WheelSpeedError, turns: &Turns, n: f64) -> (Vec<f64>, Vec<f64>) {
+    let (mut cosine, mut sine) = (vec![0.0], vec![0.0]);
+    let mut sums = (0.0, 0.0);
+    for k in 1..window.time_s.len() {
+        let turned = window.wheel_angle_rad[k] - window.wheel_angle_rad[k - 1];
+        let step_s = window.time_s[k] - window.time_s[k - 1];
+        let (from, to) = (turns.of_order[k - 1], turns.of_order[k]);
+        if turned.abs() > 1e-6 {
+            let scale = step_s / (n * turned);
+            sums.0 += (to.1 - from.1) * scale;
+            sums.1 += (from.0 - to.0) * scale;
+        } else {
+            sums.0 += from.0 * step_s;
+            sums.1 += from.1 * step_s;
+        }
+        cosine.push(sums.0);
+        sine.push(sums.1);
+    }
+    (cosine, sine)
 }
 
 /// Subtracts the least-squares line.

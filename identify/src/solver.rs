@@ -70,8 +70,8 @@ impl Effort {
         evaluations: 30,
         tolerance: 1e-4,
     };
-    /// The same for a minimum at the end of a long curved valley (stiffness and rest angle of a
-    /// cable), which takes many short steps.
+    /// The same for a minimum at the end of a long curved valley (the speed of Stribeck's curve and
+    /// its levels), which takes many short steps.
     pub const PATIENT: Effort = Effort {
         evaluations: 200,
         tolerance: 1e-4,
@@ -90,7 +90,7 @@ impl Effort {
 
 /// A fit whose last so many evaluations together gained less than the standard error of one unknown
 /// would is creeping, and ends: what is left to gain decides nothing.
-const CREEPING: usize = 20;
+const CREEPING: usize = 10;
 
 struct Assembled {
     windows: Vec<Vec<WindowNormal>>,
@@ -438,7 +438,7 @@ pub struct PromisedStep {
 }
 
 /// A model with parameters at a point whose promise is known.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct KnownPromise<'a> {
     /// The model.
     pub model: &'a Model,
@@ -448,10 +448,13 @@ pub struct KnownPromise<'a> {
     pub unknowns: &'a Unknowns,
     /// What it promises.
     pub promise: &'a Promise,
+    /// Whether what the other model has more does not come into play in a record.
+    pub leaves_no_trace: &'a (dyn Fn(&Record) -> bool + Sync),
 }
 
 /// Evaluates the normal equations once. Records in which the model moves as one whose promise is
-/// `known` (with the same windows) are not simulated again.
+/// `known` (with the same windows) are not simulated again: those in which nothing acts that differs,
+/// and those for which [`KnownPromise::leaves_no_trace`] says so.
 pub fn promise(
     records: &[&Record],
     model: &Model,
@@ -468,6 +471,7 @@ pub fn promise(
     let is_known = |record: &Record| {
         known.is_some_and(|known| {
             moves_alike(record.kind, (known.model, known.values), (model, values))
+                || (known.leaves_no_trace)(record)
         })
     };
     let simulated: Vec<Vec<Window>> = records

@@ -551,6 +551,7 @@ fn a_suspect_promises_the_same_alone_and_beside_others_at_zero() {
             values: &base.values,
             unknowns: &unknowns(&base.model),
             promise: &of_base,
+            leaves_no_trace: &|_| false,
         };
         let every = vec![true; own.free.len()];
         let [alone, reused] = [None, Some(known)].map(|known| {
