@@ -1,7 +1,11 @@
 //! A model that was tried: which effects it adds, how it was fitted, what it leaves.
 
+use std::sync::OnceLock;
+
 use identify::{Minimum, Record, Setup, Trace, traces};
 use plant::{EffectId, Model};
+
+use crate::imperfection::imperfection;
 
 /// A fitted model with what is left of every series.
 #[derive(Clone, Debug)]
@@ -19,6 +23,7 @@ pub struct Candidate {
     pub windowed: Option<Minimum>,
     /// Number of free parameters that do not lie on a bound.
     pub parameters: usize,
+    imperfection: OnceLock<Vec<f64>>,
 }
 
 impl Candidate {
@@ -48,7 +53,14 @@ impl Candidate {
             traces,
             windowed,
             parameters,
+            imperfection: OnceLock::new(),
         }
+    }
+
+    /// As [`imperfection()`], computed once.
+    pub fn imperfection(&self, setup: &Setup, records: &[&Record]) -> &[f64] {
+        self.imperfection
+            .get_or_init(|| imperfection(setup, records, self))
     }
 
     /// Root mean square errors of all series, record by record and channel by channel.

@@ -370,7 +370,7 @@ fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect
         .zip(&found.evidence)
         .map(|(candidate, evidence)| {
             let needless = candidate.strictly_contains(best)
-                && (!shows(&bench.records, base, best, candidate)
+                && (!shows(bench, base, best, candidate)
                     || evidence - found.evidence[found.best] < TIE);
             if needless {
                 0.0

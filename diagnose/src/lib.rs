@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `candidate` | a model that was tried |
 //! | `suspects` | the score test of every effect, and the refit of those that promise something |
+//! | `imperfection` | what the smoothed sign of dry friction alone leaves |
 //! | `evidence` | how strongly the measurements speak for one model against another |
 //! | `search` | the search for the set of effects that explains the measurements |
 //! | `validation` | how well a model predicts an experiment that its fit has not seen |
@@ -15,6 +16,7 @@ mod candidate;
 mod diagnosis;
 mod evidence;
 pub mod exam;
+mod imperfection;
 mod next_experiment;
 mod search;
 mod suspects;

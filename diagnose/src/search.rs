@@ -29,6 +29,9 @@ pub const LEAST_TRACE_BESIDE: f64 = 0.5;
 /// Whatever is added must also show at least this share of the trace of what was added before: dry
 /// friction whose sign is smoothed over 0.01 rad/s is that of a real joint to about half a percent.
 const LEAST_SHARE_OF_TRACE: f64 = 0.01;
+/// And so many times what the smoothed sign of dry friction alone would leave there
+/// (see `imperfection.rs`): of a smaller trace a quarter of the square could be that.
+const TIMES_IMPERFECTION: f64 = 2.0;
 /// Structure of this size in units of a channel's noise counts as "something remains". The noise
 /// itself is the scale below which nobody looking at the figure would see a misfit.
 pub const REMAINS: f64 = 1.0;
@@ -114,12 +117,8 @@ pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate)
 
 /// Whether what `larger` adds to `smaller` leaves a trace in any series that a person would see, and
 /// that the imperfections of what was added before cannot be. `start` is the model as it was.
-pub fn shows(
-    records: &[&Record],
-    start: &Candidate,
-    smaller: &Candidate,
-    larger: &Candidate,
-) -> bool {
+pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Candidate) -> bool {
+    let records = &bench.records;
     let is_refinement = smaller.added.len() == larger.added.len();
     let share = LEAST_SHARE_OF_TRACE * largest_trace(records, start, smaller);
     let kinds = records
@@ -128,14 +127,16 @@ pub fn shows(
     traces(records, smaller, larger)
         .into_iter()
         .zip(kinds)
-        .any(|(trace, kind)| {
+        .enumerate()
+        .any(|(series, (trace, kind))| {
             let is_touched = smaller.added.iter().any(|&effect| acts(effect, kind));
             let least = match (is_touched, is_refinement) {
                 (false, _) => LEAST_TRACE,
                 (true, true) => LEAST_TRACE.max(share),
                 (true, false) => LEAST_TRACE_BESIDE.max(share),
             };
-            trace >= least
+            let imperfection = || smaller.imperfection(bench.setup, records)[series];
+            trace >= least && (!is_touched || trace >= TIMES_IMPERFECTION * imperfection())
         })
 }
 
@@ -235,12 +236,12 @@ fn merge(pool: &mut Vec<Candidate>, found: Vec<Candidate>) -> Vec<usize> {
 
 /// The simplest candidate that `top` contains and that explains the measurements as well: its
 /// evidence is not decisively lower, or no sensor would show the difference.
-fn simplest(records: &[&Record], pool: &[Candidate], evidence: &[f64], top: usize) -> usize {
+fn simplest(bench: &Bench, pool: &[Candidate], evidence: &[f64], top: usize) -> usize {
     (0..pool.len())
         .filter(|&index| {
             pool[top].strictly_contains(&pool[index])
                 && (evidence[top] - evidence[index] < TIE
-                    || !shows(records, &pool[0], &pool[index], &pool[top]))
+                    || !shows(bench, &pool[0], &pool[index], &pool[top]))
         })
         .min_by_key(|&index| pool[index].parameters)
         .unwrap_or(top)
@@ -328,7 +329,7 @@ pub fn search(
         let Some(top) = argmax(&evidence, newest.iter().copied().chain([best])) else {
             break;
         };
-        let next = simplest(records, &pool, &evidence, top);
+        let next = simplest(&bench, &pool, &evidence, top);
         if next != best && evidence[next] - evidence[best] >= TIE {
             best = next;
             if largest_remainder(records, &pool[best]) < LEAST_TRACE {
@@ -372,18 +373,18 @@ fn prune_and_swap(
             break;
         }
         progress("trying others in the place of each effect");
+        // Also of sets that the pool has: a smaller model that is stuck far from its minimum would
+        // make an effect look needed. Their starts are now those of the larger one.
         let smaller: Vec<Candidate> = chosen
             .added
             .par_iter()
-            .filter(|&&effect| {
-                let mut rest = chosen.set();
-                rest.retain(|&other| other != effect);
-                !pool.iter().any(|candidate| candidate.set() == rest)
-            })
             .map(|&effect| without(bench, &chosen, effect))
             .collect();
         let mut from: Vec<&Candidate> = smaller.iter().collect();
-        from.retain(|candidate| !extended.contains(&candidate.set()));
+        from.retain(|candidate| {
+            let set = candidate.set();
+            !extended.contains(&set) && !pool.iter().any(|known| known.set() == set)
+        });
         extended.extend(from.iter().map(|candidate| candidate.set()));
         let found: Vec<Candidate> = from
             .par_iter()
@@ -397,7 +398,7 @@ fn prune_and_swap(
         let Some(top) = argmax(&evidence, 0..pool.len()) else {
             break;
         };
-        let next = simplest(&bench.records, pool, &evidence, top);
+        let next = simplest(bench, pool, &evidence, top);
         if pool[next].set() == chosen.set() {
             break;
         }

@@ -217,8 +217,9 @@ fn is_dry_friction(model: &Model, position: usize) -> bool {
 /// Share of the smoothing speed at which dry friction is that of a joint that sticks.
 const STICKS: f64 = 0.1;
 
-/// What a joint that sticks would change in every output, in units of the channel's noise.
-fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Vec<f64>> {
+/// What a joint that sticks would change in every output of a model with dry friction, sample by
+/// sample in units of the channel's noise: the same motion with a sign that is ten times as sharp.
+pub fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Vec<f64>> {
     let v0 = Smoothing::SIMULATION;
     let sticks = Smoothing {
         body_rad_s: v0.body_rad_s * STICKS,

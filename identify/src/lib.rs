@@ -41,7 +41,7 @@ pub use cogging::cogging_start;
 pub use contradiction::{
     Contradiction, Side, body_inertia, body_inertia_contradiction, contradictions,
 };
-pub use covariance::pseudo_inverse;
+pub use covariance::{pseudo_inverse, stuck};
 pub use decay::{AtAmplitude, Decay, DecayLaw, Estimate, decay};
 pub use fit::{
     BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, guessed,

@@ -284,9 +284,22 @@ pub fn mark(setup: &Setup, answer: &Answer, suspects: &[EffectId]) -> Result<Pap
     let started = std::time::Instant::now();
     let base = Model::base();
     let found = identify(setup, &base, None).map_err(|error| error.to_string())?;
-    let minimum = found.fit.minimum.clone();
+    let mut minimum = found.fit.minimum.clone();
     let diagnosis = diagnose_among(setup, &base, found.fit.minimum, suspects, &|_| {});
     let seconds = started.elapsed().as_secs_f64();
+    // What the logs can decide is worked out without the pushes that the diagnosis leaves out, too.
+    let cleared = setup.with_more_pushes(&base, &minimum.values);
+    if let Some(cleared) = &cleared {
+        minimum = refit(
+            &cleared.all_records(),
+            &base,
+            minimum.values,
+            minimum.windows,
+            &cleared.free(&base),
+            Effort::FULL,
+        );
+    }
+    let setup = cleared.as_ref().unwrap_or(setup);
     let (rivals, shown) = if answer.effects.is_empty() || answer.outside {
         (vec![], vec![])
     } else {
