@@ -1,0 +1,60 @@
+//! What a model's own terms get wrong is no missing effect.
+
+use diagnose::exam::{Answer, Mark, draw, fitted, mark};
+use identify::{Output, identify};
+use plant::{EffectId, Kind, Model};
+
+/// Benches whose dry friction really sticks (the exam simulates it so), in a balance log that stops
+/// again and again: the misfit of the smoothed sign is predicted from the model alone.
+#[test]
+fn the_misfit_of_a_smoothed_sign_is_predicted() {
+    for seed in [326, 520] {
+        let bench = draw(seed).expect("a bench");
+        let answer = Answer::of(&bench);
+        let setup = &bench.setup;
+        let base = identify(setup, &Model::base(), None).expect("a fit").fit;
+        let records = setup.all_records();
+        let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
+        let mut imperfection = truth.imperfection(setup, &records).iter();
+        for (record, traces) in records.iter().zip(&truth.traces) {
+            for (channel, trace) in record.channels.iter().zip(traces) {
+                let predicted = *imperfection.next().expect("one for each series");
+                let place = format!("seed {seed}, {}", record.name);
+                if record.kind == Kind::Balance && channel.output == Output::Angle {
+                    let misfit = (trace.rmse / channel.noise_std).powi(2) - 1.0;
+                    let share = predicted / misfit.max(0.0).sqrt();
+                    assert!((0.6..1.1).contains(&share), "{place}: {share}");
+                } else if record.kind == Kind::SpinUp {
+                    assert!(predicted < 0.05, "{place}: {predicted}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn without_dry_friction_there_is_none() {
+    let bench = draw(3).expect("a bench");
+    let answer = Answer::of(&bench);
+    assert_eq!(answer.effects, [EffectId::BodyQuadraticDrag]);
+    let setup = &bench.setup;
+    let base = identify(setup, &Model::base(), None).expect("a fit").fit;
+    let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
+    let imperfection = truth.imperfection(setup, &setup.all_records());
+    assert!(imperfection.iter().all(|&value| value == 0.0));
+}
+
+/// In the first bench the difference looks like Stribeck's curve at the speed of the smoothing; in the
+/// second, cogging alone was stuck, and dry friction of the body looked needed beside it.
+#[test]
+fn neither_a_smoothed_sign_nor_a_stuck_fit_is_taken_for_an_effect() {
+    for (seed, effect) in [
+        (520, EffectId::BodyCoulombFriction),
+        (328, EffectId::WheelCogging),
+    ] {
+        let bench = draw(seed).expect("a bench");
+        let paper = mark(&bench.setup, &Answer::of(&bench), EffectId::ALL).expect("a verdict");
+        assert_eq!(paper.named, [effect], "seed {seed}");
+        assert_eq!(paper.mark, Mark::Right, "seed {seed}");
+    }
+}
