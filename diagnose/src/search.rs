@@ -214,7 +214,7 @@ fn is_fitted(pool: &[Candidate], set: &[EffectId]) -> bool {
 }
 
 /// Adds candidates whose set of effects the pool does not have yet, or has with a higher cost.
-/// Returns where they are now.
+/// Returns where they are now, each place once: two ways may lead to the same set.
 fn merge(pool: &mut Vec<Candidate>, found: Vec<Candidate>) -> Vec<usize> {
     let mut places = vec![];
     for candidate in found {
@@ -223,7 +223,9 @@ fn merge(pool: &mut Vec<Candidate>, found: Vec<Candidate>) -> Vec<usize> {
                 if candidate.minimum.cost < pool[at].minimum.cost {
                     pool[at] = candidate;
                 }
-                places.push(at);
+                if !places.contains(&at) {
+                    places.push(at);
+                }
             }
             None => {
                 places.push(pool.len());

@@ -89,8 +89,12 @@ impl Effort {
 }
 
 /// A fit whose last so many evaluations together gained less than the standard error of one unknown
-/// would is creeping, and ends: what is left to gain decides nothing.
+/// would, or less than [`CRUMB`] of what the model misses, is creeping, and ends: what is left to gain
+/// decides nothing.
 const CREEPING: usize = 10;
+/// Share of the χ² beyond the noise: of a model that misses much, the minimum need not be known to what
+/// its noise would allow.
+const CRUMB: f64 = 1e-3;
 
 struct Assembled {
     windows: Vec<Vec<WindowNormal>>,
@@ -378,7 +382,8 @@ pub fn minimise(
         costs.push(assembled.cost);
         if outcome == Outcome::OutOfIterations
             && costs.len() > CREEPING
-            && costs[costs.len() - 1 - CREEPING] - assembled.cost < mean_square
+            && costs[costs.len() - 1 - CREEPING] - assembled.cost
+                < mean_square.max(CRUMB * (assembled.cost - observations as f64))
         {
             outcome = Outcome::Stalled;
         }
