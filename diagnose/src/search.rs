@@ -120,7 +120,8 @@ pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate)
 pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Candidate) -> bool {
     let records = &bench.records;
     let is_refinement = smaller.added.len() == larger.added.len();
-    let share = LEAST_SHARE_OF_TRACE * largest_trace(records, start, smaller);
+    let before = largest_trace(records, start, smaller);
+    let share = LEAST_SHARE_OF_TRACE * before;
     let kinds = records
         .iter()
         .flat_map(|record| record.channels.iter().map(|_| record.kind));
@@ -136,7 +137,9 @@ pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Can
                 (true, false) => LEAST_TRACE_BESIDE.max(share),
             };
             let imperfection = || smaller.imperfection(bench.setup, records)[series];
-            trace >= least && (!is_touched || trace >= TIMES_IMPERFECTION * imperfection())
+            // No imperfection of a term is half as large as the term.
+            let is_plain = !is_touched || trace >= 0.5 * before;
+            trace >= least && (is_plain || trace >= TIMES_IMPERFECTION * imperfection())
         })
 }
 

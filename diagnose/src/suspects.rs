@@ -39,6 +39,9 @@ pub struct Bench<'a> {
 const MOST_LOCALS: usize = 5;
 /// Most starts of one suspect that are fitted.
 const MOST_STARTS: usize = 2;
+/// Share of the cost in short windows whose gain makes a fit over the whole logs that brings nothing
+/// worth a second schedule from short windows to long ones.
+const MUCH: f64 = 0.1;
 /// A fit that brings this share of what another start promises makes that start needless.
 const KEPT_SHARE: f64 = 0.9;
 /// Most suspects that are fitted in one round; the score test has sorted out the others.
@@ -354,7 +357,9 @@ fn fit_best(
         &free,
         Effort::FULL,
     );
-    if minimum.cost > from.minimum.cost {
+    // What brings much in short windows must bring something over the whole logs.
+    let brings_much = point.cost - rough.cost > MUCH * point.cost;
+    if minimum.cost > from.minimum.cost && brings_much {
         let again = fit_from_scratch(records, &start.model, rough.values.clone(), &free);
         if again.cost < minimum.cost {
             minimum = again;
