@@ -1,9 +1,7 @@
 //! A module with the observer of the angle's bias: no number of the observer can be altered
 //! unnoticed, neither in the source nor in the certificate nor in both.
 
-use std::fs;
-use std::path::Path;
-use std::process::Command;
+mod emitted;
 
 use checker::certificate::Certificate;
 use checker::control_law::ControlLaw;
@@ -11,27 +9,9 @@ use checker::prove::Emitted;
 use checker::{Module, bias_observer, consistency, hardware};
 use serde_json::Value;
 
-/// The module of the thesis bench with an observer of 1 s, as `flywheel generate` writes it.
-fn emitted() -> Emitted {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/thesis-4.4.toml");
-    // The last section of the model is `[design]`.
-    let model = format!(
-        "{}\nbias_time_constant = 1.0\n",
-        fs::read_to_string(path).expect("the model")
-    );
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("bench.toml");
-    fs::write(&file, model).expect("written");
-    let out = folder.path().join("emitted");
-    let output = Command::new(env!("CARGO_BIN_EXE_flywheel"))
-        .arg("generate")
-        .arg(&file)
-        .arg("--out")
-        .arg(&out)
-        .output()
-        .expect("the program starts");
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{message}");
+/// The module of the thesis bench with an observer of 1 s.
+fn crate_with_observer() -> Emitted {
+    let (_folder, out) = emitted::generated(&emitted::model_with("bias_time_constant = 1.0\n"));
     Emitted::read(&out).expect("an emitted crate")
 }
 
@@ -99,7 +79,7 @@ fn words(text: &str) -> Vec<(std::ops::Range<usize>, i64)> {
 
 #[test]
 fn what_is_emitted_holds() {
-    let emitted = emitted();
+    let emitted = crate_with_observer();
     let certificate: Value = serde_json::from_str(&emitted.certificate).expect("JSON");
     let rejected = rejection(&emitted, constants_of(&emitted), &certificate);
     assert_eq!(rejected, None);
@@ -107,7 +87,7 @@ fn what_is_emitted_holds() {
 
 #[test]
 fn every_altered_word_is_rejected() {
-    let emitted = emitted();
+    let emitted = crate_with_observer();
     let certificate: Value = serde_json::from_str(&emitted.certificate).expect("JSON");
     let text = constants_of(&emitted);
     let words = words(text);
@@ -124,7 +104,7 @@ fn every_altered_word_is_rejected() {
 
 #[test]
 fn every_altered_number_of_the_certificate_is_rejected() {
-    let emitted = emitted();
+    let emitted = crate_with_observer();
     let whole: Value = serde_json::from_str(&emitted.certificate).expect("JSON");
     let mut places = vec!["decay".to_owned(), "from_current".to_owned()];
     places.push("limit_rad".to_owned());
@@ -150,7 +130,7 @@ fn every_altered_number_of_the_certificate_is_rejected() {
 /// Source and certificate agree with each other, but the observer would not see the current.
 #[test]
 fn an_observer_of_another_plant_is_rejected() {
-    let emitted = emitted();
+    let emitted = crate_with_observer();
     let mut certificate: Value = serde_json::from_str(&emitted.certificate).expect("JSON");
     certificate["bias_observer"]["from_current"] = "0".into();
     let text = constants_of(&emitted);

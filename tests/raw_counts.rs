@@ -1,6 +1,8 @@
 //! From model.toml through the emitted source to the closed loop of raw counts: what the file says
 //! of sensors and observer is what the module does.
 
+mod emitted;
+
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -10,27 +12,9 @@ use nalgebra::Rotation3;
 use plant::{Kind, Plant};
 use simulate::{InterpretedController, RawLoop, RawSensors, Trace};
 
-/// The model of the thesis with `more` put at its end (its last section is `[design]`), as text.
-fn model_with(more: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/thesis-4.4.toml");
-    format!("{}\n{more}", fs::read_to_string(path).expect("the model"))
-}
-
 /// What `flywheel generate` writes for `model`: the controller, and `src/constants.rs`.
-fn emitted(model: &str) -> (InterpretedController, String) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("bench.toml");
-    fs::write(&file, model).expect("written");
-    let out = folder.path().join("emitted");
-    let output = Command::new(env!("CARGO_BIN_EXE_flywheel"))
-        .arg("generate")
-        .arg(&file)
-        .arg("--out")
-        .arg(&out)
-        .output()
-        .expect("the program starts");
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{message}");
+fn controller_of(model: &str) -> (InterpretedController, String) {
+    let (_folder, out) = emitted::generated(model);
     // Whatever the file says of the sensors, what is emitted stands up to its certificate.
     let output = Command::new(env!("CARGO_BIN_EXE_flywheel"))
         .arg("prove")
@@ -98,13 +82,14 @@ fn the_committed_crate_is_what_generate_writes() {
 fn the_observer_of_the_model_stops_the_wheel() {
     let mut biased = sensors();
     biased.mounting_angle_rad = 1_f64.to_radians();
-    let (mut plain, constants) = emitted(&model_with(""));
+    let (mut plain, constants) = controller_of(&emitted::model_with(""));
     assert!(constants.contains("No observer of the angle's bias"));
     let trace = run(biased, 0.0, &mut plain);
     assert_eq!(trace.fell_at_s, None);
     let without = settled(&trace.wheel_speed_rad_s);
 
-    let (mut observing, constants) = emitted(&model_with("bias_time_constant = 1.0\n"));
+    let (mut observing, constants) =
+        controller_of(&emitted::model_with("bias_time_constant = 1.0\n"));
     assert!(constants.contains("Observer of the angle's bias with decay 0.999"));
     let trace = run(biased, 0.0, &mut observing);
     assert_eq!(trace.fell_at_s, None);
@@ -166,8 +151,8 @@ fn the_calibration_of_the_model_reaches_the_emitted_module() {
     };
     let crooked = RawSensors::calibrated_by(&truth).expect("sensors");
 
-    let (mut plain, plain_constants) = emitted(&model_with(""));
-    let (mut calibrated, constants) = emitted(&model_with(&calibration));
+    let (mut plain, plain_constants) = controller_of(&emitted::model_with(""));
+    let (mut calibrated, constants) = controller_of(&emitted::model_with(&calibration));
     let word = |text: &str, from: &str| {
         let (_, rest) = text.split_once(from).expect("the constant");
         rest.lines().next().expect("a line").to_owned()
@@ -202,9 +187,9 @@ fn the_calibration_of_the_model_reaches_the_emitted_module() {
 /// takes that out.
 #[test]
 fn the_lever_arm_of_the_model_reaches_the_emitted_module() {
-    let (mut plain, _) = emitted(&model_with(""));
+    let (mut plain, _) = controller_of(&emitted::model_with(""));
     let arm = "[calibration.lever_arm]\nposition = [0.05, 0.0]\nposition_std = [1e-4, 1e-4]\n";
-    let (mut corrected, constants) = emitted(&model_with(arm));
+    let (mut corrected, constants) = controller_of(&emitted::model_with(arm));
     assert!(constants.contains("lever arm (0.05, 0) m"), "{constants}");
     // Without dry friction and bias: what is left is the lever arm, and noise.
     let start_rad = 12_f64.to_radians();
@@ -238,7 +223,7 @@ fn the_lever_arm_of_the_model_reaches_the_emitted_module() {
 fn a_time_constant_that_is_none_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("model.toml");
-    fs::write(&file, model_with("bias_time_constant = 0.0\n")).expect("written");
+    fs::write(&file, emitted::model_with("bias_time_constant = 0.0\n")).expect("written");
     let output = Command::new(env!("CARGO_BIN_EXE_flywheel"))
         .arg("generate")
         .arg(&file)

@@ -143,7 +143,7 @@ pub const CLAIMS: [Claim; 18] = [
         id: "stable-for-parameters",
         statement: "The loop with the emitted gains is stable for every parameter vector that identification allows.",
         domain: "the box around the 95 % ellipsoid of the stated standard errors",
-        assumptions: "The plant is the linear model; a parameter without a standard error is taken as exact.",
+        assumptions: "The plant is the linear model; a parameter without a standard error is taken as exact; an observer of the angle's bias is left out.",
         is_in_certificate: false,
     },
 ];

@@ -89,8 +89,9 @@ pub fn file(spec: &ModuleSpec, law: &ControlLaw, words: &HardwareWords) -> Emitt
                 number(observer.limit_rad)
             ),
             String::new(),
-            "The certificate's claims about the closed loop are about `control` without it."
+            "The certificate's claims about the closed loop are about `control` without it; the checker"
                 .to_owned(),
+            "shows that the loop with it is stable (`bias-observer-stable`).".to_owned(),
         ],
     });
     let observer = bias_observer(&words.bias_observer);
