@@ -526,9 +526,15 @@ fn sized(
     wanted: f64,
 ) -> Option<(Hidden, f64)> {
     const ROUNDS: usize = 8;
+    // Beyond this from the guess no bench is meant any more; a lag of nanoseconds would take the
+    // simulation hours.
+    const FARTHEST: f64 = 1e4;
     let mut s = shape.guess;
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..ROUNDS {
+        if (s / shape.guess).ln().abs() > FARTHEST.ln() {
+            return None;
+        }
         let hidden = (shape.make)(s);
         let there = with_hidden(truth, vec![hidden]);
         let found = make(&there, choice, noise, seed).and_then(|made| size_of(&made.clean, &there));
