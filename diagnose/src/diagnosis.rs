@@ -195,7 +195,7 @@ pub fn diagnose_among(
             }
         })
         .collect();
-    let suspects = ranked_suspects(&bench, &found, remainder);
+    let suspects = ranked_suspects(&bench, &found, verdict);
     let ambiguous_between: Vec<Vec<EffectId>> = found
         .ties
         .iter()
@@ -357,10 +357,28 @@ fn new_effects(found: &Search, from: usize, to: usize) -> Vec<EffectId> {
         .collect()
 }
 
+/// The largest trace that is thought of beforehand, in units of noise, for [`genuine`].
+const LARGEST_TRACE: f64 = 1e3;
+
+/// The probability that effects which take the share `s` of the misfit, while something that no effect
+/// accounts for remains, are really there.
+///
+/// Either an unknown cause acts alone, looks a little like everything, and lends them any share; or they
+/// act beside it. Two independent traces that are log-uniform from the noise to [`LARGEST_TRACE`] times
+/// the noise have a logit ln(s/(1 − s)) = 2 (ln a − ln b) whose density is nearly 1/(2 L) about zero,
+/// L = ln `LARGEST_TRACE`, so that s has the density 1/(2 L s (1 − s)). Beforehand both are as probable
+/// as each other, as sets of all sizes are in the evidence.
+fn genuine(s: f64) -> f64 {
+    let s = s.clamp(1e-9, 1.0 - 1e-9);
+    let density = 1.0 / (2.0 * LARGEST_TRACE.ln() * s * (1.0 - s));
+    // What takes next to nothing has no claim to being there because of it.
+    density / (1.0 + density) * s
+}
+
 /// Most suspects that are reported.
 const MOST_SUSPECTS: usize = 6;
 
-fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect> {
+fn ranked_suspects(bench: &Bench, found: &Search, verdict: Verdict) -> Vec<Suspect> {
     let base = &found.pool[0];
     let best = &found.pool[found.best];
     // Sets that add to the best one what no sensor would show do not vote.
@@ -380,10 +398,9 @@ fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect
         })
         .collect();
     let total: f64 = votes.iter().sum();
-    // Where something remains, an effect is credited with the share of the misfit that its set
-    // explains: the rest belongs to causes that the library does not know.
-    let share = if remainder > REMAINS && excess(bench, base) > 0.0 {
-        1.0 - excess(bench, best) / excess(bench, base)
+    // Where something remains, what the best set takes of the misfit need not be its own.
+    let is_genuine = if verdict == Verdict::Unexplained && excess(bench, base) > 0.0 {
+        genuine(1.0 - excess(bench, best) / excess(bench, base))
     } else {
         1.0
     };
@@ -413,7 +430,7 @@ fn ranked_suspects(bench: &Bench, found: &Search, remainder: f64) -> Vec<Suspect
                 .filter(|candidate| candidate.added == [effect])
                 .map(|candidate| base.minimum.cost - candidate.minimum.cost)
                 .fold(0.0, f64::max);
-            Some((effect, probability * share, alone, index))
+            Some((effect, probability * is_genuine, alone, index))
         })
         .collect();
     ranked.sort_by(|a, b| {
@@ -465,5 +482,44 @@ fn fingerprint(bench: &Bench, effect: EffectId, base: &Candidate, with: &Candida
             channel.output.unit()
         ),
         _ => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::genuine;
+
+    #[test]
+    fn what_takes_more_of_the_misfit_is_more_probably_there() {
+        let shares: Vec<f64> = (0..=1000).map(|k| f64::from(k) / 1000.0).collect();
+        let found: Vec<f64> = shares.iter().map(|&share| genuine(share)).collect();
+        assert!(found.iter().all(|p| (0.0..=1.0).contains(p)));
+        assert!(found.windows(2).all(|pair| pair[1] >= pair[0]), "{found:?}");
+        // Half of a misfit says little; all but a thousandth of it says nearly everything.
+        assert!(genuine(0.5) < 0.3 && genuine(0.9) < 0.5);
+        assert!(genuine(0.999) > 0.9 && genuine(0.99999) > 0.98);
+    }
+
+    /// By drawing: of benches with an unknown cause alone, and with an effect beside it, those are
+    /// counted in which the effect takes about the given share.
+    #[test]
+    fn the_probability_is_that_of_the_draw() {
+        let mut state = 12345u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (mut alone, mut beside) = ([0.0; 10], [0.0; 10]);
+        for _ in 0..400_000 {
+            let share = uniform();
+            alone[(share * 10.0) as usize] += 1.0;
+            let [a, b] = [uniform(), uniform()].map(|u| (u * 1e3f64.ln()).exp().powi(2));
+            beside[((a / (a + b) * 10.0) as usize).min(9)] += 1.0;
+        }
+        for index in [4, 5, 6, 7] {
+            let share = (index as f64 + 0.5) / 10.0;
+            let drawn = beside[index] / (beside[index] + alone[index]) * share;
+            assert!((genuine(share) - drawn).abs() < 0.03, "{share}: {drawn}");
+        }
     }
 }
