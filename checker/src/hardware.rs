@@ -1,4 +1,5 @@
-//! The words of `src/constants.rs` against the real numbers in its documentation.
+//! The words of `src/constants.rs` against the real numbers in its documentation and, for the observer
+//! of the angle's bias (see [`crate::bias_observer`]), in the certificate.
 //!
 //! What each word stands for is derived here from the formats that the emitted fields state:
 //! half-angles a step in Q32, matrices in Q17 of which the accelerometer's and magnetometer's are

@@ -30,7 +30,8 @@ pub const LEAST_TRACE_BESIDE: f64 = 0.5;
 /// friction whose sign is smoothed over 0.01 rad/s is that of a real joint to about half a percent.
 const LEAST_SHARE_OF_TRACE: f64 = 0.01;
 /// And so many times what the smoothed sign of dry friction alone would leave there
-/// (see `imperfection.rs`): of a smaller trace a quarter of the square could be that.
+/// (see `imperfection.rs`): of a smaller trace a quarter of the square could be that, and the sign that
+/// stands for sticking there is ten times as sharp and not infinitely so.
 const TIMES_IMPERFECTION: f64 = 2.0;
 /// Structure of this size in units of a channel's noise counts as "something remains". The noise
 /// itself is the scale below which nobody looking at the figure would see a misfit.
@@ -120,8 +121,7 @@ pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate)
 pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Candidate) -> bool {
     let records = &bench.records;
     let is_refinement = smaller.added.len() == larger.added.len();
-    let before = largest_trace(records, start, smaller);
-    let share = LEAST_SHARE_OF_TRACE * before;
+    let share = LEAST_SHARE_OF_TRACE * largest_trace(records, start, smaller);
     let kinds = records
         .iter()
         .flat_map(|record| record.channels.iter().map(|_| record.kind));
@@ -137,9 +137,8 @@ pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Can
                 (true, false) => LEAST_TRACE_BESIDE.max(share),
             };
             let imperfection = || smaller.imperfection(bench.setup, records)[series];
-            // No imperfection of a term is half as large as the term.
-            let is_plain = !is_touched || trace >= 0.5 * before;
-            trace >= least && (is_plain || trace >= TIMES_IMPERFECTION * imperfection())
+            // Whether the dry friction was added now or stood in the model before.
+            trace >= least && trace >= TIMES_IMPERFECTION * imperfection()
         })
 }
 
