@@ -63,6 +63,11 @@ impl Candidate {
             .get_or_init(|| imperfection(setup, records, self))
     }
 
+    /// The fit on which further effects are scored: in short windows where there is one.
+    pub fn point(&self) -> &Minimum {
+        self.windowed.as_ref().unwrap_or(&self.minimum)
+    }
+
     /// Root mean square errors of all series, record by record and channel by channel.
     pub fn rmse(&self) -> Vec<f64> {
         self.traces

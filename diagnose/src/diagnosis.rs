@@ -1,5 +1,7 @@
 //! The verdict, and what it rests on.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use identify::{Effort, Fit, Minimum, Setup, finish, joined, refit};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
@@ -184,18 +186,35 @@ pub fn diagnose_among(
     } else {
         (chosen, remainder)
     };
-    let steps = path(&found, chosen)
+    let path = path(&found, chosen);
+    let ranked = ranked(&bench, &found, verdict);
+    let indices = path.iter().map(|&(_, index)| index);
+    let looks = looks(
+        &bench,
+        &found,
+        indices.chain(ranked.iter().map(|one| one.index)),
+    );
+    let steps = path
         .into_par_iter()
         .map(|(effect, index)| {
-            let candidate = &found.pool[index];
+            let (candidate, look) = (&found.pool[index], &looks[&index]);
             if is_thinned {
-                whole_step(setup, &bench, effect, candidate)
+                whole_step(setup, effect, candidate, look)
             } else {
-                step(&bench, effect, candidate)
+                Step {
+                    effect,
+                    fit: look.fit.clone(),
+                    validation_fit_percent: mean_fit_percent(&look.held_out),
+                    held_out: look.held_out.clone(),
+                    candidate: candidate.clone(),
+                }
             }
         })
         .collect();
-    let suspects = ranked_suspects(&bench, &found, verdict);
+    let suspects = ranked
+        .into_iter()
+        .map(|one| suspect(&bench, &found, &looks[&one.index], one))
+        .collect();
     let ambiguous_between: Vec<Vec<EffectId>> = found
         .ties
         .iter()
@@ -220,31 +239,37 @@ pub fn diagnose_among(
     }
 }
 
-fn step(bench: &Bench, effect: Option<EffectId>, candidate: &Candidate) -> Step {
-    let free = bench.setup.free(&candidate.model);
-    let held_out = held_out(bench, &candidate.model, &candidate.minimum);
-    Step {
-        effect,
-        fit: finish(
-            &bench.records,
-            &candidate.model,
-            &free,
-            candidate.minimum.clone(),
-        ),
-        validation_fit_percent: mean_fit_percent(&held_out),
-        held_out,
-        candidate: candidate.clone(),
-    }
+/// A closer look at a candidate: its standard errors, and how it predicts what it has not seen.
+struct Look {
+    fit: Fit,
+    held_out: Vec<HeldOut>,
+}
+
+/// A look at each of these candidates of the pool, once.
+fn looks(
+    bench: &Bench,
+    found: &Search,
+    indices: impl Iterator<Item = usize>,
+) -> BTreeMap<usize, Look> {
+    let indices: BTreeSet<usize> = indices.collect();
+    indices
+        .into_par_iter()
+        .map(|index| {
+            let candidate = &found.pool[index];
+            let (model, minimum) = (&candidate.model, &candidate.minimum);
+            let free = bench.setup.free(model);
+            let look = Look {
+                fit: finish(&bench.records, model, &free, minimum.clone()),
+                held_out: held_out(bench, model, minimum),
+            };
+            (index, look)
+        })
+        .collect()
 }
 
 /// A step whose fit is made with all samples of the bench; what the fit has not seen is predicted
 /// with the thinned ones.
-fn whole_step(
-    setup: &Setup,
-    thin: &Bench,
-    effect: Option<EffectId>,
-    candidate: &Candidate,
-) -> Step {
+fn whole_step(setup: &Setup, effect: Option<EffectId>, candidate: &Candidate, look: &Look) -> Step {
     let records = setup.all_records();
     let free = setup.free(&candidate.model);
     let windows = records
@@ -260,12 +285,11 @@ fn whole_step(
         &free,
         Effort::FULL,
     );
-    let held_out = held_out(thin, &candidate.model, &candidate.minimum);
     Step {
         effect,
         fit: finish(&records, &candidate.model, &free, minimum.clone()),
-        validation_fit_percent: mean_fit_percent(&held_out),
-        held_out,
+        validation_fit_percent: mean_fit_percent(&look.held_out),
+        held_out: look.held_out.clone(),
         candidate: Candidate::new(
             setup,
             &records,
@@ -379,7 +403,15 @@ fn genuine(s: f64) -> f64 {
 /// Most suspects that are reported.
 const MOST_SUSPECTS: usize = 6;
 
-fn ranked_suspects(bench: &Bench, found: &Search, verdict: Verdict) -> Vec<Suspect> {
+/// An effect with its probability and the best candidate that has it.
+struct Ranked {
+    effect: EffectId,
+    probability: f64,
+    index: usize,
+}
+
+/// The effects that could be missing, most probable first.
+fn ranked(bench: &Bench, found: &Search, verdict: Verdict) -> Vec<Ranked> {
     let base = &found.pool[0];
     let best = &found.pool[found.best];
     // Sets that add to the best one what no sensor would show do not vote.
@@ -444,21 +476,26 @@ fn ranked_suspects(bench: &Bench, found: &Search, verdict: Verdict) -> Vec<Suspe
             })
     });
     ranked.truncate(MOST_SUSPECTS);
-    ranked
-        .into_par_iter()
-        .map(|(effect, probability, _, index)| {
-            let candidate = &found.pool[index];
-            let step = step(bench, Some(effect), candidate);
-            Suspect {
-                effect,
-                probability,
-                fingerprint: fingerprint(bench, effect, base, candidate),
-                rmse: candidate.rmse(),
-                validation_fit_percent: step.validation_fit_percent,
-                fit: step.fit,
-            }
+    let reported = ranked.into_iter();
+    reported
+        .map(|(effect, probability, _, index)| Ranked {
+            effect,
+            probability,
+            index,
         })
         .collect()
+}
+
+fn suspect(bench: &Bench, found: &Search, look: &Look, ranked: Ranked) -> Suspect {
+    let (base, candidate) = (&found.pool[0], &found.pool[ranked.index]);
+    Suspect {
+        effect: ranked.effect,
+        probability: ranked.probability,
+        fingerprint: fingerprint(bench, ranked.effect, base, candidate),
+        rmse: candidate.rmse(),
+        validation_fit_percent: mean_fit_percent(&look.held_out),
+        fit: look.fit.clone(),
+    }
 }
 
 /// What a person would look for, and the series in which the effect helps most.

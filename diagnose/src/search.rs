@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::candidate::Candidate;
 use crate::evidence::{TIE, effective, log_evidence, residual};
-use crate::suspects::{Bench, MOST_FITS, applicable, try_all, without};
+use crate::suspects::{Bench, LEAST_GAIN, MOST_FITS, applicable, try_all, without};
 
 /// Most effects that are added in one diagnosis.
 const MOST_EFFECTS: usize = 4;
@@ -251,6 +251,18 @@ fn simplest(bench: &Bench, pool: &[Candidate], evidence: &[f64], top: usize) -> 
         .unwrap_or(top)
 }
 
+/// Whether a candidate refines another one of these (presliding for dry friction) and leaves something
+/// plain all the same: the refinement may then be taking up what something else causes, and the search
+/// goes on from the simpler one. What is refined is tried again on top of what that finds.
+fn takes_up(records: &[&Record], pool: &[Candidate], index: usize, among: &[usize]) -> bool {
+    let candidate = &pool[index];
+    let refines = |&other: &usize| {
+        pool[other].added.len() == candidate.added.len()
+            && candidate.strictly_contains(&pool[other])
+    };
+    among.iter().any(refines) && largest_remainder(records, candidate) > REMAINS
+}
+
 fn argmax(values: &[f64], among: impl Iterator<Item = usize>) -> Option<usize> {
     among.max_by(|&a, &b| values[a].total_cmp(&values[b]))
 }
@@ -348,6 +360,8 @@ pub fn search(
         // answer: two effects can show together what neither shows alone.
         let mut order = newest;
         order.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
+        let all = order.clone();
+        order.retain(|&index| !takes_up(records, &pool, index, &all));
         order.truncate(BEAM);
         beam = order;
     }
@@ -379,15 +393,25 @@ fn prune_and_swap(
         progress("trying others in the place of each effect");
         // Also of sets that the pool has: a smaller model that is stuck far from its minimum would
         // make an effect look needed. Their starts are now those of the larger one.
+        let known = |set: &[EffectId]| pool.iter().find(|known| known.set() == set).cloned();
         let smaller: Vec<Candidate> = chosen
             .added
             .par_iter()
-            .map(|&effect| without(bench, &chosen, effect))
+            .filter_map(|&effect| without(bench, &chosen, effect, &known))
             .collect();
         let mut from: Vec<&Candidate> = smaller.iter().collect();
         from.retain(|candidate| {
             let set = candidate.set();
-            !extended.contains(&set) && !pool.iter().any(|known| known.set() == set)
+            let is_known = pool.iter().any(|known| known.set() == set);
+            // Effects that come out at nothing leave a model from which everything was tried before.
+            let is_nothing_more = || {
+                pool.iter().any(|known| {
+                    candidate.strictly_contains(known)
+                        && extended.contains(&known.set())
+                        && known.point().cost - candidate.point().cost < LEAST_GAIN
+                })
+            };
+            !extended.contains(&set) && !is_known && !is_nothing_more()
         });
         extended.extend(from.iter().map(|candidate| candidate.set()));
         let found: Vec<Candidate> = from

@@ -412,10 +412,7 @@ pub fn try_all(
         .copied()
         .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))
         .collect();
-    let point = match &from.windowed {
-        Some(windowed) => windowed,
-        None => &from.minimum,
-    };
+    let point = from.point();
     let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);
     // A cable is moved along with the effect, so that every effect needs a simulation of its own.
     let (absent, others): (Vec<EffectId>, Vec<EffectId>) =
@@ -491,34 +488,79 @@ pub fn try_all(
         starts.first().is_some_and(|start| *gain >= least(start))
     });
     screened.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // A refinement that is fitted already takes the place of a term, and is no measure for what may act
+    // beside that term.
+    let fitted = |starts: &[Start]| {
+        starts.first().is_some_and(|start| {
+            let mut set = added(from, start);
+            set.sort();
+            is_fitted(&set)
+        })
+    };
+    screened.retain(|(_, starts)| {
+        let is_refinement = starts
+            .first()
+            .is_some_and(|start| added(from, start).len() == from.added.len());
+        !(is_refinement && fitted(starts))
+    });
     let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);
     screened.retain(|(gain, _)| *gain > LEAST_GAIN.max(LEAST_SHARE * best_gain));
     screened.truncate(most.min(MOST_FITS));
+    screened.retain(|(_, starts)| !fitted(starts));
     screened
         .into_par_iter()
-        .filter(|(_, starts)| {
-            let mut set = added(from, &starts[0]);
-            set.sort();
-            !is_fitted(&set)
-        })
         .filter_map(|(_, starts)| fit_best(bench, from, point, starts))
         .collect()
 }
 
-/// Refits a candidate without one of its effects.
-pub fn without(bench: &Bench, from: &Candidate, effect: EffectId) -> Candidate {
+/// Refits a candidate without one of its effects. `known` is what an earlier fit of that set has reached:
+/// `None` if this one is no better, as far as the short windows show where there are any.
+pub fn without(
+    bench: &Bench,
+    from: &Candidate,
+    effect: EffectId,
+    known: &dyn Fn(&[EffectId]) -> Option<Candidate>,
+) -> Option<Candidate> {
     let (setup, records) = (bench.setup, &bench.records);
     let model = from.model.without(effect);
     let free = setup.free(&model);
-    let again = |minimum: &Minimum| -> Minimum {
-        let start = vec![0.0; model.parameter_count()];
-        let values = carry_over(&from.model, &minimum.values, &model, &start);
-        let windows = minimum.windows.clone();
-        refit(records, &model, values, windows, &free, Effort::FULL)
-    };
-    let minimum = again(&from.minimum);
-    let windowed = from.windowed.as_ref().map(again);
     let mut added = from.added.clone();
     added.retain(|&present| present != effect);
-    Candidate::new(setup, records, added, model, minimum, windowed)
+    let mut set = added.clone();
+    set.sort();
+    let known = known(&set);
+    let again = |values: &[f64], windows: Vec<Vec<Window>>| -> Minimum {
+        refit(
+            records,
+            &model,
+            values.to_vec(),
+            windows,
+            &free,
+            Effort::FULL,
+        )
+    };
+    let carried = |minimum: &Minimum| -> Vec<f64> {
+        let start = vec![0.0; model.parameter_count()];
+        carry_over(&from.model, &minimum.values, &model, &start)
+    };
+    let windowed = from
+        .windowed
+        .as_ref()
+        .map(|windowed| again(&carried(windowed), windowed.windows.clone()));
+    let minimum = match &windowed {
+        Some(windowed) => {
+            let reached = known.and_then(|known| known.windowed);
+            if reached.is_some_and(|reached| reached.cost - windowed.cost < LEAST_GAIN) {
+                return None;
+            }
+            let windows = records.iter().zip(&windowed.windows);
+            let windows =
+                windows.map(|(record, shorter)| joined(record, &windowed.values, shorter));
+            again(&windowed.values, windows.collect())
+        }
+        None => again(&carried(&from.minimum), from.minimum.windows.clone()),
+    };
+    Some(Candidate::new(
+        setup, records, added, model, minimum, windowed,
+    ))
 }

@@ -24,6 +24,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use plant::{BASE_PARAMETERS, Model, TOTAL_INERTIA, WHEEL_INERTIA};
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::covariance::{gradient_error, pseudo_inverse};
@@ -217,7 +218,7 @@ impl<'a> Statistics<'a> {
         let at = promise(&records, model, values, windows, &unknowns, None).records;
         let infos = model.parameters();
         let scatter = records
-            .iter()
+            .par_iter()
             .zip(windows)
             .zip(&at)
             .map(|((record, windows), at)| {

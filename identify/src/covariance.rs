@@ -22,6 +22,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 use plant::{Kind, Model, Smoothing};
+use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
@@ -45,8 +46,12 @@ pub fn covariance(
     let nowhere = DVector::zeros(count);
     let mut middle = DMatrix::zeros(count, count);
     let mut stick = DVector::zeros(count);
-    for (record, windows) in records.iter().zip(windows) {
-        let error = gradient_error(record, windows, model, values, unknowns, &nowhere);
+    let errors: Vec<GradientError> = records
+        .par_iter()
+        .zip(windows)
+        .map(|(record, windows)| gradient_error(record, windows, model, values, unknowns, &nowhere))
+        .collect();
+    for error in errors {
         middle += error.noise;
         stick += error.stick;
     }
@@ -149,15 +154,17 @@ pub fn gradient_error(
                     return;
                 }
                 counts[observation.channel] += 1;
-                let mut s = DVector::from_column_slice(&observation.sensitivity[..p]);
-                if let Some(projection) = &projection {
-                    let own = DVector::from_column_slice(&observation.sensitivity[p..]);
-                    s -= projection.transpose() * own;
+                let (of_globals, of_locals) = observation.sensitivity.split_at(p);
+                let mut residual = observation.residual;
+                for (index, series) in sensitivities[observation.channel].iter_mut().enumerate() {
+                    let taken_up: f64 = projection.as_ref().map_or(0.0, |projection| {
+                        let column = projection.column(index);
+                        column.iter().zip(of_locals).map(|(a, b)| a * b).sum()
+                    });
+                    series[k] = of_globals[index] - taken_up;
+                    residual -= series[k] * own_step[index];
                 }
-                residuals[observation.channel][k] = observation.residual - s.dot(&own_step);
-                for (series, value) in sensitivities[observation.channel].iter_mut().zip(s.iter()) {
-                    series[k] = *value;
-                }
+                residuals[observation.channel][k] = residual;
             },
         );
     }

@@ -1,6 +1,8 @@
 //! A log as the fit sees it: channels with their noise, the current, and what is simulated in one
 //! piece.
 
+use std::sync::OnceLock;
+
 use bench_files::{CurrentMeaning, Experiment};
 use plant::{Hold, Input, Kind, Reading};
 
@@ -75,6 +77,31 @@ pub enum RecordedCurrent {
     Unknown,
 }
 
+/// What the samples say of the time before a window. A clone of a record computes its own: it may be
+/// given other samples.
+#[derive(Debug, Default)]
+struct Past {
+    wheel_angle_rad: OnceLock<Vec<f64>>,
+    /// What [`Record::body_travel_before`] hands out, over the whole log.
+    travel_rad: OnceLock<Travel>,
+}
+
+impl Clone for Past {
+    fn clone(&self) -> Past {
+        Past::default()
+    }
+}
+
+/// The movement of the body from each sample to the next, as its sensors say.
+#[derive(Debug)]
+struct Travel {
+    /// By the rate where there is one, else by the angle.
+    step_rad: Vec<f64>,
+    /// By how much angle and rate disagree over the samples before each one, added up; empty where they
+    /// are not both measured.
+    disagreement_rad: Vec<f64>,
+}
+
 /// One experiment, ready for simulation and fit.
 #[derive(Clone, Debug)]
 pub struct Record {
@@ -94,6 +121,7 @@ pub struct Record {
     pub current_is_measured: bool,
     /// Weight of each sample in the fit: 0 leaves it out (an unrecorded push acted), 1 counts.
     pub weight: Vec<f64>,
+    past: Past,
 }
 
 impl Record {
@@ -149,6 +177,7 @@ impl Record {
             current,
             current_a: current_a.unwrap_or_default(),
             current_is_measured,
+            past: Past::default(),
         }
     }
 
@@ -212,26 +241,28 @@ impl Record {
 
     /// Angle in rad that the wheel has turned since the log began, at every sample, from the measured
     /// wheel speed (trapezoidal rule; a missing sample repeats the one before); zeros without one.
-    pub fn wheel_angles(&self) -> Vec<f64> {
-        let Some(channel) = self.channel(Output::WheelSpeed) else {
-            return vec![0.0; self.len()];
-        };
-        let mut last = 0.0;
-        let mut angle = 0.0;
-        (0..self.len())
-            .map(|k| {
-                let speed = if channel.samples[k].is_finite() {
-                    channel.samples[k]
-                } else {
-                    last
-                };
-                if k > 0 {
-                    angle += 0.5 * (last + speed) * (self.time_s[k] - self.time_s[k - 1]);
-                }
-                last = speed;
-                angle
-            })
-            .collect()
+    pub fn wheel_angles(&self) -> &[f64] {
+        self.past.wheel_angle_rad.get_or_init(|| {
+            let Some(channel) = self.channel(Output::WheelSpeed) else {
+                return vec![0.0; self.len()];
+            };
+            let mut last = 0.0;
+            let mut angle = 0.0;
+            (0..self.len())
+                .map(|k| {
+                    let speed = if channel.samples[k].is_finite() {
+                        channel.samples[k]
+                    } else {
+                        last
+                    };
+                    if k > 0 {
+                        angle += 0.5 * (last + speed) * (self.time_s[k] - self.time_s[k - 1]);
+                    }
+                    last = speed;
+                    angle
+                })
+                .collect()
+        })
     }
 
     /// The same at one sample; 0 beyond the log.
@@ -239,15 +270,23 @@ impl Record {
         self.wheel_angles().get(sample).copied().unwrap_or(0.0)
     }
 
-    /// Angle in rad by which the body moves from each of these samples to the next, as measured: the
-    /// rate (less its mean offset against the angle) times the interval; without a rate the
-    /// differences of the angle, averaged over nine samples.
-    pub fn body_travel(&self, samples: std::ops::Range<usize>) -> Vec<f64> {
+    /// Angle in rad by which the body moves from each of the samples before `end` to the next, as
+    /// measured, backwards from `end`: the rate (less its mean offset against the angle) times the
+    /// interval; without a rate the differences of the angle, averaged over nine samples.
+    pub fn body_travel_before(&self, end: usize) -> impl Iterator<Item = f64> {
+        let travel = self.past.travel_rad.get_or_init(|| self.travel());
+        let end = end.min(travel.step_rad.len());
+        let offset = travel.disagreement_rad.get(end).copied().unwrap_or(0.0) / end.max(1) as f64;
+        travel.step_rad[..end]
+            .iter()
+            .rev()
+            .map(move |step| step + offset)
+    }
+
+    fn travel(&self) -> Travel {
         const HALF_AVERAGE: usize = 4;
         let last = self.len().saturating_sub(1);
-        let samples = samples.start.min(last)..samples.end.min(last);
-        let interval_s = |k: usize| self.time_s[k + 1] - self.time_s[k];
-        let angle = self.channel(Output::Angle).map(|channel| {
+        let by_angle: Option<Vec<f64>> = self.channel(Output::Angle).map(|channel| {
             let near = |k: usize| {
                 let span = k.saturating_sub(HALF_AVERAGE)..(k + HALF_AVERAGE + 1).min(last + 1);
                 let finite = channel.samples[span]
@@ -255,33 +294,32 @@ impl Record {
                     .filter(|value| value.is_finite());
                 finite.clone().sum::<f64>() / finite.count().max(1) as f64
             };
-            samples
-                .clone()
-                .map(|k| near(k + 1) - near(k))
-                .collect::<Vec<f64>>()
+            (0..last).map(|k| near(k + 1) - near(k)).collect()
         });
-        let Some(channel) = self.channel(Output::Rate) else {
-            return angle.unwrap_or_default();
-        };
-        let mut travel: Vec<f64> = samples
-            .clone()
-            .map(|k| {
+        let by_rate: Option<Vec<f64>> = self.channel(Output::Rate).map(|channel| {
+            let step = |k: usize| {
                 let rate = 0.5 * (channel.samples[k] + channel.samples[k + 1]);
                 if rate.is_finite() {
-                    rate * interval_s(k)
+                    rate * (self.time_s[k + 1] - self.time_s[k])
                 } else {
                     0.0
                 }
-            })
-            .collect();
-        if let Some(angle) = angle {
-            let whole: f64 = angle.iter().sum::<f64>() - travel.iter().sum::<f64>();
-            let offset = whole / travel.len().max(1) as f64;
-            for step in &mut travel {
-                *step += offset;
+            };
+            (0..last).map(step).collect()
+        });
+        let mut disagreement_rad = vec![];
+        if let (Some(by_angle), Some(by_rate)) = (&by_angle, &by_rate) {
+            let mut sum = 0.0;
+            disagreement_rad.push(sum);
+            for (by_angle, by_rate) in by_angle.iter().zip(by_rate) {
+                sum += by_angle - by_rate;
+                disagreement_rad.push(sum);
             }
         }
-        travel
+        Travel {
+            step_rad: by_rate.or(by_angle).unwrap_or_default(),
+            disagreement_rad,
+        }
     }
 
     /// Number of samples.

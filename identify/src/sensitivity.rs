@@ -259,16 +259,16 @@ fn with_memory<S: Scalar>(
         state.wheel_angle_rad += S::constant(record.wheel_angle_before(first));
     }
     if let Some(distance_rad) = plant.presliding_distance_rad() {
-        let travel = record.body_travel(0..first);
         let mut far = MEMORY_DISTANCES * distance_rad;
-        let from = travel
-            .iter()
-            .rposition(|step| {
-                far -= step.abs();
-                far < 0.0
-            })
-            .unwrap_or(0);
-        for &displacement in &travel[from..] {
+        let mut travel: Vec<f64> = vec![];
+        for step in record.body_travel_before(first) {
+            travel.push(step);
+            far -= step.abs();
+            if far < 0.0 {
+                break;
+            }
+        }
+        for displacement in travel.into_iter().rev() {
             state.friction_torque =
                 plant.remember(state.friction_torque, S::constant(displacement));
         }
