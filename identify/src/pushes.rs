@@ -3,7 +3,7 @@
 //! A push is a torque on the body that the model lacks, and [`crate::missing_torque`] has it in two
 //! ways: by the momentum of body and wheel, and by the command. The second has the lower noise, but an
 //! error of the motor's model (a lag, a dead zone) looks like a push in it; the first knows no motor.
-//! A push is what the second shows and the first does not contradict.
+//! A push is what either shows and the other does not contradict.
 //!
 //! In a log that is sampled more slowly than the loop answers, nobody knows the current and the angle
 //! between two samples, and the fit that sees neither well is off by a large share of either torque:
@@ -213,12 +213,72 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push>
         return vec![];
     };
     let time_s = &record.time_s;
-    let half_s = half_bump_s(record);
     let command_std = centre(&mut command, time_s).max(1e-12);
     let momentum_std = momentum
         .as_mut()
         .map(|series| centre(series, time_s).max(1e-12));
-    let n = command.len();
+    let mut pushes = pushes_in(record, &command, command_std, |push, sum| {
+        match (&momentum, momentum_std) {
+            (Some(series), Some(std)) => {
+                let error = push.std_of(std).hypot(push.std_of(command_std));
+                agrees(sum(series), push.impulse_nms, error)
+            }
+            _ => true,
+        }
+    });
+    // Where the command is no guide (the cogging of the wheel moves it all the time), a push may show
+    // in the momentum alone, as long as the command does not speak against it.
+    if let (Some(series), Some(std)) = (&momentum, momentum_std) {
+        let others = pushes_in(record, series, std, |push, sum| {
+            let error = push.std_of(std).hypot(push.std_of(command_std));
+            agrees(sum(&command), push.impulse_nms, error)
+        });
+        for other in others {
+            let overlaps =
+                |push: &Push| push.span_s.0 <= other.span_s.1 && other.span_s.0 <= push.span_s.1;
+            if !pushes.iter().any(overlaps) {
+                pushes.push(other);
+            }
+        }
+        pushes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    }
+    pushes
+}
+
+/// Whether what another estimate says of an impulse goes with it: within a factor of two, or, where the
+/// noise of the two hides the push, without a contradiction.
+fn agrees(other_nms: f64, impulse_nms: f64, error_nms: f64) -> bool {
+    (0.5..2.0).contains(&(other_nms / impulse_nms))
+        || (error_nms > impulse_nms.abs() && (other_nms - impulse_nms).abs() < 3.0 * error_nms)
+}
+
+/// A push as one estimate of the torque shows it.
+struct Shown {
+    impulse_nms: f64,
+    /// How long it acted, s, and how many bumps of the estimate that is.
+    span_s: f64,
+    independent: f64,
+}
+
+impl Shown {
+    /// Standard error of an impulse over the same time, from that of the torque. Values closer than a
+    /// bump are one value.
+    fn std_of(&self, torque_std_nm: f64) -> f64 {
+        torque_std_nm * self.span_s / self.independent.sqrt()
+    }
+}
+
+/// The pushes that a centred estimate of the torque on the body with this standard deviation shows, in N m,
+/// and that `is_confirmed`; it is handed the push, and what sums any other estimate over the same time.
+fn pushes_in(
+    record: &Record,
+    torque_nm: &[f64],
+    std_nm: f64,
+    is_confirmed: impl Fn(&Shown, &dyn Fn(&[f64]) -> f64) -> bool,
+) -> Vec<Push> {
+    let time_s = &record.time_s;
+    let half_s = half_bump_s(record);
+    let n = torque_nm.len();
     let step_s = |k: usize| {
         if k + 1 < n {
             time_s[k + 1] - time_s[k]
@@ -230,21 +290,21 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push>
     let mut k = 0;
     while k < n {
         // A NaN compares as false, so that it is passed over here and ends a push below.
-        let exceeds = command[k].abs() > THRESHOLD * command_std;
+        let exceeds = torque_nm[k].abs() > THRESHOLD * std_nm;
         if !exceeds {
             k += 1;
             continue;
         }
-        let sign = command[k].signum();
+        let sign = torque_nm[k].signum();
         let end = (k..n)
-            .take_while(|&k| sign * command[k] > FOOT * command_std)
+            .take_while(|&k| sign * torque_nm[k] > FOOT * std_nm)
             .last()
             .map_or(k, |last| last + 1);
         let top = (k..end)
-            .max_by(|&a, &b| (sign * command[a]).total_cmp(&(sign * command[b])))
+            .max_by(|&a, &b| (sign * torque_nm[a]).total_cmp(&(sign * torque_nm[b])))
             .unwrap_or(k);
-        let foot = (FOOT * command_std).max(FOOT_OF_PEAK * sign * command[top]);
-        let above = |k: usize| sign * command[k] > foot;
+        let foot = (FOOT * std_nm).max(FOOT_OF_PEAK * sign * torque_nm[top]);
+        let above = |k: usize| sign * torque_nm[k] > foot;
         let (mut from, mut to) = (top, top);
         while from > 0 && above(from - 1) {
             from -= 1;
@@ -253,32 +313,21 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push>
             to += 1;
         }
         let sum = |series: &[f64]| -> f64 { (from..=to).map(|k| series[k] * step_s(k)).sum() };
-        let impulse = sum(&command);
         let moment: f64 = (from..=to)
-            .map(|k| command[k] * step_s(k) * time_s[k])
+            .map(|k| torque_nm[k] * step_s(k) * time_s[k])
             .sum();
-        let peak = command[top];
-        let span = time_s[to] - time_s[from] + 2.0 * half_s;
-        // Values closer than a bump are one value: the noise of the sum.
-        let independent = (span / half_s).max(1.0);
-        let std_of = |std: f64| std * span / independent.sqrt();
-        let confirmed = match (&momentum, momentum_std) {
-            (Some(series), Some(std)) => {
-                let other = sum(series);
-                let error = std_of(std).hypot(std_of(command_std));
-                // A motor's error leaves nothing here; only where the noise of the wheel speed hides
-                // the push is it enough that the two do not contradict each other.
-                (0.5..2.0).contains(&(other / impulse))
-                    || (error > impulse.abs() && (other - impulse).abs() < 3.0 * error)
-            }
-            _ => true,
+        let span_s = time_s[to] - time_s[from] + 2.0 * half_s;
+        let shown = Shown {
+            impulse_nms: sum(torque_nm),
+            span_s,
+            independent: (span_s / half_s).max(1.0),
         };
-        if confirmed {
+        if is_confirmed(&shown, &sum) {
             pushes.push(Push {
-                time_s: moment / impulse,
-                impulse_nms: impulse,
-                impulse_std_nms: std_of(command_std),
-                peak_nm: peak,
+                time_s: moment / shown.impulse_nms,
+                impulse_nms: shown.impulse_nms,
+                impulse_std_nms: shown.std_of(std_nm),
+                peak_nm: torque_nm[top],
                 span_s: (time_s[from] - half_s, time_s[to] + half_s),
             });
         }
