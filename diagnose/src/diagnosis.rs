@@ -1,8 +1,11 @@
 //! The verdict, and what it rests on.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use identify::{Effort, Fit, Minimum, Setup, finish, joined, refit};
+use identify::{
+    Effort, Fit, Minimum, Record, Setup, Window, carry_over, cogging_start, finish, joined, refit,
+};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
@@ -10,7 +13,7 @@ use crate::candidate::Candidate;
 use crate::evidence::TIE;
 use crate::next_experiment::propose;
 use crate::search::{REMAINS, Search, largest_remainder, noise, search, shows};
-use crate::suspects::{Bench, is_cleared};
+use crate::suspects::{Bench, LEAST_GAIN, is_cleared};
 use crate::validation::{HeldOut, held_out, mean_fit_percent};
 
 /// What the diagnosis says.
@@ -111,6 +114,9 @@ pub fn diagnose(
     diagnose_among(setup, model, minimum, EffectId::ALL, progress)
 }
 
+/// Most times that a search is repeated because its result shows the logs in another light.
+const MOST_REVISIONS: usize = 2;
+
 /// As [`diagnose`], with these effects of the library as the only suspects.
 pub fn diagnose_among(
     setup: &Setup,
@@ -120,55 +126,203 @@ pub fn diagnose_among(
     progress: &dyn Fn(&str),
 ) -> Diagnosis {
     let cleared = setup.with_more_pushes(model, &minimum.values);
-    let setup = cleared.as_ref().unwrap_or(setup);
-    let (thin, thinning) = setup.thinned(SAMPLES_PER_PERIOD);
-    let is_thinned = thinning.iter().any(|&step| step > 1);
-    let records = thin.all_records();
-    let mut suspects = suspects.to_vec();
-    suspects.retain(|&effect| !is_cleared(&records, effect));
-    let suspects = suspects.as_slice();
-    let mut minimum = minimum;
-    if is_thinned || cleared.is_some() {
-        for (windows, &step) in minimum.windows.iter_mut().zip(&thinning) {
-            for window in windows {
-                window.samples =
-                    window.samples.start.div_ceil(step)..window.samples.end.div_ceil(step);
-            }
-        }
-        minimum = refit(
-            &records,
-            model,
-            minimum.values,
-            minimum.windows,
-            &thin.free(model),
-            Effort::FULL,
-        );
+    let is_cleared = cleared.is_some();
+    let mut setup = cleared.unwrap_or_else(|| setup.clone());
+    let cut = match setup.suited_to(model) {
+        Cow::Owned(cut) => Some(cut),
+        Cow::Borrowed(_) => None,
+    };
+    let is_fitted = !is_cleared && cut.is_none();
+    setup = cut.unwrap_or(setup);
+    let mut searched = Searched::new(&setup, model, &minimum, is_fitted, suspects, progress);
+    for _ in 0..MOST_REVISIONS {
+        let Some(revised) = searched.revised(&setup) else {
+            break;
+        };
+        progress("searching again: the logs are read differently with what was found");
+        setup = revised;
+        searched = Searched::new(&setup, model, &minimum, false, suspects, progress);
     }
-    let start = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
-    let found = search(&thin, start, suspects, progress);
-    progress("predicting experiments that the fit has not seen");
-    let bench = Bench {
-        setup: &thin,
-        records,
-        window_s: None,
-        suspects,
-    };
-    let chosen = if found.ties.is_empty() {
-        found.best
-    } else {
-        common(&found).unwrap_or(0)
-    };
-    let remainder = largest_remainder(&bench.records, &found.pool[chosen]);
+    searched.diagnosis(&setup, progress)
+}
+
+/// A search over the logs of a bench, and what it comes to.
+struct Searched {
+    /// The bench with free swings thinned.
+    thin: Setup,
+    is_thinned: bool,
+    suspects: Vec<EffectId>,
+    found: Search,
+    /// Index of the candidate with what could be added for certain.
+    chosen: usize,
+    /// Its structured remainder in units of noise.
+    remainder: f64,
+    verdict: Verdict,
+}
+
+impl Searched {
+    /// `is_fitted`: the minimum is that of this very setup.
+    fn new(
+        setup: &Setup,
+        model: &Model,
+        minimum: &Minimum,
+        is_fitted: bool,
+        suspects: &[EffectId],
+        progress: &dyn Fn(&str),
+    ) -> Searched {
+        let (thin, thinning) = setup.thinned(SAMPLES_PER_PERIOD);
+        let records = thin.all_records();
+        let mut suspects = suspects.to_vec();
+        suspects.retain(|&effect| !is_cleared(&records, effect));
+        let shorter = minimum.windows.iter().zip(&thinning);
+        let shorter = shorter.map(|(windows, &step)| -> Vec<Window> {
+            let thin = |window: &Window| Window {
+                samples: window.samples.start.div_ceil(step)..window.samples.end.div_ceil(step),
+                locals: window.locals.clone(),
+            };
+            windows.iter().map(thin).collect()
+        });
+        let windows = records.iter().zip(shorter);
+        let windows = windows
+            .map(|(record, shorter)| joined(record, &minimum.values, &shorter))
+            .collect();
+        let is_thinned = thinning.iter().any(|&step| step > 1);
+        let minimum = if is_fitted && !is_thinned {
+            minimum.clone()
+        } else {
+            let values = minimum.values.clone();
+            let free = thin.free(model);
+            refit(&records, model, values, windows, &free, Effort::FULL)
+        };
+        let start = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
+        let found = search(&thin, start, &suspects, progress);
+        let chosen = if found.ties.is_empty() {
+            found.best
+        } else {
+            common(&found).unwrap_or(0)
+        };
+        let remainder = largest_remainder(&records, &found.pool[chosen]);
+        let verdict = verdict(&records, &found, chosen, remainder);
+        Searched {
+            thin,
+            is_thinned,
+            suspects,
+            found,
+            chosen,
+            remainder,
+            verdict,
+        }
+    }
+
+    /// The bench as it must be read with what was found, where that is not enough and the logs themselves
+    /// look different with it: pushes that the first model hid, or driven logs that cogging has made
+    /// unpredictable in one piece.
+    fn revised(&self, setup: &Setup) -> Option<Setup> {
+        if matches!(self.verdict, Verdict::NothingMissing | Verdict::Explained) {
+            return None;
+        }
+        let best = &self.found.pool[self.found.best];
+        setup
+            .with_more_pushes(&best.model, &best.minimum.values)
+            .or_else(|| {
+                let cut = self.thin.in_windows()?;
+                shows_cogging(&cut, best, &self.suspects).then(|| setup.in_windows())?
+            })
+    }
+
+    fn diagnosis(self, setup: &Setup, progress: &dyn Fn(&str)) -> Diagnosis {
+        progress("predicting experiments that the fit has not seen");
+        let Searched {
+            thin,
+            is_thinned,
+            suspects,
+            found,
+            chosen,
+            remainder,
+            verdict,
+        } = self;
+        let bench = Bench {
+            setup: &thin,
+            records: thin.all_records(),
+            window_s: None,
+            suspects: &suspects,
+        };
+        let (chosen, remainder) = if verdict == Verdict::Unexplained {
+            let chosen = without_absorbers(&bench, &found, chosen);
+            (
+                chosen,
+                largest_remainder(&bench.records, &found.pool[chosen]),
+            )
+        } else {
+            (chosen, remainder)
+        };
+        let path = path(&found, chosen);
+        let ranked = ranked(&bench, &found, verdict);
+        let indices = path.iter().map(|&(_, index)| index);
+        let looks = looks(
+            &bench,
+            &found,
+            indices.chain(ranked.iter().map(|one| one.index)),
+        );
+        let steps = path
+            .into_par_iter()
+            .map(|(effect, index)| {
+                let (candidate, look) = (&found.pool[index], &looks[&index]);
+                if is_thinned {
+                    whole_step(setup, effect, candidate, look)
+                } else {
+                    Step {
+                        effect,
+                        fit: look.fit.clone(),
+                        validation_fit_percent: mean_fit_percent(&look.held_out),
+                        held_out: look.held_out.clone(),
+                        candidate: candidate.clone(),
+                    }
+                }
+            })
+            .collect();
+        let suspects = ranked
+            .into_iter()
+            .map(|one| suspect(&bench, &found, &looks[&one.index], one))
+            .collect();
+        let ambiguous_between: Vec<Vec<EffectId>> = found
+            .ties
+            .iter()
+            .filter(|_| verdict == Verdict::Ambiguous)
+            .map(|&index| found.pool[index].set())
+            .collect();
+        let next_experiment = match (found.ties.as_slice(), verdict) {
+            ([a, b, ..], Verdict::Ambiguous) => propose(setup, &found.pool[*a], &found.pool[*b]),
+            (_, Verdict::Unexplained) => {
+                "Repeat the experiment in which the error is largest: what \
+             comes back at the same place is physics that the library lacks, what does not is a \
+             disturbance."
+                    .to_owned()
+            }
+            _ => String::new(),
+        };
+        Diagnosis {
+            verdict,
+            steps,
+            suspects,
+            ambiguous_between,
+            next_experiment,
+            remainder,
+        }
+    }
+}
+
+fn verdict(records: &[&Record], found: &Search, chosen: usize, remainder: f64) -> Verdict {
     // Explanations that tie but leave most of it unexplained explain nothing.
     let left_by_ties = found
         .ties
         .iter()
-        .map(|&index| largest_remainder(&bench.records, &found.pool[index]))
+        .map(|&index| largest_remainder(records, &found.pool[index]))
         .fold(f64::INFINITY, f64::min);
     // What they share may be all that there is: where it leaves less than the noise, additions that
     // disagree with each other are the imperfections of its terms and no effects.
     let is_shared = !found.pool[chosen].added.is_empty() && remainder <= REMAINS;
-    let verdict = if found.ties.len() > 1 && left_by_ties <= LEFT_BY_TIES && !is_shared {
+    if found.ties.len() > 1 && left_by_ties <= LEFT_BY_TIES && !is_shared {
         Verdict::Ambiguous
     } else if remainder > REMAINS {
         Verdict::Unexplained
@@ -176,67 +330,46 @@ pub fn diagnose_among(
         Verdict::NothingMissing
     } else {
         Verdict::Explained
-    };
-    let (chosen, remainder) = if verdict == Verdict::Unexplained {
-        let chosen = without_absorbers(&bench, &found, chosen);
-        (
-            chosen,
-            largest_remainder(&bench.records, &found.pool[chosen]),
-        )
-    } else {
-        (chosen, remainder)
-    };
-    let path = path(&found, chosen);
-    let ranked = ranked(&bench, &found, verdict);
-    let indices = path.iter().map(|&(_, index)| index);
-    let looks = looks(
-        &bench,
-        &found,
-        indices.chain(ranked.iter().map(|one| one.index)),
-    );
-    let steps = path
-        .into_par_iter()
-        .map(|(effect, index)| {
-            let (candidate, look) = (&found.pool[index], &looks[&index]);
-            if is_thinned {
-                whole_step(setup, effect, candidate, look)
-            } else {
-                Step {
-                    effect,
-                    fit: look.fit.clone(),
-                    validation_fit_percent: mean_fit_percent(&look.held_out),
-                    held_out: look.held_out.clone(),
-                    candidate: candidate.clone(),
-                }
-            }
-        })
-        .collect();
-    let suspects = ranked
-        .into_iter()
-        .map(|one| suspect(&bench, &found, &looks[&one.index], one))
-        .collect();
-    let ambiguous_between: Vec<Vec<EffectId>> = found
-        .ties
-        .iter()
-        .filter(|_| verdict == Verdict::Ambiguous)
-        .map(|&index| found.pool[index].set())
-        .collect();
-    let next_experiment = match (found.ties.as_slice(), verdict) {
-        ([a, b, ..], Verdict::Ambiguous) => propose(setup, &found.pool[*a], &found.pool[*b]),
-        (_, Verdict::Unexplained) => "Repeat the experiment in which the error is largest: what \
-             comes back at the same place is physics that the library lacks, what does not is a \
-             disturbance."
-            .to_owned(),
-        _ => String::new(),
-    };
-    Diagnosis {
-        verdict,
-        steps,
-        suspects,
-        ambiguous_between,
-        next_experiment,
-        remainder,
     }
+}
+
+/// Share of what a model misses that cogging must take over short windows, for the logs to be read in
+/// them: beside a larger effect it is found once that has been added.
+const COGGING_SHARE: f64 = 0.5;
+
+/// Whether cogging takes most of what `best` misses without it, where driven logs are compared over short
+/// windows.
+fn shows_cogging(cut: &Setup, best: &Candidate, suspects: &[EffectId]) -> bool {
+    let cogging = EffectId::WheelCogging;
+    if !suspects.contains(&cogging) && !best.model.has(cogging) {
+        return false;
+    }
+    let records = cut.all_records();
+    let fit = |model: &Model, values: Vec<f64>, windows: &[Vec<Window>]| -> Minimum {
+        let windows = records.iter().zip(windows);
+        let windows = windows
+            .map(|(record, shorter)| joined(record, &values, shorter))
+            .collect();
+        let free = cut.free(model);
+        refit(&records, model, values, windows, &free, Effort::FULL)
+    };
+    let plain = best.model.without(cogging);
+    let minimum = &best.minimum;
+    let start = vec![0.0; plain.parameter_count()];
+    let values = carry_over(&best.model, &minimum.values, &plain, &start);
+    let without = fit(&plain, values, &minimum.windows);
+    let Some(own) = cogging_start(&records, &plain, &without) else {
+        return false;
+    };
+    let larger = plain.with(cogging);
+    let mut start = vec![0.0; larger.parameter_count()];
+    if let Some(at) = larger.position(cogging) {
+        start[at..at + own.parameters.len()].copy_from_slice(&own.parameters);
+    }
+    let values = carry_over(&plain, &without.values, &larger, &start);
+    let with = fit(&larger, values, &without.windows);
+    let observations: usize = records.iter().map(|record| record.observations()).sum();
+    without.cost - with.cost > LEAST_GAIN.max(COGGING_SHARE * (without.cost - observations as f64))
 }
 
 /// A closer look at a candidate: its standard errors, and how it predicts what it has not seen.

@@ -349,6 +349,7 @@ pub fn search(
         if next != best && evidence[next] - evidence[best] >= TIE {
             best = next;
             if largest_remainder(records, &pool[best]) < LEAST_TRACE {
+                refine(&bench, &mut pool, &mut best);
                 break;
             }
         } else if evidence[top] <= evidence[best]
@@ -374,6 +375,36 @@ pub fn search(
         evidence,
         best,
         ties,
+    }
+}
+
+/// Tries what refines the effects of the best candidate, where it leaves nothing else to look for: dry
+/// friction may be the larger part of Stribeck's curve.
+fn refine(bench: &Bench, pool: &mut Vec<Candidate>, best: &mut usize) {
+    let added = &pool[*best].added;
+    let refinements: Vec<EffectId> = bench
+        .suspects
+        .iter()
+        .copied()
+        .filter(|suspect| {
+            let replaces = suspect.info().replaces;
+            added.iter().any(|effect| replaces.contains(&effect.name()))
+        })
+        .collect();
+    let refining = Bench {
+        suspects: &refinements,
+        ..bench.clone()
+    };
+    let is_fitted = |set: &[EffectId]| is_fitted(pool, set);
+    let found = try_all(&refining, &pool[*best], MOST_FITS, &is_fitted);
+    let newest = merge(pool, found);
+    let evidence = finished_evidences(bench, pool);
+    let Some(top) = argmax(&evidence, newest.into_iter().chain([*best])) else {
+        return;
+    };
+    let next = simplest(bench, pool, &evidence, top);
+    if next != *best && evidence[next] - evidence[*best] >= TIE {
+        *best = next;
     }
 }
 

@@ -3,7 +3,7 @@
 use identify::{
     Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup,
     Unknowns, Window, acts, carry_over, cogging_start, fit_from_scratch, guessed, joined, promise,
-    rate_against_angle, ratios, refit, scaled_start,
+    rate_against_angle, ratios, refit, scaled_start, settled,
 };
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
@@ -96,6 +96,20 @@ pub fn is_cleared(records: &[&Record], effect: EffectId) -> bool {
         _ => return false,
     };
     fault.abs() < PLAIN_FAULT * std
+}
+
+/// The terms of a power series in the angle: a constant, a linear and a cubic torque. All three together fit
+/// any smooth torque that depends on the angle, whatever it comes from (a stop, a magnet); that is a
+/// curve through the measurements and no explanation of them.
+const POWER_SERIES: [EffectId; 3] = [
+    EffectId::AngleOffset,
+    EffectId::BodyCableSpring,
+    EffectId::BodySofteningSpring,
+];
+
+/// Whether the effects that are added to a model would fit any torque over the angle.
+pub fn fits_any_curve(added: &[EffectId]) -> bool {
+    POWER_SERIES.iter().all(|term| added.contains(term))
 }
 
 /// Whether an effect is scored where it is absent: it is linear in its one amplitude there, and takes
@@ -193,10 +207,14 @@ fn starts(
             set[0] = HARDLY_STRETCHED * base[plant::GRAVITY_TORQUE];
         }
     }
+    let mut is_settled = false;
     if effect == EffectId::WheelCogging {
-        parameter_sets = cogging_start(records, &from.model, &from.minimum)
-            .into_iter()
-            .collect();
+        let start = cogging_start(records, &from.model, &from.minimum);
+        let missed = point.cost - records.iter().map(|r| r.observations() as f64).sum::<f64>();
+        is_settled = start
+            .as_ref()
+            .is_some_and(|start| start.gain > LEAST_GAIN.max(LEAST_PART * missed));
+        parameter_sets = start.map(|start| start.parameters).into_iter().collect();
     }
     if effect == EffectId::BackEmfLimit {
         parameter_sets.retain(|set| is_reached(records, set, base[plant::TORQUE_CONSTANT]));
@@ -208,7 +226,12 @@ fn starts(
             start[at..at + chosen.len()].copy_from_slice(&chosen);
             let values = carry_over(&from.model, &point.values, &model, &start);
             let unknowns = Unknowns::new(&model, &setup.free(&model));
-            let windows = &point.windows;
+            // Windows that start on the wrong side of a tooth would promise nothing.
+            let windows = if is_settled {
+                &settled(records, &model, &values, point.windows.clone())
+            } else {
+                &point.windows
+            };
             // A limit that is not reached in a record leaves no trace there.
             let torque_constant = base[plant::TORQUE_CONSTANT];
             let leaves_no_trace = |record: &Record| {
@@ -411,6 +434,10 @@ pub fn try_all(
         .iter()
         .copied()
         .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))
+        .filter(|&effect| {
+            let with: Vec<EffectId> = from.added.iter().copied().chain([effect]).collect();
+            !fits_any_curve(&with)
+        })
         .collect();
     let point = from.point();
     let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);

@@ -9,6 +9,15 @@ use crate::record::{Output, Record};
 use crate::sensitivity::{Local, Unknowns, Window, normal};
 use crate::solver::Minimum;
 
+/// Where a fit of cogging may start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoggingStart {
+    /// Torque in N m, order, phase in rad.
+    pub parameters: Vec<f64>,
+    /// χ² that it takes from the wheel speed to first order.
+    pub gain: f64,
+}
+
 /// A start for cogging: the order whose trace is largest in the wheel speed; `None` where no log shows
 /// the wheel's speed.
 ///
@@ -16,7 +25,11 @@ use crate::solver::Minimum;
 /// whole order n up to 60 the residual is projected on ∫cos(nφ) dt and ∫sin(nφ) dt, window by window and
 /// without the straight line that a window's start and a constant torque take up; φ is the integral of
 /// the measured wheel speed. A cogging order is a whole number: a common multiple of poles and slots.
-pub fn cogging_start(records: &[&Record], model: &Model, minimum: &Minimum) -> Option<Vec<f64>> {
+pub fn cogging_start(
+    records: &[&Record],
+    model: &Model,
+    minimum: &Minimum,
+) -> Option<CoggingStart> {
     const HIGHEST_ORDER: usize = 60;
     let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
     let mut windows: Vec<(WheelSpeedError, Turns)> = wheel_speed_errors(records, model, minimum)
@@ -26,7 +39,7 @@ pub fn cogging_start(records: &[&Record], model: &Model, minimum: &Minimum) -> O
             (window, turns)
         })
         .collect();
-    let mut gains: Vec<(f64, Vec<f64>)> = vec![];
+    let mut starts: Vec<CoggingStart> = vec![];
     for order in 1..=HIGHEST_ORDER {
         let n = order as f64;
         let (mut cc, mut ss, mut cs, mut ce, mut se) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -51,15 +64,12 @@ pub fn cogging_start(records: &[&Record], model: &Model, minimum: &Minimum) -> O
         let a = (ss * ce - cs * se) / determinant;
         let b = (cc * se - cs * ce) / determinant;
         let amplitude = a.hypot(b) * wheel_inertia;
-        gains.push((
-            a * ce + b * se,
-            vec![amplitude.max(1e-12), n, (-a).atan2(-b)],
-        ));
+        starts.push(CoggingStart {
+            parameters: vec![amplitude.max(1e-12), n, (-a).atan2(-b)],
+            gain: a * ce + b * se,
+        });
     }
-    gains
-        .into_iter()
-        .max_by(|x, y| x.0.total_cmp(&y.0))
-        .map(|(_, start)| start)
+    starts.into_iter().max_by(|x, y| x.gain.total_cmp(&y.gain))
 }
 
 /// What the wheel speed of one window lacks, over the angle of the wheel.

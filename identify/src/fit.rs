@@ -15,7 +15,7 @@ use crate::sensitivity::{Local, Unknowns, Window, simulate};
 use crate::solver::{Effort, Minimum, minimise};
 use crate::start::angle_samples;
 
-/// Length of the windows of a balance log in s (contract).
+/// Length of the windows of a balance log in s (contract), and of any other log whose free run diverges.
 pub const BALANCE_WINDOW_S: f64 = 0.25;
 /// Factor by which windows grow from one stage to the next.
 const WINDOW_GROWTH: f64 = 4.0;
@@ -130,19 +130,11 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
     Window { samples, locals }
 }
 
-/// The windows of the last stage for this kind, in s.
-fn final_window_s(record: &Record) -> f64 {
-    match record.kind {
-        Kind::Balance => BALANCE_WINDOW_S,
-        _ => f64::INFINITY,
-    }
-}
-
 /// Windows of `window_s` seconds whose starts are taken from `before` where it has one that begins
 /// at the same sample, else guessed from the samples.
 fn windows(record: &Record, values: &[f64], window_s: f64, before: &[Window]) -> Vec<Window> {
     record
-        .windows(window_s.min(final_window_s(record)))
+        .windows(window_s.min(record.window_s))
         .into_iter()
         .map(|samples| {
             match before
@@ -186,7 +178,9 @@ pub fn fit_from_scratch(
             // A spin-up is nearly linear in everything and needs no schedule.
             Kind::SpinUp | Kind::Balance => 0.0,
             Kind::FreeSwing | Kind::Driven => {
-                record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0)
+                let span_s =
+                    record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
+                span_s.min(record.window_s)
             }
         })
         .fold(0.0, f64::max);

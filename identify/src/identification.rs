@@ -1,5 +1,7 @@
 //! From a bench to identified parameters: what is known, what the logs can tell, what is open.
 
+use std::borrow::Cow;
+
 use bench_files::{Bench, Known};
 use plant::{
     BASE_PARAMETERS, EffectId, GRAVITY_TORQUE, Kind, Model, Role, TORQUE_CONSTANT, TOTAL_INERTIA,
@@ -8,7 +10,7 @@ use plant::{
 
 use crate::cogging::cogging_start;
 use crate::contradiction::{Contradiction, body_inertia_contradiction, contradictions};
-use crate::fit::{BALANCE_WINDOW_S, Fit, Trace, finish, fit_from_scratch, refit, traces};
+use crate::fit::{BALANCE_WINDOW_S, Fit, Trace, finish, fit_from_scratch, joined, refit, traces};
 use crate::pushes::{
     Push, PushModel, find_disturbances, find_pushes, is_slow, leave_out, samples_in_window,
 };
@@ -162,6 +164,36 @@ impl Setup {
             }
         }
         changed.then_some(again)
+    }
+
+    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`]; `None` where none would change.
+    ///
+    /// The teeth of a motor make a long run of the wheel depend on every standstill in between: at the
+    /// crest of a tooth it may turn back or pass, by less than any sensor shows. A free run then says
+    /// nothing about the model, as in a balance log.
+    pub fn in_windows(&self) -> Option<Setup> {
+        let mut cut = self.clone();
+        let mut changed = false;
+        for record in &mut cut.records {
+            let is_cut = record.kind == Kind::Driven
+                && record.channel(Output::WheelSpeed).is_some()
+                && record.window_s > BALANCE_WINDOW_S;
+            if is_cut {
+                record.window_s = BALANCE_WINDOW_S;
+                changed = true;
+            }
+        }
+        changed.then_some(cut)
+    }
+
+    /// The bench as a model can be compared with it: [`Setup::in_windows`] for one with cogging.
+    pub fn suited_to(&self, model: &Model) -> Cow<'_, Setup> {
+        let cut = if model.has(EffectId::WheelCogging) {
+            self.in_windows()
+        } else {
+            None
+        };
+        cut.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
     /// The same bench with free swings thinned to about `per_period` samples in a period of the
@@ -340,10 +372,19 @@ pub fn identify(
     model: &Model,
     previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
 ) -> Result<Identification, IdentifyError> {
+    let suited = setup.suited_to(model);
+    let setup = suited.as_ref();
     let records = setup.all_records();
     let free = setup.free(model);
     let minimum = match previous {
-        Some((values, windows)) => refit(&records, model, values, windows, &free, Effort::FULL),
+        Some((values, windows)) => {
+            // The fit before may have been over other windows.
+            let windows = records.iter().zip(&windows);
+            let windows = windows
+                .map(|(record, windows)| joined(record, &values, windows))
+                .collect();
+            refit(&records, model, values, windows, &free, Effort::FULL)
+        }
         None => {
             // The base model first: effects are small against inertia and gravity.
             let base = Model::base();
@@ -432,7 +473,10 @@ pub fn extend(
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
     let starts = |effect: EffectId| -> Vec<Vec<f64>> {
         match effect {
-            EffectId::WheelCogging => cogging_start(records, from, minimum).into_iter().collect(),
+            EffectId::WheelCogging => cogging_start(records, from, minimum)
+                .map(|start| start.parameters)
+                .into_iter()
+                .collect(),
             _ => {
                 let stated = effect.info().starts.iter();
                 stated
@@ -501,6 +545,14 @@ const OPEN_RELATIVE_STD: f64 = 1.0;
 fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String> {
     let mut out = vec![];
     for (record, traces) in records.iter().zip(traces) {
+        if record.kind == Kind::Driven && record.window_s.is_finite() {
+            out.push(format!(
+                "{}: with the cogging of the motor a long run depends on every tooth at which the wheel \
+                 turned back, so that the model is compared over windows of {BALANCE_WINDOW_S} s, each from a \
+                 start of its own, as in a balance log",
+                record.name
+            ));
+        }
         if is_slow(record) {
             let in_window = samples_in_window(record);
             // `Record::windows` makes no window shorter than this.

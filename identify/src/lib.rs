@@ -37,7 +37,7 @@ mod whiteness;
 pub use breakdown::{
     Bin, Breakdown, Coordinate, Explained, FailureMap, Quantity, Region, breakdown,
 };
-pub use cogging::cogging_start;
+pub use cogging::{CoggingStart, cogging_start, settled};
 pub use contradiction::{
     Contradiction, Side, body_inertia, body_inertia_contradiction, contradictions,
 };

@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use bench_files::{CurrentMeaning, Experiment};
 use plant::{Hold, Input, Kind, Reading};
 
+use crate::fit::BALANCE_WINDOW_S;
 use crate::noise::{noise_std, resolution};
 
 /// A measured output of the model.
@@ -121,6 +122,9 @@ pub struct Record {
     pub current_is_measured: bool,
     /// Weight of each sample in the fit: 0 leaves it out (an unrecorded push acted), 1 counts.
     pub weight: Vec<f64>,
+    /// Longest stretch that is simulated in one piece, from a start of its own, s: a whole log, but
+    /// [`BALANCE_WINDOW_S`] where the free run diverges.
+    pub window_s: f64,
     past: Past,
 }
 
@@ -177,6 +181,10 @@ impl Record {
             current,
             current_a: current_a.unwrap_or_default(),
             current_is_measured,
+            window_s: match kind {
+                Kind::Balance => BALANCE_WINDOW_S,
+                Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
+            },
             past: Past::default(),
         }
     }
@@ -229,6 +237,7 @@ impl Record {
             }
         }
         part.weight = pick(&self.weight);
+        part.window_s = self.window_s;
         part
     }
 

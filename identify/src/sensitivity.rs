@@ -41,7 +41,7 @@ impl Local {
         if angle_quantum(record).is_some() {
             locals.push(Local::AngleZero);
         }
-        if record.kind == Kind::Balance && measures(Output::WheelSpeed) {
+        if matches!(record.kind, Kind::Balance | Kind::Driven) && measures(Output::WheelSpeed) {
             locals.push(Local::WheelAngle);
         }
         locals

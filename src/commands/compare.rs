@@ -48,7 +48,8 @@ pub fn against_measurement<'a>(
 ) -> Result<Fitted<'a>, Failure> {
     let values = parameter_values(folder, file)?;
     let model = file.model();
-    let records = folder.setup.all_records();
+    let setup = folder.setup.suited_to(&model);
+    let records = setup.all_records();
     let minimum = while_doing("simulating all experiments", || {
         let windows = records
             .iter()

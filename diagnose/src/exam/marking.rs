@@ -6,7 +6,11 @@
 //! the same distance tie, and then "ambiguous" is the right answer; a simpler set that is no worse
 //! is as right as the truth.
 
-use identify::{Effort, Fit, Minimum, Setup, final_windows, fit_from_scratch, identify, refit};
+use std::borrow::Cow;
+
+use identify::{
+    Effort, Fit, Minimum, Setup, final_windows, fit_from_scratch, identify, joined, refit,
+};
 use plant::{EffectId, Model};
 
 use super::draw::{ExamBench, Question};
@@ -300,6 +304,26 @@ pub fn mark(setup: &Setup, answer: &Answer, suspects: &[EffectId]) -> Result<Pap
         );
     }
     let setup = cleared.as_ref().unwrap_or(setup);
+    let truth = answer.effects.iter();
+    let truth = truth.fold(Model::base(), |model, &effect| model.with(effect));
+    let suited = setup.suited_to(&truth);
+    if let Cow::Owned(cut) = &suited {
+        let records = cut.all_records();
+        let windows = records.iter().zip(&minimum.windows);
+        let windows = windows
+            .map(|(record, windows)| joined(record, &minimum.values, windows))
+            .collect();
+        let free = cut.free(&base);
+        minimum = refit(
+            &records,
+            &base,
+            minimum.values,
+            windows,
+            &free,
+            Effort::FULL,
+        );
+    }
+    let setup = suited.as_ref();
     let (rivals, shown) = if answer.effects.is_empty() || answer.outside {
         (vec![], vec![])
     } else {
