@@ -69,8 +69,42 @@ pub fn log_evidence(
     noise: &[f64],
     suspects: usize,
 ) -> f64 {
-    let likelihood: f64 = candidate
+    let rmse = candidate.rmse();
+    log_evidence_of(&rmse, candidate, effective, noise, suspects)
+}
+
+/// As [`log_evidence`], with errors that are known not to be the fault of the candidate's effects:
+/// `excused` is their size in every series, in units of its noise. Without them no series is better than
+/// with `best`.
+pub fn log_evidence_beyond(
+    candidate: &Candidate,
+    excused: &[f64],
+    best: &Candidate,
+    effective: &[f64],
+    noise: &[f64],
+    suspects: usize,
+) -> f64 {
+    let rmse: Vec<f64> = candidate
         .rmse()
+        .into_iter()
+        .zip(best.rmse())
+        .zip(excused.iter().zip(noise))
+        .map(|((own, best), (excused, noise))| {
+            let left = own * own - (excused * noise).powi(2);
+            left.max(0.0).sqrt().max(best.min(own))
+        })
+        .collect();
+    log_evidence_of(&rmse, candidate, effective, noise, suspects)
+}
+
+fn log_evidence_of(
+    rmse: &[f64],
+    candidate: &Candidate,
+    effective: &[f64],
+    noise: &[f64],
+    suspects: usize,
+) -> f64 {
+    let likelihood: f64 = rmse
         .iter()
         .zip(effective)
         .zip(noise)

@@ -8,7 +8,7 @@ use plant::EffectId;
 use rayon::prelude::*;
 
 use crate::candidate::Candidate;
-use crate::evidence::{TIE, effective, log_evidence, residual};
+use crate::evidence::{TIE, effective, log_evidence, log_evidence_beyond, residual};
 use crate::suspects::{Bench, LEAST_GAIN, MOST_FITS, applicable, try_all, without};
 
 /// Most effects that are added in one diagnosis.
@@ -152,6 +152,15 @@ pub fn noise(records: &[&Record]) -> Vec<f64> {
 
 /// The evidence for every candidate, with the effective sample sizes that the best of them leaves.
 fn evidences(bench: &Bench, pool: &[Candidate]) -> Vec<f64> {
+    evidences_beyond(bench, pool, &|_| None)
+}
+
+/// As [`evidences`], with errors in units of noise that are `excused`.
+fn evidences_beyond(
+    bench: &Bench,
+    pool: &[Candidate],
+    excused: &dyn Fn(&Candidate) -> Option<Vec<f64>>,
+) -> Vec<f64> {
     let best = pool
         .iter()
         .min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost));
@@ -164,7 +173,12 @@ fn evidences(bench: &Bench, pool: &[Candidate]) -> Vec<f64> {
         .filter(|&&effect| applicable(bench.setup, effect))
         .count();
     pool.iter()
-        .map(|candidate| log_evidence(candidate, &effective, &noise, suspects))
+        .map(|candidate| match excused(candidate) {
+            Some(excused) => {
+                log_evidence_beyond(candidate, &excused, best, &effective, &noise, suspects)
+            }
+            None => log_evidence(candidate, &effective, &noise, suspects),
+        })
         .collect()
 }
 
@@ -369,7 +383,7 @@ pub fn search(
 
     prune_and_swap(&bench, &mut pool, &mut best, &mut extended, progress);
     let evidence = evidences(&bench, &pool);
-    let ties = ties(&pool, &evidence, best);
+    let ties = ties(&bench, &pool, &evidence, best);
     Search {
         pool,
         evidence,
@@ -430,20 +444,28 @@ fn prune_and_swap(
             .par_iter()
             .filter_map(|&effect| without(bench, &chosen, effect, &known))
             .collect();
-        let mut from: Vec<&Candidate> = smaller.iter().collect();
-        from.retain(|candidate| {
-            let set = candidate.set();
-            let is_known = pool.iter().any(|known| known.set() == set);
-            // Effects that come out at nothing leave a model from which everything was tried before.
-            let is_nothing_more = || {
-                pool.iter().any(|known| {
-                    candidate.strictly_contains(known)
-                        && extended.contains(&known.set())
-                        && known.point().cost - candidate.point().cost < LEAST_GAIN
-                })
-            };
-            !extended.contains(&set) && !is_known && !is_nothing_more()
-        });
+        merge(pool, smaller);
+        // What is left without one effect is extended by every other one, if it was not yet.
+        let from: Vec<&Candidate> = chosen
+            .added
+            .iter()
+            .filter_map(|&effect| {
+                let mut set = chosen.set();
+                set.retain(|&present| present != effect);
+                pool.iter().find(|known| known.set() == set)
+            })
+            .filter(|candidate| {
+                // Effects that come out at nothing leave a model from which everything was tried before.
+                let is_nothing_more = || {
+                    pool.iter().any(|known| {
+                        candidate.strictly_contains(known)
+                            && extended.contains(&known.set())
+                            && known.point().cost - candidate.point().cost < LEAST_GAIN
+                    })
+                };
+                !extended.contains(&candidate.set()) && !is_nothing_more()
+            })
+            .collect();
         extended.extend(from.iter().map(|candidate| candidate.set()));
         let found: Vec<Candidate> = from
             .par_iter()
@@ -451,7 +473,6 @@ fn prune_and_swap(
                 try_all(bench, candidate, MOST_FITS / 2, &|set| is_fitted(pool, set))
             })
             .collect();
-        merge(pool, smaller);
         merge(pool, found);
         let evidence = finished_evidences(bench, pool);
         let Some(top) = argmax(&evidence, 0..pool.len()) else {
@@ -466,10 +487,22 @@ fn prune_and_swap(
 }
 
 /// Candidates that the measurements cannot tell from the chosen one.
-fn ties(pool: &[Candidate], evidence: &[f64], best: usize) -> Vec<usize> {
+fn ties(bench: &Bench, pool: &[Candidate], evidence: &[f64], best: usize) -> Vec<usize> {
     if pool[best].added.is_empty() {
         return vec![];
     }
+    // Dry friction that is nearly as good as another effect may lose by its smoothed sign alone.
+    let excused = |candidate: &Candidate| -> Option<Vec<f64>> {
+        let is_near = candidate.set() != pool[best].set()
+            && largest_remainder(&bench.records, candidate) <= REMAINS;
+        is_near.then(|| candidate.imperfection(bench.setup, &bench.records).to_vec())
+    };
+    let excused = evidences_beyond(bench, pool, &excused);
+    let evidence: Vec<f64> = evidence
+        .iter()
+        .zip(excused)
+        .map(|(plain, excused)| plain.max(excused))
+        .collect();
     let mut ties: Vec<usize> = (0..pool.len())
         .filter(|&index| {
             index == best

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
+use diagnose::Verdict;
 use diagnose::exam::{
-    Driving, ExperimentPlan, Hidden, Marks, Outsider, Question, ROUND, Rate, SensorNoise, Truth,
-    draw, effects, question, record, sit,
+    Answer, Driving, ExperimentPlan, Hidden, Mark, Marks, Outsider, Question, ROUND, Rate,
+    SensorNoise, Truth, draw, effects, mark, question, record, sit,
 };
 use plant::{Current, EffectId, Hold, Input, Kind, Model, Plant, State};
 use rayon::prelude::*;
@@ -268,4 +269,19 @@ fn a_short_exam_is_passed() {
     assert_eq!(marks.false_alarms.count, 0);
     assert!(marks.one_right.share() >= 0.85, "{:?}", marks.one_right);
     assert!(marks.coverage.share() >= 0.75, "{:?}", marks.coverage);
+}
+
+/// A stop is a torque over the angle; a constant, a linear and a cubic term together would fit it.
+#[test]
+fn three_terms_of_a_power_series_are_no_explanation() {
+    for seed in [262] {
+        let bench = draw(seed).expect("a bench");
+        assert!(matches!(
+            bench.question,
+            Question::Outside(Outsider::SoftStop)
+        ));
+        let paper = mark(&bench.setup, &Answer::of(&bench), EffectId::ALL).expect("a verdict");
+        assert_eq!(paper.verdict, Verdict::Unexplained, "seed {seed}");
+        assert_eq!(paper.mark, Mark::Right, "seed {seed}");
+    }
 }

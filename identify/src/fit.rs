@@ -130,20 +130,35 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
     Window { samples, locals }
 }
 
-/// Windows of `window_s` seconds whose starts are taken from `before` where it has one that begins
-/// at the same sample, else guessed from the samples.
+/// Share of a window's length by which its start is moved to that of an earlier window.
+const SNAP: f64 = 0.1;
+
+/// Windows of about `window_s` seconds whose starts are taken from `before` where it has one that begins
+/// there or nearly there, else guessed from the samples. (A dozen noisy samples of a fast swing give a poor
+/// guess, and four windows of 159 samples are one sample longer than one of 635.)
 fn windows(record: &Record, values: &[f64], window_s: f64, before: &[Window]) -> Vec<Window> {
-    record
-        .windows(window_s.min(record.window_s))
-        .into_iter()
-        .map(|samples| {
-            match before
-                .iter()
-                .find(|window| window.samples.start == samples.start)
-            {
-                Some(window) => Window {
+    let ranges = record.windows(window_s.min(record.window_s));
+    let nearest = |range: &std::ops::Range<usize>| -> Option<&Window> {
+        let near = before
+            .iter()
+            .min_by_key(|window| window.samples.start.abs_diff(range.start))?;
+        let away = near.samples.start.abs_diff(range.start) as f64;
+        (away <= SNAP * range.len() as f64).then_some(near)
+    };
+    let found: Vec<Option<&Window>> = ranges.iter().map(nearest).collect();
+    let start = |index: usize| found[index].map_or(ranges[index].start, |near| near.samples.start);
+    (0..ranges.len())
+        .map(|index| {
+            let end = if index + 1 < ranges.len() {
+                start(index + 1)
+            } else {
+                record.len()
+            };
+            let samples = start(index)..end;
+            match found[index] {
+                Some(near) => Window {
                     samples,
-                    locals: window.locals.clone(),
+                    locals: near.locals.clone(),
                 },
                 None => guess(record, values, samples),
             }

@@ -227,8 +227,9 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push>
         }
     });
     // Where the command is no guide (the cogging of the wheel moves it all the time), a push may show
-    // in the momentum alone, as long as the command does not speak against it.
-    if let (Some(series), Some(std)) = (&momentum, momentum_std) {
+    // in the momentum alone, or better, as long as the command does not speak against it.
+    // Not in a slow log, where every push has echoes in the answer to it.
+    if let (Some(series), Some(std), false) = (&momentum, momentum_std, is_slow(record)) {
         let others = pushes_in(record, series, std, |push, sum| {
             let error = push.std_of(std).hypot(push.std_of(command_std));
             agrees(sum(&command), push.impulse_nms, error)
@@ -236,7 +237,11 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push>
         for other in others {
             let overlaps =
                 |push: &Push| push.span_s.0 <= other.span_s.1 && other.span_s.0 <= push.span_s.1;
-            if !pushes.iter().any(overlaps) {
+            let is_known = pushes
+                .iter()
+                .any(|push| overlaps(push) && push.impulse_std_nms <= other.impulse_std_nms);
+            if !is_known {
+                pushes.retain(|push| !overlaps(push));
                 pushes.push(other);
             }
         }

@@ -238,6 +238,29 @@ fn pushes_are_found_where_and_as_large_as_they_were_and_none_elsewhere() {
     }
 }
 
+/// The teeth of a motor move the command all the time, so that pushes drown in what the command says of the
+/// torque on the body; the momentum of body and wheel does not know the motor.
+#[test]
+fn pushes_are_found_beside_the_cogging_of_a_motor() {
+    let cogging = |now: &Now| -6e-3 * (12.0 * now.wheel_angle + 0.5).sin();
+    let physics = Physics {
+        on_wheel: &cogging,
+        noise: [1.2e-3, 4e-3, 0.1, 2e-3],
+        ..Physics::base()
+    };
+    for seed in 2480..2483 {
+        let found = fitted(&setup(bench(&physics, seed)), &[]);
+        let found = found.pushes.last().expect("the balance log");
+        let said = format!("seed {seed}: {found:?}");
+        assert_eq!(found.len(), PUSHES.len(), "{said}");
+        for (push, (size, at)) in found.iter().zip(PUSHES) {
+            assert!((push.time_s - at).abs() < 0.010, "{said}");
+            let ratio = push.impulse_nms / impulse(size);
+            assert!((ratio - 1.0).abs() < 0.15, "{said}");
+        }
+    }
+}
+
 /// A body ten times as heavy, whose loop takes a second to answer, and of the log only every 50th sample,
 /// without rates: what is reported is a push, and a sentence says why there may be others.
 #[test]
