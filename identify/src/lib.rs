@@ -14,6 +14,8 @@
 //! | `breakdown` | where a model fails: its residual over time, amplitude, angle, speed, current |
 //! | `decay` | how a free swing dies out: amplitude, decay and period |
 //! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
+//! | `cogging` | where a fit of cogging may start: its order, and the teeth on which windows begin |
+//! | `kinematics` | the rate against the angle, without a model of the motion |
 //! | `whiteness` | what is left in a residual: noise or structure |
 //! | `identification` | a whole bench: what is known, what is free, what is open |
 
