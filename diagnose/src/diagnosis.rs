@@ -134,24 +134,38 @@ pub fn diagnose_among(
     };
     let is_fitted = !is_cleared && cut.is_none();
     setup = cut.unwrap_or(setup);
-    let mut searched = Searched::new(&setup, model, &minimum, is_fitted, suspects, progress);
+    let mut start = Start::new(&setup, model, &minimum, is_fitted, suspects);
+    // What is plain at once need not be found by a search over logs in one piece.
+    if let Some(cut) = start.in_windows(&start.candidate, &setup) {
+        setup = cut;
+        start = Start::new(&setup, model, &minimum, false, suspects);
+    }
+    let mut searched = Searched::new(start, progress);
     for _ in 0..MOST_REVISIONS {
         let Some(revised) = searched.revised(&setup) else {
             break;
         };
         progress("searching again: the logs are read differently with what was found");
         setup = revised;
-        searched = Searched::new(&setup, model, &minimum, false, suspects, progress);
+        let start = Start::new(&setup, model, &minimum, false, suspects);
+        searched = Searched::new(start, progress);
     }
     searched.diagnosis(&setup, progress)
 }
 
-/// A search over the logs of a bench, and what it comes to.
-struct Searched {
+/// What a search starts from.
+struct Start {
     /// The bench with free swings thinned.
     thin: Setup,
     is_thinned: bool,
     suspects: Vec<EffectId>,
+    /// The model as it was, fitted to it.
+    candidate: Candidate,
+}
+
+/// A search over the logs of a bench, and what it comes to.
+struct Searched {
+    start: Start,
     found: Search,
     /// Index of the candidate with what could be added for certain.
     chosen: usize,
@@ -160,7 +174,7 @@ struct Searched {
     verdict: Verdict,
 }
 
-impl Searched {
+impl Start {
     /// `is_fitted`: the minimum is that of this very setup.
     fn new(
         setup: &Setup,
@@ -168,8 +182,7 @@ impl Searched {
         minimum: &Minimum,
         is_fitted: bool,
         suspects: &[EffectId],
-        progress: &dyn Fn(&str),
-    ) -> Searched {
+    ) -> Start {
         let (thin, thinning) = setup.thinned(SAMPLES_PER_PERIOD);
         let records = thin.all_records();
         let mut suspects = suspects.to_vec();
@@ -194,8 +207,29 @@ impl Searched {
             let free = thin.free(model);
             refit(&records, model, values, windows, &free, Effort::FULL)
         };
-        let start = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
-        let found = search(&thin, start, &suspects, progress);
+        let candidate = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
+        Start {
+            thin,
+            is_thinned,
+            suspects,
+            candidate,
+        }
+    }
+
+    /// The bench with driven logs in short windows, where cogging beside what a candidate has asks for it.
+    fn in_windows(&self, candidate: &Candidate, setup: &Setup) -> Option<Setup> {
+        let cut = self.thin.in_windows()?;
+        let leaves = largest_remainder(&self.thin.all_records(), candidate);
+        let asks = leaves > REMAINS && shows_cogging(&cut, candidate, &self.suspects);
+        asks.then(|| setup.in_windows())?
+    }
+}
+
+impl Searched {
+    fn new(start: Start, progress: &dyn Fn(&str)) -> Searched {
+        let records = start.thin.all_records();
+        let candidate = start.candidate.clone();
+        let found = search(&start.thin, candidate, &start.suspects, progress);
         let chosen = if found.ties.is_empty() {
             found.best
         } else {
@@ -204,13 +238,11 @@ impl Searched {
         let remainder = largest_remainder(&records, &found.pool[chosen]);
         let verdict = verdict(&records, &found, chosen, remainder);
         Searched {
-            thin,
-            is_thinned,
-            suspects,
             found,
             chosen,
             remainder,
             verdict,
+            start,
         }
     }
 
@@ -224,23 +256,24 @@ impl Searched {
         let best = &self.found.pool[self.found.best];
         setup
             .with_more_pushes(&best.model, &best.minimum.values)
-            .or_else(|| {
-                let cut = self.thin.in_windows()?;
-                shows_cogging(&cut, best, &self.suspects).then(|| setup.in_windows())?
-            })
+            .or_else(|| self.start.in_windows(best, setup))
     }
 
     fn diagnosis(self, setup: &Setup, progress: &dyn Fn(&str)) -> Diagnosis {
         progress("predicting experiments that the fit has not seen");
         let Searched {
-            thin,
-            is_thinned,
-            suspects,
+            start,
             found,
             chosen,
             remainder,
             verdict,
         } = self;
+        let Start {
+            thin,
+            is_thinned,
+            suspects,
+            ..
+        } = start;
         let bench = Bench {
             setup: &thin,
             records: thin.all_records(),
