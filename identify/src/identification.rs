@@ -7,6 +7,7 @@ use plant::{
     BASE_PARAMETERS, EffectId, GRAVITY_TORQUE, Kind, Model, Role, TORQUE_CONSTANT, TOTAL_INERTIA,
     WHEEL_INERTIA,
 };
+use rayon::prelude::*;
 
 use crate::cogging::cogging_start;
 use crate::contradiction::{Contradiction, body_inertia_contradiction, contradictions};
@@ -407,37 +408,46 @@ pub fn identify(
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
     }
-    let fit = finish(&records, model, &free, minimum);
-    let traces: Vec<Vec<Trace>> = records
-        .iter()
-        .zip(&fit.minimum.windows)
-        .map(|(record, windows)| traces(record, windows, model, &fit.values))
-        .collect();
-    let mut statements = statements(setup, &fit);
-    let on_bound: Vec<usize> = (fit.unknowns.free.iter().zip(&fit.minimum.on_bound))
-        .filter_map(|(&position, &on_bound)| on_bound.then_some(position))
-        .collect();
-    statements.extend(
-        contradictions(setup, model, &fit.values, &fit.minimum.windows, &on_bound)
-            .iter()
-            .map(Contradiction::sentence),
+    // Nothing of this needs another part of it, and one long log would keep one core busy alone.
+    let ((fit, contradicted), (traces, pushes)) = rayon::join(
+        || {
+            let on_bound: Vec<usize> = free
+                .iter()
+                .zip(&minimum.on_bound)
+                .filter_map(|(&position, &on_bound)| on_bound.then_some(position))
+                .collect();
+            rayon::join(
+                || finish(&records, model, &free, minimum.clone()),
+                || contradictions(setup, model, &minimum.values, &minimum.windows, &on_bound),
+            )
+        },
+        || {
+            let friction = |name: &str| {
+                model
+                    .position_of(name)
+                    .map_or(0.0, |position| minimum.values[position])
+            };
+            let push_model = PushModel {
+                base: [0, 1, 2, 3].map(|position| minimum.values[position]),
+                body_friction: friction("body_viscous_friction"),
+                wheel_friction: friction("wheel_viscous_friction"),
+            };
+            let traces: Vec<Vec<Trace>> = records
+                .par_iter()
+                .zip(&minimum.windows)
+                .map(|(record, windows)| traces(record, windows, model, &minimum.values))
+                .collect();
+            let pushes: Vec<Vec<Push>> = records
+                .par_iter()
+                .map(|record| find_pushes(record, &push_model))
+                .collect();
+            (traces, pushes)
+        },
     );
+    let mut statements = statements(setup, &fit);
+    statements.extend(contradicted.iter().map(Contradiction::sentence));
     statements.extend(body_inertia_contradiction(setup, &fit));
     statements.extend(cautions(&records, &traces));
-    let friction = |name: &str| {
-        model
-            .position_of(name)
-            .map_or(0.0, |position| fit.values[position])
-    };
-    let push_model = PushModel {
-        base: [0, 1, 2, 3].map(|position| fit.values[position]),
-        body_friction: friction("body_viscous_friction"),
-        wheel_friction: friction("wheel_viscous_friction"),
-    };
-    let pushes = records
-        .iter()
-        .map(|record| find_pushes(record, &push_model))
-        .collect();
     Ok(Identification {
         fit,
         traces,
