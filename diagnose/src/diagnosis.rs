@@ -3,17 +3,17 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use identify::{
-    Effort, Fit, Minimum, Record, Setup, Window, carry_over, cogging_start, finish, joined, refit,
-};
+use identify::{Effort, Fit, Minimum, Record, Setup, Window, finish, joined, refit};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
 use crate::candidate::Candidate;
 use crate::evidence::TIE;
+use crate::genuine::genuine;
+use crate::hidden_cogging::shows_cogging;
 use crate::next_experiment::propose;
 use crate::search::{REMAINS, Search, largest_remainder, noise, search, shows};
-use crate::suspects::{Bench, LEAST_GAIN, is_cleared};
+use crate::suspects::{Bench, is_cleared};
 use crate::validation::{HeldOut, held_out, mean_fit_percent};
 
 /// What the diagnosis says.
@@ -126,13 +126,13 @@ pub fn diagnose_among(
     progress: &dyn Fn(&str),
 ) -> Diagnosis {
     let cleared = setup.with_more_pushes(model, &minimum.values);
-    let is_cleared = cleared.is_some();
+    let has_more_pushes = cleared.is_some();
     let mut setup = cleared.unwrap_or_else(|| setup.clone());
     let cut = match setup.suited_to(model) {
         Cow::Owned(cut) => Some(cut),
         Cow::Borrowed(_) => None,
     };
-    let is_fitted = !is_cleared && cut.is_none();
+    let is_fitted = !has_more_pushes && cut.is_none();
     setup = cut.unwrap_or(setup);
     let mut start = Start::new(&setup, model, &minimum, is_fitted, suspects);
     // What is plain at once need not be found by a search over logs in one piece.
@@ -366,45 +366,6 @@ fn verdict(records: &[&Record], found: &Search, chosen: usize, remainder: f64) -
     }
 }
 
-/// Share of what a model misses that cogging must take over short windows, for the logs to be read in
-/// them: beside a larger effect it is found once that has been added.
-const COGGING_SHARE: f64 = 0.5;
-
-/// Whether cogging takes most of what `best` misses without it, where driven logs are compared over short
-/// windows.
-fn shows_cogging(cut: &Setup, best: &Candidate, suspects: &[EffectId]) -> bool {
-    let cogging = EffectId::WheelCogging;
-    if !suspects.contains(&cogging) && !best.model.has(cogging) {
-        return false;
-    }
-    let records = cut.all_records();
-    let fit = |model: &Model, values: Vec<f64>, windows: &[Vec<Window>]| -> Minimum {
-        let windows = records.iter().zip(windows);
-        let windows = windows
-            .map(|(record, shorter)| joined(record, &values, shorter))
-            .collect();
-        let free = cut.free(model);
-        refit(&records, model, values, windows, &free, Effort::FULL)
-    };
-    let plain = best.model.without(cogging);
-    let minimum = &best.minimum;
-    let start = vec![0.0; plain.parameter_count()];
-    let values = carry_over(&best.model, &minimum.values, &plain, &start);
-    let without = fit(&plain, values, &minimum.windows);
-    let Some(own) = cogging_start(&records, &plain, &without) else {
-        return false;
-    };
-    let larger = plain.with(cogging);
-    let mut start = vec![0.0; larger.parameter_count()];
-    if let Some(at) = larger.position(cogging) {
-        start[at..at + own.parameters.len()].copy_from_slice(&own.parameters);
-    }
-    let values = carry_over(&plain, &without.values, &larger, &start);
-    let with = fit(&larger, values, &without.windows);
-    let observations: usize = records.iter().map(|record| record.observations()).sum();
-    without.cost - with.cost > LEAST_GAIN.max(COGGING_SHARE * (without.cost - observations as f64))
-}
-
 /// A closer look at a candidate: its standard errors, and how it predicts what it has not seen.
 struct Look {
     fit: Fit,
@@ -547,30 +508,6 @@ fn new_effects(found: &Search, from: usize, to: usize) -> Vec<EffectId> {
         .collect()
 }
 
-/// The largest trace that is thought of beforehand, in units of noise, for [`genuine`].
-const LARGEST_TRACE: f64 = 1e3;
-
-/// How much more probable it is beforehand that what is unknown acts alone than that a library effect acts
-/// beside it: two causes at once are rarer than one. A judgement, of the order that the exam's draw
-/// bears out, in which nine of ten benches with a remainder hide nothing else.
-const ALONE_TO_BESIDE: f64 = 9.0;
-
-/// The probability that effects which take the share `s` of the misfit, while something that no effect
-/// accounts for remains, are really there.
-///
-/// Either an unknown cause acts alone, looks a little like everything, and lends them any share; or they
-/// act beside it. Two independent traces that are log-uniform from the noise to [`LARGEST_TRACE`] times
-/// the noise have a logit ln(s/(1 − s)) = 2 (ln a − ln b) whose density is nearly 1/(2 L) about zero,
-/// L = ln `LARGEST_TRACE`, so that s has the density 1/(2 L s (1 − s)). Beforehand the odds are
-/// [`ALONE_TO_BESIDE`]. The result is lowered by the factor s, which
-/// is caution and no part of this: the density rises towards s = 0 as well, and what takes next to nothing
-/// has no claim to being there.
-fn genuine(s: f64) -> f64 {
-    let s = s.clamp(1e-9, 1.0 - 1e-9);
-    let density = 1.0 / (2.0 * LARGEST_TRACE.ln() * s * (1.0 - s));
-    density / (ALONE_TO_BESIDE + density) * s
-}
-
 /// Most suspects that are reported.
 const MOST_SUSPECTS: usize = 6;
 
@@ -691,46 +628,5 @@ fn fingerprint(bench: &Bench, effect: EffectId, base: &Candidate, with: &Candida
             channel.output.unit()
         ),
         _ => text.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{ALONE_TO_BESIDE, genuine};
-
-    #[test]
-    fn what_takes_more_of_the_misfit_is_more_probably_there() {
-        let shares: Vec<f64> = (0..=1000).map(|k| f64::from(k) / 1000.0).collect();
-        let found: Vec<f64> = shares.iter().map(|&share| genuine(share)).collect();
-        assert!(found.iter().all(|p| (0.0..=1.0).contains(p)));
-        assert!(found.windows(2).all(|pair| pair[1] >= pair[0]), "{found:?}");
-        // Half of a misfit says little; all but a hundred thousandth of it says nearly everything.
-        assert!(genuine(0.5) < 0.1 && genuine(0.9) < 0.2);
-        assert!(genuine(0.999) > 0.8 && genuine(0.99999) > 0.98);
-    }
-
-    /// By drawing: of benches with an unknown cause alone, and with an effect beside it, those are
-    /// counted in which the effect takes about the given share.
-    #[test]
-    fn the_probability_is_that_of_the_draw() {
-        let mut state = 12345u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let (mut alone, mut beside) = ([0.0; 10], [0.0; 10]);
-        for _ in 0..400_000 {
-            let share = uniform();
-            alone[(share * 10.0) as usize] += 1.0;
-            let [a, b] = [uniform(), uniform()].map(|u| (u * 1e3f64.ln()).exp().powi(2));
-            beside[((a / (a + b) * 10.0) as usize).min(9)] += 1.0;
-        }
-        // About one half, where the density of the logit is nearly constant.
-        for index in [4, 5] {
-            let share = (index as f64 + 0.5) / 10.0;
-            let drawn = beside[index] / (beside[index] + ALONE_TO_BESIDE * alone[index]);
-            let found = genuine(share) / share;
-            assert!((found - drawn).abs() < 0.02, "{share}: {drawn} {found}");
-        }
     }
 }

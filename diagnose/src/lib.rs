@@ -9,6 +9,8 @@
 //! | `search` | the search for the set of effects that explains the measurements |
 //! | `validation` | how well a model predicts an experiment that its fit has not seen |
 //! | `next_experiment` | the experiment that would separate explanations which tie |
+//! | `hidden_cogging` | whether driven logs must be read in short windows |
+//! | `genuine` | how probable an effect is beside something unknown |
 //! | `diagnosis` | the verdict, and what it rests on |
 //! | `exam/` | benches with a hidden effect, and how the verdicts on them are marked |
 
@@ -16,6 +18,8 @@ mod candidate;
 mod diagnosis;
 mod evidence;
 pub mod exam;
+mod genuine;
+mod hidden_cogging;
 mod imperfection;
 mod next_experiment;
 mod search;
