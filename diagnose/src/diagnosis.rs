@@ -187,23 +187,21 @@ impl Start {
         let records = thin.all_records();
         let mut suspects = suspects.to_vec();
         suspects.retain(|&effect| !is_cleared(&records, effect));
-        let shorter = minimum.windows.iter().zip(&thinning);
-        let shorter = shorter.map(|(windows, &step)| -> Vec<Window> {
-            let thin = |window: &Window| Window {
-                samples: window.samples.start.div_ceil(step)..window.samples.end.div_ceil(step),
-                locals: window.locals.clone(),
-            };
-            windows.iter().map(thin).collect()
-        });
-        let windows = records.iter().zip(shorter);
-        let windows = windows
-            .map(|(record, shorter)| joined(record, &minimum.values, &shorter))
-            .collect();
         let is_thinned = thinning.iter().any(|&step| step > 1);
         let minimum = if is_fitted && !is_thinned {
             minimum.clone()
         } else {
+            let thinned = |(windows, &step): (&Vec<Window>, &usize)| -> Vec<Window> {
+                let thinned = |window: &Window| Window {
+                    samples: window.samples.start.div_ceil(step)..window.samples.end.div_ceil(step),
+                    locals: window.locals.clone(),
+                };
+                windows.iter().map(thinned).collect()
+            };
+            let before: Vec<Vec<Window>> =
+                minimum.windows.iter().zip(&thinning).map(thinned).collect();
             let values = minimum.values.clone();
+            let windows = joined(&records, &values, &before);
             let free = thin.free(model);
             refit(&records, model, values, windows, &free, Effort::FULL)
         };
@@ -399,11 +397,11 @@ fn looks(
 fn whole_step(setup: &Setup, effect: Option<EffectId>, candidate: &Candidate, look: &Look) -> Step {
     let records = setup.all_records();
     let free = setup.free(&candidate.model);
-    let windows = records
-        .iter()
-        .zip(&candidate.minimum.windows)
-        .map(|(record, windows)| joined(record, &candidate.minimum.values, windows))
-        .collect();
+    let windows = joined(
+        &records,
+        &candidate.minimum.values,
+        &candidate.minimum.windows,
+    );
     let minimum = refit(
         &records,
         &candidate.model,

@@ -1,8 +1,8 @@
 //! Whether a driven log must be read in short windows, because cogging has made it unpredictable in one
 //! piece (see [`Setup::in_windows`]).
 
-use identify::{Effort, Minimum, Setup, Window, carry_over, cogging_start, joined, refit};
-use plant::{EffectId, Model};
+use identify::{Effort, Setup, carry_over, extend, joined, refit};
+use plant::EffectId;
 
 use crate::candidate::Candidate;
 use crate::suspects::LEAST_GAIN;
@@ -19,29 +19,13 @@ pub fn shows_cogging(cut: &Setup, best: &Candidate, suspects: &[EffectId]) -> bo
         return false;
     }
     let records = cut.all_records();
-    let fit = |model: &Model, values: Vec<f64>, windows: &[Vec<Window>]| -> Minimum {
-        let windows = records.iter().zip(windows);
-        let windows = windows
-            .map(|(record, shorter)| joined(record, &values, shorter))
-            .collect();
-        let free = cut.free(model);
-        refit(&records, model, values, windows, &free, Effort::FULL)
-    };
     let plain = best.model.without(cogging);
-    let minimum = &best.minimum;
     let start = vec![0.0; plain.parameter_count()];
-    let values = carry_over(&best.model, &minimum.values, &plain, &start);
-    let without = fit(&plain, values, &minimum.windows);
-    let Some(own) = cogging_start(&records, &plain, &without) else {
-        return false;
-    };
-    let larger = plain.with(cogging);
-    let mut start = vec![0.0; larger.parameter_count()];
-    if let Some(at) = larger.position(cogging) {
-        start[at..at + own.parameters.len()].copy_from_slice(&own.parameters);
-    }
-    let values = carry_over(&plain, &without.values, &larger, &start);
-    let with = fit(&larger, values, &without.windows);
+    let values = carry_over(&best.model, &best.minimum.values, &plain, &start);
+    let windows = joined(&records, &values, &best.minimum.windows);
+    let free = cut.free(&plain);
+    let without = refit(&records, &plain, values, windows, &free, Effort::FULL);
+    let with = extend(cut, &records, &plain, &without, &plain.with(cogging));
     let observations: usize = records.iter().map(|record| record.observations()).sum();
     without.cost - with.cost > LEAST_GAIN.max(COGGING_SHARE * (without.cost - observations as f64))
 }

@@ -107,9 +107,10 @@ const POWER_SERIES: [EffectId; 3] = [
     EffectId::BodySofteningSpring,
 ];
 
-/// Whether the effects that are added to a model would fit any torque over the angle.
-pub fn fits_any_curve(added: &[EffectId]) -> bool {
-    POWER_SERIES.iter().all(|term| added.contains(term))
+/// Whether an effect would complete the series in a model, whatever of it stood there before.
+fn completes_series(model: &Model, effect: EffectId) -> bool {
+    let with = model.with(effect);
+    POWER_SERIES.contains(&effect) && POWER_SERIES.iter().all(|&term| with.has(term))
 }
 
 /// Whether an effect is scored where it is absent: it is linear in its one amplitude there, and takes
@@ -207,11 +208,11 @@ fn starts(
             set[0] = HARDLY_STRETCHED * base[plant::GRAVITY_TORQUE];
         }
     }
-    let mut is_settled = false;
+    let mut needs_settling = false;
     if effect == EffectId::WheelCogging {
         let start = cogging_start(records, &from.model, &from.minimum);
         let missed = point.cost - records.iter().map(|r| r.observations() as f64).sum::<f64>();
-        is_settled = start
+        needs_settling = start
             .as_ref()
             .is_some_and(|start| start.gain > LEAST_GAIN.max(LEAST_PART * missed));
         parameter_sets = start.map(|start| start.parameters).into_iter().collect();
@@ -227,7 +228,7 @@ fn starts(
             let values = carry_over(&from.model, &point.values, &model, &start);
             let unknowns = Unknowns::new(&model, &setup.free(&model));
             // Windows that start on the wrong side of a tooth would promise nothing.
-            let windows = if is_settled {
+            let windows = if needs_settling {
                 &settled(records, &model, &values, point.windows.clone())
             } else {
                 &point.windows
@@ -367,11 +368,7 @@ fn fit_best(
     // A fit that leaves the effect at nothing is that of the smaller model.
     let (rough, start) = best.filter(|(rough, _)| point.cost - rough.cost >= LEAST_GAIN)?;
     let free = setup.free(&start.model);
-    let windows = records
-        .iter()
-        .zip(&rough.windows)
-        .map(|(record, shorter)| joined(record, &rough.values, shorter))
-        .collect();
+    let windows = joined(records, &rough.values, &rough.windows);
     let mut minimum = refit(
         records,
         &start.model,
@@ -434,10 +431,7 @@ pub fn try_all(
         .iter()
         .copied()
         .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))
-        .filter(|&effect| {
-            let with: Vec<EffectId> = from.added.iter().copied().chain([effect]).collect();
-            !fits_any_curve(&with)
-        })
+        .filter(|&effect| !completes_series(&from.model, effect))
         .collect();
     let point = from.point();
     let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);
@@ -580,14 +574,27 @@ pub fn without(
             if reached.is_some_and(|reached| reached.cost - windowed.cost < LEAST_GAIN) {
                 return None;
             }
-            let windows = records.iter().zip(&windowed.windows);
-            let windows =
-                windows.map(|(record, shorter)| joined(record, &windowed.values, shorter));
-            again(&windowed.values, windows.collect())
+            let windows = joined(records, &windowed.values, &windowed.windows);
+            again(&windowed.values, windows)
         }
         None => again(&carried(&from.minimum), from.minimum.windows.clone()),
     };
     Some(Candidate::new(
         setup, records, added, model, minimum, windowed,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_series_is_not_completed_step_by_step() {
+        let half = Model::base()
+            .with(EffectId::AngleOffset)
+            .with(EffectId::BodyCableSpring);
+        assert!(completes_series(&half, EffectId::BodySofteningSpring));
+        assert!(!completes_series(&half, EffectId::BodyQuadraticDrag));
+        assert!(!completes_series(&Model::base(), EffectId::AngleOffset));
+    }
 }

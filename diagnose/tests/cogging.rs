@@ -24,7 +24,7 @@ fn cost(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> f
 }
 
 /// With the true parameters and the best start, windows leave the noise; one piece leaves nothing of the
-/// measurement, for a millionth of a rad/s at the start has grown ten thousandfold.
+/// measurement, for a millionth of a rad/s at the start has grown more than a thousandfold.
 #[test]
 fn a_driven_log_with_cogging_is_predictable_in_windows_only() {
     let bench = draw(DRIVEN).expect("a bench");

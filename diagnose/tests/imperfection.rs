@@ -1,5 +1,6 @@
 //! What a model's own terms get wrong is no missing effect.
 
+use diagnose::Verdict;
 use diagnose::exam::{Answer, Mark, draw, fitted, mark};
 use identify::{Output, identify};
 use plant::{EffectId, Kind, Model};
@@ -57,4 +58,21 @@ fn neither_a_smoothed_sign_nor_a_stuck_fit_is_taken_for_an_effect() {
         assert_eq!(paper.named, [effect], "seed {seed}");
         assert_eq!(paper.mark, Mark::Right, "seed {seed}");
     }
+}
+
+/// Dry friction of a wheel that really sticks, without a run that stands still: a current offset fits as
+/// well, and better than friction with a smoothed sign, which is no reason to name it.
+#[test]
+fn dry_friction_does_not_lose_by_its_smoothed_sign() {
+    let bench = draw(992).expect("a bench");
+    let mut truth = Answer::of(&bench).effects;
+    truth.sort();
+    let paper = mark(&bench.setup, &Answer::of(&bench), EffectId::ALL).expect("a verdict");
+    assert_eq!(paper.verdict, Verdict::Ambiguous);
+    assert!(truth.contains(&EffectId::WheelCoulombFriction));
+    assert!(
+        paper.ambiguous_between.contains(&truth),
+        "{:?}",
+        paper.ambiguous_between
+    );
 }

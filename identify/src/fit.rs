@@ -15,8 +15,6 @@ use crate::sensitivity::{Local, Unknowns, Window, simulate};
 use crate::solver::{Effort, Minimum, minimise};
 use crate::start::angle_samples;
 
-/// Length of the windows of a balance log in s (contract), and of any other log whose free run diverges.
-pub const BALANCE_WINDOW_S: f64 = 0.25;
 /// Factor by which windows grow from one stage to the next.
 const WINDOW_GROWTH: f64 = 4.0;
 /// Periods in the first windows.
@@ -244,9 +242,13 @@ pub fn fit_windowed(
     refit(records, model, values, windows, free, effort)
 }
 
-/// Windows of the last stage, whose starts continue those of shorter windows.
-pub fn joined(record: &Record, values: &[f64], shorter: &[Window]) -> Vec<Window> {
-    windows(record, values, f64::INFINITY, shorter)
+/// Windows of the last stage for every record, whose starts continue those of a fit over other windows.
+pub fn joined(records: &[&Record], values: &[f64], before: &[Vec<Window>]) -> Vec<Vec<Window>> {
+    records
+        .iter()
+        .zip(before)
+        .map(|(record, before)| windows(record, values, f64::INFINITY, before))
+        .collect()
 }
 
 /// Period of small oscillations in s, from a parameter vector.
@@ -353,4 +355,49 @@ pub fn traces(record: &Record, windows: &[Window], model: &Model, values: &[f64]
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 159 samples make a window of 1.27 s at 8 ms, 635 one of 5.08 s: the longer ones begin where a
+    /// shorter one did, with its start, and lie end to end over the whole log.
+    #[test]
+    fn longer_windows_continue_the_shorter_ones() {
+        let time_s: Vec<f64> = (0..2001).map(|k| k as f64 * 0.008).collect();
+        let angle: Vec<f64> = time_s.iter().map(|t| (10.0 * t).sin()).collect();
+        let mut record = Record::new(
+            "swing",
+            Kind::FreeSwing,
+            time_s,
+            [Some(angle), None, None],
+            None,
+            false,
+        );
+        let shorter: Vec<Window> = record
+            .windows(1.2696)
+            .into_iter()
+            .enumerate()
+            .map(|(index, samples)| Window {
+                samples,
+                locals: vec![index as f64, -1.0],
+            })
+            .collect();
+        record.window_s = 4.0 * 1.2696;
+        let longer = joined(&[&record], &[], std::slice::from_ref(&shorter)).remove(0);
+        assert_eq!(longer.len(), 4);
+        let mut end = 0;
+        for window in &longer {
+            assert_eq!(window.samples.start, end);
+            end = window.samples.end;
+            let same = |other: &&Window| other.samples.start == window.samples.start;
+            let before = shorter
+                .iter()
+                .find(same)
+                .expect("a shorter one begins there");
+            assert_eq!(window.locals, before.locals);
+        }
+        assert_eq!(end, record.len());
+    }
 }

@@ -11,11 +11,11 @@ use rayon::prelude::*;
 
 use crate::cogging::cogging_start;
 use crate::contradiction::{Contradiction, body_inertia_contradiction, contradictions};
-use crate::fit::{BALANCE_WINDOW_S, Fit, Trace, finish, fit_from_scratch, joined, refit, traces};
+use crate::fit::{Fit, Trace, finish, fit_from_scratch, joined, refit, traces};
 use crate::pushes::{
     Push, PushModel, find_disturbances, find_pushes, is_slow, leave_out, samples_in_window,
 };
-use crate::record::{Output, Record};
+use crate::record::{BALANCE_WINDOW_S, Output, Record};
 use crate::sensitivity::Window;
 use crate::solver::Effort;
 use crate::start::{base_values, ratios};
@@ -143,16 +143,7 @@ impl Setup {
     /// The same bench without the pushes that a fitted model finds besides those that the first
     /// guess of its parameters found; `None` if there are no others.
     pub fn with_more_pushes(&self, model: &Model, values: &[f64]) -> Option<Setup> {
-        let friction = |name: &str| {
-            model
-                .position_of(name)
-                .map_or(0.0, |position| values[position])
-        };
-        let push_model = PushModel {
-            base: [0, 1, 2, 3].map(|position| values[position]),
-            body_friction: friction("body_viscous_friction"),
-            wheel_friction: friction("wheel_viscous_friction"),
-        };
+        let push_model = PushModel::of(model, values);
         let mut again = self.clone();
         let mut changed = false;
         for record in &mut again.records {
@@ -380,10 +371,7 @@ pub fn identify(
     let minimum = match previous {
         Some((values, windows)) => {
             // The fit before may have been over other windows.
-            let windows = records.iter().zip(&windows);
-            let windows = windows
-                .map(|(record, windows)| joined(record, &values, windows))
-                .collect();
+            let windows = joined(&records, &values, &windows);
             refit(&records, model, values, windows, &free, Effort::FULL)
         }
         None => {
@@ -422,16 +410,7 @@ pub fn identify(
             )
         },
         || {
-            let friction = |name: &str| {
-                model
-                    .position_of(name)
-                    .map_or(0.0, |position| minimum.values[position])
-            };
-            let push_model = PushModel {
-                base: [0, 1, 2, 3].map(|position| minimum.values[position]),
-                body_friction: friction("body_viscous_friction"),
-                wheel_friction: friction("wheel_viscous_friction"),
-            };
+            let push_model = PushModel::of(model, &minimum.values);
             let traces: Vec<Vec<Trace>> = records
                 .par_iter()
                 .zip(&minimum.windows)

@@ -46,8 +46,8 @@ pub use contradiction::{
 pub use covariance::{pseudo_inverse, stuck};
 pub use decay::{AtAmplitude, Decay, DecayLaw, Estimate, decay};
 pub use fit::{
-    BALANCE_WINDOW_S, Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, guessed,
-    joined, period_s, refit, traces,
+    Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, guessed, joined, period_s,
+    refit, traces,
 };
 pub use identification::{
     Identification, IdentifyError, Setup, carry_over, extend, identify, scaled_start,
@@ -58,7 +58,7 @@ pub use missing_torque::{
 };
 pub use noise::{input_noise_std, noise_std, resolution};
 pub use pushes::{Push, PushModel, find_pushes, leave_out};
-pub use record::{Channel, Output, Record, RecordedCurrent};
+pub use record::{BALANCE_WINDOW_S, Channel, Output, Record, RecordedCurrent};
 pub use sensitivity::{
     Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, acts, normal, observe,
     relevant, simulate,

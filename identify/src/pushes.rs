@@ -14,9 +14,8 @@
 use nalgebra::{Matrix2, Vector2};
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
 
-use crate::fit::BALANCE_WINDOW_S;
 use crate::missing_torque::{MeasuredMotion, TorqueOn, half_samples, missing_torque};
-use crate::record::{Output, Record};
+use crate::record::{BALANCE_WINDOW_S, Output, Record};
 
 /// Half-width of the bump in s: shorter than a push by hand.
 const HALF_BUMP_S: f64 = 0.025;
@@ -58,6 +57,18 @@ pub struct PushModel {
     pub body_friction: f64,
     /// r_w in N m s/rad.
     pub wheel_friction: f64,
+}
+
+impl PushModel {
+    /// That of a model with its parameter vector; friction that it lacks is zero.
+    pub fn of(model: &Model, values: &[f64]) -> PushModel {
+        let friction = |name: &str| model.position_of(name).map_or(0.0, |at| values[at]);
+        PushModel {
+            base: [0, 1, 2, 3].map(|position| values[position]),
+            body_friction: friction("body_viscous_friction"),
+            wheel_friction: friction("wheel_viscous_friction"),
+        }
+    }
 }
 
 fn half_bump_s(record: &Record) -> f64 {

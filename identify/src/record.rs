@@ -6,7 +6,6 @@ use std::sync::OnceLock;
 use bench_files::{CurrentMeaning, Experiment};
 use plant::{Hold, Input, Kind, Reading};
 
-use crate::fit::BALANCE_WINDOW_S;
 use crate::noise::{noise_std, resolution};
 
 /// A measured output of the model.
@@ -65,6 +64,9 @@ pub struct Channel {
     /// `None` where the noise hides it.
     pub quantum: Option<f64>,
 }
+
+/// Length of the windows of a balance log in s (contract), and of any other log whose free run diverges.
+pub const BALANCE_WINDOW_S: f64 = 0.25;
 
 /// A channel is taken as quantised if rounding (q/√12) makes at least this share of its noise.
 const QUANTISED_SHARE: f64 = 0.5;

@@ -57,16 +57,7 @@ pub fn against_measurement<'a>(
             .collect();
         identify::refit(&records, &model, values, windows, &[], Effort::FULL)
     });
-    let friction = |name: &str| {
-        model
-            .position_of(name)
-            .map_or(0.0, |position| minimum.values[position])
-    };
-    let push_model = PushModel {
-        base: [0, 1, 2, 3].map(|position| minimum.values[position]),
-        body_friction: friction("body_viscous_friction"),
-        wheel_friction: friction("wheel_viscous_friction"),
-    };
+    let push_model = PushModel::of(&model, &minimum.values);
     let traces = records
         .iter()
         .zip(&minimum.windows)

@@ -882,16 +882,7 @@ impl<'a> Work<'a> {
 
     /// The simulated loop over each balance log of a bench, with the pushes found in it.
     fn overlays(&mut self, bench: &Bench) -> Result<Vec<OverlayJson>, Failure> {
-        let values = &self.designed.values;
-        let friction = |name: &str| {
-            let position = self.designed.model.position_of(name);
-            position.map_or(0.0, |position| values[position])
-        };
-        let push_model = PushModel {
-            base: [0, 1, 2, 3].map(|position| values[position]),
-            body_friction: friction("body_viscous_friction"),
-            wheel_friction: friction("wheel_viscous_friction"),
-        };
+        let push_model = PushModel::of(&self.designed.model, &self.designed.values);
         let balance = bench
             .experiments
             .iter()

@@ -309,10 +309,7 @@ pub fn mark(setup: &Setup, answer: &Answer, suspects: &[EffectId]) -> Result<Pap
     let suited = setup.suited_to(&truth);
     if let Cow::Owned(cut) = &suited {
         let records = cut.all_records();
-        let windows = records.iter().zip(&minimum.windows);
-        let windows = windows
-            .map(|(record, windows)| joined(record, &minimum.values, windows))
-            .collect();
+        let windows = joined(&records, &minimum.values, &minimum.windows);
         let free = cut.free(&base);
         minimum = refit(
             &records,

@@ -305,11 +305,7 @@ fn in_a_log_at_20_hz_no_echo_of_a_push_is_reported_as_one() {
 #[test]
 fn no_push_is_found_in_other_kinds_of_log() {
     let record = log(&Physics::base(), &free_swing("swing", 0.35, 10.0), 2450);
-    let model = identify::PushModel {
-        base: [VALUES[0], VALUES[1], VALUES[2], VALUES[3]],
-        body_friction: VALUES[4],
-        wheel_friction: VALUES[5],
-    };
+    let model = identify::PushModel::of(&Model::base(), &VALUES);
     assert_eq!(record.kind, Kind::FreeSwing);
     assert!(find_pushes(&record, &model).is_empty());
 }
