@@ -101,12 +101,13 @@ pub fn suspects(figure: &Suspects) -> String {
     page.finish()
 }
 
+/// No probability here is exactly none or all, whatever a sum of votes rounds to.
 fn percent_label(probability: f64) -> String {
     let percent = probability * 100.0;
     match percent {
         p if !p.is_finite() => "–".into(),
-        p if p > 0.0 && p < 0.5 => "<1 %".into(),
-        p if p < 100.0 && p > 99.5 => ">99 %".into(),
+        p if p < 0.5 => "<1 %".into(),
+        p if p > 99.5 => ">99 %".into(),
         p => format!("{p:.0} %"),
     }
 }
