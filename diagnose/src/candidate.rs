@@ -6,6 +6,7 @@ use identify::{Minimum, Record, Setup, Trace, traces};
 use plant::{EffectId, Model};
 
 use crate::imperfection::imperfection;
+use crate::search::remainders;
 
 /// A fitted model with what is left of every series.
 #[derive(Clone, Debug)]
@@ -24,6 +25,7 @@ pub struct Candidate {
     /// Number of free parameters that do not lie on a bound.
     pub parameters: usize,
     imperfection: OnceLock<Vec<f64>>,
+    remainders: OnceLock<Vec<Vec<f64>>>,
 }
 
 impl Candidate {
@@ -54,6 +56,7 @@ impl Candidate {
             windowed,
             parameters,
             imperfection: OnceLock::new(),
+            remainders: OnceLock::new(),
         }
     }
 
@@ -61,6 +64,11 @@ impl Candidate {
     pub fn imperfection(&self, setup: &Setup, records: &[&Record]) -> &[f64] {
         self.imperfection
             .get_or_init(|| imperfection(setup, records, self))
+    }
+
+    /// As [`remainders()`], computed once.
+    pub fn remainders(&self, records: &[&Record]) -> &[Vec<f64>] {
+        self.remainders.get_or_init(|| remainders(records, self))
     }
 
     /// The fit on which further effects are scored: in short windows where there is one.

@@ -101,8 +101,9 @@ impl Diagnosis {
 /// units of noise; beyond it, what they share is that they do not explain the measurements.
 const LEFT_BY_TIES: f64 = 3.0;
 
-/// Samples in a period of a free swing with which effects are searched for.
-const SAMPLES_PER_PERIOD: f64 = 100.0;
+/// Samples in a period of the pendulum with which effects are searched for: a tenth of a radian of its
+/// oscillation, about one step of the integration, lies between two of them.
+const SAMPLES_PER_PERIOD: f64 = 63.0;
 
 /// Diagnoses a fitted model. `progress` is told in words what is going on.
 pub fn diagnose(
@@ -155,12 +156,15 @@ pub fn diagnose_among(
 
 /// What a search starts from.
 struct Start {
-    /// The bench with free swings thinned.
+    /// The bench with its logs thinned.
     thin: Setup,
-    is_thinned: bool,
+    /// For every record the step by which.
+    thinning: Vec<usize>,
     suspects: Vec<EffectId>,
     /// The model as it was, fitted to it.
     candidate: Candidate,
+    /// The same fitted to all samples, where that was done before.
+    whole: Option<Minimum>,
 }
 
 /// A search over the logs of a bench, and what it comes to.
@@ -179,7 +183,7 @@ impl Start {
     fn new(
         setup: &Setup,
         model: &Model,
-        minimum: &Minimum,
+        given: &Minimum,
         is_fitted: bool,
         suspects: &[EffectId],
     ) -> Start {
@@ -189,7 +193,7 @@ impl Start {
         suspects.retain(|&effect| !is_cleared(&records, effect));
         let is_thinned = thinning.iter().any(|&step| step > 1);
         let minimum = if is_fitted && !is_thinned {
-            minimum.clone()
+            given.clone()
         } else {
             let thinned = |(windows, &step): (&Vec<Window>, &usize)| -> Vec<Window> {
                 let thinned = |window: &Window| Window {
@@ -199,8 +203,8 @@ impl Start {
                 windows.iter().map(thinned).collect()
             };
             let before: Vec<Vec<Window>> =
-                minimum.windows.iter().zip(&thinning).map(thinned).collect();
-            let values = minimum.values.clone();
+                given.windows.iter().zip(&thinning).map(thinned).collect();
+            let values = given.values.clone();
             let windows = joined(&records, &values, &before);
             let free = thin.free(model);
             refit(&records, model, values, windows, &free, Effort::FULL)
@@ -208,10 +212,15 @@ impl Start {
         let candidate = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
         Start {
             thin,
-            is_thinned,
+            thinning,
             suspects,
             candidate,
+            whole: is_fitted.then(|| given.clone()),
         }
+    }
+
+    fn is_thinned(&self) -> bool {
+        self.thinning.iter().any(|&step| step > 1)
     }
 
     /// The bench with driven logs in short windows, where cogging beside what a candidate has asks for it.
@@ -266,10 +275,12 @@ impl Searched {
             remainder,
             verdict,
         } = self;
+        let is_thinned = start.is_thinned();
         let Start {
             thin,
-            is_thinned,
+            thinning,
             suspects,
+            whole,
             ..
         } = start;
         let bench = Bench {
@@ -300,7 +311,12 @@ impl Searched {
             .map(|(effect, index)| {
                 let (candidate, look) = (&found.pool[index], &looks[&index]);
                 if is_thinned {
-                    whole_step(setup, effect, candidate, look)
+                    let known = whole.as_ref().filter(|_| effect.is_none());
+                    let minimum = match known {
+                        Some(known) => known.clone(),
+                        None => whole_fit(setup, &thinning, candidate),
+                    };
+                    whole_step(setup, effect, candidate, minimum, look)
                 } else {
                     Step {
                         effect,
@@ -392,37 +408,46 @@ fn looks(
         .collect()
 }
 
-/// A step whose fit is made with all samples of the bench; what the fit has not seen is predicted
-/// with the thinned ones.
-fn whole_step(setup: &Setup, effect: Option<EffectId>, candidate: &Candidate, look: &Look) -> Step {
+/// The fit of a candidate to all samples of the bench.
+fn whole_fit(setup: &Setup, thinning: &[usize], candidate: &Candidate) -> Minimum {
     let records = setup.all_records();
-    let free = setup.free(&candidate.model);
-    let windows = joined(
-        &records,
-        &candidate.minimum.values,
-        &candidate.minimum.windows,
-    );
-    let minimum = refit(
+    let whole = |(windows, &step): (&Vec<Window>, &usize)| -> Vec<Window> {
+        let whole = |window: &Window| Window {
+            samples: window.samples.start * step..window.samples.end * step,
+            locals: window.locals.clone(),
+        };
+        windows.iter().map(whole).collect()
+    };
+    let thin = candidate.minimum.windows.iter().zip(thinning);
+    let before: Vec<Vec<Window>> = thin.map(whole).collect();
+    let windows = joined(&records, &candidate.minimum.values, &before);
+    refit(
         &records,
         &candidate.model,
         candidate.minimum.values.clone(),
         windows,
-        &free,
+        &setup.free(&candidate.model),
         Effort::FULL,
-    );
+    )
+}
+
+/// A step whose fit is made with all samples of the bench; what the fit has not seen is predicted
+/// with the thinned ones.
+fn whole_step(
+    setup: &Setup,
+    effect: Option<EffectId>,
+    candidate: &Candidate,
+    minimum: Minimum,
+    look: &Look,
+) -> Step {
+    let records = setup.all_records();
+    let (added, model) = (candidate.added.clone(), candidate.model.clone());
     Step {
         effect,
-        fit: finish(&records, &candidate.model, &free, minimum.clone()),
+        fit: finish(&records, &model, &setup.free(&model), minimum.clone()),
         validation_fit_percent: mean_fit_percent(&look.held_out),
         held_out: look.held_out.clone(),
-        candidate: Candidate::new(
-            setup,
-            &records,
-            candidate.added.clone(),
-            candidate.model.clone(),
-            minimum,
-            None,
-        ),
+        candidate: Candidate::new(setup, &records, added, model, minimum, None),
     }
 }
 

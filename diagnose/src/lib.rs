@@ -34,5 +34,5 @@ pub use search::{
     LEAST_TRACE, LEAST_TRACE_BESIDE, REMAINS, Search, largest_remainder, largest_trace, names,
     noise, prepared, remainders, search, shows,
 };
-pub use suspects::{Bench, applicable, try_all, without};
+pub use suspects::{Bench, Round, applicable, try_all, without};
 pub use validation::{HeldOut, held_out, mean_fit_percent};

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::candidate::Candidate;
 use crate::evidence::{TIE, effective, log_evidence, log_evidence_beyond, residual};
-use crate::suspects::{Bench, LEAST_GAIN, MOST_FITS, applicable, try_all, without};
+use crate::suspects::{Bench, Goal, LEAST_GAIN, MOST_FITS, Round, applicable, try_all, without};
 
 /// Most effects that are added in one diagnosis.
 const MOST_EFFECTS: usize = 4;
@@ -91,10 +91,13 @@ pub fn remainders(records: &[&Record], candidate: &Candidate) -> Vec<Vec<f64>> {
 
 /// The largest structured remainder over all series, in units of noise.
 pub fn largest_remainder(records: &[&Record], candidate: &Candidate) -> f64 {
-    remainders(records, candidate)
-        .into_iter()
-        .flatten()
-        .fold(0.0, f64::max)
+    let remainders = candidate.remainders(records).iter();
+    remainders.flatten().copied().fold(0.0, f64::max)
+}
+
+/// Whether a candidate leaves no structure that a sensor would show.
+pub fn leaves_nothing(records: &[&Record], candidate: &Candidate) -> bool {
+    largest_remainder(records, candidate) < LEAST_TRACE
 }
 
 /// The fall of every error from `before` to `after` in units of the series' noise: the root of the
@@ -200,13 +203,19 @@ fn finished_evidences(bench: &Bench, pool: &mut [Candidate]) -> Vec<f64> {
             return evidence;
         };
         let unfinished = &pool[index];
+        let leader = &pool[order[0]];
+        let goal = if index != order[0] && leaves_nothing(&bench.records, leader) {
+            Goal::beside(&pool[0], leader).whole
+        } else {
+            f64::INFINITY
+        };
         let mut minimum = refit(
             &bench.records,
             &unfinished.model,
             unfinished.minimum.values.clone(),
             unfinished.minimum.windows.clone(),
             &bench.setup.free(&unfinished.model),
-            Effort::PATIENT,
+            Effort::PATIENT.towards(goal),
         );
         if minimum.outcome == Outcome::OutOfIterations {
             minimum.outcome = Outcome::Stalled;
@@ -347,10 +356,20 @@ pub fn search(
         }
         let most = if depth == 1 { MOST_FITS } else { MOST_FITS / 2 };
         let is_fitted = |set: &[EffectId]| is_fitted(&pool, set);
-        let found: Vec<Candidate> = beam
-            .par_iter()
-            .flat_map(|&index| try_all(&bench, &pool[index], most, &is_fitted))
-            .collect();
+        let round = Round {
+            most,
+            is_fitted: &is_fitted,
+            leader: None,
+            only_where_something_remains: depth > 1,
+        };
+        let mut found: Vec<Candidate> = vec![];
+        for &index in &beam {
+            found.extend(try_all(&bench, &pool[index], &round));
+            // What explains everything is compared with others by swapping its effects.
+            if found.iter().any(|one| leaves_nothing(records, one)) {
+                break;
+            }
+        }
         if found.is_empty() {
             break;
         }
@@ -362,7 +381,7 @@ pub fn search(
         let next = simplest(&bench, &pool, &evidence, top);
         if next != best && evidence[next] - evidence[best] >= TIE {
             best = next;
-            if largest_remainder(records, &pool[best]) < LEAST_TRACE {
+            if leaves_nothing(records, &pool[best]) {
                 refine(&bench, &mut pool, &mut best);
                 break;
             }
@@ -410,7 +429,13 @@ fn refine(bench: &Bench, pool: &mut Vec<Candidate>, best: &mut usize) {
         ..bench.clone()
     };
     let is_fitted = |set: &[EffectId]| is_fitted(pool, set);
-    let found = try_all(&refining, &pool[*best], MOST_FITS, &is_fitted);
+    let round = Round {
+        most: MOST_FITS,
+        is_fitted: &is_fitted,
+        leader: None,
+        only_where_something_remains: false,
+    };
+    let found = try_all(&refining, &pool[*best], &round);
     let newest = merge(pool, found);
     let evidence = finished_evidences(bench, pool);
     let Some(top) = argmax(&evidence, newest.into_iter().chain([*best])) else {
@@ -467,11 +492,15 @@ fn prune_and_swap(
             })
             .collect();
         extended.extend(from.iter().map(|candidate| candidate.set()));
+        let round = Round {
+            most: MOST_FITS / 2,
+            is_fitted: &|set| is_fitted(pool, set),
+            leader: leaves_nothing(&bench.records, &chosen).then_some(&chosen),
+            only_where_something_remains: true,
+        };
         let found: Vec<Candidate> = from
             .par_iter()
-            .flat_map(|candidate| {
-                try_all(bench, candidate, MOST_FITS / 2, &|set| is_fitted(pool, set))
-            })
+            .flat_map(|candidate| try_all(bench, candidate, &round))
             .collect();
         merge(pool, found);
         let evidence = finished_evidences(bench, pool);

@@ -2,13 +2,14 @@
 
 use identify::{
     Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup,
-    Unknowns, Window, acts, carry_over, cogging_start, fit_from_scratch, guessed, joined, promise,
-    rate_against_angle, ratios, refit, scaled_start, settled,
+    Unknowns, Window, acts, carry_over, cogging_start, cost, fit_from_scratch, guessed, joined,
+    promise, rate_against_angle, ratios, refit, scaled_start, settled,
 };
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
 
 use crate::candidate::Candidate;
+use crate::search::{LEAST_TRACE, leaves_nothing};
 
 /// A start from which an effect may be fitted.
 #[derive(Clone, Debug)]
@@ -180,16 +181,17 @@ fn absent_starts(
         .collect()
 }
 
-/// The starts of an effect on top of a fitted model.
+/// The starts of an effect on top of the model of `known`, fitted over the `whole` logs and, in the windows of
+/// the score test, to `point`.
 fn starts(
     bench: &Bench,
-    from: &Candidate,
+    whole: &Minimum,
     point: &Minimum,
     known: KnownPromise,
     effect: EffectId,
 ) -> Vec<Start> {
     let (setup, records) = (bench.setup, &bench.records);
-    let model = from.model.with(effect);
+    let model = known.model.with(effect);
     let Some(at) = model.position(effect) else {
         return vec![];
     };
@@ -210,7 +212,7 @@ fn starts(
     }
     let mut needs_settling = false;
     if effect == EffectId::WheelCogging {
-        let start = cogging_start(records, &from.model, &from.minimum);
+        let start = cogging_start(records, known.model, whole);
         let missed = point.cost - records.iter().map(|r| r.observations() as f64).sum::<f64>();
         needs_settling = start
             .as_ref()
@@ -225,7 +227,7 @@ fn starts(
         .map(|chosen| {
             let mut start = vec![0.0; model.parameter_count()];
             start[at..at + chosen.len()].copy_from_slice(&chosen);
-            let values = carry_over(&from.model, &point.values, &model, &start);
+            let values = carry_over(known.model, &point.values, &model, &start);
             let unknowns = Unknowns::new(&model, &setup.free(&model));
             // Windows that start on the wrong side of a tooth would promise nothing.
             let windows = if needs_settling {
@@ -326,60 +328,129 @@ fn added(from: &Candidate, start: &Start) -> Vec<EffectId> {
     added
 }
 
-/// Fits an effect on top of `from`, from the starts that promise most: first in the windows of
-/// the score test, then over the whole logs.
-fn fit_best(
-    bench: &Bench,
-    from: &Candidate,
-    point: &Minimum,
-    mut starts: Vec<Start>,
-) -> Option<Candidate> {
-    let (setup, records) = (bench.setup, &bench.records);
+/// The costs at which a fit on top of a candidate begins to matter. Once another one leaves nothing but
+/// noise, an explanation that competes with it must take nearly as much of the misfit.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// In the windows of the score test.
+    windows: f64,
+    /// Over the whole logs.
+    pub whole: f64,
+}
+
+impl Goal {
+    /// Every fit matters.
+    const ANY: Goal = Goal {
+        windows: f64::INFINITY,
+        whole: f64::INFINITY,
+    };
+
+    /// On top of `from`, beside a `leader` that leaves nothing.
+    pub fn beside(from: &Candidate, leader: &Candidate) -> Goal {
+        Goal {
+            windows: within_reach(from.point().cost, leader.point().cost),
+            whole: within_reach(from.minimum.cost, leader.minimum.cost),
+        }
+    }
+}
+
+/// The cost that takes [`KEPT_SHARE`] of what lies between two.
+fn within_reach(from: f64, leader: f64) -> f64 {
+    from - KEPT_SHARE * (from - leader)
+}
+
+/// A fit in the windows of the score test, and where it came from.
+#[derive(Clone, Debug)]
+struct Rough {
+    minimum: Minimum,
+    start: Start,
+}
+
+/// Fits an effect on top of `point` in the windows of the score test, from the starts that promise most.
+/// `None` where that brings nothing: a fit that leaves the effect at nothing is that of the smaller model.
+fn fit_roughly(bench: &Bench, point: &Minimum, mut starts: Vec<Start>, goal: f64) -> Option<Rough> {
     starts.sort_by(|a, b| a.promised_cost.total_cmp(&b.promised_cost));
-    let mut best: Option<(Minimum, Start)> = None;
+    let effort = if bench.window_s.is_some() {
+        Effort::SCORE
+    } else {
+        Effort::ROUGH
+    };
+    let mut best: Option<Rough> = None;
     for start in starts.into_iter().take(MOST_STARTS) {
         // What has been reached already, or nearly, no other start is tried for.
         let promised = KEPT_SHARE * (point.cost - start.promised_cost);
         if best
             .as_ref()
-            .is_some_and(|(best, _)| point.cost - best.cost >= promised)
+            .is_some_and(|best| point.cost - best.minimum.cost >= promised)
         {
             continue;
         }
         let minimum = refit(
-            records,
+            &bench.records,
             &start.model,
             start.values.clone(),
             start.windows.as_ref().unwrap_or(&point.windows).clone(),
-            &setup.free(&start.model),
-            if bench.window_s.is_some() {
-                Effort::SCORE
-            } else {
-                Effort::ROUGH
-            },
+            &bench.setup.free(&start.model),
+            effort.towards(goal),
         );
         if best
             .as_ref()
-            .is_none_or(|(best, _)| minimum.cost < best.cost)
+            .is_none_or(|best| minimum.cost < best.minimum.cost)
         {
-            best = Some((minimum, start));
+            best = Some(Rough { minimum, start });
         }
     }
-    // A fit that leaves the effect at nothing is that of the smaller model.
-    let (rough, start) = best.filter(|(rough, _)| point.cost - rough.cost >= LEAST_GAIN)?;
-    let free = setup.free(&start.model);
+    best.filter(|rough| point.cost - rough.minimum.cost >= LEAST_GAIN)
+}
+
+/// The parameters and windows from which the whole logs are fitted: those of the fit in short windows, or
+/// those of the smaller model over the whole logs with the new effect's parameters, whichever lies nearer.
+/// Where the free run drifts away the two are far apart, and a small effect moves neither.
+fn whole_start(
+    bench: &Bench,
+    from: &Candidate,
+    rough: &Minimum,
+    start: &Start,
+) -> (Vec<f64>, Vec<Vec<Window>>) {
+    let records = &bench.records;
     let windows = joined(records, &rough.values, &rough.windows);
-    let mut minimum = refit(
-        records,
+    if bench.window_s.is_none() {
+        return (rough.values.clone(), windows);
+    }
+    let values = carry_over(
+        &from.model,
+        &from.minimum.values,
         &start.model,
-        rough.values.clone(),
-        windows,
-        &free,
-        Effort::FULL,
+        &rough.values,
     );
+    let of = |values: &[f64], windows: &[Vec<Window>]| cost(records, &start.model, values, windows);
+    if of(&values, &from.minimum.windows) < of(&rough.values, &windows) {
+        (values, from.minimum.windows.clone())
+    } else {
+        (rough.values.clone(), windows)
+    }
+}
+
+/// Fits an effect over the whole logs after [`fit_roughly`].
+fn fit_whole(
+    bench: &Bench,
+    from: &Candidate,
+    point: &Minimum,
+    rough: Rough,
+    goal: Goal,
+) -> Candidate {
+    let (setup, records) = (bench.setup, &bench.records);
+    let Rough {
+        minimum: rough,
+        start,
+    } = rough;
+    let free = setup.free(&start.model);
+    let effort = Effort::FULL.towards(goal.whole);
+    let (values, windows) = whole_start(bench, from, &rough, &start);
+    let mut minimum = refit(records, &start.model, values, windows, &free, effort);
     // What brings much in short windows must bring something over the whole logs.
     let brings_much = point.cost - rough.cost > MUCH * point.cost;
-    if minimum.cost > from.minimum.cost && brings_much {
+    if minimum.cost > from.minimum.cost && brings_much && rough.cost <= goal.windows {
         let again = fit_from_scratch(records, &start.model, rough.values.clone(), &free);
         if again.cost < minimum.cost {
             minimum = again;
@@ -396,42 +467,168 @@ fn fit_best(
     {
         let mut values = start.values.clone();
         values[at..at + absent.len()].copy_from_slice(absent);
-        let again = refit(
-            records,
-            &start.model,
-            values,
-            from.minimum.windows.clone(),
-            &free,
-            Effort::FULL,
-        );
+        let windows = from.minimum.windows.clone();
+        let again = refit(records, &start.model, values, windows, &free, effort);
         if again.cost < minimum.cost {
             minimum = again;
         }
     }
-    Some(Candidate::new(
+    Candidate::new(
         setup,
         records,
         added(from, &start),
         start.model,
         minimum,
         bench.window_s.map(|_| rough),
-    ))
+    )
+}
+
+/// Whether a start is that of an effect that takes the place of another one.
+fn is_refinement(start: &Start) -> bool {
+    !start.effect.info().replaces.is_empty()
+}
+
+/// The best of those that were `reached` with effects that this one refines.
+fn refined<T>(effect: EffectId, reached: &[(EffectId, T)], cost: impl Fn(&T) -> f64) -> Option<&T> {
+    let replaces = effect.info().replaces;
+    reached
+        .iter()
+        .filter(|(simpler, _)| replaces.contains(&simpler.name()))
+        .map(|(_, reached)| reached)
+        .min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+/// The starts of a refinement on top of the fit of what it refines.
+fn refined_starts(bench: &Bench, whole: &Minimum, simpler: &Rough, effect: EffectId) -> Vec<Start> {
+    let (model, fit) = (&simpler.start.model, &simpler.minimum);
+    let unknowns = Unknowns::new(model, &bench.setup.free(model));
+    let promise = promise(
+        &bench.records,
+        model,
+        &fit.values,
+        &fit.windows,
+        &unknowns,
+        None,
+    );
+    let known = KnownPromise {
+        model,
+        values: &fit.values,
+        unknowns: &unknowns,
+        promise: &promise,
+        leaves_no_trace: &|_| false,
+    };
+    let mut starts = starts(bench, whole, fit, known, effect);
+    for start in &mut starts {
+        start.windows = Some(fit.windows.clone());
+    }
+    starts.retain(|start| fit.cost - start.promised_cost >= LEAST_GAIN);
+    starts
+}
+
+/// Fits the suspects that the score test has left, one after the other, those that promise most first (what one
+/// reaches is known to the next, and each fit keeps the machine busy by itself): all in the windows of
+/// the score test, and over the whole logs those that take a share there of what the best one takes and at
+/// least what `least_gain` asks of an effect.
+fn fit_all(
+    bench: &Bench,
+    from: &Candidate,
+    point: &Minimum,
+    screened: Vec<Vec<Start>>,
+    least_gain: &dyn Fn(EffectId) -> f64,
+    mut goal: Goal,
+) -> Vec<Candidate> {
+    let records = &bench.records;
+    let observations: f64 = records.iter().map(|r| r.observations() as f64).sum();
+    let is_noise = |cost: f64| cost < (1.0 + LEAST_TRACE * LEAST_TRACE) * observations;
+    let mut roughs: Vec<(EffectId, Rough)> = vec![];
+    for starts in screened {
+        let Some(effect) = starts.first().map(|start| start.effect) else {
+            continue;
+        };
+        // A refinement that comes out as what it refines is that.
+        let least = point.cost - least_gain(effect);
+        let found = match refined(effect, &roughs, |rough| rough.minimum.cost) {
+            Some(simpler) => {
+                let starts = refined_starts(bench, &from.minimum, simpler, effect);
+                let least = least.min(simpler.minimum.cost - LEAST_GAIN);
+                fit_roughly(bench, &simpler.minimum, starts, goal.windows.min(least))
+            }
+            None => fit_roughly(bench, point, starts, goal.windows.min(least)),
+        };
+        let Some(rough) = found.filter(|rough| rough.minimum.cost <= least) else {
+            continue;
+        };
+        if is_noise(rough.minimum.cost) {
+            let near = within_reach(point.cost, rough.minimum.cost);
+            goal.windows = goal.windows.min(near);
+        }
+        roughs.push((effect, rough));
+    }
+    let gain = |rough: &Rough| point.cost - rough.minimum.cost;
+    let best_gain = roughs
+        .iter()
+        .map(|(_, rough)| gain(rough))
+        .fold(0.0, f64::max);
+    let is_plain = |rough: &Rough| gain(rough) >= LEAST_SHARE * best_gain;
+    let refined_names: Vec<&str> = roughs
+        .iter()
+        .filter(|(_, rough)| is_plain(rough))
+        .flat_map(|(effect, _)| effect.info().replaces)
+        .copied()
+        .collect();
+    roughs.retain(|(effect, rough)| is_plain(rough) || refined_names.contains(&effect.name()));
+    roughs.sort_by(|(_, a), (_, b)| a.minimum.cost.total_cmp(&b.minimum.cost));
+    roughs.sort_by_key(|(_, rough)| is_refinement(&rough.start));
+    let mut candidates: Vec<Candidate> = vec![];
+    let mut reached: Vec<(EffectId, f64)> = vec![];
+    for (effect, rough) in roughs {
+        let simpler = refined(effect, &reached, |cost| *cost);
+        let least = simpler.map_or(f64::INFINITY, |cost| cost - LEAST_GAIN);
+        let own = Goal {
+            whole: goal.whole.min(least),
+            ..goal
+        };
+        let candidate = fit_whole(bench, from, point, rough, own);
+        reached.push((effect, candidate.minimum.cost));
+        if leaves_nothing(records, &candidate) {
+            let beside = Goal::beside(from, &candidate);
+            goal.whole = goal.whole.min(beside.whole);
+        }
+        candidates.push(candidate);
+    }
+    candidates
+}
+
+/// How a round of trials is carried out.
+pub struct Round<'a> {
+    /// Most suspects that are fitted.
+    pub most: usize,
+    /// Sets of effects that need no fit any more.
+    pub is_fitted: &'a (dyn Fn(&[EffectId]) -> bool + Sync),
+    /// A candidate that leaves nothing, where there is one: what is found competes with it.
+    pub leader: Option<&'a Candidate>,
+    /// Only effects that act in experiments in which something remains.
+    pub only_where_something_remains: bool,
 }
 
 /// Tries every applicable effect on top of `from`: a score test for all, a full refit for those
 /// that promise something and whose set of effects is not fitted yet.
-pub fn try_all(
-    bench: &Bench,
-    from: &Candidate,
-    most: usize,
-    is_fitted: &(dyn Fn(&[EffectId]) -> bool + Sync),
-) -> Vec<Candidate> {
+pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate> {
+    let shows_where_something_remains = |effect: EffectId| {
+        let remainders = bench.records.iter().zip(from.remainders(&bench.records));
+        remainders
+            .filter(|(record, _)| acts(effect, record.kind))
+            .any(|(_, remainders)| remainders.iter().any(|&left| left >= LEAST_TRACE))
+    };
     let suspects: Vec<EffectId> = bench
         .suspects
         .iter()
         .copied()
         .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))
         .filter(|&effect| !completes_series(&from.model, effect))
+        .filter(|&effect| {
+            !round.only_where_something_remains || shows_where_something_remains(effect)
+        })
         .collect();
     let point = from.point();
     let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);
@@ -460,7 +657,7 @@ pub fn try_all(
         || -> Vec<Vec<Start>> {
             others
                 .par_iter()
-                .map(|&effect| starts(bench, from, point, known, effect))
+                .map(|&effect| starts(bench, &from.minimum, point, known, effect))
                 .collect()
         },
     );
@@ -515,7 +712,7 @@ pub fn try_all(
         starts.first().is_some_and(|start| {
             let mut set = added(from, start);
             set.sort();
-            is_fitted(&set)
+            (round.is_fitted)(&set)
         })
     };
     screened.retain(|(_, starts)| {
@@ -525,13 +722,30 @@ pub fn try_all(
         !(is_refinement && fitted(starts))
     });
     let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);
-    screened.retain(|(gain, _)| *gain > LEAST_GAIN.max(LEAST_SHARE * best_gain));
-    screened.truncate(most.min(MOST_FITS));
-    screened.retain(|(_, starts)| !fitted(starts));
-    screened
-        .into_par_iter()
-        .filter_map(|(_, starts)| fit_best(bench, from, point, starts))
-        .collect()
+    let (mut chosen, others): (Vec<_>, Vec<_>) = screened
+        .into_iter()
+        .partition(|(gain, _)| *gain > LEAST_GAIN.max(LEAST_SHARE * best_gain));
+    chosen.truncate(round.most.min(MOST_FITS));
+    // A refinement is judged beside what it refines.
+    let refined: Vec<&str> = chosen
+        .iter()
+        .filter_map(|(_, starts)| starts.first())
+        .flat_map(|start| start.effect.info().replaces)
+        .copied()
+        .collect();
+    chosen.extend(others.into_iter().filter(|(gain, starts)| {
+        let is_refined = |start: &Start| refined.contains(&start.effect.name());
+        *gain > LEAST_GAIN && starts.first().is_some_and(is_refined)
+    }));
+    chosen.retain(|(_, starts)| !fitted(starts));
+    // What is simple comes first: it is fitted fast, and what it reaches need not be reached again.
+    chosen.sort_by_key(|(_, starts)| starts.first().is_some_and(is_refinement));
+    let goal = round
+        .leader
+        .map_or(Goal::ANY, |leader| Goal::beside(from, leader));
+    let chosen = chosen.into_iter().map(|(_, starts)| starts).collect();
+    let least_gain = |effect: EffectId| LEAST_GAIN.max(LEAST_PART * missed(effect));
+    fit_all(bench, from, point, chosen, &least_gain, goal)
 }
 
 /// Refits a candidate without one of its effects. `known` is what an earlier fit of that set has reached:

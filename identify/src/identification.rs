@@ -188,14 +188,14 @@ impl Setup {
         cut.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
-    /// The same bench with free swings thinned to about `per_period` samples in a period of the
-    /// pendulum, and for each record the step by which it was thinned. A swing that is sampled a
-    /// thousand times in a period says no more about the shape of a missing effect than one that is
-    /// sampled a hundred times.
+    /// The same bench with its logs thinned to about `per_period` samples in a period of the pendulum, where
+    /// a current acts to twice as many, and for each record the step by which it was thinned. A swing
+    /// that is sampled a thousand times in a period says no more about the shape of a missing effect than one
+    /// that is sampled a hundred times. Of the current every sample counts.
     ///
     /// The period is that of the samples: a model that lacks something need not have it.
     pub fn thinned(&self, per_period: f64) -> (Setup, Vec<usize>) {
-        let wanted_s = crate::fit::period_s(&self.start_values(&Model::base())) / per_period;
+        let period_s = crate::fit::period_s(&self.start_values(&Model::base()));
         let mut thin = self.clone();
         let steps: Vec<usize> = self
             .records
@@ -205,16 +205,17 @@ impl Setup {
                 else {
                     return 1;
                 };
-                let step_s = (last - first) / record.len().max(2) as f64;
-                match record.kind {
-                    Kind::FreeSwing => ((wanted_s / step_s).floor() as usize).max(1),
-                    _ => 1,
-                }
+                let interval_s = (last - first) / record.len().max(2) as f64;
+                let wanted_s = match record.kind {
+                    Kind::FreeSwing => period_s / per_period,
+                    _ => 0.5 * period_s / per_period,
+                };
+                ((wanted_s / interval_s).floor() as usize).max(1)
             })
             .collect();
         for (record, &step) in thin.records.iter_mut().zip(&steps) {
             if step > 1 {
-                *record = record.every(step);
+                *record = record.thinned(step);
             }
         }
         (thin, steps)

@@ -64,7 +64,8 @@ pub use sensitivity::{
     relevant, simulate,
 };
 pub use solver::{
-    Effort, KnownPromise, Minimum, Outcome, Promise, PromisedStep, RecordPromise, minimise, promise,
+    Effort, KnownPromise, Minimum, Outcome, Promise, PromisedStep, RecordPromise, cost, minimise,
+    promise,
 };
 pub use start::{Ratios, angle_samples, base_values, ratios};
 pub use whiteness::{

@@ -130,6 +130,12 @@ pub struct Record {
     past: Past,
 }
 
+/// The mean of the samples that are there; NaN where none is.
+fn mean(samples: &[f64]) -> f64 {
+    let finite = samples.iter().filter(|sample| sample.is_finite());
+    finite.clone().sum::<f64>() / finite.count() as f64
+}
+
 impl Record {
     /// Prepares a record from samples in SI units. `angle`, `rate` and `wheel_speed` may be missing;
     /// those that the kind holds still are ignored.
@@ -213,10 +219,28 @@ impl Record {
         self.part(&samples.collect::<Vec<_>>())
     }
 
-    /// Every `step`-th sample of the record. Only for logs whose current does not change between
-    /// the samples that are kept.
+    /// Every `step`-th sample of the record, as if nothing had been recorded between.
     pub fn every(&self, step: usize) -> Record {
         self.part(&(0..self.len()).step_by(step).collect::<Vec<_>>())
+    }
+
+    /// The same log read at every `step`-th sample: the motion that led there stays known in full, from all
+    /// samples of the current and of the wheel's speed.
+    pub fn thinned(&self, step: usize) -> Record {
+        let mut thin = self.every(step);
+        let kept = (0..self.len()).step_by(step);
+        if self.channel(Output::WheelSpeed).is_some() {
+            let whole = self.wheel_angles();
+            thin.past.wheel_angle_rad = OnceLock::from(kept.map(|k| whole[k]).collect::<Vec<_>>());
+        }
+        if let RecordedCurrent::Known(input) = &self.current {
+            if !self.current_a.is_empty() {
+                let means = self.current_a.chunks(step);
+                thin.current_a = means.map(mean).collect();
+            }
+            thin.current = RecordedCurrent::Known(input.clone());
+        }
+        thin
     }
 
     fn part(&self, samples: &[usize]) -> Record {

@@ -420,9 +420,7 @@ fn normal_lanes<const N: usize>(
     let mut hessian = [[0.0; N]; N];
     let mut gradient = [0.0; N];
     let mut cost = 0.0;
-    let coupled = matches!(record.kind, Kind::Balance | Kind::Driven);
-    if coupled && values[plant::WHEEL_INERTIA] >= values[plant::TOTAL_INERTIA] {
-        // No body has less inertia than the wheel that it carries.
+    if is_impossible(record, values) {
         return WindowNormal {
             hessian: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
@@ -464,13 +462,11 @@ fn normal_lanes<const N: usize>(
             }
         },
     );
-    for (index, (local, &value)) in Local::of(record).iter().zip(&window.locals).enumerate() {
-        if let Some(std) = local.prior_std(record, window.samples.start) {
-            let lane = globals.len() + index;
-            cost += (value / std).powi(2);
-            gradient[lane] -= value / (std * std);
-            hessian[lane][lane] += 1.0 / (std * std);
-        }
+    for (local, value, std) in priors(record, window) {
+        let lane = globals.len() + local;
+        cost += (value / std).powi(2);
+        gradient[lane] -= value / (std * std);
+        hessian[lane][lane] += 1.0 / (std * std);
     }
     if !cost.is_finite() {
         cost = f64::INFINITY;
@@ -479,6 +475,50 @@ fn normal_lanes<const N: usize>(
         hessian: DMatrix::from_fn(count, count, |row, column| hessian[row][column]),
         gradient: DVector::from_fn(count, |row, _| gradient[row]),
         cost,
+    }
+}
+
+/// The unknowns of a window that are known beforehand: index, value, standard deviation.
+fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
+    let locals = Local::of(record).into_iter().zip(&window.locals);
+    locals
+        .enumerate()
+        .filter_map(|(index, (local, &value))| {
+            let std = local.prior_std(record, window.samples.start)?;
+            Some((index, value, std))
+        })
+        .collect()
+}
+
+/// Whether the wheel alone would have more inertia than body and wheel together.
+fn is_impossible(record: &Record, values: &[f64]) -> bool {
+    matches!(record.kind, Kind::Balance | Kind::Driven)
+        && values[plant::WHEEL_INERTIA] >= values[plant::TOTAL_INERTIA]
+}
+
+/// The cost of [`normal`] without derivatives.
+pub fn window_cost(record: &Record, window: &Window, model: &Model, values: &[f64]) -> f64 {
+    if is_impossible(record, values) {
+        return f64::INFINITY;
+    }
+    let mut cost = 0.0;
+    simulate(record, window, model, values, |k, reading, _| {
+        let weight = record.weight[k];
+        for channel in &record.channels {
+            let measured = channel.samples[k];
+            if weight > 0.0 && !measured.is_nan() {
+                let scale = weight / channel.noise_std;
+                cost += ((measured - channel.output.of(reading)) * scale).powi(2);
+            }
+        }
+    });
+    for (_, value, std) in priors(record, window) {
+        cost += (value / std).powi(2);
+    }
+    if cost.is_finite() {
+        cost
+    } else {
+        f64::INFINITY
     }
 }
 

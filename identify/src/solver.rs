@@ -12,7 +12,9 @@ use plant::Model;
 use rayon::prelude::*;
 
 use crate::record::Record;
-use crate::sensitivity::{Unknowns, Window, WindowNormal, moves_alike, normal, relevant};
+use crate::sensitivity::{
+    Unknowns, Window, WindowNormal, moves_alike, normal, relevant, window_cost,
+};
 
 /// How a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +25,9 @@ pub enum Outcome {
     Stalled,
     /// The number of iterations ran out.
     OutOfIterations,
+    /// Ended before its minimum: at its pace it would not have come to where it matters
+    /// ([`Effort::goal`]).
+    Outclassed,
     /// The model could not be simulated from the given start.
     NotFinite,
 }
@@ -62,39 +67,59 @@ pub struct Effort {
     /// The minimisation ends when a step promises to lower the cost by less than this, relative to
     /// the mean squared residual: 1 is the change that one unknown's own standard error makes.
     pub tolerance: f64,
+    /// The cost at which the fit begins to matter. One that would not come there with the evaluations
+    /// that are left, at the pace of its last [`PACE`], ends.
+    pub goal: f64,
 }
 
 impl Effort {
+    /// The same for a fit that matters only if its cost comes down to `goal`.
+    pub fn towards(self, goal: f64) -> Effort {
+        Effort { goal, ..self }
+    }
+
     /// To a hundredth of a standard error.
     pub const FULL: Effort = Effort {
         evaluations: 30,
         tolerance: 1e-4,
+        goal: f64::INFINITY,
     };
     /// The same for a minimum at the end of a long curved valley (the speed of Stribeck's curve and
     /// its levels), which takes many short steps.
     pub const PATIENT: Effort = Effort {
         evaluations: 200,
         tolerance: 1e-4,
+        goal: f64::INFINITY,
     };
     /// To a third of a standard error: which of several starts or models is better.
     pub const SCORE: Effort = Effort {
         evaluations: 30,
         tolerance: 1e-1,
+        goal: f64::INFINITY,
     };
     /// Enough to hand over to the next stage of a schedule.
     pub const ROUGH: Effort = Effort {
         evaluations: 12,
         tolerance: 1e-1,
+        goal: f64::INFINITY,
     };
 }
 
+/// A step that promises less than this, in units of the mean squared residual, and is refused ends the fit:
+/// a tenth of a standard error is below what the kinks of dry friction leave of a smooth cost.
+const ROUGHNESS: f64 = 1e-2;
+/// For so many steps after a refused one the next is first tried without derivatives.
+const DOUBTFUL: usize = 2;
+/// Evaluations over which the pace of a fit is taken. A fit that goes straight to its minimum needs no
+/// more than these, and one that has lost its way refuses up to six steps before it finds it again.
+const PACE: usize = 8;
 /// A fit whose last so many evaluations together gained less than the standard error of one unknown
 /// would, or less than [`CRUMB`] of what the model misses, is creeping, and ends: what is left to gain
 /// decides nothing.
 const CREEPING: usize = 10;
 /// Share of the χ² beyond the noise: of a model that misses much, the minimum need not be known to what
 /// its noise would allow.
-const CRUMB: f64 = 1e-3;
+const CRUMB: f64 = 1e-2;
 
 struct Assembled {
     windows: Vec<Vec<WindowNormal>>,
@@ -277,6 +302,7 @@ pub fn minimise(
     let mut assembled = assemble(records, &globals, &windows, model, &values, unknowns);
     let mut evaluations = 1;
     let mut damping = 1e-4;
+    let mut since_refusal = DOUBTFUL;
     let mut outcome = Outcome::OutOfIterations;
     let mut on_bound = vec![false; count];
     let mut costs = vec![assembled.cost];
@@ -353,17 +379,23 @@ pub fn minimise(
                 }
             }
         }
-        let next = assemble(
-            records,
-            &globals,
-            &next_windows,
-            model,
-            &next_values,
-            unknowns,
-        );
+        // Among refusals a step is likely to be refused too: that costs no derivatives.
+        let is_refused = since_refusal < DOUBTFUL
+            && cost(records, model, &next_values, &next_windows) > assembled.cost;
+        let next = (!is_refused).then(|| {
+            assemble(
+                records,
+                &globals,
+                &next_windows,
+                model,
+                &next_values,
+                unknowns,
+            )
+        });
         evaluations += 1;
         let small = promised.abs() <= effort.tolerance * mean_square;
-        if next.cost <= assembled.cost {
+        since_refusal += 1;
+        if let Some(next) = next.filter(|next| next.cost <= assembled.cost) {
             values = next_values;
             windows = next_windows;
             assembled = next;
@@ -371,15 +403,23 @@ pub fn minimise(
             if small {
                 outcome = Outcome::Converged;
             }
-        } else if small {
+        } else if promised.abs() <= ROUGHNESS.max(effort.tolerance) * mean_square {
             outcome = Outcome::Converged;
         } else {
+            since_refusal = 0;
             damping = (damping * 10.0).max(1e-6);
             if damping > 1e10 {
                 outcome = Outcome::Stalled;
             }
         }
         costs.push(assembled.cost);
+        if outcome == Outcome::OutOfIterations && costs.len() > PACE {
+            let gained = costs[costs.len() - 1 - PACE] - assembled.cost;
+            let left = effort.evaluations.saturating_sub(evaluations) as f64 / PACE as f64;
+            if assembled.cost - gained * left > effort.goal {
+                outcome = Outcome::Outclassed;
+            }
+        }
         if outcome == Outcome::OutOfIterations
             && costs.len() > CREEPING
             && costs[costs.len() - 1 - CREEPING] - assembled.cost
@@ -398,6 +438,21 @@ pub fn minimise(
         outcome,
         evaluations,
     }
+}
+
+/// The cost that [`minimise`] lowers, without derivatives.
+pub fn cost(records: &[&Record], model: &Model, values: &[f64], windows: &[Vec<Window>]) -> f64 {
+    let jobs: Vec<(&Record, &Window)> = records
+        .iter()
+        .zip(windows)
+        .flat_map(|(record, list)| list.iter().map(move |window| (*record, window)))
+        .collect();
+    let costs: Vec<f64> = jobs
+        .par_iter()
+        .map(|&(record, window)| window_cost(record, window, model, values))
+        .collect();
+    // In the order of the windows, so that it does not depend on how the work was shared out.
+    costs.into_iter().sum()
 }
 
 /// For every position of the parameter vector the position of the factor a with which it forms a product

@@ -24,6 +24,9 @@ pub struct Input {
     hold: Hold,
 }
 
+/// Of an interval, what is shorter than this share is its end.
+const LEAST_SHARE: f64 = 1e-6;
+
 impl Input {
     /// `time_s` must increase; a NaN sample takes the value of the one before it (of the first
     /// valid one at the start, and 0 if there is none).
@@ -65,7 +68,19 @@ impl Input {
                 && self.time_s[k] <= time_s
                 && self.time_s.get(k + 1).is_none_or(|&next| time_s < next)
         };
-        for k in [hint, hint + 1, hint.wrapping_sub(1)] {
+        // A log that is read more sparsely than its current counts other samples.
+        let first_s = self.time_s.first().copied().unwrap_or(0.0);
+        let span_s = self.time_s.last().copied().unwrap_or(0.0) - first_s;
+        let even = (time_s - first_s) / span_s * self.time_s.len().saturating_sub(1) as f64;
+        let even = even as usize;
+        for k in [
+            hint,
+            hint + 1,
+            hint.wrapping_sub(1),
+            even,
+            even + 1,
+            even.wrapping_sub(1),
+        ] {
             if near(k) {
                 return k;
             }
@@ -102,14 +117,46 @@ impl Input {
     /// The instant within (from_s, to_s) at which a held command that is delayed by `delay_s` changes,
     /// if there is one; `hint` is the index of a sample nearby.
     pub fn change_within(&self, from_s: f64, to_s: f64, delay_s: f64, hint: usize) -> Option<f64> {
-        // What is shorter than this share of the interval is its end.
-        const LEAST_SHARE: f64 = 1e-6;
         if self.hold != Hold::Zero {
             return None;
         }
         let next = self.time_s.get(self.index(from_s - delay_s, hint) + 1)? + delay_s;
         let least_s = LEAST_SHARE * (to_s - from_s);
         (next > from_s + least_s && next < to_s - least_s).then_some(next)
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// The stretches of (from_s, to_s) between which a current that is delayed by `delay_s` has samples;
+    /// `hint` is the index of a sample nearby.
+    pub fn stretches(
+        &self,
+        from_s: f64,
+        to_s: f64,
+        delay_s: f64,
+        hint: usize,
+    ) -> impl Iterator<Item = (f64, f64)> {
+        let next = self.index(from_s - delay_s, hint) + 1;
+        let least_s = LEAST_SHARE * (to_s - from_s);
+        let within = self.time_s[next.min(self.time_s.len())..]
+            .iter()
+            .map(move |time_s| time_s + delay_s)
+            .skip_while(move |&time_s| time_s <= from_s + least_s)
+            .take_while(move |&time_s| time_s < to_s - least_s);
+        let mut before = from_s;
+        within.chain([to_s]).map(move |time_s| {
+            let stretch = (before, time_s);
+            before = time_s;
+            stretch
+        })
     }
 
     /// Mean of i(t − delay) over [from_s, to_s], in A; `hint` is the index of a sample nearby.

@@ -275,6 +275,67 @@ impl<S: Scalar> Plant<S> {
         step.max(1e-6)
     }
 
+    /// The current that makes the torque, in A, from the one behind the lag.
+    #[inline(always)]
+    fn through_motor(&self, current_a: S, at: &Instant<S>) -> S {
+        let mut current_a = current_a;
+        for term in &self.motor {
+            let effect = term.effect;
+            current_a = effect.current(&term.p, current_a, at, self.torque_constant);
+        }
+        current_a
+    }
+
+    /// The same plant driven by the current that makes the torque.
+    fn without_motor(&self) -> Plant<S> {
+        Plant {
+            motor: vec![],
+            lag_s: None,
+            delay_s: None,
+            ..self.clone()
+        }
+    }
+
+    /// The mean of the current that makes the torque over [from_s, to_s], and the one that flows behind the
+    /// lag at its end, in A: each sample of the command passes the motor by itself.
+    fn through_motor_on_average(
+        &self,
+        input: &Input,
+        state: &State<S>,
+        (from_s, to_s): (f64, f64),
+        hint: usize,
+    ) -> (S, S) {
+        let at = Instant {
+            angle_rad: state.angle_rad,
+            rate_rad_s: state.rate_rad_s,
+            wheel_angle_rad: state.wheel_angle_rad,
+            wheel_speed_rad_s: state.wheel_speed_rad_s,
+            memory: S::zero(),
+        };
+        let delay_s = self.delay_s.map_or(0.0, |delay| delay.value());
+        let mut charge_as = S::zero();
+        let mut flowing_a = state.current_a;
+        for (start_s, end_s) in input.stretches(from_s, to_s, delay_s, hint) {
+            let span_s = end_s - start_s;
+            let drive_a = input.mean(start_s, end_s, self.delay_s, hint);
+            let (middle_a, _) = self.current_line(flowing_a, drive_a, span_s);
+            charge_as += self.through_motor(middle_a, &at) * span_s;
+            flowing_a = self.left_behind_lag(flowing_a, drive_a, span_s);
+        }
+        (charge_as * (1.0 / (to_s - from_s)), flowing_a)
+    }
+
+    /// The current behind the lag at the end of a step, from which the next one starts.
+    #[inline(always)]
+    fn left_behind_lag(&self, start_a: S, drive_a: S, step_s: f64) -> S {
+        match self.lag_s {
+            Some(lag) if lag.value() > 0.0 => {
+                self.flowing_current(start_a, drive_a, step_s, step_s)
+            }
+            _ => drive_a,
+        }
+    }
+
     /// Body and wheel acceleration in rad/s², for the current behind the lag and a push in N m.
     #[inline]
     fn accelerations(
@@ -287,12 +348,7 @@ impl<S: Scalar> Plant<S> {
     ) -> (S, S) {
         let mut wheel_torque = S::zero();
         if self.kind != Kind::FreeSwing {
-            let mut current = current_a;
-            for term in &self.motor {
-                current = term
-                    .effect
-                    .current(&term.p, current, at, self.torque_constant);
-            }
+            let current = self.through_motor(current_a, at);
             wheel_torque = self.torque_constant * current;
             for term in &self.wheel {
                 if !with_ripple && term.effect == EffectId::WheelCogging {
@@ -449,12 +505,7 @@ impl<S: Scalar> Plant<S> {
             end.wheel_angle_rad += weighted(k1.2, k2.2, k3.2, k4.2);
             end.wheel_speed_rad_s += weighted(k1.3, k2.3, k3.3, k4.3);
         }
-        end.current_a = match self.lag_s {
-            Some(lag) if lag.value() > 0.0 => {
-                self.flowing_current(start.current_a, drive.current_a, step_s, step_s)
-            }
-            _ => drive.current_a,
-        };
+        end.current_a = self.left_behind_lag(start.current_a, drive.current_a, step_s);
         end
     }
 
@@ -528,7 +579,8 @@ impl<S: Scalar> Plant<S> {
     /// Runs from `start` at `time_s[first]` to `time_s[last]` under the recorded current and calls
     /// `each` with the index, the reading and the state at every sample, both ends included.
     ///
-    /// `push` gives the torque on the body in N m at a time in s.
+    /// `push` gives the torque on the body in N m at a time in s. Between two samples a log that holds more
+    /// samples of the current is driven by the mean of what the motor makes of them.
     pub fn run(
         &self,
         start: State<S>,
@@ -558,14 +610,34 @@ impl<S: Scalar> Plant<S> {
                 };
             }
         }
+        // A log that was thinned has more samples of the current than of anything else.
+        let is_thinned = |input: &Input| input.len() > time_s.len();
+        let has_motor = !self.motor.is_empty() || self.lag_s.is_some();
+        let averaged = match current {
+            Current::Recorded(input) if has_motor && is_thinned(input) => {
+                Some((input, self.without_motor()))
+            }
+            _ => None,
+        };
         for k in samples.clone() {
             each(k, &self.read(&state), &state);
             if k + 1 >= samples.end {
                 break;
             }
+            if let Some((input, driven)) = &averaged {
+                let (from, to) = (time_s[k], time_s[k + 1]);
+                let (current_a, flowing_a) =
+                    self.through_motor_on_average(input, &state, (from, to), k);
+                let push = push.map_or([0.0; 3], |push| {
+                    [push(from), push(0.5 * (from + to)), push(to)]
+                });
+                state = driven.step(&state, &Drive { current_a, push }, to - from);
+                state.current_a = flowing_a;
+                continue;
+            }
             // A delayed command changes within the interval: one step up to there, one from there.
             let change = match (current, &self.delay_s) {
-                (Current::Recorded(input), Some(delay)) => {
+                (Current::Recorded(input), Some(delay)) if !is_thinned(input) => {
                     input.change_within(time_s[k], time_s[k + 1], delay.value(), k)
                 }
                 _ => None,

@@ -496,6 +496,7 @@ fn size_of(clean: &Setup, truth: &Truth) -> Option<f64> {
     let effort = Effort {
         evaluations: 15,
         tolerance: 1e-3,
+        ..Effort::FULL
     };
     let minimum = refit(
         &records,

@@ -18,7 +18,7 @@ use super::truth::Hidden;
 use crate::candidate::Candidate;
 use crate::diagnosis::{Diagnosis, Verdict, diagnose_among};
 use crate::search::{largest_trace, prepared};
-use crate::suspects::try_all;
+use crate::suspects::{Round, try_all};
 
 /// A rival at less than this distance cannot be told from the truth (odds of 4 to one at most):
 /// a confident answer is luck.
@@ -252,7 +252,13 @@ fn rivals(
     }
     for from in froms {
         let (bench, from) = prepared(setup, from, suspects);
-        candidates.extend(try_all(&bench, &from, usize::MAX, &|_| false));
+        let round = Round {
+            most: usize::MAX,
+            is_fitted: &|_| false,
+            leader: None,
+            only_where_something_remains: false,
+        };
+        candidates.extend(try_all(&bench, &from, &round));
     }
     let mut rivals: Vec<Rival> = vec![];
     for candidate in candidates {
