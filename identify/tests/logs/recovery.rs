@@ -1,8 +1,8 @@
 //! Known parameters come back from simulated logs, with errors that mean what they say.
 
 use identify::{
-    Effort, Identification, KnownPromise, Output, Record, Setup, Unknowns, carry_over, find_pushes,
-    identify, promise, refit,
+    Effort, Identification, KnownPromise, Outcome, Output, Record, Setup, Unknowns, carry_over,
+    cost, find_pushes, identify, promise, refit,
 };
 use plant::{EffectId, Kind, Model};
 use rand::SeedableRng;
@@ -522,6 +522,91 @@ fn a_cable_is_found_from_a_wrong_one_in_few_steps() {
             );
         }
     }
+}
+
+/// A command that jumps about by more than the dead zone from sample to sample: its mean over a few samples
+/// would pass another dead zone.
+#[test]
+fn a_thinned_log_says_what_the_whole_log_says() {
+    let (zone, lag) = (0.03, 0.008);
+    let motor = |current: f64| current.signum() * (current.abs() - zone).max(0.0);
+    let physics = Physics {
+        motor: &motor,
+        motor_lag_s: lag,
+        ..Physics::base()
+    };
+    for seed in 2900..2902 {
+        let whole = setup(short_bench(&physics, seed));
+        let (thin, steps) = whole.thinned(63.0);
+        assert_eq!(steps, [1, 1, 2, 2, 4], "seed {seed}");
+        let effects = [EffectId::MotorDeadZone, EffectId::MotorLag];
+        let found = [&whole, &thin].map(|setup| fitted(setup, &effects));
+        for (found, setup) in found.iter().zip([&whole, &thin]) {
+            let observations: usize = setup.records.iter().map(Record::observations).sum();
+            let mean_square = found.fit.minimum.cost / observations as f64;
+            let spread = (2.0 / observations as f64).sqrt();
+            assert!(
+                (mean_square - 1.0).abs() < 6.0 * spread + 0.02,
+                "seed {seed}: {mean_square}"
+            );
+        }
+        for (name, truth) in [("dead_zone", zone), ("motor_lag", lag)] {
+            for found in &found {
+                let (value, std) = parameter(found, name);
+                assert!(
+                    (value - truth).abs() < 4.0 * std,
+                    "seed {seed} {name}: {value} {std}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_cost_without_derivatives_is_that_of_the_fit() {
+    let whole = setup(short_bench(&Physics::base(), 2950));
+    let (thin, _) = whole.thinned(63.0);
+    for setup in [&whole, &thin] {
+        let fit = fitted(setup, &[EffectId::WheelCogging, EffectId::MotorLag]).fit;
+        let again = cost(
+            &setup.all_records(),
+            &fit.model,
+            &fit.values,
+            &fit.minimum.windows,
+        );
+        assert!((again / fit.minimum.cost - 1.0).abs() < 1e-9, "{again}");
+    }
+}
+
+/// A fit that would not come to where it matters ends early; one that does ends where it would have anyway.
+#[test]
+fn a_goal_ends_only_fits_that_do_not_reach_it() {
+    let cable = |now: &Now| -2e-3 * (now.angle - 0.5);
+    let physics = Physics {
+        on_body: &cable,
+        ..Physics::base()
+    };
+    let bench = setup(short_bench(&physics, 2960));
+    let records = bench.all_records();
+    let found = fitted(&bench, &[EffectId::BodyCableSpring]).fit;
+    // The curve of Stribeck lies along a curved valley.
+    let other = fitted(&bench, &[EffectId::BodyStribeckFriction]).fit;
+    let refitted = |fit: &identify::Fit, effort: Effort| {
+        let mut values = fit.values.clone();
+        *values.last_mut().expect("a parameter") *= 3.0;
+        let windows = fit.minimum.windows.clone();
+        let free = bench.free(&fit.model);
+        refit(&records, &fit.model, values, windows, &free, effort)
+    };
+    let goal = 1.5 * found.minimum.cost;
+    assert!(other.minimum.cost > 3.0 * goal, "{}", other.minimum.cost);
+    let efforts = [Effort::FULL, Effort::FULL.towards(goal)];
+    let [free, aimed] = efforts.map(|effort| refitted(&other, effort));
+    assert_eq!(aimed.outcome, Outcome::Outclassed);
+    assert!(aimed.evaluations < free.evaluations, "{}", free.evaluations);
+    let [free, aimed] = efforts.map(|effort| refitted(&found, effort));
+    assert_eq!(free.values, aimed.values);
+    assert!(aimed.outcome.was_successful());
 }
 
 /// Many suspects are scored in one simulation, and records that a suspect does not touch are not simulated
