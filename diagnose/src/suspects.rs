@@ -432,14 +432,9 @@ fn whole_start(
 }
 
 /// Fits an effect over the whole logs after [`fit_roughly`].
-fn fit_whole(
-    bench: &Bench,
-    from: &Candidate,
-    point: &Minimum,
-    rough: Rough,
-    goal: Goal,
-) -> Candidate {
+fn fit_whole(bench: &Bench, from: &Candidate, rough: Rough, goal: Goal) -> Candidate {
     let (setup, records) = (bench.setup, &bench.records);
+    let point = from.point();
     let Rough {
         minimum: rough,
         start,
@@ -525,29 +520,29 @@ fn refined_starts(bench: &Bench, whole: &Minimum, simpler: &Rough, effect: Effec
     starts
 }
 
-/// Fits the suspects that the score test has left, one after the other, those that promise most first (what one
-/// reaches is known to the next, and each fit keeps the machine busy by itself): all in the windows of
-/// the score test, and over the whole logs those that take a share there of what the best one takes and at
-/// least what `least_gain` asks of an effect.
-fn fit_all(
+/// Fits the suspects that the score test has left in its windows, one after the other, those that promise most
+/// first: what one reaches is known to the next, and each fit keeps the machine busy by itself. Those
+/// remain that take what `least_gain` asks of an effect and a share of what the best one takes, and what
+/// these refine.
+fn fit_all_roughly(
     bench: &Bench,
     from: &Candidate,
-    point: &Minimum,
     screened: Vec<Vec<Start>>,
     least_gain: &dyn Fn(EffectId) -> f64,
     mut goal: Goal,
-) -> Vec<Candidate> {
-    let records = &bench.records;
-    let observations: f64 = records.iter().map(|r| r.observations() as f64).sum();
-    let is_noise = |cost: f64| cost < (1.0 + LEAST_TRACE * LEAST_TRACE) * observations;
+) -> Vec<(EffectId, Rough)> {
+    let point = from.point();
+    let observed = bench.records.iter().map(|record| record.observations());
+    let noise = observed.sum::<usize>() as f64;
+    let is_noise = |cost: f64| cost < (1.0 + LEAST_TRACE * LEAST_TRACE) * noise;
     let mut roughs: Vec<(EffectId, Rough)> = vec![];
     for starts in screened {
         let Some(effect) = starts.first().map(|start| start.effect) else {
             continue;
         };
-        // A refinement that comes out as what it refines is that.
         let least = point.cost - least_gain(effect);
         let found = match refined(effect, &roughs, |rough| rough.minimum.cost) {
+            // A refinement that comes out as what it refines is that.
             Some(simpler) => {
                 let starts = refined_starts(bench, &from.minimum, simpler, effect);
                 let least = least.min(simpler.minimum.cost - LEAST_GAIN);
@@ -577,6 +572,17 @@ fn fit_all(
         .copied()
         .collect();
     roughs.retain(|(effect, rough)| is_plain(rough) || refined_names.contains(&effect.name()));
+    roughs
+}
+
+/// Fits over the whole logs what [`fit_all_roughly`] has left: what refines another effect last, otherwise those
+/// that take most first.
+fn fit_all_wholly(
+    bench: &Bench,
+    from: &Candidate,
+    mut roughs: Vec<(EffectId, Rough)>,
+    mut goal: Goal,
+) -> Vec<Candidate> {
     roughs.sort_by(|(_, a), (_, b)| a.minimum.cost.total_cmp(&b.minimum.cost));
     roughs.sort_by_key(|(_, rough)| is_refinement(&rough.start));
     let mut candidates: Vec<Candidate> = vec![];
@@ -588,9 +594,9 @@ fn fit_all(
             whole: goal.whole.min(least),
             ..goal
         };
-        let candidate = fit_whole(bench, from, point, rough, own);
+        let candidate = fit_whole(bench, from, rough, own);
         reached.push((effect, candidate.minimum.cost));
-        if leaves_nothing(records, &candidate) {
+        if leaves_nothing(&bench.records, &candidate) {
             let beside = Goal::beside(from, &candidate);
             goal.whole = goal.whole.min(beside.whole);
         }
@@ -745,7 +751,8 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
         .map_or(Goal::ANY, |leader| Goal::beside(from, leader));
     let chosen = chosen.into_iter().map(|(_, starts)| starts).collect();
     let least_gain = |effect: EffectId| LEAST_GAIN.max(LEAST_PART * missed(effect));
-    fit_all(bench, from, point, chosen, &least_gain, goal)
+    let roughs = fit_all_roughly(bench, from, chosen, &least_gain, goal);
+    fit_all_wholly(bench, from, roughs, goal)
 }
 
 /// Refits a candidate without one of its effects. `known` is what an earlier fit of that set has reached:
