@@ -778,6 +778,41 @@ mod tests {
         assert!((twice - effect.remember(&p, 1e-4, 0.02)).abs() < 1e-15);
     }
 
+    /// A command that alternates across a dead zone of 0.03 A: its mean of 0.01 A alone would drive nothing,
+    /// every second sample passes 0.02 A.
+    #[test]
+    fn each_sample_of_the_command_passes_the_motor_also_where_the_log_is_thinned() {
+        let model = Model::base().with(EffectId::MotorDeadZone);
+        let values = [&VALUES[..], &[0.03]].concat();
+        let plant = Plant::new(&model, &values, Kind::SpinUp);
+        let time_s: Vec<f64> = (0..=1000).map(|k| k as f64 * 1e-3).collect();
+        let command = |k: usize| 0.01 + if k.is_multiple_of(2) { 0.04 } else { -0.04 };
+        let current_a: Vec<f64> = (0..=1000).map(command).collect();
+        let input = Input::new(&time_s, &current_a, Hold::Zero);
+        let end = |step: usize| {
+            let times: Vec<f64> = time_s.iter().copied().step_by(step).collect();
+            let mut end = 0.0;
+            plant.run(
+                State::rest(),
+                &times,
+                0..times.len(),
+                Current::Recorded(&input),
+                None,
+                |_, reading, _| end = reading.wheel_speed_rad_s,
+            );
+            end
+        };
+        let (j, r) = (VALUES[1], VALUES[5]);
+        let exact = 0.0335 * 0.01 / r * (1.0 - (-r / j).exp());
+        for step in [1, 4] {
+            assert!(
+                (end(step) / exact - 1.0).abs() < 1e-3,
+                "{step}: {} {exact}",
+                end(step)
+            );
+        }
+    }
+
     #[test]
     fn sensitivities_agree_with_finite_differences_for_every_effect() {
         let time_s: Vec<f64> = (0..400).map(|k| k as f64 * 0.004).collect();

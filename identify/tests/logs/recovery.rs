@@ -524,8 +524,7 @@ fn a_cable_is_found_from_a_wrong_one_in_few_steps() {
     }
 }
 
-/// A command that jumps about by more than the dead zone from sample to sample: its mean over a few samples
-/// would pass another dead zone.
+/// The parameters of the motor come back from a thinned log as from the whole one.
 #[test]
 fn a_thinned_log_says_what_the_whole_log_says() {
     let (zone, lag) = (0.03, 0.008);
