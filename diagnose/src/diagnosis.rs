@@ -191,19 +191,11 @@ impl Start {
         let records = thin.all_records();
         let mut suspects = suspects.to_vec();
         suspects.retain(|&effect| !is_cleared(&records, effect));
-        let is_thinned = thinning.iter().any(|&step| step > 1);
-        let minimum = if is_fitted && !is_thinned {
+        let minimum = if is_fitted && !is_thinned(&thinning) {
             given.clone()
         } else {
-            let thinned = |(windows, &step): (&Vec<Window>, &usize)| -> Vec<Window> {
-                let thinned = |window: &Window| Window {
-                    samples: window.samples.start.div_ceil(step)..window.samples.end.div_ceil(step),
-                    locals: window.locals.clone(),
-                };
-                windows.iter().map(thinned).collect()
-            };
-            let before: Vec<Vec<Window>> =
-                given.windows.iter().zip(&thinning).map(thinned).collect();
+            let thinned = |start: usize, step: usize| start.div_ceil(step);
+            let before = windows_at(&given.windows, &thinning, thinned);
             let values = given.values.clone();
             let windows = joined(&records, &values, &before);
             let free = thin.free(model);
@@ -217,10 +209,6 @@ impl Start {
             candidate,
             whole: is_fitted.then(|| given.clone()),
         }
-    }
-
-    fn is_thinned(&self) -> bool {
-        self.thinning.iter().any(|&step| step > 1)
     }
 
     /// The bench with driven logs in short windows, where cogging beside what a candidate has asks for it.
@@ -275,7 +263,6 @@ impl Searched {
             remainder,
             verdict,
         } = self;
-        let is_thinned = start.is_thinned();
         let Start {
             thin,
             thinning,
@@ -310,7 +297,7 @@ impl Searched {
             .into_par_iter()
             .map(|(effect, index)| {
                 let (candidate, look) = (&found.pool[index], &looks[&index]);
-                if is_thinned {
+                if is_thinned(&thinning) {
                     let known = whole.as_ref().filter(|_| effect.is_none());
                     let minimum = match known {
                         Some(known) => known.clone(),
@@ -408,18 +395,33 @@ fn looks(
         .collect()
 }
 
+/// Whether any log is read more sparsely than it was recorded.
+fn is_thinned(thinning: &[usize]) -> bool {
+    thinning.iter().any(|&step| step > 1)
+}
+
+/// The windows of logs that are read at another step: `place` says where a sample stands there.
+fn windows_at(
+    windows: &[Vec<Window>],
+    thinning: &[usize],
+    place: impl Fn(usize, usize) -> usize,
+) -> Vec<Vec<Window>> {
+    let moved = |window: &Window, step: usize| Window {
+        samples: place(window.samples.start, step)..place(window.samples.end, step),
+        locals: window.locals.clone(),
+    };
+    windows
+        .iter()
+        .zip(thinning)
+        .map(|(windows, &step)| windows.iter().map(|window| moved(window, step)).collect())
+        .collect()
+}
+
 /// The fit of a candidate to all samples of the bench.
 fn whole_fit(setup: &Setup, thinning: &[usize], candidate: &Candidate) -> Minimum {
     let records = setup.all_records();
-    let whole = |(windows, &step): (&Vec<Window>, &usize)| -> Vec<Window> {
-        let whole = |window: &Window| Window {
-            samples: window.samples.start * step..window.samples.end * step,
-            locals: window.locals.clone(),
-        };
-        windows.iter().map(whole).collect()
-    };
-    let thin = candidate.minimum.windows.iter().zip(thinning);
-    let before: Vec<Vec<Window>> = thin.map(whole).collect();
+    let whole = |start: usize, step: usize| start * step;
+    let before = windows_at(&candidate.minimum.windows, thinning, whole);
     let windows = joined(&records, &candidate.minimum.values, &before);
     refit(
         &records,
