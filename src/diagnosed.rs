@@ -23,6 +23,8 @@ pub struct Diagnosed<'a> {
     pub found: Diagnosis,
     /// The model of the last step beside the measurements.
     pub last: Fitted<'a>,
+    /// How the free swings die out, beside the model of the last step.
+    decays: Vec<SwingDecay<'a>>,
 }
 
 /// The JSON of the contract, with what else there is to say.
@@ -109,17 +111,13 @@ impl<'a> Diagnosed<'a> {
         Ok(Diagnosed {
             folder,
             found,
+            decays: swing_decays(&folder.setup.records, &last.traces),
             last,
         })
     }
 
     fn records(&self) -> &[Record] {
         &self.folder.setup.records
-    }
-
-    /// How the free swings die out, beside the model of the last step.
-    fn decays(&self) -> Vec<SwingDecay<'_>> {
-        swing_decays(self.records(), &self.last.traces)
     }
 
     /// Name, noise and unit of every series.
@@ -228,7 +226,7 @@ impl<'a> Diagnosed<'a> {
         if !found.next_experiment.is_empty() {
             text.push_str(&format!("\nNext experiment\n  {}\n", found.next_experiment));
         }
-        text.push_str(&swing_decay::text(&self.decays()));
+        text.push_str(&swing_decay::text(&self.decays));
         text + &self.last.place_table() + &self.last.remarks()
     }
 
@@ -376,7 +374,7 @@ impl<'a> Diagnosed<'a> {
             remainder: found.remainder,
             sensor_noise: self.keyed(self.series().iter().map(|(_, noise, _)| *noise)),
             pushes: self.last.pushes_json(),
-            decay: swing_decay::json(&self.decays()),
+            decay: swing_decay::json(&self.decays),
             statements: self.last.statements.clone(),
             figures,
         }
@@ -389,7 +387,7 @@ impl<'a> Diagnosed<'a> {
         figures::write_svg(&paths[0], &self.staircase_figure()?)?;
         figures::write_svg(&paths[1], &self.suspect_figure())?;
         let bench = &self.folder.bench.name;
-        paths.extend(swing_decay::figures(&self.decays(), bench, out)?);
+        paths.extend(swing_decay::figures(&self.decays, bench, out)?);
         paths.extend(self.last.figures()?);
         Ok(paths)
     }

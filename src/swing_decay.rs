@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use figures::{DecayPanel, DecayPoint, Quantity};
 use identify::{AtAmplitude, Decay, DecayLaw, Estimate, Record, Trace};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::bench_folder::file_name;
@@ -45,7 +46,7 @@ const TERMS: [(&str, &str); 3] = [("C", "rad/s"), ("V", "1/s"), ("Q", "1/(rad s)
 /// The free swings that are long enough to show a decay.
 pub fn swing_decays<'a>(records: &'a [Record], traces: &[Vec<Trace>]) -> Vec<SwingDecay<'a>> {
     records
-        .iter()
+        .par_iter()
         .zip(traces)
         .filter_map(|(record, traces)| {
             let measured = identify::decay(record)?;

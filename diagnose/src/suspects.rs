@@ -37,7 +37,7 @@ pub struct Bench<'a> {
 }
 
 /// Most unknowns that a window has of its own.
-const MOST_LOCALS: usize = 5;
+const MOST_LOCALS: usize = 6;
 /// Most starts of one suspect that are fitted.
 const MOST_STARTS: usize = 2;
 /// Share of the cost in short windows whose gain makes a fit over the whole logs that brings nothing
@@ -222,12 +222,24 @@ fn starts(
     if effect == EffectId::BackEmfLimit {
         parameter_sets.retain(|set| is_reached(records, set, base[plant::TORQUE_CONSTANT]));
     }
+    // On top of the effect that it refines, a shape is of use if it takes something of the misfit as it
+    // stands, the rest of the parameters adapted to it. What a step promises that changes the shape as well
+    // is no measure far from the fit. The last shape is nearest to what is refined, and may still change.
+    let is_taking_over = refines(effect, known.model);
+    let own = at..at + info.parameters.len();
+    let last = parameter_sets.len().saturating_sub(1);
     parameter_sets
         .into_iter()
-        .map(|chosen| {
+        .enumerate()
+        .filter_map(|(index, chosen)| {
             let mut start = vec![0.0; model.parameter_count()];
             start[at..at + chosen.len()].copy_from_slice(&chosen);
-            let values = carry_over(known.model, &point.values, &model, &start);
+            let mut values = carry_over(known.model, &point.values, &model, &start);
+            // What refines another effect starts as that effect: what it promises is then what its own
+            // part would add to a motion that is fitted already.
+            if let (Some((one, other)), true) = (info.limit, is_taking_over) {
+                values[at + one] = values[at + other];
+            }
             let unknowns = Unknowns::new(&model, &setup.free(&model));
             // Windows that start on the wrong side of a tooth would promise nothing.
             let windows = if needs_settling {
@@ -246,14 +258,26 @@ fn starts(
             };
             let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
             let all = vec![true; unknowns.free.len()];
-            let step = promise.step(&values, &unknowns, &all);
-            Start {
+            let promised_cost = promise.step(&values, &unknowns, &all).cost;
+            if is_taking_over && index < last {
+                let positions = model.parameters();
+                let moves: Vec<bool> = unknowns
+                    .free
+                    .iter()
+                    .map(|&at| !(own.contains(&at) && positions[at].logarithmic))
+                    .collect();
+                let held_cost = promise.step(&values, &unknowns, &moves).cost;
+                if point.cost - held_cost < LEAST_GAIN {
+                    return None;
+                }
+            }
+            Some(Start {
                 effect,
                 model: model.clone(),
                 values,
-                promised_cost: step.cost,
+                promised_cost,
                 windows: None,
-            }
+            })
         })
         .collect()
 }
@@ -481,6 +505,15 @@ fn fit_whole(bench: &Bench, from: &Candidate, rough: Rough, goal: Goal) -> Candi
 /// Whether a start is that of an effect that takes the place of another one.
 fn is_refinement(start: &Start) -> bool {
     !start.effect.info().replaces.is_empty()
+}
+
+/// Whether an effect takes the place of one that the model has.
+fn refines(effect: EffectId, model: &Model) -> bool {
+    let present = model.effects().iter();
+    let names = effect.info().replaces;
+    present
+        .map(|one| one.name())
+        .any(|name| names.contains(&name))
 }
 
 /// The best of those that were `reached` with effects that this one refines.

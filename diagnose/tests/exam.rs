@@ -129,6 +129,11 @@ fn smooth_effects_mean_the_same_to_the_exam_and_to_the_plant() {
         let input = Input::new(&log.time_s, &log.current_a, Hold::Zero);
         let start = State {
             angle_rad: 0.3,
+            // Before the log the exam's first command held; no current had flowed.
+            current_a: match effect {
+                EffectId::InputDelay => log.current_a[0],
+                _ => 0.0,
+            },
             ..State::rest()
         };
         let (mut worst, mut largest) = ([0.0f64; 3], [0.0f64; 3]);

@@ -491,6 +491,53 @@ fn shortest_run(energy: &[f64], edges: &[f64]) -> Option<(usize, usize)> {
     best
 }
 
+/// What one record shows.
+struct Seen {
+    motion: Option<MeasuredMotion>,
+    /// For each coordinate its value in every interval.
+    places: Vec<Vec<f64>>,
+    /// The missing torques with their slopes.
+    torques: Vec<(TorqueOn, Series, Vec<Vec<f64>>)>,
+    outputs: Vec<Series>,
+}
+
+fn seen(
+    index: usize,
+    record: &Record,
+    windows: &[Vec<Window>],
+    traces: &[Vec<Trace>],
+    model: &Model,
+    values: &[f64],
+) -> Seen {
+    let half = if record.len() > 1 {
+        half_bump(record, values)
+    } else {
+        1
+    };
+    let Some(motion) = MeasuredMotion::new(record, &windows[index], model, values, half) else {
+        return Seen {
+            motion: None,
+            places: vec![vec![]; Coordinate::ALL.len()],
+            torques: vec![],
+            outputs: vec![],
+        };
+    };
+    let torques = motion
+        .missing_torques(record, model, values, half)
+        .into_iter()
+        .map(|missing| {
+            let slopes = motion.parameter_slopes(record, model, values, &missing);
+            (missing.on, torque_series(index, record, &missing), slopes)
+        })
+        .collect();
+    Seen {
+        places: coordinates(record, &motion, values),
+        torques,
+        outputs: output_series(index, record, &traces[index]),
+        motion: Some(motion),
+    }
+}
+
 /// Breaks the residuals of a model down. `windows` and `traces` are those of the fit, in the order of
 /// the records.
 pub fn breakdown(
@@ -506,24 +553,18 @@ pub fn breakdown(
     let mut torques: Vec<(TorqueOn, Series)> = vec![];
     let mut slopes: Vec<Vec<Vec<f64>>> = vec![];
     let mut outputs: Vec<Series> = vec![];
-    for (index, record) in records.iter().enumerate() {
-        let half = if record.len() > 1 {
-            half_bump(record, values)
-        } else {
-            1
-        };
-        let motion = MeasuredMotion::new(record, &windows[index], model, values, half);
-        if let Some(motion) = &motion {
-            places.push(coordinates(record, motion, values));
-            for missing in motion.missing_torques(record, model, values, half) {
-                slopes.push(motion.parameter_slopes(record, model, values, &missing));
-                torques.push((missing.on, torque_series(index, record, &missing)));
-            }
-            outputs.extend(output_series(index, record, &traces[index]));
-        } else {
-            places.push(vec![vec![]; Coordinate::ALL.len()]);
+    let seen: Vec<Seen> = (0..records.len())
+        .into_par_iter()
+        .map(|index| seen(index, &records[index], windows, traces, model, values))
+        .collect();
+    for one in seen {
+        motions.push(one.motion);
+        places.push(one.places);
+        for (on, series, own_slopes) in one.torques {
+            torques.push((on, series));
+            slopes.push(own_slopes);
         }
-        motions.push(motion);
+        outputs.extend(one.outputs);
     }
     for on in [TorqueOn::Body, TorqueOn::BodyByCommand, TorqueOn::Wheel] {
         let mut group: Vec<(&mut Series, &[Vec<f64>])> = torques

@@ -28,7 +28,9 @@ use realfft::num_complex::Complex;
 
 use crate::noise::input_noise_std;
 use crate::record::{Output, Record};
-use crate::sensitivity::{Unknowns, Window, normal, observe, relevant, simulate_smoothed};
+use crate::sensitivity::{
+    Observation, Unknowns, Window, normal_observed, relevant, simulate_smoothed,
+};
 
 /// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
 /// logarithm), from the final windows of a fit; `None` where the information is singular.
@@ -129,44 +131,21 @@ pub fn gradient_error(
     let mut sensitivities = vec![vec![vec![0.0; n]; p]; channels];
     let mut counts = vec![0usize; channels];
     let mut locals_total = 0;
-    for window in windows {
-        let l = window.locals.len();
-        locals_total += l;
-        // s̃ = s_g − Hgl Hll⁻¹ s_l: what is left of the sensitivity once the start may adapt.
-        let system = normal(record, window, model, values, unknowns, &globals);
-        let mut own = system.hessian.view((p, p), (l, l)).into_owned();
-        for index in 0..l {
-            own[(index, index)] = own[(index, index)].max(1e-300) * (1.0 + 1e-12);
+    let projected: Vec<Vec<Projected>> = windows
+        .par_iter()
+        .map(|window| project(record, window, model, values, unknowns, &globals))
+        .collect();
+    for (window, observations) in windows.iter().zip(projected) {
+        locals_total += window.locals.len();
+        for one in observations {
+            counts[one.channel] += 1;
+            let mut residual = one.residual;
+            for (index, series) in sensitivities[one.channel].iter_mut().enumerate() {
+                series[one.sample] = one.sensitivity[index];
+                residual -= one.sensitivity[index] * own_step[index];
+            }
+            residuals[one.channel][one.sample] = residual;
         }
-        let coupling = system.hessian.view((p, 0), (l, p)).into_owned();
-        let projection: Option<DMatrix<f64>> =
-            Cholesky::new(own).map(|cholesky| cholesky.solve(&coupling));
-        observe(
-            record,
-            window,
-            model,
-            values,
-            unknowns,
-            &globals,
-            &mut |observation| {
-                let k = observation.sample;
-                if record.weight[k] == 0.0 || !observation.residual.is_finite() {
-                    return;
-                }
-                counts[observation.channel] += 1;
-                let (of_globals, of_locals) = observation.sensitivity.split_at(p);
-                let mut residual = observation.residual;
-                for (index, series) in sensitivities[observation.channel].iter_mut().enumerate() {
-                    let taken_up: f64 = projection.as_ref().map_or(0.0, |projection| {
-                        let column = projection.column(index);
-                        column.iter().zip(of_locals).map(|(a, b)| a * b).sum()
-                    });
-                    series[k] = of_globals[index] - taken_up;
-                    residual -= series[k] * own_step[index];
-                }
-                residuals[observation.channel][k] = residual;
-            },
-        );
     }
     for window in windows {
         let walk = input_walk(record, window, model, values, &sensitivities);
@@ -209,6 +188,56 @@ pub fn gradient_error(
         noise: middle,
         stick,
     }
+}
+
+/// An observation once the start of its window may adapt.
+struct Projected {
+    sample: usize,
+    channel: usize,
+    residual: f64,
+    /// s̃ = s_g − Hgl Hll⁻¹ s_l, for each parameter that shows in the record.
+    sensitivity: Vec<f64>,
+}
+
+fn project(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+) -> Vec<Projected> {
+    let p = globals.len();
+    let mut observations: Vec<Projected> = vec![];
+    let keep = &mut |observation: Observation| {
+        if observation.residual.is_finite() {
+            observations.push(Projected {
+                sample: observation.sample,
+                channel: observation.channel,
+                residual: observation.residual,
+                sensitivity: observation.sensitivity.to_vec(),
+            });
+        }
+    };
+    let system = normal_observed(record, window, model, values, unknowns, globals, keep);
+    let l = system.locals.len();
+    let mut own = system.hessian.view((p, p), (l, l)).into_owned();
+    for index in 0..l {
+        own[(index, index)] = own[(index, index)].max(1e-300) * (1.0 + 1e-12);
+    }
+    let coupling = system.hessian.view((p, 0), (l, p)).into_owned();
+    let projection = Cholesky::new(own).map(|cholesky| cholesky.solve(&coupling));
+    for observation in &mut observations {
+        let of_locals = observation.sensitivity.split_off(p);
+        if let Some(projection) = &projection {
+            for (index, sensitivity) in observation.sensitivity.iter_mut().enumerate() {
+                let column = projection.column(index);
+                let taken_up: f64 = column.iter().zip(&of_locals).map(|(a, b)| a * b).sum();
+                *sensitivity -= taken_up;
+            }
+        }
+    }
+    observations
 }
 
 /// Whether a position of the parameter vector belongs to a dry friction whose sign is smoothed.

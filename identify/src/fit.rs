@@ -110,6 +110,7 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
     let speed = record.channel(Output::WheelSpeed).map(|c| line(&c.samples));
     let locals = Local::of(record)
         .iter()
+        .filter(|local| **local != Local::PastCurrent || samples.start == 0)
         .map(|local| match local {
             Local::Angle => angle.map_or(0.0, |(value, _)| value),
             Local::Rate => rate
@@ -117,7 +118,7 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
                 .or(angle.map(|(_, slope)| slope))
                 .unwrap_or(0.0),
             Local::WheelSpeed => speed.map_or(0.0, |(value, _)| value),
-            Local::AngleZero | Local::WheelAngle => 0.0,
+            Local::AngleZero | Local::WheelAngle | Local::PastCurrent => 0.0,
             Local::Current => {
                 let torque_per_ampere = values[TORQUE_CONSTANT];
                 let inertia = values[WHEEL_INERTIA];

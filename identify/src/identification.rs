@@ -62,7 +62,7 @@ impl Setup {
     pub fn new(bench: &Bench) -> Result<Setup, IdentifyError> {
         let records: Vec<Record> = bench
             .experiments
-            .iter()
+            .par_iter()
             .map(Record::from_experiment)
             .filter(|record| !record.channels.is_empty() && !record.is_empty())
             .collect();

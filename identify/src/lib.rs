@@ -60,8 +60,8 @@ pub use noise::{input_noise_std, noise_std, resolution};
 pub use pushes::{Push, PushModel, find_pushes, leave_out};
 pub use record::{BALANCE_WINDOW_S, Channel, Output, Record, RecordedCurrent};
 pub use sensitivity::{
-    Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, acts, normal, observe,
-    relevant, simulate,
+    Local, MAX_UNKNOWNS, Observation, Unknowns, Window, WindowNormal, acts, normal,
+    normal_observed, relevant, simulate,
 };
 pub use solver::{
     Effort, KnownPromise, Minimum, Outcome, Promise, PromisedStep, RecordPromise, cost, minimise,

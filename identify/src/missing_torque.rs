@@ -507,11 +507,17 @@ fn add_current(
         RecordedCurrent::Known(input) => Current::Recorded(input),
         RecordedCurrent::Unknown => Current::Held(0.0),
     };
-    let mut flowing = 0.0;
+    let past = locals.iter().position(|local| *local == Local::PastCurrent);
+    let first = windows.iter().find(|window| window.samples.start == 0);
+    let before = match past.zip(first) {
+        Some((at, first)) => first.locals[at],
+        None => record.current_a.first().copied().unwrap_or(0.0),
+    };
+    let mut flowing = before;
     for (k, state) in state.iter_mut().enumerate() {
         let (from, to) = (record.time_s[k], record.time_s[k + 1]);
         let drive = match current {
-            Current::Recorded(input) => input.mean(from, to, plant.delay_s(), k),
+            Current::Recorded(input) => plant.command(input, (from, to), before, k),
             Current::Held(_) => held(k),
         };
         let step = to - from;

@@ -22,10 +22,14 @@ pub enum Local {
     /// Wheel angle at the start beyond the one that the measured wheel speed gives, rad. Its noise adds up
     /// to a random walk over the log, by which a window in the middle does not know where the wheel is.
     WheelAngle,
+    /// Current that was commanded before the log began, A: nobody recorded it, and a delay or a lag carries
+    /// it into the log. Only the window with the first sample has it.
+    PastCurrent,
 }
 
 impl Local {
-    /// The unknowns of every window of this record, as its kind and channels allow.
+    /// The unknowns of every window of this record, as its kind and channels allow; the last is left out
+    /// where it is [`Local::PastCurrent`] and the window does not begin with the log.
     pub fn of(record: &Record) -> Vec<Local> {
         let measures = |output| record.channel(output).is_some();
         let mut locals = vec![];
@@ -44,7 +48,20 @@ impl Local {
         if matches!(record.kind, Kind::Balance | Kind::Driven) && measures(Output::WheelSpeed) {
             locals.push(Local::WheelAngle);
         }
+        let is_commanded = matches!(record.current, RecordedCurrent::Known(_));
+        if record.kind != Kind::FreeSwing && is_commanded && !record.current_is_measured {
+            locals.push(Local::PastCurrent);
+        }
         locals
+    }
+
+    /// Whether the motion of this model depends on the unknown.
+    pub fn acts_on(self, model: &Model) -> bool {
+        match self {
+            Local::WheelAngle => model.has(EffectId::WheelCogging),
+            Local::PastCurrent => model.has(EffectId::InputDelay) || model.has(EffectId::MotorLag),
+            _ => true,
+        }
     }
 
     /// Standard deviation with which the unknown of a window that begins at the sample `first` is known
@@ -59,11 +76,22 @@ impl Local {
                 // At the first sample the angle is zero by definition.
                 Some((noise * span_s / steps.sqrt()).max(LEAST_WHEEL_ANGLE_STD_RAD))
             }
+            Local::PastCurrent => {
+                // Like the commands that were recorded.
+                let finite = record
+                    .current_a
+                    .iter()
+                    .filter(|current| current.is_finite());
+                let largest = finite.fold(0.0f64, |largest, current| largest.max(current.abs()));
+                Some(largest.max(LEAST_CURRENT_A))
+            }
             _ => None,
         }
     }
 }
 
+/// Stands for "no current" where a prior needs a width.
+const LEAST_CURRENT_A: f64 = 1e-6;
 /// Stands for "known exactly" among the wheel angles of windows.
 const LEAST_WHEEL_ANGLE_STD_RAD: f64 = 1e-4;
 
@@ -118,7 +146,7 @@ impl Unknowns {
 }
 
 /// Normal equations of one window: (Hgg Hgl; Hlg Hll) and right-hand sides, for the unknowns in the
-/// order globals, locals. Residuals are divided by the noise of their channel.
+/// order globals, acting locals. Residuals are divided by the noise of their channel.
 #[derive(Clone, Debug)]
 pub struct WindowNormal {
     /// Sum over the samples of sensitivity times its transpose, (p+l)×(p+l).
@@ -127,6 +155,17 @@ pub struct WindowNormal {
     pub gradient: DVector<f64>,
     /// Sum of squared residuals; infinite if the simulation left the finite numbers.
     pub cost: f64,
+    /// Which of the window's unknowns act, as indices into [`Window::locals`].
+    pub locals: Vec<usize>,
+}
+
+/// The unknowns of a window on which the motion of a model depends, as indices into [`Window::locals`].
+fn acting(record: &Record, window: &Window, model: &Model) -> Vec<usize> {
+    let locals = Local::of(record).into_iter().zip(&window.locals);
+    locals
+        .enumerate()
+        .filter_map(|(index, (local, _))| local.acts_on(model).then_some(index))
+        .collect()
 }
 
 /// What a window's simulation hands out for one observation.
@@ -135,11 +174,9 @@ pub struct Observation<'a> {
     pub sample: usize,
     /// Index of the channel in the record.
     pub channel: usize,
-    /// (measured − model)/noise; NaN where the measurement is missing.
+    /// (measured − model)/noise.
     pub residual: f64,
-    /// The model's output in the channel's unit.
-    pub output: f64,
-    /// ∂(model/noise)/∂unknown, globals then locals.
+    /// ∂(model/noise)/∂unknown, globals then acting locals.
     pub sensitivity: &'a [f64],
 }
 
@@ -205,7 +242,8 @@ pub fn moves_alike(kind: Kind, one: (&Model, &[f64]), other: (&Model, &[f64])) -
     one.1[base.clone()] == other.1[base] && acting(one.0, one.1) == acting(other.0, other.1)
 }
 
-/// The start of a window from its local unknowns: the state, a held current, the angle's zero.
+/// The start of a window from its local unknowns: the state with the current before it, a held current, the
+/// angle's zero.
 fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
     let mut state = State::rest();
     let mut current = S::zero();
@@ -218,6 +256,7 @@ fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
             Local::Current => current = value,
             Local::AngleZero => angle_zero = value,
             Local::WheelAngle => state.wheel_angle_rad = value,
+            Local::PastCurrent => state.current_a = value,
         }
     }
     (state, current, angle_zero)
@@ -283,68 +322,6 @@ fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
     }
 }
 
-/// Simulates a window with derivatives with respect to `globals` (indices into the unknowns) and
-/// its own locals, and hands every observation to `each`, sample by sample.
-pub fn observe(
-    record: &Record,
-    window: &Window,
-    model: &Model,
-    values: &[f64],
-    unknowns: &Unknowns,
-    globals: &[usize],
-    each: &mut dyn FnMut(Observation),
-) {
-    let count = globals.len() + window.locals.len();
-    with_lanes!(
-        count,
-        observe_lanes,
-        record,
-        window,
-        model,
-        values,
-        unknowns,
-        globals,
-        each
-    );
-}
-
-fn observe_lanes<const N: usize>(
-    record: &Record,
-    window: &Window,
-    model: &Model,
-    values: &[f64],
-    unknowns: &Unknowns,
-    globals: &[usize],
-    each: &mut dyn FnMut(Observation),
-) {
-    let count = globals.len() + window.locals.len();
-    run_lanes::<N>(
-        record,
-        window,
-        model,
-        values,
-        unknowns,
-        globals,
-        &mut |k, reading| {
-            for (index, channel) in record.channels.iter().enumerate() {
-                let output = channel.output.of(reading);
-                let scale = 1.0 / channel.noise_std;
-                let mut sensitivity = output.derivatives;
-                for lane in &mut sensitivity {
-                    *lane *= scale;
-                }
-                each(Observation {
-                    sample: k,
-                    channel: index,
-                    residual: (channel.samples[k] - output.value) * scale,
-                    output: output.value,
-                    sensitivity: &sensitivity[..count],
-                });
-            }
-        },
-    );
-}
-
 fn run_lanes<const N: usize>(
     record: &Record,
     window: &Window,
@@ -352,6 +329,7 @@ fn run_lanes<const N: usize>(
     values: &[f64],
     unknowns: &Unknowns,
     globals: &[usize],
+    acting: &[usize],
     // Not generic, so that the integrator is compiled once for each number of lanes.
     each: &mut dyn FnMut(usize, &plant::Reading<Dual<N>>),
 ) {
@@ -367,7 +345,12 @@ fn run_lanes<const N: usize>(
         .locals
         .iter()
         .enumerate()
-        .map(|(lane, &value)| Dual::variable(value, globals.len() + lane))
+        .map(
+            |(index, &value)| match acting.iter().position(|&at| at == index) {
+                Some(lane) => Dual::variable(value, globals.len() + lane),
+                None => Dual::constant(value),
+            },
+        )
         .collect();
     let (start, held, angle_zero) = start_state(&locals, &starts);
     let plant = plant_of(record, model, &duals, Smoothing::SIMULATION);
@@ -395,7 +378,29 @@ pub fn normal(
     unknowns: &Unknowns,
     globals: &[usize],
 ) -> WindowNormal {
-    let count = globals.len() + window.locals.len();
+    normal_observed(
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        globals,
+        &mut |_| {},
+    )
+}
+
+/// As [`normal`]; every observation that counts is handed to `each` as well, sample by sample.
+pub fn normal_observed(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+    each: &mut dyn FnMut(Observation),
+) -> WindowNormal {
+    let acting = acting(record, window, model);
+    let count = globals.len() + acting.len();
     with_lanes!(
         count,
         normal_lanes,
@@ -404,7 +409,9 @@ pub fn normal(
         model,
         values,
         unknowns,
-        globals
+        globals,
+        acting,
+        each
     )
 }
 
@@ -415,8 +422,10 @@ fn normal_lanes<const N: usize>(
     values: &[f64],
     unknowns: &Unknowns,
     globals: &[usize],
+    acting: Vec<usize>,
+    each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
-    let count = globals.len() + window.locals.len();
+    let count = globals.len() + acting.len();
     let mut hessian = [[0.0; N]; N];
     let mut gradient = [0.0; N];
     let mut cost = 0.0;
@@ -425,6 +434,7 @@ fn normal_lanes<const N: usize>(
             hessian: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
             cost: f64::INFINITY,
+            locals: acting,
         };
     }
     run_lanes::<N>(
@@ -434,12 +444,13 @@ fn normal_lanes<const N: usize>(
         values,
         unknowns,
         globals,
+        &acting,
         &mut |k, reading| {
             let weight = record.weight[k];
             if weight == 0.0 {
                 return;
             }
-            for channel in &record.channels {
+            for (index, channel) in record.channels.iter().enumerate() {
                 let measured = channel.samples[k];
                 if measured.is_nan() {
                     continue;
@@ -459,12 +470,21 @@ fn normal_lanes<const N: usize>(
                         hessian[row][column] += sensitivity[row] * sensitivity[column];
                     }
                 }
+                each(Observation {
+                    sample: k,
+                    channel: index,
+                    residual,
+                    sensitivity: &sensitivity[..count],
+                });
             }
         },
     );
     for (local, value, std) in priors(record, window) {
-        let lane = globals.len() + local;
         cost += (value / std).powi(2);
+        let Some(lane) = acting.iter().position(|&at| at == local) else {
+            continue;
+        };
+        let lane = globals.len() + lane;
         gradient[lane] -= value / (std * std);
         hessian[lane][lane] += 1.0 / (std * std);
     }
@@ -475,6 +495,7 @@ fn normal_lanes<const N: usize>(
         hessian: DMatrix::from_fn(count, count, |row, column| hessian[row][column]),
         gradient: DVector::from_fn(count, |row, _| gradient[row]),
         cost,
+        locals: acting,
     }
 }
 

@@ -170,6 +170,8 @@ struct Reduced {
 }
 
 struct Eliminated {
+    /// The window's unknowns that act, as indices into [`Window::locals`].
+    locals: Vec<usize>,
     inverse: Cholesky<f64, nalgebra::Dyn>,
     coupling: DMatrix<f64>,
     gradient: DVector<f64>,
@@ -228,6 +230,7 @@ fn reduce_record(
         let coupling = normal.hessian.view((p, 0), (l, p)).into_owned();
         let own_gradient = normal.gradient.rows(p, l).into_owned();
         let eliminated = Cholesky::new(own).map(|inverse| Eliminated {
+            locals: normal.locals.clone(),
             inverse,
             coupling,
             gradient: own_gradient,
@@ -374,8 +377,8 @@ pub fn minimise(
                     .inverse
                     .solve(&(&eliminated.gradient - &eliminated.coupling * &shared));
                 promised += own.dot(&eliminated.gradient);
-                for (local, change) in window.locals.iter_mut().zip(own.iter()) {
-                    *local += change;
+                for (&local, change) in eliminated.locals.iter().zip(own.iter()) {
+                    window.locals[local] += change;
                 }
             }
         }

@@ -129,6 +129,9 @@ pub struct EffectInfo {
     pub has_kink: bool,
     /// The torque is linear in p[i] and in the product p[i] p[j] for this (i, j), not in p[j] itself.
     pub product: Option<(usize, usize)>,
+    /// Where p[i] equals p[j] for this (i, j) the term is that of the effect which it replaces
+    /// (`None`: at no finite parameters).
+    pub limit: Option<(usize, usize)>,
     /// What becomes of it in the linear model.
     pub linearised: Linearised,
 }

@@ -61,6 +61,14 @@ impl Input {
         }
     }
 
+    /// Time in s and current in A of the first sample, if there is one.
+    pub fn first(&self) -> Option<(f64, f64)> {
+        self.time_s
+            .first()
+            .copied()
+            .zip(self.current_a.first().copied())
+    }
+
     /// The index of the last sample at or before `time_s`, looked for near `hint`.
     fn index(&self, time_s: f64, hint: usize) -> usize {
         let near = |k: usize| {

@@ -296,6 +296,31 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
+    /// The mean command in A that reaches the motor over [from_s, to_s], delayed where the model says so;
+    /// `before_a` was commanded before the log began. `hint` is the index of a sample nearby.
+    pub fn command(
+        &self,
+        input: &Input,
+        (from_s, to_s): (f64, f64),
+        before_a: S,
+        hint: usize,
+    ) -> S {
+        let mean = input.mean(from_s, to_s, self.delay_s, hint);
+        let (Some(delay), Some((first_s, first_a))) = (self.delay_s, input.first()) else {
+            return mean;
+        };
+        // So long what was commanded before still flows.
+        let late = delay + (first_s - from_s);
+        let span_s = to_s - from_s;
+        if late.value() <= 0.0 {
+            mean
+        } else if late.value() >= span_s {
+            before_a
+        } else {
+            mean + (before_a - first_a) * late * (1.0 / span_s)
+        }
+    }
+
     /// The mean of the current that makes the torque over [from_s, to_s], and the one that flows behind the
     /// lag at its end, in A: each sample of the command passes the motor by itself.
     fn through_motor_on_average(
@@ -303,6 +328,7 @@ impl<S: Scalar> Plant<S> {
         input: &Input,
         state: &State<S>,
         (from_s, to_s): (f64, f64),
+        before_a: S,
         hint: usize,
     ) -> (S, S) {
         let at = Instant {
@@ -317,7 +343,7 @@ impl<S: Scalar> Plant<S> {
         let mut flowing_a = state.current_a;
         for (start_s, end_s) in input.stretches(from_s, to_s, delay_s, hint) {
             let span_s = end_s - start_s;
-            let drive_a = input.mean(start_s, end_s, self.delay_s, hint);
+            let drive_a = self.command(input, (start_s, end_s), before_a, hint);
             let (middle_a, _) = self.current_line(flowing_a, drive_a, span_s);
             charge_as += self.through_motor(middle_a, &at) * span_s;
             flowing_a = self.left_behind_lag(flowing_a, drive_a, span_s);
@@ -579,7 +605,8 @@ impl<S: Scalar> Plant<S> {
     /// Runs from `start` at `time_s[first]` to `time_s[last]` under the recorded current and calls
     /// `each` with the index, the reading and the state at every sample, both ends included.
     ///
-    /// `push` gives the torque on the body in N m at a time in s. Between two samples a log that holds more
+    /// The current of the start is the one that was commanded before the log began, for as long as a delay
+    /// or a lag remembers it. `push` gives the torque on the body in N m at a time in s. Between two samples a log that holds more
     /// samples of the current is driven by the mean of what the motor makes of them.
     pub fn run(
         &self,
@@ -627,7 +654,7 @@ impl<S: Scalar> Plant<S> {
             if let Some((input, driven)) = &averaged {
                 let (from, to) = (time_s[k], time_s[k + 1]);
                 let (current_a, flowing_a) =
-                    self.through_motor_on_average(input, &state, (from, to), k);
+                    self.through_motor_on_average(input, &state, (from, to), start.current_a, k);
                 let push = push.map_or([0.0; 3], |push| {
                     [push(from), push(0.5 * (from + to)), push(to)]
                 });
@@ -646,7 +673,9 @@ impl<S: Scalar> Plant<S> {
             for to in change.into_iter().chain([time_s[k + 1]]) {
                 let drive = Drive {
                     current_a: match current {
-                        Current::Recorded(input) => input.mean(from, to, self.delay_s, k),
+                        Current::Recorded(input) => {
+                            self.command(input, (from, to), start.current_a, k)
+                        }
                         Current::Held(current) => current,
                     },
                     push: push.map_or([0.0; 3], |push| {

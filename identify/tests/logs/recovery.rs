@@ -398,6 +398,31 @@ fn an_encoder_of_coarse_steps_gives_the_same_parameters() {
     }
 }
 
+/// What was commanded before a log began acts on its first samples, and nobody recorded it: a controller that
+/// had just been switched on, or one that had long been at work.
+#[test]
+fn a_delay_comes_back_whatever_was_commanded_before_the_log() {
+    for (before, seed) in [(None, 2850), (Some(0.0), 2851), (Some(-0.5), 2852)] {
+        let physics = Physics {
+            delay_steps: 8,
+            command_before_a: before,
+            ..Physics::base()
+        };
+        let records = vec![
+            log(&physics, &free_swing("swing", 0.35, 10.0), seed + 50),
+            log(&physics, &balance("balance", &[]), seed),
+        ];
+        let found = fitted(&setup(records), &[EffectId::InputDelay]);
+        let (delay_s, std) = parameter(&found, "input_delay");
+        let said = format!("{before:?}, seed {seed}: {delay_s:.5} ± {std:.1e} s");
+        eprintln!("{said}");
+        assert!((delay_s - 0.008).abs() < 4.0 * std && std < 2e-4, "{said}");
+        for (trace, noise) in found.traces[1].iter().zip(physics.noise) {
+            assert!(trace.rmse < 1.05 * noise, "{said}: {}", trace.rmse);
+        }
+    }
+}
+
 #[test]
 fn dry_friction_of_the_wheel_comes_back_from_a_balance_log_alone() {
     let dry = 1.2e-3;

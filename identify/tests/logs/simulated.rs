@@ -42,6 +42,10 @@ pub struct Physics<'a> {
     pub motor: &'a (dyn Fn(f64) -> f64 + Sync),
     /// Time constant of the current, s.
     pub motor_lag_s: f64,
+    /// Age of the command that acts, in whole steps of the log.
+    pub delay_steps: usize,
+    /// Command before the log began, A; `None`: the first one.
+    pub command_before_a: Option<f64>,
     pub noise: [f64; 4],
     /// Step of the angle's encoder in rad; 0 for none.
     pub angle_step: f64,
@@ -64,6 +68,8 @@ impl Physics<'_> {
             on_wheel: &nothing,
             motor: &ideal,
             motor_lag_s: 0.0,
+            delay_steps: 0,
+            command_before_a: None,
             noise: NOISE,
             angle_step: 0.0,
         }
@@ -179,6 +185,7 @@ pub fn simulate(physics: &Physics, experiment: &Experiment, rng: &mut ChaCha8Rng
         std * e
     };
     let mut series: [Vec<f64>; 5] = Default::default();
+    let mut commands = vec![];
     for k in 0..n {
         let t = k as f64 * experiment.step_s;
         let mut angle = x[0] + noise(physics.noise[0]);
@@ -201,6 +208,11 @@ pub fn simulate(physics: &Physics, experiment: &Experiment, rng: &mut ChaCha8Rng
         {
             series.push(value);
         }
+        commands.push(command);
+        let command = match k.checked_sub(physics.delay_steps) {
+            Some(then) => commands[then],
+            None => physics.command_before_a.unwrap_or(commands[0]),
+        };
         let parts = 8;
         let h = experiment.step_s / parts as f64;
         for part in 0..parts {

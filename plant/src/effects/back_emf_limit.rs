@@ -41,6 +41,7 @@ impl Effect for BackEmfLimit {
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: false,
         product: None,
+        limit: None,
         linearised: Linearised::LeftOut,
     };
 

@@ -41,6 +41,7 @@ impl Effect for BodyCableSpring {
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: false,
         product: Some((0, 1)),
+        limit: None,
         linearised: Linearised::Exactly,
     };
 

@@ -31,6 +31,7 @@ impl Effect for BodyCoulombFriction {
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
         product: None,
+        limit: None,
         linearised: Linearised::AsDryFriction,
     };
 

@@ -45,6 +45,7 @@ impl Effect for BodyPreslidingFriction {
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
         product: None,
+        limit: None,
         linearised: Linearised::AsDryFriction,
     };
 

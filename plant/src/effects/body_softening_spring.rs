@@ -31,6 +31,7 @@ impl Effect for BodySofteningSpring {
         shows_in: &[Kind::FreeSwing, Kind::Driven],
         has_kink: false,
         product: None,
+        limit: None,
         linearised: Linearised::LeftOut,
     };
 

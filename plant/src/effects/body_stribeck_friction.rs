@@ -52,6 +52,7 @@ impl Effect for BodyStribeckFriction {
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
         product: None,
+        limit: Some((1, 0)),
         linearised: Linearised::AsDryFriction,
     };
 

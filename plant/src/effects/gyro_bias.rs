@@ -31,6 +31,7 @@ impl Effect for GyroBias {
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: false,
         product: None,
+        limit: None,
         linearised: Linearised::LeftOut,
     };
 

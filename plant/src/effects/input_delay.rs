@@ -31,6 +31,7 @@ impl Effect for InputDelay {
         shows_in: &[Kind::Balance, Kind::Driven, Kind::SpinUp],
         has_kink: false,
         product: None,
+        limit: None,
         linearised: Linearised::LeftOut,
     };
 

@@ -51,6 +51,7 @@ impl Effect for WheelCogging {
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: false,
         product: None,
+        limit: None,
         linearised: Linearised::LeftOut,
     };
 

@@ -31,6 +31,7 @@ impl Effect for WheelCoulombFriction {
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: true,
         product: None,
+        limit: None,
         linearised: Linearised::LeftOut,
     };
 

@@ -31,6 +31,7 @@ impl Effect for WheelQuadraticDrag {
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: false,
         product: None,
+        limit: None,
         linearised: Linearised::Exactly,
     };
 
