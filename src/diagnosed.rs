@@ -100,12 +100,16 @@ impl<'a> Diagnosed<'a> {
             ));
         };
         say("locating what remains");
-        let last = if found.steps.len() > 1 {
-            let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
-            identify::identify(&folder.setup, &step.fit.model, Some(start))
-                .map_err(|error| Failure::in_file(&folder.bench.folder, error))?
-        } else {
+        let setup = &folder.setup;
+        let last = if found.steps.len() == 1 {
             identified.clone()
+        } else if let Some(known) = identify::identified(setup, &step.fit) {
+            known
+        } else {
+            // The diagnosis has read the logs differently: without pushes that only it found.
+            let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
+            identify::identify(setup, &step.fit.model, Some(start))
+                .map_err(|error| Failure::in_file(&folder.bench.folder, error))?
         };
         let last = Fitted::from_identification(folder, last);
         Ok(Diagnosed {

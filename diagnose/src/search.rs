@@ -20,13 +20,15 @@ const BEAM: usize = 2;
 /// of the difference of the mean squares). What is smaller may be significant in ten thousand
 /// samples, and yet be the imperfection of an integration rule or of a clock.
 pub const LEAST_TRACE: f64 = 0.2;
+/// The same for a refinement that takes the place of a term: it speaks about that very term, whose own
+/// imperfection is known (see `imperfection.rs`). A hundredth of the noise's variance.
+const LEAST_TRACE_OF_REFINEMENT: f64 = 0.1;
 /// The same for an effect beside others that were added before it, in experiments in which they act:
 /// their terms have imperfections of
 /// their own (dry friction with its smoothed sign sticks a little less than a real joint; a window knows
-/// its past from noisy samples), which another effect may take up. A refinement that takes the place of
-/// a term is spared: it speaks about that very term.
+/// its past from noisy samples), which another effect may take up. A refinement is spared.
 pub const LEAST_TRACE_BESIDE: f64 = 0.5;
-/// Whatever is added must also show at least this share of the trace of what was added before: dry
+/// What is added beside others must also show at least this share of their trace: dry
 /// friction whose sign is smoothed over 0.01 rad/s is that of a real joint to about half a percent.
 const LEAST_SHARE_OF_TRACE: f64 = 0.01;
 /// And so many times what the smoothed sign of dry friction alone would leave there
@@ -136,7 +138,7 @@ pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Can
             let is_touched = smaller.added.iter().any(|&effect| acts(effect, kind));
             let least = match (is_touched, is_refinement) {
                 (false, _) => LEAST_TRACE,
-                (true, true) => LEAST_TRACE.max(share),
+                (true, true) => LEAST_TRACE_OF_REFINEMENT,
                 (true, false) => LEAST_TRACE_BESIDE.max(share),
             };
             let imperfection = || smaller.imperfection(bench.setup, records)[series];
@@ -375,7 +377,9 @@ pub fn search(
         }
         let newest = merge(&mut pool, found);
         let evidence = finished_evidences(&bench, &mut pool);
-        let Some(top) = argmax(&evidence, newest.iter().copied().chain([best])) else {
+        let takes_up = |index: usize| takes_up(records, &pool, index, &newest);
+        let settled = newest.iter().copied().filter(|&index| !takes_up(index));
+        let Some(top) = argmax(&evidence, settled.chain([best])) else {
             break;
         };
         let next = simplest(&bench, &pool, &evidence, top);
@@ -392,12 +396,18 @@ pub fn search(
         }
         // What is better by too little to decide, while something plain remains, may be half of the
         // answer: two effects can show together what neither shows alone.
-        let mut order = newest;
-        order.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
-        let all = order.clone();
-        order.retain(|&index| !takes_up(records, &pool, index, &all));
-        order.truncate(BEAM);
-        beam = order;
+        beam = newest.clone();
+        beam.retain(|&index| !takes_up(index));
+        beam.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
+        beam.truncate(BEAM);
+    }
+    // Where nothing goes further than a refinement from which the search did not go on, that is it.
+    let evidence = evidences(&bench, &pool);
+    if let Some(top) = argmax(&evidence, 0..pool.len()) {
+        let next = simplest(&bench, &pool, &evidence, top);
+        if evidence[next] - evidence[best] >= TIE {
+            best = next;
+        }
     }
 
     prune_and_swap(&bench, &mut pool, &mut best, &mut extended, progress);

@@ -3,7 +3,7 @@
 use identify::{
     Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup,
     Unknowns, Window, acts, carry_over, cogging_start, cost, fit_from_scratch, guessed, joined,
-    promise, rate_against_angle, ratios, refit, scaled_start, settled,
+    promise, rate_against_angle, ratios, refit, scaled_start, settled, supply_starts,
 };
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
@@ -221,6 +221,7 @@ fn starts(
     }
     if effect == EffectId::BackEmfLimit {
         parameter_sets.retain(|set| is_reached(records, set, base[plant::TORQUE_CONSTANT]));
+        parameter_sets.extend(supply_starts(records, base[plant::TORQUE_CONSTANT]));
     }
     // On top of the effect that it refines, a shape is of use if it takes something of the misfit as it
     // stands, the rest of the parameters adapted to it. What a step promises that changes the shape as well
@@ -344,11 +345,12 @@ fn is_reached(records: &[&Record], supply: &[f64], torque_constant: f64) -> bool
 /// phase of a hundred swings then changes by less than a thousandth of a radian.
 const HARDLY_STRETCHED: f64 = 1e-6;
 
-/// The effects beyond the diagnosed model after a start's effect has been added to those of `from`.
-fn added(from: &Candidate, start: &Start) -> Vec<EffectId> {
+/// The effects beyond the diagnosed model after `effect` has been added to those of `from`, which made it
+/// `model`.
+fn added(from: &Candidate, model: &Model, effect: EffectId) -> Vec<EffectId> {
     let mut added = from.added.clone();
-    added.retain(|effect| start.model.has(*effect));
-    added.push(start.effect);
+    added.retain(|present| model.has(*present));
+    added.push(effect);
     added
 }
 
@@ -495,7 +497,7 @@ fn fit_whole(bench: &Bench, from: &Candidate, rough: Rough, goal: Goal) -> Candi
     Candidate::new(
         setup,
         records,
-        added(from, &start),
+        added(from, &start.model, start.effect),
         start.model,
         minimum,
         bench.window_s.map(|_| rough),
@@ -554,49 +556,68 @@ fn refined_starts(bench: &Bench, whole: &Minimum, simpler: &Rough, effect: Effec
 }
 
 /// Fits the suspects that the score test has left in its windows, one after the other, those that promise most
-/// first: what one reaches is known to the next, and each fit keeps the machine busy by itself. Those
-/// remain that take what `least_gain` asks of an effect and a share of what the best one takes, and what
+/// first: what one reaches is known to the next, and each fit keeps the machine busy by itself. Then the
+/// `refinements` of those on top of them. Those remain that take what `least_gain` asks of an effect and a share of what the best one takes, and what
 /// these refine.
 fn fit_all_roughly(
     bench: &Bench,
     from: &Candidate,
     screened: Vec<Vec<Start>>,
+    refinements: &[EffectId],
     least_gain: &dyn Fn(EffectId) -> f64,
-    mut goal: Goal,
+    goal: Goal,
 ) -> Vec<(EffectId, Rough)> {
     let point = from.point();
     let observed = bench.records.iter().map(|record| record.observations());
     let noise = observed.sum::<usize>() as f64;
     let is_noise = |cost: f64| cost < (1.0 + LEAST_TRACE * LEAST_TRACE) * noise;
     let mut roughs: Vec<(EffectId, Rough)> = vec![];
+    let gain = |rough: &Rough| point.cost - rough.minimum.cost;
+    let best_gain = |roughs: &[(EffectId, Rough)]| {
+        let gains = roughs.iter().map(|(_, rough)| gain(rough));
+        gains.fold(0.0, f64::max)
+    };
+    // Beside what leaves nothing but noise, others matter only if they come near it.
+    let near = |cost: f64| {
+        if is_noise(cost) {
+            within_reach(point.cost, cost)
+        } else {
+            f64::INFINITY
+        }
+    };
+    let mut reach = goal.windows;
     for starts in screened {
         let Some(effect) = starts.first().map(|start| start.effect) else {
             continue;
         };
         let least = point.cost - least_gain(effect);
-        let found = match refined(effect, &roughs, |rough| rough.minimum.cost) {
-            // A refinement that comes out as what it refines is that.
-            Some(simpler) => {
-                let starts = refined_starts(bench, &from.minimum, simpler, effect);
-                let least = least.min(simpler.minimum.cost - LEAST_GAIN);
-                fit_roughly(bench, &simpler.minimum, starts, goal.windows.min(least))
-            }
-            None => fit_roughly(bench, point, starts, goal.windows.min(least)),
-        };
-        let Some(rough) = found.filter(|rough| rough.minimum.cost <= least) else {
+        let found = fit_roughly(bench, point, starts, reach.min(least));
+        if let Some(rough) = found.filter(|rough| rough.minimum.cost <= least) {
+            reach = reach.min(near(rough.minimum.cost));
+            roughs.push((effect, rough));
+        }
+    }
+    for &effect in refinements {
+        let Some(simpler) = refined(effect, &roughs, |rough| rough.minimum.cost) else {
             continue;
         };
-        if is_noise(rough.minimum.cost) {
-            let near = within_reach(point.cost, rough.minimum.cost);
-            goal.windows = goal.windows.min(near);
+        // What takes little beside something else is not refined yet; what leaves nothing but noise is
+        // once it has been chosen.
+        let is_slight = gain(simpler) < LEAST_SHARE * best_gain(&roughs);
+        if is_slight || is_noise(simpler.minimum.cost) {
+            continue;
         }
-        roughs.push((effect, rough));
+        let starts = refined_starts(bench, &from.minimum, simpler, effect);
+        // A refinement that comes out as what it refines is that.
+        let least = point.cost - least_gain(effect);
+        let least = least.min(simpler.minimum.cost - LEAST_GAIN);
+        let found = fit_roughly(bench, &simpler.minimum, starts, reach.min(least));
+        if let Some(rough) = found.filter(|rough| rough.minimum.cost <= least) {
+            reach = reach.min(near(rough.minimum.cost));
+            roughs.push((effect, rough));
+        }
     }
-    let gain = |rough: &Rough| point.cost - rough.minimum.cost;
-    let best_gain = roughs
-        .iter()
-        .map(|(_, rough)| gain(rough))
-        .fold(0.0, f64::max);
+    let best_gain = best_gain(&roughs);
     let is_plain = |rough: &Rough| gain(rough) >= LEAST_SHARE * best_gain;
     let refined_names: Vec<&str> = roughs
         .iter()
@@ -669,6 +690,21 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
             !round.only_where_something_remains || shows_where_something_remains(effect)
         })
         .collect();
+    let fitted = |effect: EffectId| {
+        let mut set = added(from, &from.model.with(effect), effect);
+        set.sort();
+        (round.is_fitted)(&set)
+    };
+    // What refines another suspect is tried on top of that one's fit, far from which it says nothing.
+    let (refinements, suspects): (Vec<EffectId>, Vec<EffectId>) =
+        suspects.iter().partition(|&&effect| {
+            let replaces = effect.info().replaces;
+            let is_first = |simpler: &&EffectId| replaces.contains(&simpler.name());
+            suspects
+                .iter()
+                .filter(is_first)
+                .any(|&simpler| !fitted(simpler))
+        });
     let point = from.point();
     let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);
     // A cable is moved along with the effect, so that every effect needs a simulation of its own.
@@ -747,18 +783,12 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
     screened.sort_by(|a, b| b.0.total_cmp(&a.0));
     // A refinement that is fitted already takes the place of a term, and is no measure for what may act
     // beside that term.
-    let fitted = |starts: &[Start]| {
-        starts.first().is_some_and(|start| {
-            let mut set = added(from, start);
-            set.sort();
-            (round.is_fitted)(&set)
-        })
-    };
+    let is_fitted = |starts: &[Start]| starts.first().is_some_and(|start| fitted(start.effect));
     screened.retain(|(_, starts)| {
         let is_refinement = starts
             .first()
-            .is_some_and(|start| added(from, start).len() == from.added.len());
-        !(is_refinement && fitted(starts))
+            .is_some_and(|start| added(from, &start.model, start.effect).len() == from.added.len());
+        !(is_refinement && is_fitted(starts))
     });
     let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);
     let (mut chosen, others): (Vec<_>, Vec<_>) = screened
@@ -776,7 +806,7 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
         let is_refined = |start: &Start| refined.contains(&start.effect.name());
         *gain > LEAST_GAIN && starts.first().is_some_and(is_refined)
     }));
-    chosen.retain(|(_, starts)| !fitted(starts));
+    chosen.retain(|(_, starts)| !is_fitted(starts));
     // What is simple comes first: it is fitted fast, and what it reaches need not be reached again.
     chosen.sort_by_key(|(_, starts)| starts.first().is_some_and(is_refinement));
     let goal = round
@@ -784,7 +814,11 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
         .map_or(Goal::ANY, |leader| Goal::beside(from, leader));
     let chosen = chosen.into_iter().map(|(_, starts)| starts).collect();
     let least_gain = |effect: EffectId| LEAST_GAIN.max(LEAST_PART * missed(effect));
-    let roughs = fit_all_roughly(bench, from, chosen, &least_gain, goal);
+    let refinements: Vec<EffectId> = refinements
+        .into_iter()
+        .filter(|&effect| !fitted(effect))
+        .collect();
+    let roughs = fit_all_roughly(bench, from, chosen, &refinements, &least_gain, goal);
     fit_all_wholly(bench, from, roughs, goal)
 }
 

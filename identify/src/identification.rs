@@ -17,8 +17,8 @@ use crate::pushes::{
 };
 use crate::record::{BALANCE_WINDOW_S, Output, Record};
 use crate::sensitivity::Window;
-use crate::solver::Effort;
-use crate::start::{base_values, ratios};
+use crate::solver::{Effort, Minimum, cost};
+use crate::start::{base_values, ratios, supply_starts};
 
 /// Why a bench cannot be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -397,6 +397,35 @@ pub fn identify(
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
     }
+    Ok(described(setup, model, minimum, None))
+}
+
+/// What a fit that was made before says of the bench. `None` where it is not a fit of this bench as the model
+/// reads it: where other windows or other samples counted.
+pub fn identified(setup: &Setup, fit: &Fit) -> Option<Identification> {
+    let setup = setup.suited_to(&fit.model);
+    let records = setup.all_records();
+    let minimum = &fit.minimum;
+    let samples = |windows: &[Vec<Window>]| -> Vec<Vec<std::ops::Range<usize>>> {
+        let of_record = |list: &Vec<Window>| list.iter().map(|w| w.samples.clone()).collect();
+        windows.iter().map(of_record).collect()
+    };
+    let own = joined(&records, &fit.values, &minimum.windows);
+    let again = cost(&records, &fit.model, &fit.values, &minimum.windows);
+    let is_own = samples(&own) == samples(&minimum.windows)
+        && (again - minimum.cost).abs() <= SAME_COST * minimum.cost;
+    let (model, minimum) = (&fit.model, minimum.clone());
+    is_own.then(|| described(&setup, model, minimum, Some(fit.clone())))
+}
+
+/// Relative difference of two costs that are the same but for rounding.
+const SAME_COST: f64 = 1e-9;
+
+/// Everything that is said about a minimum of a setup that suits its model; `fit`: the minimum with its
+/// standard errors, where they are known.
+fn described(setup: &Setup, model: &Model, minimum: Minimum, fit: Option<Fit>) -> Identification {
+    let records = setup.all_records();
+    let free = setup.free(model);
     // Nothing of this needs another part of it, and one long log would keep one core busy alone.
     let ((fit, contradicted), (traces, pushes)) = rayon::join(
         || {
@@ -406,7 +435,7 @@ pub fn identify(
                 .filter_map(|(&position, &on_bound)| on_bound.then_some(position))
                 .collect();
             rayon::join(
-                || finish(&records, model, &free, minimum.clone()),
+                || fit.unwrap_or_else(|| finish(&records, model, &free, minimum.clone())),
                 || contradictions(setup, model, &minimum.values, &minimum.windows, &on_bound),
             )
         },
@@ -428,12 +457,12 @@ pub fn identify(
     statements.extend(contradicted.iter().map(Contradiction::sentence));
     statements.extend(body_inertia_contradiction(setup, &fit));
     statements.extend(cautions(&records, &traces));
-    Ok(Identification {
+    Identification {
         fit,
         traces,
         pushes,
         statements,
-    })
+    }
 }
 
 /// Parameter values of `model` that continue those of `from`: shared parameters keep their values,
@@ -456,9 +485,9 @@ pub fn extend(
     setup: &Setup,
     records: &[&Record],
     from: &Model,
-    minimum: &crate::solver::Minimum,
+    minimum: &Minimum,
     model: &Model,
-) -> crate::solver::Minimum {
+) -> Minimum {
     let free = setup.free(model);
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
     let starts = |effect: EffectId| -> Vec<Vec<f64>> {
@@ -469,9 +498,13 @@ pub fn extend(
                 .collect(),
             _ => {
                 let stated = effect.info().starts.iter();
-                stated
+                let mut starts: Vec<Vec<f64>> = stated
                     .map(|start| scaled_start(effect, start, &base))
-                    .collect()
+                    .collect();
+                if effect == EffectId::BackEmfLimit {
+                    starts.extend(supply_starts(records, base[TORQUE_CONSTANT]));
+                }
+                starts
             }
         }
     };
@@ -487,7 +520,7 @@ pub fn extend(
         .collect();
     let tries = starts.iter().map(|(_, starts)| starts.len()).max();
     let tries = tries.unwrap_or(1).max(1);
-    let mut best: Option<crate::solver::Minimum> = None;
+    let mut best: Option<Minimum> = None;
     for attempt in 0..tries {
         let mut start = vec![0.0; model.parameter_count()];
         for (effect, starts) in &starts {

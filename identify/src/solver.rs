@@ -68,7 +68,7 @@ pub struct Effort {
     /// the mean squared residual: 1 is the change that one unknown's own standard error makes.
     pub tolerance: f64,
     /// The cost at which the fit begins to matter. One that would not come there with the evaluations
-    /// that are left, at the pace of its last [`PACE`], ends.
+    /// that are left, at the pace of its last ones, ends.
     pub goal: f64,
 }
 
@@ -113,13 +113,45 @@ const DOUBTFUL: usize = 2;
 /// Evaluations over which the pace of a fit is taken. A fit that goes straight to its minimum needs no
 /// more than these, and one that has lost its way refuses up to six steps before it finds it again.
 const PACE: usize = 8;
+/// Steps whose gains make a series: where the damping has gone, least squares converge at least linearly.
+const SERIES: usize = 3;
 /// A fit whose last so many evaluations together gained less than the standard error of one unknown
 /// would, or less than [`CRUMB`] of what the model misses, is creeping, and ends: what is left to gain
 /// decides nothing.
-const CREEPING: usize = 10;
+const CREEPING: usize = 8;
 /// Share of the χ² beyond the noise: of a model that misses much, the minimum need not be known to what
 /// its noise would allow.
 const CRUMB: f64 = 1e-2;
+
+/// The cost that a fit may still come down to in so many more evaluations: at the pace of its last [`PACE`],
+/// or as a geometric series where its last [`SERIES`] steps all gained, each less than the one before. `costs`
+/// has one entry for every evaluation; a refused step repeats the one before it.
+fn within_pace(costs: &[f64], evaluations: usize) -> f64 {
+    let Some(&cost) = costs.last() else {
+        return f64::NEG_INFINITY;
+    };
+    let back = |steps: usize| costs.len().checked_sub(1 + steps).map(|at| costs[at]);
+    let at_pace = match back(PACE) {
+        Some(before) => cost - (before - cost) * evaluations as f64 / PACE as f64,
+        None => f64::NEG_INFINITY,
+    };
+    let mut ratio = 0.0f64;
+    let mut gain = f64::NAN;
+    for step in (0..SERIES).rev() {
+        let (Some(before), Some(after)) = (back(step + 1), back(step)) else {
+            return at_pace;
+        };
+        let next = before - after;
+        if next <= 0.0 || next >= gain {
+            return at_pace;
+        }
+        if gain.is_finite() {
+            ratio = ratio.max(next / gain);
+        }
+        gain = next;
+    }
+    at_pace.max(cost - gain * ratio / (1.0 - ratio))
+}
 
 struct Assembled {
     windows: Vec<Vec<WindowNormal>>,
@@ -416,12 +448,10 @@ pub fn minimise(
             }
         }
         costs.push(assembled.cost);
-        if outcome == Outcome::OutOfIterations && costs.len() > PACE {
-            let gained = costs[costs.len() - 1 - PACE] - assembled.cost;
-            let left = effort.evaluations.saturating_sub(evaluations) as f64 / PACE as f64;
-            if assembled.cost - gained * left > effort.goal {
-                outcome = Outcome::Outclassed;
-            }
+        if outcome == Outcome::OutOfIterations
+            && within_pace(&costs, effort.evaluations.saturating_sub(evaluations)) > effort.goal
+        {
+            outcome = Outcome::Outclassed;
         }
         if outcome == Outcome::OutOfIterations
             && costs.len() > CREEPING
@@ -662,5 +692,23 @@ impl Promise {
             }
         }
         promised
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_of_gains_that_shrink_is_summed() {
+        // 100 + 50 + 25 + … of which 175 are gained: 25 are left.
+        assert_eq!(within_pace(&[300.0, 200.0, 150.0, 125.0], 20), 100.0);
+        // A refused step, or one that gains more than the one before, says nothing yet.
+        for costs in [[300.0, 200.0, 200.0, 150.0], [300.0, 280.0, 200.0, 150.0]] {
+            assert_eq!(within_pace(&costs, 20), f64::NEG_INFINITY);
+        }
+        // Over eight evaluations the pace says how far twenty more may lead.
+        let costs: Vec<f64> = (0..=8).map(|k| 1000.0 - 10.0 * f64::from(k)).collect();
+        assert_eq!(within_pace(&costs, 20), 720.0);
     }
 }

@@ -145,6 +145,39 @@ pub fn angle_samples(record: &Record) -> Option<Vec<f64>> {
     Some(angle)
 }
 
+/// Resistances of a winding in Ohm from which the limit of a supply may be fitted.
+const RESISTANCES_OHM: [f64; 3] = [1.0, 3.0, 10.0];
+/// Shares of the driven samples that a supply reaches with which its fit may start.
+const REACHED: [f64; 2] = [0.8, 0.97];
+
+/// Voltage (V) and resistance (Ohm) of supplies that hold in a part of what the logs asked for and not in the
+/// rest: R |i| + k_e |φ̇| of so many samples in which the motor drives the wheel. A supply that is never
+/// reached leaves no trace, and one that is always reached is a motor without current.
+pub fn supply_starts(records: &[&Record], torque_constant: f64) -> Vec<Vec<f64>> {
+    let mut driven: Vec<(f64, f64)> = vec![];
+    for record in records {
+        let Some(channel) = record.channel(Output::WheelSpeed) else {
+            continue;
+        };
+        let at = channel.samples.iter().zip(&record.current_a);
+        let at = at.filter(|(speed, current)| **speed * **current > 0.0);
+        driven.extend(at.map(|(speed, current)| (speed.abs(), current.abs())));
+    }
+    let mut starts = vec![];
+    for resistance in RESISTANCES_OHM {
+        let asked = driven.iter();
+        let mut asked_v: Vec<f64> = asked
+            .map(|(speed, current)| resistance * current + torque_constant * speed)
+            .collect();
+        asked_v.sort_by(f64::total_cmp);
+        for share in REACHED {
+            let at = (share * asked_v.len() as f64) as usize;
+            starts.extend(asked_v.get(at).map(|voltage| vec![*voltage, resistance]));
+        }
+    }
+    starts
+}
+
 /// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
 /// trapezoidal rule, corrected at the ends for the first order.
 pub(crate) fn bumps(
