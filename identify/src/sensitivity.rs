@@ -159,13 +159,34 @@ pub struct WindowNormal {
     pub locals: Vec<usize>,
 }
 
-/// The unknowns of a window on which the motion of a model depends, as indices into [`Window::locals`].
-fn acting(record: &Record, window: &Window, model: &Model) -> Vec<usize> {
-    let locals = Local::of(record).into_iter().zip(&window.locals);
-    locals
-        .enumerate()
-        .filter_map(|(index, (local, _))| local.acts_on(model).then_some(index))
-        .collect()
+/// What carries derivatives in the simulation of a window, in this order.
+struct Lanes<'a> {
+    /// Indices into the unknowns.
+    globals: &'a [usize],
+    /// The unknowns of the window on which the motion of the model depends, as indices into
+    /// [`Window::locals`].
+    locals: Vec<usize>,
+}
+
+impl Lanes<'_> {
+    fn of<'a>(record: &Record, window: &Window, model: &Model, globals: &'a [usize]) -> Lanes<'a> {
+        let locals = Local::of(record).into_iter().zip(&window.locals);
+        let locals = locals
+            .enumerate()
+            .filter_map(|(index, (local, _))| local.acts_on(model).then_some(index))
+            .collect();
+        Lanes { globals, locals }
+    }
+
+    fn count(&self) -> usize {
+        self.globals.len() + self.locals.len()
+    }
+
+    /// The lane of an unknown of the window, if it has one.
+    fn of_local(&self, local: usize) -> Option<usize> {
+        let at = self.locals.iter().position(|&acting| acting == local)?;
+        Some(self.globals.len() + at)
+    }
 }
 
 /// What a window's simulation hands out for one observation.
@@ -328,13 +349,12 @@ fn run_lanes<const N: usize>(
     model: &Model,
     values: &[f64],
     unknowns: &Unknowns,
-    globals: &[usize],
-    acting: &[usize],
+    lanes: &Lanes,
     // Not generic, so that the integrator is compiled once for each number of lanes.
     each: &mut dyn FnMut(usize, &plant::Reading<Dual<N>>),
 ) {
     let mut duals: Vec<Dual<N>> = values.iter().map(|&value| Dual::constant(value)).collect();
-    for (lane, &unknown) in globals.iter().enumerate() {
+    for (lane, &unknown) in lanes.globals.iter().enumerate() {
         let position = unknowns.free[unknown];
         let mut dual = Dual::constant(values[position]);
         dual.derivatives[lane] = unknowns.slope(unknown, values[position]);
@@ -345,12 +365,10 @@ fn run_lanes<const N: usize>(
         .locals
         .iter()
         .enumerate()
-        .map(
-            |(index, &value)| match acting.iter().position(|&at| at == index) {
-                Some(lane) => Dual::variable(value, globals.len() + lane),
-                None => Dual::constant(value),
-            },
-        )
+        .map(|(index, &value)| match lanes.of_local(index) {
+            Some(lane) => Dual::variable(value, lane),
+            None => Dual::constant(value),
+        })
         .collect();
     let (start, held, angle_zero) = start_state(&locals, &starts);
     let plant = plant_of(record, model, &duals, Smoothing::SIMULATION);
@@ -399,18 +417,16 @@ pub fn normal_observed(
     globals: &[usize],
     each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
-    let acting = acting(record, window, model);
-    let count = globals.len() + acting.len();
+    let lanes = Lanes::of(record, window, model, globals);
     with_lanes!(
-        count,
+        lanes.count(),
         normal_lanes,
         record,
         window,
         model,
         values,
         unknowns,
-        globals,
-        acting,
+        lanes,
         each
     )
 }
@@ -421,11 +437,10 @@ fn normal_lanes<const N: usize>(
     model: &Model,
     values: &[f64],
     unknowns: &Unknowns,
-    globals: &[usize],
-    acting: Vec<usize>,
+    lanes: Lanes,
     each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
-    let count = globals.len() + acting.len();
+    let count = lanes.count();
     let mut hessian = [[0.0; N]; N];
     let mut gradient = [0.0; N];
     let mut cost = 0.0;
@@ -434,7 +449,7 @@ fn normal_lanes<const N: usize>(
             hessian: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
             cost: f64::INFINITY,
-            locals: acting,
+            locals: lanes.locals,
         };
     }
     run_lanes::<N>(
@@ -443,8 +458,7 @@ fn normal_lanes<const N: usize>(
         model,
         values,
         unknowns,
-        globals,
-        &acting,
+        &lanes,
         &mut |k, reading| {
             let weight = record.weight[k];
             if weight == 0.0 {
@@ -481,10 +495,9 @@ fn normal_lanes<const N: usize>(
     );
     for (local, value, std) in priors(record, window) {
         cost += (value / std).powi(2);
-        let Some(lane) = acting.iter().position(|&at| at == local) else {
+        let Some(lane) = lanes.of_local(local) else {
             continue;
         };
-        let lane = globals.len() + lane;
         gradient[lane] -= value / (std * std);
         hessian[lane][lane] += 1.0 / (std * std);
     }
@@ -495,7 +508,7 @@ fn normal_lanes<const N: usize>(
         hessian: DMatrix::from_fn(count, count, |row, column| hessian[row][column]),
         gradient: DVector::from_fn(count, |row, _| gradient[row]),
         cost,
-        locals: acting,
+        locals: lanes.locals,
     }
 }
 
