@@ -557,8 +557,8 @@ fn refined_starts(bench: &Bench, whole: &Minimum, simpler: &Rough, effect: Effec
 
 /// Fits the suspects that the score test has left in its windows, one after the other, those that promise most
 /// first: what one reaches is known to the next, and each fit keeps the machine busy by itself. Then the
-/// `refinements` of those on top of them. Those remain that take what `least_gain` asks of an effect and a share of what the best one takes, and what
-/// these refine.
+/// `refinements` of those on top of them. What remains takes what `least_gain` asks of an effect and a share
+/// of what the best one takes, or is refined by what does.
 fn fit_all_roughly(
     bench: &Bench,
     from: &Candidate,

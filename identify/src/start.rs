@@ -385,6 +385,33 @@ mod tests {
     use plant::{Current, Hold, Input, Model, Plant, State};
 
     #[test]
+    fn a_supply_from_which_a_fit_starts_holds_in_a_part_of_the_log() {
+        let time_s: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.01).collect();
+        let speed: Vec<f64> = time_s.iter().map(|t| 100.0 * t).collect();
+        let current = vec![0.8; 500];
+        let outputs = [None, None, Some(speed.clone())];
+        let record = Record::new("x", Kind::SpinUp, time_s, outputs, Some(current), false);
+        let torque_constant = 0.03;
+        let starts = supply_starts(&[&record], torque_constant);
+        assert_eq!(starts.len(), RESISTANCES_OHM.len() * REACHED.len());
+        for start in starts {
+            let holds = |speed: &&f64| (start[0] - torque_constant * **speed) / start[1] >= 0.8;
+            let share = speed.iter().filter(holds).count() as f64 / speed.len() as f64;
+            assert!((0.75..1.0).contains(&share), "{start:?}: {share}");
+        }
+        // A log without a current says nothing about a supply.
+        let still = Record::new(
+            "x",
+            Kind::SpinUp,
+            record.time_s.clone(),
+            [None, None, Some(speed)],
+            Some(vec![0.0; 500]),
+            false,
+        );
+        assert!(supply_starts(&[&still], torque_constant).is_empty());
+    }
+
+    #[test]
     fn ratios_of_noise_free_logs_are_right_within_a_percent() {
         let values = [2.3e-3, 1.36e-4, 0.245, 0.0335, 5e-4, 1.75e-5];
         let time_s: Vec<f64> = (0..2000).map(|k| k as f64 * 0.004).collect();

@@ -98,6 +98,16 @@ impl Input {
             .saturating_sub(1)
     }
 
+    /// The index of the first sample after `time_s`, looked for near `hint`.
+    fn next(&self, time_s: f64, hint: usize) -> usize {
+        let is_before_all = self.time_s.first().is_some_and(|&first_s| time_s < first_s);
+        if is_before_all {
+            0
+        } else {
+            self.index(time_s, hint) + 1
+        }
+    }
+
     /// ∫ i dt up to `time_s` and i there; before the first sample the first value holds.
     fn charge(&self, time_s: f64, hint: usize) -> (f64, f64) {
         let (Some(&first_s), Some(&first_a)) = (self.time_s.first(), self.current_a.first()) else {
@@ -128,7 +138,7 @@ impl Input {
         if self.hold != Hold::Zero {
             return None;
         }
-        let next = self.time_s.get(self.index(from_s - delay_s, hint) + 1)? + delay_s;
+        let next = self.time_s.get(self.next(from_s - delay_s, hint))? + delay_s;
         let least_s = LEAST_SHARE * (to_s - from_s);
         (next > from_s + least_s && next < to_s - least_s).then_some(next)
     }
@@ -152,7 +162,7 @@ impl Input {
         delay_s: f64,
         hint: usize,
     ) -> impl Iterator<Item = (f64, f64)> {
-        let next = self.index(from_s - delay_s, hint) + 1;
+        let next = self.next(from_s - delay_s, hint);
         let least_s = LEAST_SHARE * (to_s - from_s);
         let within = self.time_s[next.min(self.time_s.len())..]
             .iter()

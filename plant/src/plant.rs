@@ -842,6 +842,99 @@ mod tests {
         }
     }
 
+    /// A delayed command is the same command later, after the one from before the log; also where the log is
+    /// thinned and the motor has a chain.
+    #[test]
+    fn a_delay_carries_the_command_from_before_the_log() {
+        let (before_a, delay_s) = (-0.7, 0.013);
+        let command = |k: usize| 0.4 + 0.3 * (k as f64 * 0.05).sin();
+        let later = |k: usize| if k < 13 { before_a } else { command(k - 13) };
+        let time_s: Vec<f64> = (0..=400).map(|k| k as f64 * 1e-3).collect();
+        let input = |current: &dyn Fn(usize) -> f64| {
+            let current_a: Vec<f64> = (0..=400).map(current).collect();
+            Input::new(&time_s, &current_a, Hold::Zero)
+        };
+        let end = |model: &Model, own: &[f64], input: &Input, step: usize| {
+            let values = [&VALUES[..], own].concat();
+            let plant = Plant::new(model, &values, Kind::SpinUp);
+            let times: Vec<f64> = time_s.iter().copied().step_by(step).collect();
+            let start = State {
+                current_a: before_a,
+                ..State::rest()
+            };
+            let current = Current::Recorded(input);
+            let mut end = 0.0;
+            plant.run(
+                start,
+                &times,
+                0..times.len(),
+                current,
+                None,
+                |_, reading, _| {
+                    end = reading.wheel_speed_rad_s;
+                },
+            );
+            end
+        };
+        let (recorded, shifted) = (input(&command), input(&later));
+        let plain = Model::base();
+        let delayed = plain.with(EffectId::InputDelay);
+        for step in [1, 5] {
+            let (a, b) = (
+                end(&delayed, &[delay_s], &recorded, step),
+                end(&plain, &[], &shifted, step),
+            );
+            assert!((a - b).abs() < 1e-6 * b.abs(), "{step}: {a} {b}");
+            let saturated = plain.with(EffectId::MotorSaturation);
+            let both = saturated.with(EffectId::InputDelay);
+            let own = |effect: EffectId| -> f64 {
+                if effect == EffectId::InputDelay {
+                    delay_s
+                } else {
+                    0.5
+                }
+            };
+            let chain: Vec<f64> = both.effects().iter().skip(2).map(|&e| own(e)).collect();
+            let (a, b) = (
+                end(&both, &chain, &recorded, step),
+                end(&saturated, &[0.5], &shifted, step),
+            );
+            assert!((a - b).abs() < 1e-6 * b.abs(), "{step}, chain: {a} {b}");
+        }
+    }
+
+    /// Where an effect says that it is the one which it replaces, it is.
+    #[test]
+    fn the_limit_of_a_refinement_is_what_it_refines() {
+        let refinements = EffectId::ALL
+            .iter()
+            .filter(|effect| effect.info().limit.is_some());
+        for &effect in refinements.clone() {
+            let info = effect.info();
+            let simpler = EffectId::from_name(info.replaces[0]).expect("an effect");
+            let mut own: Vec<f64> = info.parameters.iter().map(|one| one.plausible.1).collect();
+            let (one, other) = info.limit.expect("filtered");
+            own[one] = own[other];
+            let of = |effect: EffectId, own: &[f64], rate: f64| {
+                let values = [&VALUES[..], own].concat();
+                let plant = Plant::new(&Model::base().with(effect), &values, Kind::FreeSwing);
+                let state = State {
+                    rate_rad_s: rate,
+                    ..State::rest()
+                };
+                plant.derivative(&state, 0.0, 0.0).0
+            };
+            for rate in [-3.0, -0.01, 0.0, 0.3, 5.0] {
+                let (a, b) = (
+                    of(effect, &own, rate),
+                    of(simpler, &own[other..=other], rate),
+                );
+                assert!((a - b).abs() <= 1e-12 * b.abs(), "{}: {a} {b}", info.name);
+            }
+        }
+        assert!(refinements.count() > 0);
+    }
+
     #[test]
     fn sensitivities_agree_with_finite_differences_for_every_effect() {
         let time_s: Vec<f64> = (0..400).map(|k| k as f64 * 0.004).collect();
