@@ -103,7 +103,7 @@ impl<'a> Diagnosed<'a> {
         let setup = &folder.setup;
         let last = if found.steps.len() == 1 {
             identified.clone()
-        } else if let Some(known) = identify::identified(setup, &step.fit) {
+        } else if let Some(known) = identify::describe(setup, &step.fit) {
             known
         } else {
             // The diagnosis has read the logs differently: without pushes that only it found.

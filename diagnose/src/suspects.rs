@@ -261,11 +261,11 @@ fn starts(
             let all = vec![true; unknowns.free.len()];
             let promised_cost = promise.step(&values, &unknowns, &all).cost;
             if is_taking_over && index < last {
-                let positions = model.parameters();
+                let infos = model.parameters();
                 let moves: Vec<bool> = unknowns
                     .free
                     .iter()
-                    .map(|&at| !(own.contains(&at) && positions[at].logarithmic))
+                    .map(|&at| !(own.contains(&at) && infos[at].logarithmic))
                     .collect();
                 let held_cost = promise.step(&values, &unknowns, &moves).cost;
                 if point.cost - held_cost < LEAST_GAIN {
@@ -791,21 +791,9 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
         !(is_refinement && is_fitted(starts))
     });
     let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);
-    let (mut chosen, others): (Vec<_>, Vec<_>) = screened
-        .into_iter()
-        .partition(|(gain, _)| *gain > LEAST_GAIN.max(LEAST_SHARE * best_gain));
+    let mut chosen = screened;
+    chosen.retain(|(gain, _)| *gain > LEAST_GAIN.max(LEAST_SHARE * best_gain));
     chosen.truncate(round.most.min(MOST_FITS));
-    // A refinement is judged beside what it refines.
-    let refined: Vec<&str> = chosen
-        .iter()
-        .filter_map(|(_, starts)| starts.first())
-        .flat_map(|start| start.effect.info().replaces)
-        .copied()
-        .collect();
-    chosen.extend(others.into_iter().filter(|(gain, starts)| {
-        let is_refined = |start: &Start| refined.contains(&start.effect.name());
-        *gain > LEAST_GAIN && starts.first().is_some_and(is_refined)
-    }));
     chosen.retain(|(_, starts)| !is_fitted(starts));
     // What is simple comes first: it is fitted fast, and what it reaches need not be reached again.
     chosen.sort_by_key(|(_, starts)| starts.first().is_some_and(is_refinement));

@@ -504,8 +504,8 @@ struct Seen {
 fn seen(
     index: usize,
     record: &Record,
-    windows: &[Vec<Window>],
-    traces: &[Vec<Trace>],
+    windows: &[Window],
+    traces: &[Trace],
     model: &Model,
     values: &[f64],
 ) -> Seen {
@@ -514,7 +514,7 @@ fn seen(
     } else {
         1
     };
-    let Some(motion) = MeasuredMotion::new(record, &windows[index], model, values, half) else {
+    let Some(motion) = MeasuredMotion::new(record, windows, model, values, half) else {
         return Seen {
             motion: None,
             places: vec![vec![]; Coordinate::ALL.len()],
@@ -533,7 +533,7 @@ fn seen(
     Seen {
         places: coordinates(record, &motion, values),
         torques,
-        outputs: output_series(index, record, &traces[index]),
+        outputs: output_series(index, record, traces),
         motion: Some(motion),
     }
 }
@@ -555,7 +555,10 @@ pub fn breakdown(
     let mut outputs: Vec<Series> = vec![];
     let seen: Vec<Seen> = (0..records.len())
         .into_par_iter()
-        .map(|index| seen(index, &records[index], windows, traces, model, values))
+        .map(|index| {
+            let (windows, traces) = (&windows[index], &traces[index]);
+            seen(index, &records[index], windows, traces, model, values)
+        })
         .collect();
     for one in seen {
         motions.push(one.motion);

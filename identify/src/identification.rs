@@ -397,12 +397,12 @@ pub fn identify(
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
     }
-    Ok(described(setup, model, minimum, None))
+    Ok(identification(setup, model, minimum, None))
 }
 
 /// What a fit that was made before says of the bench. `None` where it is not a fit of this bench as the model
 /// reads it: where other windows or other samples counted.
-pub fn identified(setup: &Setup, fit: &Fit) -> Option<Identification> {
+pub fn describe(setup: &Setup, fit: &Fit) -> Option<Identification> {
     let setup = setup.suited_to(&fit.model);
     let records = setup.all_records();
     let minimum = &fit.minimum;
@@ -415,7 +415,7 @@ pub fn identified(setup: &Setup, fit: &Fit) -> Option<Identification> {
     let is_own = samples(&own) == samples(&minimum.windows)
         && (again - minimum.cost).abs() <= SAME_COST * minimum.cost;
     let (model, minimum) = (&fit.model, minimum.clone());
-    is_own.then(|| described(&setup, model, minimum, Some(fit.clone())))
+    is_own.then(|| identification(&setup, model, minimum, Some(fit.clone())))
 }
 
 /// Relative difference of two costs that are the same but for rounding.
@@ -423,7 +423,12 @@ const SAME_COST: f64 = 1e-9;
 
 /// Everything that is said about a minimum of a setup that suits its model; `fit`: the minimum with its
 /// standard errors, where they are known.
-fn described(setup: &Setup, model: &Model, minimum: Minimum, fit: Option<Fit>) -> Identification {
+fn identification(
+    setup: &Setup,
+    model: &Model,
+    minimum: Minimum,
+    fit: Option<Fit>,
+) -> Identification {
     let records = setup.all_records();
     let free = setup.free(model);
     // Nothing of this needs another part of it, and one long log would keep one core busy alone.

@@ -50,7 +50,7 @@ pub use fit::{
     refit, traces,
 };
 pub use identification::{
-    Identification, IdentifyError, Setup, carry_over, extend, identified, identify, scaled_start,
+    Identification, IdentifyError, Setup, carry_over, describe, extend, identify, scaled_start,
 };
 pub use kinematics::{RateAgainstAngle, rate_against_angle};
 pub use missing_torque::{

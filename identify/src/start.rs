@@ -147,11 +147,11 @@ pub fn angle_samples(record: &Record) -> Option<Vec<f64>> {
 
 /// Resistances of a winding in Ohm from which the limit of a supply may be fitted.
 const RESISTANCES_OHM: [f64; 3] = [1.0, 3.0, 10.0];
-/// Shares of the driven samples that a supply reaches with which its fit may start.
-const REACHED: [f64; 2] = [0.8, 0.97];
+/// Shares of the driven samples for which a supply suffices from which its fit may start.
+const SUFFICES: [f64; 2] = [0.8, 0.97];
 
 /// Voltage (V) and resistance (Ohm) of supplies that hold in a part of what the logs asked for and not in the
-/// rest: R |i| + k_e |φ̇| of so many samples in which the motor drives the wheel. A supply that is never
+/// rest: quantiles of R |i| + k_e |φ̇| over the samples in which the motor drives the wheel. A supply that is never
 /// reached leaves no trace, and one that is always reached is a motor without current.
 pub fn supply_starts(records: &[&Record], torque_constant: f64) -> Vec<Vec<f64>> {
     let mut driven: Vec<(f64, f64)> = vec![];
@@ -170,7 +170,7 @@ pub fn supply_starts(records: &[&Record], torque_constant: f64) -> Vec<Vec<f64>>
             .map(|(speed, current)| resistance * current + torque_constant * speed)
             .collect();
         asked_v.sort_by(f64::total_cmp);
-        for share in REACHED {
+        for share in SUFFICES {
             let at = (share * asked_v.len() as f64) as usize;
             starts.extend(asked_v.get(at).map(|voltage| vec![*voltage, resistance]));
         }
@@ -393,7 +393,7 @@ mod tests {
         let record = Record::new("x", Kind::SpinUp, time_s, outputs, Some(current), false);
         let torque_constant = 0.03;
         let starts = supply_starts(&[&record], torque_constant);
-        assert_eq!(starts.len(), RESISTANCES_OHM.len() * REACHED.len());
+        assert_eq!(starts.len(), RESISTANCES_OHM.len() * SUFFICES.len());
         for start in starts {
             let holds = |speed: &&f64| (start[0] - torque_constant * **speed) / start[1] >= 0.8;
             let share = speed.iter().filter(holds).count() as f64 / speed.len() as f64;

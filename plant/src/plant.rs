@@ -605,9 +605,10 @@ impl<S: Scalar> Plant<S> {
     /// Runs from `start` at `time_s[first]` to `time_s[last]` under the recorded current and calls
     /// `each` with the index, the reading and the state at every sample, both ends included.
     ///
-    /// The current of the start is the one that was commanded before the log began, for as long as a delay
-    /// or a lag remembers it. `push` gives the torque on the body in N m at a time in s. Between two samples a log that holds more
-    /// samples of the current is driven by the mean of what the motor makes of them.
+    /// In a run from the first sample the current of the start is the one that was commanded before the log
+    /// began, for as long as a delay or a lag remembers it; in any other the first command held before the
+    /// log. `push` gives the torque on the body in N m at a time in s. Between two samples a log that holds
+    /// more samples of the current is driven by the mean of what the motor makes of them.
     pub fn run(
         &self,
         start: State<S>,
@@ -637,6 +638,12 @@ impl<S: Scalar> Plant<S> {
                 };
             }
         }
+        let before_a = match current {
+            Current::Recorded(input) if samples.start > 0 => {
+                S::constant(input.first().map_or(0.0, |(_, first_a)| first_a))
+            }
+            _ => start.current_a,
+        };
         // A log that was thinned has more samples of the current than of anything else.
         let is_thinned = |input: &Input| input.len() > time_s.len();
         let has_motor = !self.motor.is_empty() || self.lag_s.is_some();
@@ -654,7 +661,7 @@ impl<S: Scalar> Plant<S> {
             if let Some((input, driven)) = &averaged {
                 let (from, to) = (time_s[k], time_s[k + 1]);
                 let (current_a, flowing_a) =
-                    self.through_motor_on_average(input, &state, (from, to), start.current_a, k);
+                    self.through_motor_on_average(input, &state, (from, to), before_a, k);
                 let push = push.map_or([0.0; 3], |push| {
                     [push(from), push(0.5 * (from + to)), push(to)]
                 });
@@ -673,9 +680,7 @@ impl<S: Scalar> Plant<S> {
             for to in change.into_iter().chain([time_s[k + 1]]) {
                 let drive = Drive {
                     current_a: match current {
-                        Current::Recorded(input) => {
-                            self.command(input, (from, to), start.current_a, k)
-                        }
+                        Current::Recorded(input) => self.command(input, (from, to), before_a, k),
                         Current::Held(current) => current,
                     },
                     push: push.map_or([0.0; 3], |push| {

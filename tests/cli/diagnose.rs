@@ -334,19 +334,58 @@ fn benches_of_an_independent_simulator() {
     }
 }
 
-#[test]
-fn the_free_swing_of_the_thesis_stays_undecided() {
-    let Some(log) = others("real/orig_freeswing_reibung.csv") else {
-        return;
-    };
+/// The diagnosis of one recorded free swing; `None` where the recording is not there.
+fn real_swing(file: &str, mapping: &str) -> Option<Value> {
+    let log = others(&format!("real/{file}"))?;
     let folder = tempfile::tempdir().expect("a folder");
     let log = log.canonicalize().expect("a path");
     let toml = format!(
-        "[bench]\nname = \"thesis\"\n[[experiment]]\nname = \"swing\"\nkind = \"free-swing\"\n\
-         file = {log:?}\ncolumns = {{ time = \"t_s\" }}\n"
+        "[bench]\nname = \"real\"\n[[experiment]]\nname = \"swing\"\nkind = \"free-swing\"\n\
+         file = {log:?}\n{mapping}\n"
     );
     fs::write(folder.path().join("bench.toml"), toml).expect("write");
-    let json = diagnosis(folder.path());
+    Some(diagnosis(folder.path()))
+}
+
+/// Presliding takes a little of what drag causes and drag a little of what presliding causes: each alone is
+/// stuck far from the minimum of both.
+#[test]
+fn real_swings_with_dry_friction_and_drag_are_fitted_with_both() {
+    for (file, mapping, limit_mrad) in [
+        (
+            "bookip_cdip_freeswing_1kHz.csv",
+            "columns = { time = \"t_s\", angle = \"angle_rad\" }\nfrom = 8.5",
+            2.0,
+        ),
+        (
+            "tud_rwp_freeswing_A_20Hz.csv",
+            "columns = { time = \"t_s\", angle = \"pend_rad\" }\nfrom = 2.0",
+            0.6,
+        ),
+    ] {
+        let Some(json) = real_swing(file, mapping) else {
+            continue;
+        };
+        let steps = json["steps"].as_array().expect("steps");
+        let names: Vec<&str> = steps
+            .iter()
+            .filter_map(|step| step["effect"].as_str())
+            .collect();
+        for effect in ["body-coulomb-friction", "body-quadratic-drag"] {
+            assert!(names.contains(&effect), "{file}: {names:?}");
+        }
+        let rmse = &steps[steps.len() - 1]["rmse"]["swing/angle"];
+        let rmse_mrad = 1e3 * rmse.as_f64().expect("a number");
+        assert!(rmse_mrad < limit_mrad, "{file}: {rmse_mrad} mrad");
+    }
+}
+
+#[test]
+fn the_free_swing_of_the_thesis_stays_undecided() {
+    let Some(json) = real_swing("orig_freeswing_reibung.csv", "columns = { time = \"t_s\" }")
+    else {
+        return;
+    };
     assert_eq!(json["verdict"], "ambiguous", "{}", json["sentence"]);
     let ties = ties(&json);
     for effect in ["body-presliding-friction", "body-softening-spring"] {

@@ -2,7 +2,7 @@
 
 use identify::{
     Effort, Identification, KnownPromise, Outcome, Output, Record, Setup, Unknowns, carry_over,
-    cost, find_pushes, identified, identify, promise, refit,
+    cost, describe, find_pushes, identify, promise, refit,
 };
 use plant::{EffectId, Kind, Model};
 use rand::SeedableRng;
@@ -403,13 +403,13 @@ fn an_encoder_of_coarse_steps_gives_the_same_parameters() {
 fn a_fit_is_described_where_it_is_the_bench_s_own() {
     let whole = setup(short_bench(&Physics::base(), 2860));
     let found = fitted(&whole, &[]);
-    let again = identified(&whole, &found.fit).expect("its own fit");
+    let again = describe(&whole, &found.fit).expect("its own fit");
     assert_eq!(again.fit.values, found.fit.values);
     assert_eq!(again.statements, found.statements);
     assert_eq!(again.traces[0][0].rmse, found.traces[0][0].rmse);
     let mut other = whole.clone();
     other.records[2].weight[100..200].fill(0.0);
-    assert!(identified(&other, &found.fit).is_none());
+    assert!(describe(&other, &found.fit).is_none());
 }
 
 /// What was commanded before a log began acts on its first samples, and nobody recorded it: a controller that
