@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use identify::{Minimum, Record, Setup, Trace, traces};
 use plant::{EffectId, Model};
 
-use crate::imperfection::imperfection;
+use crate::imperfection::{Imperfection, imperfection};
 use crate::search::remainders;
 
 /// A fitted model with what is left of every series.
@@ -24,7 +24,7 @@ pub struct Candidate {
     pub windowed: Option<Minimum>,
     /// Number of free parameters that do not lie on a bound.
     pub parameters: usize,
-    imperfection: OnceLock<Vec<f64>>,
+    imperfection: OnceLock<Imperfection>,
     remainders: OnceLock<Vec<Vec<f64>>>,
 }
 
@@ -61,7 +61,7 @@ impl Candidate {
     }
 
     /// As [`imperfection()`], computed once.
-    pub fn imperfection(&self, setup: &Setup, records: &[&Record]) -> &[f64] {
+    pub fn imperfection(&self, setup: &Setup, records: &[&Record]) -> &Imperfection {
         self.imperfection
             .get_or_init(|| imperfection(setup, records, self))
     }

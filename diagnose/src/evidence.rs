@@ -73,12 +73,11 @@ pub fn log_evidence(
     log_evidence_of(&rmse, candidate, effective, noise, suspects)
 }
 
-/// As [`log_evidence`], with errors that are known not to be the fault of the candidate's effects:
-/// `excused` is their size in every series, in units of its noise. Without them no series is better than
-/// with `best`.
+/// As [`log_evidence`], with `rmse` in the place of the candidate's own errors where they are smaller: they lack
+/// what is known not to be the fault of its effects. Without that no series is better than with `best`.
 pub fn log_evidence_beyond(
     candidate: &Candidate,
-    excused: &[f64],
+    rmse: &[f64],
     best: &Candidate,
     effective: &[f64],
     noise: &[f64],
@@ -88,11 +87,8 @@ pub fn log_evidence_beyond(
         .rmse()
         .into_iter()
         .zip(best.rmse())
-        .zip(excused.iter().zip(noise))
-        .map(|((own, best), (excused, noise))| {
-            let left = own * own - (excused * noise).powi(2);
-            left.max(0.0).sqrt().max(best.min(own))
-        })
+        .zip(rmse)
+        .map(|((own, best), &without)| without.max(best).min(own))
         .collect();
     log_evidence_of(&rmse, candidate, effective, noise, suspects)
 }

@@ -8,14 +8,29 @@
 use identify::{Effort, Record, Setup, refit, stuck, traces};
 
 use crate::candidate::Candidate;
+use crate::evidence::residual;
 
-/// The error of every series, in units of its noise and in the order of [`Candidate::rmse`], that
-/// the smoothed sign of dry friction alone would leave; zeros for a model without dry friction.
-pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -> Vec<f64> {
+/// What the smoothed sign of dry friction alone would leave.
+#[derive(Clone, Debug)]
+pub struct Imperfection {
+    /// The error of every series, in units of its noise and in the order of [`Candidate::rmse`]; zeros for
+    /// a model without dry friction.
+    pub rms_over_noise: Vec<f64>,
+    /// Root mean square errors of the candidate itself, in the unit of each series, without what the smoothed
+    /// sign leaves in them: sample by sample, so that they are larger than its own errors where that is not
+    /// what they are made of.
+    pub rmse_without: Vec<f64>,
+}
+
+/// What the smoothed sign of dry friction alone would leave of a candidate.
+pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -> Imperfection {
     let (model, minimum) = (&candidate.model, &candidate.minimum);
-    let series = records.iter().map(|record| record.channels.len()).sum();
     if !model.effects().iter().any(|effect| effect.info().has_kink) {
-        return vec![0.0; series];
+        let rmse_without = candidate.rmse();
+        return Imperfection {
+            rms_over_noise: vec![0.0; rmse_without.len()],
+            rmse_without,
+        };
     }
     let sticking: Vec<Record> = records
         .iter()
@@ -51,16 +66,41 @@ pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -
         &setup.free(model),
         Effort::ROUGH,
     );
-    sticking
-        .iter()
-        .zip(&again.windows)
-        .flat_map(|(record, windows)| {
-            let left = traces(record, windows, model, &again.values);
-            let noise = record.channels.iter().map(|channel| channel.noise_std);
-            left.into_iter()
-                .zip(noise)
-                .map(|(trace, noise)| trace.rmse / noise)
-                .collect::<Vec<f64>>()
-        })
-        .collect()
+    let mut found = Imperfection {
+        rms_over_noise: vec![],
+        rmse_without: vec![],
+    };
+    for (index, (record, windows)) in sticking.iter().zip(&again.windows).enumerate() {
+        let fitted = traces(record, windows, model, &again.values);
+        for (channel, fitted) in fitted.iter().enumerate() {
+            let sticks = &record.channels[channel];
+            let left = residual(&sticks.samples, &fitted.predicted);
+            let own = residual(
+                &records[index].channels[channel].samples,
+                &candidate.traces[index][channel].predicted,
+            );
+            found.rms_over_noise.push(fitted.rmse / sticks.noise_std);
+            found
+                .rmse_without
+                .push(rms_difference(&own, &left, &record.weight));
+        }
+    }
+    found
+}
+
+/// Root mean square of a − b over the samples that count and have both; infinite if there are none.
+fn rms_difference(a: &[f64], b: &[f64], weight: &[f64]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0f64);
+    for ((a, b), weight) in a.iter().zip(b).zip(weight) {
+        let square = (a - b).powi(2);
+        if square.is_finite() {
+            sum += weight * square;
+            count += weight;
+        }
+    }
+    if count > 0.0 {
+        (sum / count).sqrt()
+    } else {
+        f64::INFINITY
+    }
 }

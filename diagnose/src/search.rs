@@ -141,7 +141,7 @@ pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Can
                 (true, true) => LEAST_TRACE_OF_REFINEMENT,
                 (true, false) => LEAST_TRACE_BESIDE.max(share),
             };
-            let imperfection = || smaller.imperfection(bench.setup, records)[series];
+            let imperfection = || smaller.imperfection(bench.setup, records).rms_over_noise[series];
             // Whether the dry friction was added now or stood in the model before.
             trace >= least && trace >= TIMES_IMPERFECTION * imperfection()
         })
@@ -160,7 +160,7 @@ fn evidences(bench: &Bench, pool: &[Candidate]) -> Vec<f64> {
     evidences_beyond(bench, pool, &|_| None)
 }
 
-/// As [`evidences`], with errors in units of noise that are `excused`.
+/// As [`evidences`], with errors from which is taken what is `excused`.
 fn evidences_beyond(
     bench: &Bench,
     pool: &[Candidate],
@@ -534,7 +534,10 @@ fn ties(bench: &Bench, pool: &[Candidate], evidence: &[f64], best: usize) -> Vec
     let excused = |candidate: &Candidate| -> Option<Vec<f64>> {
         let is_near = candidate.set() != pool[best].set()
             && largest_remainder(&bench.records, candidate) <= REMAINS;
-        is_near.then(|| candidate.imperfection(bench.setup, &bench.records).to_vec())
+        is_near.then(|| {
+            let imperfection = candidate.imperfection(bench.setup, &bench.records);
+            imperfection.rmse_without.clone()
+        })
     };
     let excused = evidences_beyond(bench, pool, &excused);
     let evidence: Vec<f64> = evidence

@@ -3,7 +3,7 @@
 use identify::{
     Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, RecordedCurrent, Setup,
     Unknowns, Window, acts, carry_over, cogging_start, cost, fit_from_scratch, guessed, joined,
-    promise, rate_against_angle, ratios, refit, scaled_start, settled, supply_starts,
+    promise, rate_against_angle, ratios, refit, settled,
 };
 use plant::{EffectId, Kind, Model, Role};
 use rayon::prelude::*;
@@ -197,11 +197,7 @@ fn starts(
     };
     let base = [0, 1, 2, 3].map(|position| point.values[position]);
     let info = effect.info();
-    let mut parameter_sets: Vec<Vec<f64>> = info
-        .starts
-        .iter()
-        .map(|start| scaled_start(effect, start, &base))
-        .collect();
+    let mut parameter_sets = setup.starts(records, effect, &base);
     if let (Some(absent), true) = (info.absent, is_scored_where_absent(effect)) {
         parameter_sets = vec![absent.to_vec()];
     }
@@ -221,7 +217,6 @@ fn starts(
     }
     if effect == EffectId::BackEmfLimit {
         parameter_sets.retain(|set| is_reached(records, set, base[plant::TORQUE_CONSTANT]));
-        parameter_sets.extend(supply_starts(records, base[plant::TORQUE_CONSTANT]));
     }
     // On top of the effect that it refines, a shape is of use if it takes something of the misfit as it
     // stands, the rest of the parameters adapted to it. What a step promises that changes the shape as well

@@ -312,34 +312,63 @@ impl Setup {
             match effect {
                 EffectId::BodyViscousFriction => values.push(body_friction),
                 EffectId::WheelViscousFriction => values.push(wheel_friction),
-                _ => values.extend(scaled_start(effect, effect.info().starts[0], &base)),
+                _ => values.extend(self.scaled(effect, effect.info().starts[0], &base)),
             }
         }
         values
     }
-}
 
-/// A stated start of an effect, its torques scaled to the size of the bench: the library states
-/// them for Θ = 2.3e-3 and j_w = 1.4e-4 kg m² (thesis).
-pub fn scaled_start(effect: EffectId, start: &[f64], base: &[f64; 4]) -> Vec<f64> {
-    let scale = match effect.info().role {
-        Role::Body => base[TOTAL_INERTIA] / 2.3e-3,
-        Role::Wheel => base[WHEEL_INERTIA] / 1.4e-4,
-        _ => 1.0,
-    };
-    effect
-        .info()
-        .parameters
-        .iter()
-        .zip(start)
-        .map(|(info, value)| {
-            if info.is_torque {
-                value * scale
-            } else {
-                *value
-            }
-        })
-        .collect()
+    /// Parameters from which the fit of an effect may start on this bench, beside base parameters `base`:
+    /// those that the library states, and for the limit of a supply those that the logs suggest.
+    pub fn starts(
+        &self,
+        records: &[&Record],
+        effect: EffectId,
+        base: &[f64; BASE_PARAMETERS.len()],
+    ) -> Vec<Vec<f64>> {
+        let stated = effect.info().starts.iter();
+        let mut starts: Vec<Vec<f64>> = stated
+            .map(|start| self.scaled(effect, start, base))
+            .collect();
+        if effect == EffectId::BackEmfLimit {
+            let ohm = self.scale(Role::Motor, base);
+            starts.extend(supply_starts(records, base[TORQUE_CONSTANT], ohm));
+        }
+        starts
+    }
+
+    /// A stated start, what it has of torques scaled to the size of the bench.
+    fn scaled(
+        &self,
+        effect: EffectId,
+        start: &[f64],
+        base: &[f64; BASE_PARAMETERS.len()],
+    ) -> Vec<f64> {
+        let info = effect.info();
+        let scale = self.scale(info.role, base);
+        let parameters = info.parameters.iter().zip(start);
+        parameters
+            .map(|(info, value)| {
+                if info.is_torque {
+                    value * scale
+                } else {
+                    *value
+                }
+            })
+            .collect()
+    }
+
+    /// The size of the bench against the one for which the library states its starts, Θ = 2.3e-3 and
+    /// j_w = 1.4e-4 kg m² (thesis). What a motor is supplied with does not grow with the wheel, but stands per
+    /// unit of inertia where the torque constant, which is its back-EMF, does.
+    fn scale(&self, role: Role, base: &[f64; BASE_PARAMETERS.len()]) -> f64 {
+        match role {
+            Role::Body => base[TOTAL_INERTIA] / 2.3e-3,
+            Role::Motor if self.wheel_scale_known => 1.0,
+            Role::Wheel | Role::Motor => base[WHEEL_INERTIA] / 1.4e-4,
+            Role::Sensor => 1.0,
+        }
+    }
 }
 
 /// An identified model with everything that is said about it.
@@ -501,16 +530,7 @@ pub fn extend(
                 .map(|start| start.parameters)
                 .into_iter()
                 .collect(),
-            _ => {
-                let stated = effect.info().starts.iter();
-                let mut starts: Vec<Vec<f64>> = stated
-                    .map(|start| scaled_start(effect, start, &base))
-                    .collect();
-                if effect == EffectId::BackEmfLimit {
-                    starts.extend(supply_starts(records, base[TORQUE_CONSTANT]));
-                }
-                starts
-            }
+            _ => setup.starts(records, effect, &base),
         }
     };
     let new: Vec<EffectId> = model

@@ -50,7 +50,7 @@ pub use fit::{
     refit, traces,
 };
 pub use identification::{
-    Identification, IdentifyError, Setup, carry_over, describe, extend, identify, scaled_start,
+    Identification, IdentifyError, Setup, carry_over, describe, extend, identify,
 };
 pub use kinematics::{RateAgainstAngle, rate_against_angle};
 pub use missing_torque::{
@@ -67,7 +67,7 @@ pub use solver::{
     Effort, KnownPromise, Minimum, Outcome, Promise, PromisedStep, RecordPromise, cost, minimise,
     promise,
 };
-pub use start::{Ratios, angle_samples, base_values, ratios, supply_starts};
+pub use start::{Ratios, angle_samples, base_values, ratios};
 pub use whiteness::{
     CorrelationTest, LAGS, SIGNIFICANT, Structure, autocorrelation, cross_correlation,
     effective_samples, structure, without_rounding,

@@ -408,7 +408,10 @@ pub fn minimise(
                 let own = eliminated
                     .inverse
                     .solve(&(&eliminated.gradient - &eliminated.coupling * &shared));
-                promised += own.dot(&eliminated.gradient);
+                // What the window's own unknowns take beside the shared step, whose gradient is reduced by it.
+                promised += eliminated
+                    .gradient
+                    .dot(&eliminated.inverse.solve(&eliminated.gradient));
                 for (&local, change) in eliminated.locals.iter().zip(own.iter()) {
                     window.locals[local] += change;
                 }
@@ -640,6 +643,9 @@ impl RecordPromise {
     }
 }
 
+/// Share of the cost at a point by which rounding may put what a step promises below nothing.
+const ROUNDING: f64 = 1e-6;
+
 impl Promise {
     /// Cost at the point.
     pub fn cost(&self) -> f64 {
@@ -674,7 +680,13 @@ impl Promise {
             let Some(step) = solve(&total, &right, &held) else {
                 break;
             };
-            promised.cost = self.cost() - own_promise - step.dot(&right);
+            let cost = self.cost() - own_promise - step.dot(&right);
+            if cost < -ROUNDING * self.cost() {
+                // A sum of squares is not negative: the derivatives of a wild motion have drowned in their
+                // own rounding, and promise nothing.
+                break;
+            }
+            promised.cost = cost.max(0.0);
             promised.step.copy_from(&step);
             let mut changed = false;
             for (index, &position) in unknowns.free.iter().enumerate() {

@@ -152,8 +152,9 @@ const SUFFICES: [f64; 2] = [0.8, 0.97];
 
 /// Voltage (V) and resistance (Ohm) of supplies that hold in a part of what the logs asked for and not in the
 /// rest: quantiles of R |i| + k_e |φ̇| over the samples in which the motor drives the wheel. A supply that is never
-/// reached leaves no trace, and one that is always reached is a motor without current.
-pub fn supply_starts(records: &[&Record], torque_constant: f64) -> Vec<Vec<f64>> {
+/// reached leaves no trace, and one that is always reached is a motor without current. `ohm` is one Ohm in
+/// the unit that goes with the torque constant.
+pub(crate) fn supply_starts(records: &[&Record], torque_constant: f64, ohm: f64) -> Vec<Vec<f64>> {
     let mut driven: Vec<(f64, f64)> = vec![];
     for record in records {
         let Some(channel) = record.channel(Output::WheelSpeed) else {
@@ -164,7 +165,7 @@ pub fn supply_starts(records: &[&Record], torque_constant: f64) -> Vec<Vec<f64>>
         driven.extend(at.map(|(speed, current)| (speed.abs(), current.abs())));
     }
     let mut starts = vec![];
-    for resistance in RESISTANCES_OHM {
+    for resistance in RESISTANCES_OHM.map(|resistance| resistance * ohm) {
         let asked = driven.iter();
         let mut asked_v: Vec<f64> = asked
             .map(|(speed, current)| resistance * current + torque_constant * speed)
@@ -392,7 +393,7 @@ mod tests {
         let outputs = [None, None, Some(speed.clone())];
         let record = Record::new("x", Kind::SpinUp, time_s, outputs, Some(current), false);
         let torque_constant = 0.03;
-        let starts = supply_starts(&[&record], torque_constant);
+        let starts = supply_starts(&[&record], torque_constant, 1.0);
         assert_eq!(starts.len(), RESISTANCES_OHM.len() * SUFFICES.len());
         for start in starts {
             let holds = |speed: &&f64| (start[0] - torque_constant * **speed) / start[1] >= 0.8;
@@ -408,7 +409,7 @@ mod tests {
             Some(vec![0.0; 500]),
             false,
         );
-        assert!(supply_starts(&[&still], torque_constant).is_empty());
+        assert!(supply_starts(&[&still], torque_constant, 1.0).is_empty());
     }
 
     #[test]

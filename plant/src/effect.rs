@@ -89,8 +89,8 @@ pub struct ParameterInfo {
     pub plausible: (f64, f64),
     /// Range beyond which the value makes no physical sense; the fit stays inside.
     pub bounds: (f64, f64),
-    /// The value is a torque (or torque per something), so that without a known torque it is
-    /// identifiable only per unit of inertia.
+    /// The value is a torque, a torque per something, or an electrical value that goes with the torque constant
+    /// as the back-EMF: without a known torque it is identifiable only per unit of inertia.
     pub is_torque: bool,
     /// The fit moves the logarithm of the value: a scale that spans decades.
     pub logarithmic: bool,

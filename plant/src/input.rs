@@ -25,7 +25,7 @@ pub struct Input {
 }
 
 /// Of an interval, what is shorter than this share is its end.
-const LEAST_SHARE: f64 = 1e-6;
+pub(crate) const LEAST_SHARE: f64 = 1e-6;
 
 impl Input {
     /// `time_s` must increase; a NaN sample takes the value of the one before it (of the first
@@ -141,6 +141,11 @@ impl Input {
         let next = self.time_s.get(self.next(from_s - delay_s, hint))? + delay_s;
         let least_s = LEAST_SHARE * (to_s - from_s);
         (next > from_s + least_s && next < to_s - least_s).then_some(next)
+    }
+
+    /// What flows between two samples.
+    pub fn hold(&self) -> Hold {
+        self.hold
     }
 
     /// Number of samples.

@@ -8,7 +8,7 @@
 //! - body clamped (`spin-up`): j_w φ̈ = M − T_w.
 
 use crate::effect::{Instant, MAX_PARAMETERS, Reading, Role, Smoothing};
-use crate::input::Input;
+use crate::input::{Input, LEAST_SHARE};
 use crate::model::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 use crate::{EffectId, Kind, Model, Scalar};
 
@@ -314,9 +314,11 @@ impl<S: Scalar> Plant<S> {
         let span_s = to_s - from_s;
         if late.value() <= 0.0 {
             mean
-        } else if late.value() >= span_s {
+        } else if late.value() > span_s * (1.0 + LEAST_SHARE) {
             before_a
         } else {
+            // Also where it just ends with the interval, which is where `run` cuts: a longer delay then costs
+            // this interval what the next one would still get.
             mean + (before_a - first_a) * late * (1.0 / span_s)
         }
     }
@@ -944,8 +946,25 @@ mod tests {
     fn sensitivities_agree_with_finite_differences_for_every_effect() {
         let time_s: Vec<f64> = (0..400).map(|k| k as f64 * 0.004).collect();
         let current_a: Vec<f64> = time_s.iter().map(|t| 1.2 * (7.0 * t).sin() + 0.3).collect();
-        let input = Input::new(&time_s, &current_a, Hold::Linear);
-        for &effect in EffectId::ALL {
+        let input = |hold| Input::new(&time_s, &current_a, hold);
+        let inputs = [
+            (input(Hold::Linear), 1),
+            (input(Hold::Zero), 1),
+            (input(Hold::Zero), 3),
+        ];
+        // Another command than the first one of the log came before it.
+        let before_a = 0.9;
+        let every = |(input, step)| {
+            EffectId::ALL
+                .iter()
+                .map(move |effect| (effect, input, step))
+        };
+        for (&effect, input, step) in inputs
+            .iter()
+            .map(|(input, step)| (input, *step))
+            .flat_map(every)
+        {
+            let time_s: Vec<f64> = time_s.iter().copied().step_by(step).collect();
             let info = effect.info();
             let model = Model::base().with(effect);
             let at = model.position(effect).expect("just added");
@@ -969,13 +988,14 @@ mod tests {
                 let mut out = vec![];
                 let start = State {
                     angle_rad: 0.3,
+                    current_a: before_a,
                     ..State::rest()
                 };
                 plant.run(
                     start,
                     &time_s,
-                    0..400,
-                    Current::Recorded(&input),
+                    0..time_s.len(),
+                    Current::Recorded(input),
                     None,
                     |_, r, _| {
                         out.extend([r.angle_rad, r.rate_rad_s, r.wheel_speed_rad_s]);
@@ -999,13 +1019,14 @@ mod tests {
                 let mut exact = vec![];
                 let start = State {
                     angle_rad: Dual::constant(0.3),
+                    current_a: Dual::constant(before_a),
                     ..State::rest()
                 };
                 plant.run(
                     start,
                     &time_s,
-                    0..400,
-                    Current::Recorded(&input),
+                    0..time_s.len(),
+                    Current::Recorded(input),
                     None,
                     |_, r, _| {
                         for channel in [r.angle_rad, r.rate_rad_s, r.wheel_speed_rad_s] {
@@ -1029,9 +1050,13 @@ mod tests {
                     "{} has no trace",
                     info.parameters[index - at].name
                 );
+                // A held command that comes later acts in the derivative over the stretch before its change, on
+                // average half a sample early, of the tenths of a second in which the body swings.
+                let is_moved = effect == EffectId::InputDelay && input.hold() == Hold::Zero;
+                let tolerance = if is_moved { 0.005 * step as f64 } else { 2e-3 };
                 assert!(
-                    norm(&error) < 2e-3 * norm(&exact),
-                    "{}: {} of {}",
+                    norm(&error) < tolerance * norm(&exact),
+                    "{}, every {step}: {} of {}",
                     info.parameters[index - at].name,
                     norm(&error),
                     norm(&exact)
