@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use identify::{Effort, Fit, Minimum, Record, Setup, Window, finish, joined, refit};
+use identify::{Effort, Fit, Minimum, Setup, Window, finish, joined, refit};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
@@ -12,7 +12,9 @@ use crate::evidence::TIE;
 use crate::genuine::genuine;
 use crate::hidden_cogging::shows_cogging;
 use crate::next_experiment::propose;
-use crate::search::{REMAINS, Search, largest_remainder, noise, search, shows};
+use crate::search::{
+    REMAINS, Search, largest_remainder, noise, search, shows, unexplained_remainder,
+};
 use crate::suspects::{Bench, is_cleared};
 use crate::validation::{HeldOut, held_out, mean_fit_percent};
 
@@ -222,7 +224,6 @@ impl Start {
 
 impl Searched {
     fn new(start: Start, progress: &dyn Fn(&str)) -> Searched {
-        let records = start.thin.all_records();
         let candidate = start.candidate.clone();
         let found = search(&start.thin, candidate, &start.suspects, progress);
         let chosen = if found.ties.is_empty() {
@@ -230,8 +231,9 @@ impl Searched {
         } else {
             common(&found).unwrap_or(0)
         };
-        let remainder = largest_remainder(&records, &found.pool[chosen]);
-        let verdict = verdict(&records, &found, chosen, remainder);
+        let bench = Bench::whole(&start.thin, &start.suspects);
+        let remainder = unexplained_remainder(&bench, &found.pool[chosen]);
+        let verdict = verdict(&bench, &found, chosen, remainder);
         Searched {
             found,
             chosen,
@@ -270,18 +272,10 @@ impl Searched {
             whole,
             ..
         } = start;
-        let bench = Bench {
-            setup: &thin,
-            records: thin.all_records(),
-            window_s: None,
-            suspects: &suspects,
-        };
+        let bench = Bench::whole(&thin, &suspects);
         let (chosen, remainder) = if verdict == Verdict::Unexplained {
             let chosen = without_absorbers(&bench, &found, chosen);
-            (
-                chosen,
-                largest_remainder(&bench.records, &found.pool[chosen]),
-            )
+            (chosen, unexplained_remainder(&bench, &found.pool[chosen]))
         } else {
             (chosen, remainder)
         };
@@ -346,12 +340,12 @@ impl Searched {
     }
 }
 
-fn verdict(records: &[&Record], found: &Search, chosen: usize, remainder: f64) -> Verdict {
+fn verdict(bench: &Bench, found: &Search, chosen: usize, remainder: f64) -> Verdict {
     // Explanations that tie but leave most of it unexplained explain nothing.
     let left_by_ties = found
         .ties
         .iter()
-        .map(|&index| largest_remainder(records, &found.pool[index]))
+        .map(|&index| unexplained_remainder(bench, &found.pool[index]))
         .fold(f64::INFINITY, f64::min);
     // What they share may be all that there is: where it leaves less than the noise, additions that
     // disagree with each other are the imperfections of its terms and no effects.

@@ -9,6 +9,7 @@ use identify::{Effort, Record, Setup, refit, stuck, traces};
 
 use crate::candidate::Candidate;
 use crate::evidence::residual;
+use crate::search::remainder;
 
 /// What the smoothed sign of dry friction alone would leave.
 #[derive(Clone, Debug)]
@@ -20,6 +21,8 @@ pub struct Imperfection {
     /// sign leaves in them: sample by sample, so that they are larger than its own errors where that is not
     /// what they are made of.
     pub rmse_without: Vec<f64>,
+    /// The structured remainder of every record and channel in units of noise, likewise.
+    pub remainders_without: Vec<Vec<f64>>,
 }
 
 /// What the smoothed sign of dry friction alone would leave of a candidate.
@@ -30,6 +33,7 @@ pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -
         return Imperfection {
             rms_over_noise: vec![0.0; rmse_without.len()],
             rmse_without,
+            remainders_without: candidate.remainders(records).to_vec(),
         };
     }
     let sticking: Vec<Record> = records
@@ -69,32 +73,38 @@ pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -
     let mut found = Imperfection {
         rms_over_noise: vec![],
         rmse_without: vec![],
+        remainders_without: vec![],
     };
-    for (index, (record, windows)) in sticking.iter().zip(&again.windows).enumerate() {
-        let fitted = traces(record, windows, model, &again.values);
+    for (index, (sticking, windows)) in sticking.iter().zip(&again.windows).enumerate() {
+        let record = records[index];
+        let mut remainders = vec![];
+        let fitted = traces(sticking, windows, model, &again.values);
         for (channel, fitted) in fitted.iter().enumerate() {
-            let sticks = &record.channels[channel];
+            let sticks = &sticking.channels[channel];
             let left = residual(&sticks.samples, &fitted.predicted);
-            let own = residual(
-                &records[index].channels[channel].samples,
-                &candidate.traces[index][channel].predicted,
-            );
+            let own = &candidate.traces[index][channel].predicted;
+            let predicted: Vec<f64> = own
+                .iter()
+                .zip(&left)
+                .map(|(own, left)| own + left)
+                .collect();
+            let channel = &record.channels[channel];
+            let errors = residual(&channel.samples, &predicted);
             found.rms_over_noise.push(fitted.rmse / sticks.noise_std);
-            found
-                .rmse_without
-                .push(rms_difference(&own, &left, &record.weight));
+            found.rmse_without.push(rms(&errors, &record.weight));
+            remainders.push(remainder(channel, &predicted, &record.weight));
         }
+        found.remainders_without.push(remainders);
     }
     found
 }
 
-/// Root mean square of a − b over the samples that count and have both; infinite if there are none.
-fn rms_difference(a: &[f64], b: &[f64], weight: &[f64]) -> f64 {
+/// Root mean square over the samples that count and were measured; infinite if there are none.
+fn rms(values: &[f64], weight: &[f64]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0f64);
-    for ((a, b), weight) in a.iter().zip(b).zip(weight) {
-        let square = (a - b).powi(2);
-        if square.is_finite() {
-            sum += weight * square;
+    for (value, weight) in values.iter().zip(weight) {
+        if value.is_finite() {
+            sum += weight * value * value;
             count += weight;
         }
     }

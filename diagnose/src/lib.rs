@@ -29,6 +29,7 @@ mod validation;
 pub use candidate::Candidate;
 pub use diagnosis::{Diagnosis, Step, Suspect, Verdict, diagnose, diagnose_among};
 pub use evidence::{TIE, effective, log_evidence, residual};
+pub use imperfection::Imperfection;
 pub use next_experiment::propose;
 pub use search::{
     LEAST_TRACE, LEAST_TRACE_BESIDE, REMAINS, Search, largest_remainder, largest_trace, names,

@@ -34,6 +34,21 @@ pub struct Bench<'a> {
     pub window_s: Option<f64>,
     /// The effects that are tried.
     pub suspects: &'a [EffectId],
+    /// Least gain in χ² for which one of them is fitted.
+    pub least_gain: f64,
+}
+
+impl<'a> Bench<'a> {
+    /// A bench whose logs are read in one piece.
+    pub fn whole(setup: &'a Setup, suspects: &'a [EffectId]) -> Bench<'a> {
+        Bench {
+            setup,
+            records: setup.all_records(),
+            window_s: None,
+            suspects,
+            least_gain: LEAST_GAIN,
+        }
+    }
 }
 
 /// Most unknowns that a window has of its own.
@@ -263,7 +278,7 @@ fn starts(
                     .map(|&at| !(own.contains(&at) && infos[at].logarithmic))
                     .collect();
                 let held_cost = promise.step(&values, &unknowns, &moves).cost;
-                if point.cost - held_cost < LEAST_GAIN {
+                if point.cost - held_cost < bench.least_gain {
                     return None;
                 }
             }
@@ -421,7 +436,7 @@ fn fit_roughly(bench: &Bench, point: &Minimum, mut starts: Vec<Start>, goal: f64
             best = Some(Rough { minimum, start });
         }
     }
-    best.filter(|rough| point.cost - rough.minimum.cost >= LEAST_GAIN)
+    best.filter(|rough| point.cost - rough.minimum.cost >= bench.least_gain)
 }
 
 /// The parameters and windows from which the whole logs are fitted: those of the fit in short windows, or
@@ -546,7 +561,7 @@ fn refined_starts(bench: &Bench, whole: &Minimum, simpler: &Rough, effect: Effec
     for start in &mut starts {
         start.windows = Some(fit.windows.clone());
     }
-    starts.retain(|start| fit.cost - start.promised_cost >= LEAST_GAIN);
+    starts.retain(|start| fit.cost - start.promised_cost >= bench.least_gain);
     starts
 }
 
@@ -605,7 +620,7 @@ fn fit_all_roughly(
         let starts = refined_starts(bench, &from.minimum, simpler, effect);
         // A refinement that comes out as what it refines is that.
         let least = point.cost - least_gain(effect);
-        let least = least.min(simpler.minimum.cost - LEAST_GAIN);
+        let least = least.min(simpler.minimum.cost - bench.least_gain);
         let found = fit_roughly(bench, &simpler.minimum, starts, reach.min(least));
         if let Some(rough) = found.filter(|rough| rough.minimum.cost <= least) {
             reach = reach.min(near(rough.minimum.cost));
@@ -638,7 +653,7 @@ fn fit_all_wholly(
     let mut reached: Vec<(EffectId, f64)> = vec![];
     for (effect, rough) in roughs {
         let simpler = refined(effect, &reached, |cost| *cost);
-        let least = simpler.map_or(f64::INFINITY, |cost| cost - LEAST_GAIN);
+        let least = simpler.map_or(f64::INFINITY, |cost| cost - bench.least_gain);
         let own = Goal {
             whole: goal.whole.min(least),
             ..goal
@@ -787,7 +802,7 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
     });
     let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);
     let mut chosen = screened;
-    chosen.retain(|(gain, _)| *gain > LEAST_GAIN.max(LEAST_SHARE * best_gain));
+    chosen.retain(|(gain, _)| *gain > bench.least_gain.max(LEAST_SHARE * best_gain));
     chosen.truncate(round.most.min(MOST_FITS));
     chosen.retain(|(_, starts)| !is_fitted(starts));
     // What is simple comes first: it is fitted fast, and what it reaches need not be reached again.
@@ -796,7 +811,7 @@ pub fn try_all(bench: &Bench, from: &Candidate, round: &Round) -> Vec<Candidate>
         .leader
         .map_or(Goal::ANY, |leader| Goal::beside(from, leader));
     let chosen = chosen.into_iter().map(|(_, starts)| starts).collect();
-    let least_gain = |effect: EffectId| LEAST_GAIN.max(LEAST_PART * missed(effect));
+    let least_gain = |effect: EffectId| bench.least_gain.max(LEAST_PART * missed(effect));
     let refinements: Vec<EffectId> = refinements
         .into_iter()
         .filter(|&effect| !fitted(effect))

@@ -16,7 +16,7 @@ fn the_misfit_of_a_smoothed_sign_is_predicted() {
         let base = identify(setup, &Model::base(), None).expect("a fit").fit;
         let records = setup.all_records();
         let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-        let mut imperfection = truth.imperfection(setup, &records).iter();
+        let mut imperfection = truth.imperfection(setup, &records).rms_over_noise.iter();
         for (record, traces) in records.iter().zip(&truth.traces) {
             for (channel, trace) in record.channels.iter().zip(traces) {
                 let predicted = *imperfection.next().expect("one for each series");
@@ -41,7 +41,9 @@ fn without_dry_friction_there_is_none() {
     let setup = &bench.setup;
     let base = identify(setup, &Model::base(), None).expect("a fit").fit;
     let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-    let imperfection = truth.imperfection(setup, &setup.all_records());
+    let imperfection = &truth
+        .imperfection(setup, &setup.all_records())
+        .rms_over_noise;
     assert!(imperfection.iter().all(|&value| value == 0.0));
 }
 
