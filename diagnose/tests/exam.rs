@@ -276,6 +276,18 @@ fn a_short_exam_is_passed() {
     assert!(marks.coverage.share() >= 0.75, "{:?}", marks.coverage);
 }
 
+/// In the first bench no torque of the wheel is known, and a supply limit that started from volts against a
+/// back-EMF per unit of inertia promised more than all that was missed; in the second a fit of the delay
+/// crept, since the command from before the log was missing in its derivative.
+#[test]
+fn no_effect_is_hidden_by_the_starts_of_another() {
+    for (seed, effect) in [(3697, EffectId::GyroBias), (4049, EffectId::InputDelay)] {
+        let paper = sit(seed).expect("a bench").paper;
+        assert_eq!(paper.verdict, Verdict::Explained, "seed {seed}");
+        assert_eq!(paper.named, [effect], "seed {seed}");
+    }
+}
+
 /// A stop is a torque over the angle; a constant, a linear and a cubic term together would fit it.
 #[test]
 fn three_terms_of_a_power_series_are_no_explanation() {

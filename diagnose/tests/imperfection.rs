@@ -33,6 +33,38 @@ fn the_misfit_of_a_smoothed_sign_is_predicted() {
     }
 }
 
+/// A wheel that sticks, in logs that show it in motion only: a dead zone of the motor takes the same torque
+/// away, and has no sign that a simulation smooths.
+#[test]
+fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
+    let bench = draw(4006).expect("a bench");
+    let answer = Answer::of(&bench);
+    assert_eq!(answer.effects, [EffectId::WheelCoulombFriction]);
+    let paper = mark(&bench.setup, &answer, EffectId::ALL).expect("a verdict");
+    assert_eq!(paper.verdict, Verdict::Ambiguous);
+    for effect in [EffectId::WheelCoulombFriction, EffectId::MotorDeadZone] {
+        assert!(
+            paper.ambiguous_between.contains(&vec![effect]),
+            "{:?}",
+            paper.ambiguous_between
+        );
+    }
+    // Sample by sample the misfit of the smoothed sign is in the errors, and not only as large as a part of them.
+    let setup = &bench.setup;
+    let base = identify(setup, &Model::base(), None).expect("a fit").fit;
+    let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
+    let without = &truth.imperfection(setup, &setup.all_records()).rmse_without;
+    let own = truth.rmse();
+    assert_eq!(without.len(), own.len());
+    assert!(
+        without
+            .iter()
+            .zip(&own)
+            .any(|(without, own)| *without < 0.995 * own),
+        "{without:?} of {own:?}"
+    );
+}
+
 #[test]
 fn without_dry_friction_there_is_none() {
     let bench = draw(3).expect("a bench");

@@ -336,6 +336,48 @@ fn without_a_known_torque_parameters_are_per_unit_of_inertia() {
     );
 }
 
+/// The back-EMF constant is the torque constant, and stands per unit of inertia where that does: so do the
+/// voltage and the resistance, and only their ratios to it mean anything.
+#[test]
+fn a_supply_limit_without_a_known_torque_is_per_unit_of_inertia() {
+    let records = vec![log(
+        &Physics::base(),
+        &spin_up("spin-up", &|_| 0.5, 5.0),
+        2607,
+    )];
+    let model = Model::base().with(EffectId::BackEmfLimit);
+    let starts = |known: [Option<f64>; 4]| {
+        let setup =
+            Setup::from_records(records.clone(), known, Default::default()).expect("records");
+        let base: Vec<f64> = setup.start_values(&model)[..4].to_vec();
+        let base = [base[0], base[1], base[2], base[3]];
+        let position = model.position(EffectId::BackEmfLimit).expect("added");
+        let unit = setup.unit(&model, position);
+        let starts = setup.starts(&setup.all_records(), EffectId::BackEmfLimit, &base);
+        // The speed at which no current is left, rad/s, and the current that is left at standstill, A.
+        let ends: Vec<(f64, f64)> = starts
+            .iter()
+            .map(|start| (start[0] / base[3], start[0] / start[1]))
+            .collect();
+        (unit, ends)
+    };
+    let (unit, known) = starts([None, None, None, Some(VALUES[3])]);
+    assert_eq!(unit, "V");
+    let (unit, per_inertia) = starts([None; 4]);
+    assert_eq!(unit, "V per kg m2");
+    assert_eq!(known.len(), per_inertia.len());
+    for ((speed, current), (speed_per, current_per)) in known.iter().zip(&per_inertia) {
+        assert!(
+            (current_per / current - 1.0).abs() < 0.05,
+            "{current} {current_per} A"
+        );
+        assert!(
+            (speed_per / speed - 1.0).abs() < 0.05,
+            "{speed} {speed_per} rad/s"
+        );
+    }
+}
+
 #[test]
 fn a_spin_up_whose_current_nobody_wrote_down_gives_its_time_constant() {
     let current = |_: f64| 0.7;
