@@ -634,17 +634,15 @@ fn fingerprint(bench: &Bench, effect: EffectId, base: &Candidate, with: &Candida
     let best = names
         .zip(base.rmse().into_iter().zip(with.rmse()))
         .zip(noise(&bench.records))
-        .map(|((name, (before, after)), noise)| (name, before, after, (before - after) / noise))
-        .max_by(|a, b| a.3.total_cmp(&b.3));
+        .map(|((name, (before, after)), noise)| (name, before / noise, after / noise))
+        .max_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2)));
     let text = effect.info().fingerprint;
     match best {
-        Some(((record, channel), before, after, gain)) if gain > 0.0 => format!(
-            "{text}; with it the error of {}/{} falls from {:.3e} to {:.3e} {}",
+        Some(((record, channel), before, after)) if before > after => format!(
+            "{text}; with it the error of {}/{} falls from {before:.2} to {after:.2} times the noise of \
+             the sensor",
             record.name,
             channel.output.name(),
-            before,
-            after,
-            channel.output.unit()
         ),
         _ => text.to_owned(),
     }
