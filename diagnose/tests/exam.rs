@@ -288,6 +288,21 @@ fn no_effect_is_hidden_by_the_starts_of_another() {
     }
 }
 
+/// A driven body that tumbles: no fit follows it in one piece.
+#[test]
+fn a_body_that_passes_over_the_top_lacks_nothing() {
+    let bench = draw(4749).expect("a bench");
+    assert!(
+        bench
+            .setup
+            .records
+            .iter()
+            .any(|record| record.passes_over_the_top)
+    );
+    let paper = sit(4749).expect("a bench").paper;
+    assert_eq!(paper.verdict, Verdict::NothingMissing);
+}
+
 /// A stop is a torque over the angle; a constant, a linear and a cubic term together would fit it.
 #[test]
 fn three_terms_of_a_power_series_are_no_explanation() {

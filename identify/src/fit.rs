@@ -6,13 +6,13 @@
 //! until one of them spans the log.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+use plant::{EffectId, GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use crate::cogging::settled;
 use crate::covariance::covariance;
-use crate::record::{Output, Record};
+use crate::record::{Output, Record, RecordedCurrent};
 use crate::sensitivity::{Local, Unknowns, Window, simulate};
-use crate::solver::{Effort, Minimum, minimise};
+use crate::solver::{Effort, Minimum, minimise, promise};
 use crate::start::angle_samples;
 
 /// Factor by which windows grow from one stage to the next.
@@ -215,7 +215,7 @@ pub fn fit_from_scratch(
         let effort = if last { Effort::FULL } else { Effort::ROUGH };
         let minimum = minimise(records, model, values, current, &unknowns, effort);
         if last {
-            return minimum;
+            return over_samples(records, model, minimum, &unknowns, effort);
         }
         values = minimum.values;
         current = minimum.windows;
@@ -268,14 +268,68 @@ pub fn refit(
     effort: Effort,
 ) -> Minimum {
     let windows = settled(records, model, &values, windows);
-    minimise(
-        records,
-        model,
-        values,
-        windows,
-        &Unknowns::new(model, free),
-        effort,
-    )
+    let unknowns = Unknowns::new(model, free);
+    let minimum = minimise(records, model, values, windows, &unknowns, effort);
+    over_samples(records, model, minimum, &unknowns, effort)
+}
+
+/// What the delay of the next sample must promise, in χ², for a fit to start there.
+const WORTH_A_SAMPLE: f64 = 1.0;
+
+/// Takes a delay on from sample to sample of the command while that lowers the cost.
+///
+/// A held command that is late by a part of a sample is a mean of itself, late by one sample more and by one
+/// less. Where noise has a share in it (a controller passes that of its sensors on), the mean has less of it,
+/// and the cost a minimum between any two samples.
+fn over_samples(
+    records: &[&Record],
+    model: &Model,
+    found: Minimum,
+    unknowns: &Unknowns,
+    effort: Effort,
+) -> Minimum {
+    let at = model.position(EffectId::InputDelay);
+    let (Some(at), Some(sample_s)) = (
+        at.filter(|at| unknowns.free.contains(at)),
+        shortest_sample_s(records),
+    ) else {
+        return found;
+    };
+    let all = vec![true; unknowns.free.len()];
+    let mut best = found;
+    for direction in [1.0, -1.0] {
+        loop {
+            let middle = (best.values[at] / sample_s).floor() + 0.5;
+            let next_s = (middle + direction) * sample_s;
+            if next_s < 0.0 || !best.cost.is_finite() {
+                break;
+            }
+            let mut values = best.values.clone();
+            values[at] = next_s;
+            let promise = promise(records, model, &values, &best.windows, unknowns, None);
+            let goal = best.cost - WORTH_A_SAMPLE;
+            if promise.step(&values, unknowns, &all).cost > goal {
+                break;
+            }
+            let windows = best.windows.clone();
+            let effort = effort.towards(effort.goal.min(goal));
+            let next = minimise(records, model, values, windows, unknowns, effort);
+            if next.cost > goal {
+                break;
+            }
+            best = next;
+        }
+    }
+    best
+}
+
+/// The shortest time for which a recorded command is held, in s; `None` where none is.
+fn shortest_sample_s(records: &[&Record]) -> Option<f64> {
+    let held = records.iter().filter_map(|record| match &record.current {
+        RecordedCurrent::Known(input) if record.kind != Kind::FreeSwing => input.held_s(),
+        _ => None,
+    });
+    held.min_by(f64::total_cmp)
 }
 
 /// Adds standard errors to a minimum.

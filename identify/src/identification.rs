@@ -594,9 +594,13 @@ fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String> {
     let mut out = vec![];
     for (record, traces) in records.iter().zip(traces) {
         if record.kind == Kind::Driven && record.window_s.is_finite() {
+            let why = if record.passes_over_the_top {
+                "the body passes over the top, where the least difference grows"
+            } else {
+                "with the cogging of the motor a long run depends on every tooth at which the wheel turned back"
+            };
             out.push(format!(
-                "{}: with the cogging of the motor a long run depends on every tooth at which the wheel \
-                 turned back, so that the model is compared over windows of {BALANCE_WINDOW_S} s, each from a \
+                "{}: {why}, so that the model is compared over windows of {BALANCE_WINDOW_S} s, each from a \
                  start of its own, as in a balance log",
                 record.name
             ));

@@ -127,6 +127,8 @@ pub struct Record {
     /// Longest stretch that is simulated in one piece, from a start of its own, s: a whole log, but
     /// [`BALANCE_WINDOW_S`] where the free run diverges.
     pub window_s: f64,
+    /// The measured angle leaves ±π.
+    pub passes_over_the_top: bool,
     past: Past,
 }
 
@@ -147,7 +149,7 @@ impl Record {
         current_a: Option<Vec<f64>>,
         current_is_measured: bool,
     ) -> Record {
-        let channels = Output::ALL
+        let channels: Vec<Channel> = Output::ALL
             .into_iter()
             .zip(outputs)
             .filter(|(output, _)| match kind {
@@ -168,6 +170,10 @@ impl Record {
                 })
             })
             .collect();
+        let passes_over_the_top = channels.iter().any(|channel: &Channel| {
+            let beyond = |angle: &f64| angle.abs() > std::f64::consts::PI;
+            channel.output == Output::Angle && channel.samples.iter().any(beyond)
+        });
         let hold = if current_is_measured {
             Hold::Linear
         } else {
@@ -191,8 +197,11 @@ impl Record {
             current_is_measured,
             window_s: match kind {
                 Kind::Balance => BALANCE_WINDOW_S,
+                // On the way over the top the least difference grows as it does about upright.
+                Kind::Driven if passes_over_the_top => BALANCE_WINDOW_S,
                 Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
             },
+            passes_over_the_top,
             past: Past::default(),
         }
     }

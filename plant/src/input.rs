@@ -148,6 +148,13 @@ impl Input {
         self.hold
     }
 
+    /// The mean time in s for which a sample is held; `None` where the current is not held.
+    pub fn held_s(&self) -> Option<f64> {
+        let span_s = self.time_s.last()? - self.time_s.first()?;
+        let steps = self.time_s.len() - 1;
+        (self.hold == Hold::Zero && steps > 0).then(|| span_s / steps as f64)
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()
