@@ -275,6 +275,8 @@ pub fn refit(
 
 /// What the delay of the next sample must promise, in χ², for a fit to start there.
 const WORTH_A_SAMPLE: f64 = 1.0;
+/// Evaluations that show whether it keeps that: from the middle of an interval the cost is nearly quadratic.
+const LOOK_AT_A_SAMPLE: usize = 3;
 
 /// Takes a delay on from sample to sample of the command while that lowers the cost.
 ///
@@ -296,7 +298,12 @@ fn over_samples(
         return found;
     };
     let all = vec![true; unknowns.free.len()];
+    let look = Effort {
+        evaluations: LOOK_AT_A_SAMPLE,
+        ..Effort::ROUGH
+    };
     let mut best = found;
+    let mut has_moved = false;
     for direction in [1.0, -1.0] {
         loop {
             let middle = (best.values[at] / sample_s).floor() + 0.5;
@@ -312,13 +319,19 @@ fn over_samples(
                 break;
             }
             let windows = best.windows.clone();
-            let effort = effort.towards(effort.goal.min(goal));
-            let next = minimise(records, model, values, windows, unknowns, effort);
+            let next = minimise(records, model, values, windows, unknowns, look);
             if next.cost > goal {
                 break;
             }
             best = next;
+            has_moved = true;
         }
+        if has_moved && direction > 0.0 {
+            break;
+        }
+    }
+    if has_moved {
+        best = minimise(records, model, best.values, best.windows, unknowns, effort);
     }
     best
 }
