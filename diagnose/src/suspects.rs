@@ -415,10 +415,9 @@ fn fit_roughly(bench: &Bench, point: &Minimum, mut starts: Vec<Start>, goal: f64
     for start in starts.into_iter().take(MOST_STARTS) {
         // What has been reached already, or nearly, no other start is tried for.
         let promised = KEPT_SHARE * (point.cost - start.promised_cost);
-        if best
-            .as_ref()
-            .is_some_and(|best| point.cost - best.minimum.cost >= promised)
-        {
+        if best.as_ref().is_some_and(|best| {
+            point.cost - best.minimum.cost >= promised && !has_strayed(bench, best)
+        }) {
             continue;
         }
         let minimum = refit(
@@ -437,6 +436,23 @@ fn fit_roughly(bench: &Bench, point: &Minimum, mut starts: Vec<Start>, goal: f64
         }
     }
     best.filter(|rough| point.cost - rough.minimum.cost >= bench.least_gain)
+}
+
+/// Whether a fit has come to the end of the range of one of its effect's own parameters and still misses
+/// something: from another start it may come to a place that means something.
+fn has_strayed(bench: &Bench, rough: &Rough) -> bool {
+    let (start, minimum) = (&rough.start, &rough.minimum);
+    let Some(at) = start.model.position(start.effect) else {
+        return false;
+    };
+    let observed = bench.records.iter().map(|record| record.observations());
+    let noise = observed.sum::<usize>() as f64;
+    let own = start.effect.info().parameters.iter();
+    let is_at_end = own.zip(&minimum.values[at..]).any(|(info, value)| {
+        let (low, high) = info.bounds;
+        *value <= low || *value >= high
+    });
+    is_at_end && minimum.cost > 2.0 * noise
 }
 
 /// The parameters and windows from which the whole logs are fitted: those of the fit in short windows, or
