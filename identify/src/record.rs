@@ -68,6 +68,10 @@ pub struct Channel {
 /// Length of the windows of a balance log in s (contract), and of any other log whose free run diverges.
 pub const BALANCE_WINDOW_S: f64 = 0.25;
 
+/// Time over which the rate is averaged before the way of the body is taken from it, s: a balanced body moves
+/// over tenths of a second, and the noise of single samples would add to the length of its way.
+const TRAVEL_AVERAGE_S: f64 = 0.02;
+
 /// A channel is taken as quantised if rounding (q/√12) makes at least this share of its noise.
 const QUANTISED_SHARE: f64 = 0.5;
 
@@ -315,8 +319,9 @@ impl Record {
     }
 
     /// Angle in rad by which the body moves from each of the samples before `end` to the next, as
-    /// measured, backwards from `end`: the rate (less its mean offset against the angle) times the
-    /// interval; without a rate the differences of the angle, averaged over nine samples.
+    /// measured, backwards from `end`: the rate (averaged over [`TRAVEL_AVERAGE_S`], less its mean offset
+    /// against the angle) times the interval; without a rate the differences of the angle, averaged over nine
+    /// samples.
     pub fn body_travel_before(&self, end: usize) -> impl Iterator<Item = f64> {
         let travel = self.past.travel_rad.get_or_init(|| self.travel());
         let end = end.min(travel.step_rad.len());
@@ -341,8 +346,11 @@ impl Record {
             (0..last).map(|k| near(k + 1) - near(k)).collect()
         });
         let by_rate: Option<Vec<f64>> = self.channel(Output::Rate).map(|channel| {
+            let step_s = (self.time_s[last] - self.time_s[0]) / last.max(1) as f64;
+            let half = (0.5 * TRAVEL_AVERAGE_S / step_s) as usize;
             let step = |k: usize| {
-                let rate = 0.5 * (channel.samples[k] + channel.samples[k + 1]);
+                let around = k.saturating_sub(half)..(k + 2 + half).min(last + 1);
+                let rate = mean(&channel.samples[around]);
                 if rate.is_finite() {
                     rate * (self.time_s[k + 1] - self.time_s[k])
                 } else {
