@@ -5,7 +5,7 @@
 //! size is what would remain if the measurements were those of this very model with a joint that
 //! sticks: they are computed, the model is fitted to them, and the error of the fit is taken.
 
-use identify::{Effort, Record, Setup, refit, stuck, traces};
+use identify::{Effort, Record, Setup, Trace, refit, stuck, traces};
 
 use crate::candidate::Candidate;
 use crate::evidence::residual;
@@ -89,28 +89,12 @@ pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -
                 .map(|(own, left)| own + left)
                 .collect();
             let channel = &record.channels[channel];
-            let errors = residual(&channel.samples, &predicted);
             found.rms_over_noise.push(fitted.rmse / sticks.noise_std);
-            found.rmse_without.push(rms(&errors, &record.weight));
             remainders.push(remainder(channel, &predicted, &record.weight));
+            let without = Trace::new(channel, predicted, &record.weight);
+            found.rmse_without.push(without.rmse);
         }
         found.remainders_without.push(remainders);
     }
     found
-}
-
-/// Root mean square over the samples that count and were measured; infinite if there are none.
-fn rms(values: &[f64], weight: &[f64]) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0f64);
-    for (value, weight) in values.iter().zip(weight) {
-        if value.is_finite() {
-            sum += weight * value * value;
-            count += weight;
-        }
-    }
-    if count > 0.0 {
-        (sum / count).sqrt()
-    } else {
-        f64::INFINITY
-    }
 }

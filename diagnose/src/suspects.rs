@@ -49,6 +49,12 @@ impl<'a> Bench<'a> {
             least_gain: LEAST_GAIN,
         }
     }
+
+    /// The cost that is expected of noise alone: one for every observation.
+    fn noise_cost(&self) -> f64 {
+        let observed = self.records.iter().map(|record| record.observations());
+        observed.sum::<usize>() as f64
+    }
 }
 
 /// Most unknowns that a window has of its own.
@@ -438,6 +444,9 @@ fn fit_roughly(bench: &Bench, point: &Minimum, mut starts: Vec<Start>, goal: f64
     best.filter(|rough| point.cost - rough.minimum.cost >= bench.least_gain)
 }
 
+/// Cost, in that of the noise alone, above which a fit plainly misses something.
+const STILL_MISSES: f64 = 2.0;
+
 /// Whether a fit has come to the end of the range of one of its effect's own parameters and still misses
 /// something: from another start it may come to a place that means something.
 fn has_strayed(bench: &Bench, rough: &Rough) -> bool {
@@ -445,14 +454,12 @@ fn has_strayed(bench: &Bench, rough: &Rough) -> bool {
     let Some(at) = start.model.position(start.effect) else {
         return false;
     };
-    let observed = bench.records.iter().map(|record| record.observations());
-    let noise = observed.sum::<usize>() as f64;
     let own = start.effect.info().parameters.iter();
     let is_at_end = own.zip(&minimum.values[at..]).any(|(info, value)| {
         let (low, high) = info.bounds;
         *value <= low || *value >= high
     });
-    is_at_end && minimum.cost > 2.0 * noise
+    is_at_end && minimum.cost > STILL_MISSES * bench.noise_cost()
 }
 
 /// The parameters and windows from which the whole logs are fitted: those of the fit in short windows, or
@@ -594,8 +601,7 @@ fn fit_all_roughly(
     goal: Goal,
 ) -> Vec<(EffectId, Rough)> {
     let point = from.point();
-    let observed = bench.records.iter().map(|record| record.observations());
-    let noise = observed.sum::<usize>() as f64;
+    let noise = bench.noise_cost();
     let is_noise = |cost: f64| cost < (1.0 + LEAST_TRACE * LEAST_TRACE) * noise;
     let mut roughs: Vec<(EffectId, Rough)> = vec![];
     let gain = |rough: &Rough| point.cost - rough.minimum.cost;

@@ -10,7 +10,7 @@ use plant::{EffectId, GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTI
 
 use crate::cogging::settled;
 use crate::covariance::covariance;
-use crate::record::{Output, Record, RecordedCurrent};
+use crate::record::{Channel, Output, Record, RecordedCurrent};
 use crate::sensitivity::{Local, Unknowns, Window, simulate};
 use crate::solver::{Effort, Minimum, minimise, promise};
 use crate::start::angle_samples;
@@ -308,7 +308,8 @@ fn over_samples(
         loop {
             let middle = (best.values[at] / sample_s).floor() + 0.5;
             let next_s = (middle + direction) * sample_s;
-            if next_s < 0.0 || !best.cost.is_finite() {
+            let (low, high) = EffectId::InputDelay.info().parameters[0].bounds;
+            if next_s < low || next_s > high || !best.cost.is_finite() {
                 break;
             }
             let mut values = best.values.clone();
@@ -326,7 +327,8 @@ fn over_samples(
             best = next;
             has_moved = true;
         }
-        if has_moved && direction > 0.0 {
+        // What lies behind was worse.
+        if has_moved {
             break;
         }
     }
@@ -388,6 +390,30 @@ pub struct Trace {
     pub fit_percent: f64,
 }
 
+impl Trace {
+    /// Compares a channel with what is predicted of it, at the samples whose weight is not 0.
+    pub fn new(channel: &Channel, predicted: Vec<f64>, weight: &[f64]) -> Trace {
+        let counted: Vec<(f64, f64)> = channel
+            .samples
+            .iter()
+            .zip(&predicted)
+            .zip(weight)
+            .filter(|((y, model), weight)| y.is_finite() && model.is_finite() && **weight > 0.0)
+            .map(|((y, model), _)| (*y, *model))
+            .collect();
+        let n = counted.len().max(1) as f64;
+        let mean = counted.iter().map(|(y, _)| y).sum::<f64>() / n;
+        let error: f64 = counted.iter().map(|(y, model)| (y - model).powi(2)).sum();
+        let spread: f64 = counted.iter().map(|(y, _)| (y - mean).powi(2)).sum();
+        Trace {
+            output: channel.output,
+            predicted,
+            rmse: (error / n).sqrt(),
+            fit_percent: 100.0 * (1.0 - (error / spread.max(1e-300)).sqrt()),
+        }
+    }
+}
+
 /// Simulates the windows of a record and compares every channel.
 pub fn traces(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Trace> {
     let mut predicted = vec![vec![f64::NAN; record.len()]; record.channels.len()];
@@ -402,26 +428,7 @@ pub fn traces(record: &Record, windows: &[Window], model: &Model, values: &[f64]
         .channels
         .iter()
         .zip(predicted)
-        .map(|(channel, predicted)| {
-            let counted: Vec<(f64, f64)> = channel
-                .samples
-                .iter()
-                .zip(&predicted)
-                .zip(&record.weight)
-                .filter(|((y, model), weight)| y.is_finite() && model.is_finite() && **weight > 0.0)
-                .map(|((y, model), _)| (*y, *model))
-                .collect();
-            let n = counted.len().max(1) as f64;
-            let mean = counted.iter().map(|(y, _)| y).sum::<f64>() / n;
-            let error: f64 = counted.iter().map(|(y, model)| (y - model).powi(2)).sum();
-            let spread: f64 = counted.iter().map(|(y, _)| (y - mean).powi(2)).sum();
-            Trace {
-                output: channel.output,
-                predicted,
-                rmse: (error / n).sqrt(),
-                fit_percent: 100.0 * (1.0 - (error / spread.max(1e-300)).sqrt()),
-            }
-        })
+        .map(|(channel, predicted)| Trace::new(channel, predicted, &record.weight))
         .collect()
 }
 

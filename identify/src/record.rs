@@ -346,8 +346,10 @@ impl Record {
             (0..last).map(|k| near(k + 1) - near(k)).collect()
         });
         let by_rate: Option<Vec<f64>> = self.channel(Output::Rate).map(|channel| {
-            let step_s = (self.time_s[last] - self.time_s[0]) / last.max(1) as f64;
-            let half = (0.5 * TRAVEL_AVERAGE_S / step_s) as usize;
+            let ends = self.time_s.first().zip(self.time_s.last());
+            let span_s = ends.map_or(0.0, |(first, last)| last - first);
+            let half =
+                (0.5 * TRAVEL_AVERAGE_S * last as f64 / span_s.max(TRAVEL_AVERAGE_S)) as usize;
             let step = |k: usize| {
                 let around = k.saturating_sub(half)..(k + 2 + half).min(last + 1);
                 let rate = mean(&channel.samples[around]);

@@ -143,11 +143,6 @@ impl Input {
         (next > from_s + least_s && next < to_s - least_s).then_some(next)
     }
 
-    /// What flows between two samples.
-    pub fn hold(&self) -> Hold {
-        self.hold
-    }
-
     /// The mean time in s for which a sample is held; `None` where the current is not held.
     pub fn held_s(&self) -> Option<f64> {
         let span_s = self.time_s.last()? - self.time_s.first()?;

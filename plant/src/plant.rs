@@ -1052,7 +1052,7 @@ mod tests {
                 );
                 // A held command that comes later acts in the derivative over the stretch before its change, on
                 // average half a sample early, of the tenths of a second in which the body swings.
-                let is_moved = effect == EffectId::InputDelay && input.hold() == Hold::Zero;
+                let is_moved = effect == EffectId::InputDelay && input.held_s().is_some();
                 let tolerance = if is_moved { 0.005 * step as f64 } else { 2e-3 };
                 assert!(
                     norm(&error) < tolerance * norm(&exact),
