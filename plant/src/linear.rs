@@ -130,7 +130,7 @@ fn kept(model: &Model, values: &[f64], keep_dry_friction: bool) -> (Model, Vec<f
 mod tests {
     use super::*;
 
-    /// The parameter set behind matrix 4.4 of the thesis (physics.md), with r_b such that
+    /// The parameter set behind matrix 4.4 of the thesis, with r_b such that
     /// r_b + μ/ι = 5.31781e-3 N m s/rad.
     const IOTA_RAD_S: f64 = 0.0846768;
     const MU: f64 = 4.485e-4;

@@ -206,7 +206,6 @@ mod tests {
             let info = effect.info();
             assert_eq!(EffectId::from_name(info.name), Some(effect));
             assert!(!info.shows_in.is_empty() && !info.starts.is_empty());
-            assert!(info.parameters.len() <= crate::effect::MAX_PARAMETERS);
             for start in info.starts.iter().chain(info.absent.iter()) {
                 assert_eq!(start.len(), info.parameters.len(), "{}", info.name);
             }

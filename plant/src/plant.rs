@@ -7,10 +7,10 @@
 //! - wheel locked (`free-swing`): Θ α̈ = f − T_b,
 //! - body clamped (`spin-up`): j_w φ̈ = M − T_w.
 
-use crate::effect::{Instant, MAX_PARAMETERS, Reading, Role, Smoothing};
+use crate::effect::{Instant, Role, Smoothing};
 use crate::input::{Input, LEAST_SHARE};
 use crate::model::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
-use crate::{EffectId, Kind, Model, Scalar};
+use crate::{EffectId, Kind, Model, Reading, Scalar};
 
 /// The state of the pendulum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,11 +61,14 @@ pub enum Current<'a, S> {
     Held(S),
 }
 
+/// The most parameters of one effect.
+const MOST_PARAMETERS: usize = 3;
+
 /// An effect with its parameters, as a model in use holds it.
 #[derive(Clone, Copy, Debug)]
 struct Term<S> {
     effect: EffectId,
-    p: [S; MAX_PARAMETERS],
+    p: [S; MOST_PARAMETERS],
 }
 
 /// A model with numbers, under the constraint of one kind of experiment.
@@ -155,7 +158,7 @@ impl<S: Scalar> Plant<S> {
         for &effect in model.effects() {
             let info = effect.info();
             let start = model.position(effect).unwrap_or(values.len());
-            let mut p = [S::zero(); MAX_PARAMETERS];
+            let mut p = [S::zero(); MOST_PARAMETERS];
             for (slot, &value) in p
                 .iter_mut()
                 .zip(&values[start..start + info.parameters.len()])
