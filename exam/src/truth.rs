@@ -1,5 +1,8 @@
 //! What hides in a bench: effects of the library and terms that nobody's library has.
 
+use std::fmt;
+use std::sync::Arc;
+
 use plant::EffectId;
 
 /// A physical term that no library knows. `p` are its numbers as [`Outsider::meaning`] lists them.
@@ -50,6 +53,14 @@ impl Outsider {
         }
     }
 
+    /// Whether it acts on the wheel or its motor, so that only experiments with a motor show it.
+    pub fn needs_a_motor(self) -> bool {
+        matches!(
+            self,
+            Outsider::WheelDragThatGrows | Outsider::SupplyThatSags
+        )
+    }
+
     /// The term, with p₀ its amplitude and p₁, p₂ its shape; t counts from the start of a log.
     pub fn meaning(self) -> &'static str {
         match self {
@@ -65,11 +76,55 @@ impl Outsider {
     }
 }
 
+/// Where and when the torque of a term is asked for, true values.
+#[derive(Clone, Copy, Debug)]
+pub struct TrueInstant {
+    /// Since the start of the log, s.
+    pub time_s: f64,
+    /// Body angle, rad.
+    pub angle_rad: f64,
+    /// Body rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Wheel angle relative to the body since the start of the log, rad.
+    pub wheel_angle_rad: f64,
+    /// Wheel speed relative to the body, rad/s.
+    pub wheel_speed_rad_s: f64,
+}
+
+/// A torque in N m against the motion, of the parameters and the instant.
+pub type Torque = dyn Fn(&[f64], &TrueInstant) -> f64 + Send + Sync;
+
+/// The torque of an effect that this simulator does not know by itself (a user's, or one of a test), stated a second time
+/// for it: the exam never asks the plant for an equation.
+#[derive(Clone)]
+pub struct StatedTorque {
+    /// The body's if true, otherwise the wheel's.
+    pub on_body: bool,
+    /// The torque against the motion of that joint; smooth in the motion.
+    pub torque: Arc<Torque>,
+}
+
+impl fmt::Debug for StatedTorque {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let joint = if self.on_body { "body" } else { "wheel" };
+        write!(formatter, "a torque on the {joint}")
+    }
+}
+
+impl PartialEq for StatedTorque {
+    /// The very same function.
+    fn eq(&self, other: &StatedTorque) -> bool {
+        self.on_body == other.on_body && Arc::ptr_eq(&self.torque, &other.torque)
+    }
+}
+
 /// A hidden term with its numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Hidden {
     /// An effect of the library with its parameters in SI, in the order of its description.
-    Library(EffectId, [f64; 3]),
+    Library(EffectId, Vec<f64>),
+    /// An effect that is no part of this program, likewise, with its equation for the exam.
+    Stated(EffectId, Vec<f64>, StatedTorque),
     /// A term of nobody's library.
     Outsider(Outsider, [f64; 3]),
 }
@@ -78,8 +133,16 @@ impl Hidden {
     /// The name of the effect or outsider.
     pub fn name(&self) -> &'static str {
         match self {
-            Hidden::Library(effect, _) => effect.name(),
+            Hidden::Library(effect, _) | Hidden::Stated(effect, ..) => effect.name(),
             Hidden::Outsider(outsider, _) => outsider.name(),
+        }
+    }
+
+    /// The effect with its parameters, where it is one that can be a suspect.
+    pub fn effect(&self) -> Option<(EffectId, &[f64])> {
+        match self {
+            Hidden::Library(effect, p) | Hidden::Stated(effect, p, _) => Some((*effect, p)),
+            Hidden::Outsider(..) => None,
         }
     }
 }
@@ -95,4 +158,14 @@ pub struct Truth {
     pub wheel_viscous: f64,
     /// The hidden terms.
     pub hidden: Vec<Hidden>,
+}
+
+impl Truth {
+    /// The same pendulum with other hidden terms.
+    pub fn with(&self, hidden: Vec<Hidden>) -> Truth {
+        Truth {
+            hidden,
+            ..self.clone()
+        }
+    }
 }

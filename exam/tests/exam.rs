@@ -4,10 +4,11 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use diagnose::Verdict;
-use diagnose::exam::{
+use exam::{
     Answer, Driving, ExperimentPlan, Hidden, Mark, Marks, Outsider, Question, ROUND, Rate,
     SensorNoise, Truth, draw, effects, mark, question, record, sit,
 };
+use identify::Progress;
 use plant::{Current, EffectId, Hold, Input, Kind, Model, Plant, State};
 use rayon::prelude::*;
 
@@ -43,7 +44,7 @@ fn dry_friction_holds_a_body_that_gravity_cannot_move() {
     let friction = 1e-3;
     let held = truth(vec![Hidden::Library(
         EffectId::BodyCoulombFriction,
-        [friction, 0.0, 0.0],
+        vec![friction],
     )]);
     let edge = (friction / BASE[2]).asin();
     let at = |angle: f64| {
@@ -61,7 +62,7 @@ fn dry_friction_takes_the_same_from_every_half_swing() {
     let friction = 4e-4;
     let mut bench = truth(vec![Hidden::Library(
         EffectId::BodyCoulombFriction,
-        [friction, 0.0, 0.0],
+        vec![friction],
     )]);
     bench.body_viscous = 0.0;
     let swing = plan(Kind::FreeSwing, 0.05, Driving::None, 12.0);
@@ -85,25 +86,30 @@ fn dry_friction_takes_the_same_from_every_half_swing() {
 /// Two codes for one set of equations: the exam's simulator and the plant, at the plant's finest.
 #[test]
 fn smooth_effects_mean_the_same_to_the_exam_and_to_the_plant() {
-    let cases: [(EffectId, [f64; 3]); 14] = [
-        (EffectId::BodyPreslidingFriction, [4e-4, 0.03, 0.0]),
-        (EffectId::BodyQuadraticDrag, [2e-4, 0.0, 0.0]),
-        (EffectId::BodyCableSpring, [3e-3, 0.4, 0.0]),
-        (EffectId::BodySofteningSpring, [0.02, 0.0, 0.0]),
-        (EffectId::WheelQuadraticDrag, [5e-7, 0.0, 0.0]),
-        (EffectId::WheelCogging, [2e-3, 4.0, 0.7]),
-        (EffectId::InputDelay, [0.0131, 0.0, 0.0]),
-        (EffectId::MotorLag, [0.02, 0.0, 0.0]),
-        (EffectId::BackEmfLimit, [4.0, 3.0, 0.0]),
-        (EffectId::CurrentOffset, [0.05, 0.0, 0.0]),
-        (EffectId::MotorSaturation, [1.5, 0.0, 0.0]),
-        (EffectId::AngleOffset, [0.02, 0.0, 0.0]),
-        (EffectId::GyroScale, [0.05, 0.0, 0.0]),
-        (EffectId::GyroBias, [0.02, 0.0, 0.0]),
+    let cases: [(EffectId, &[f64]); 14] = [
+        (EffectId::BodyPreslidingFriction, &[4e-4, 0.03]),
+        (EffectId::BodyQuadraticDrag, &[2e-4]),
+        (EffectId::BodyCableSpring, &[3e-3, 0.4]),
+        (EffectId::BodySofteningSpring, &[0.02]),
+        (EffectId::WheelQuadraticDrag, &[5e-7]),
+        (EffectId::WheelCogging, &[2e-3, 4.0, 0.7]),
+        (EffectId::InputDelay, &[0.0131]),
+        (EffectId::MotorLag, &[0.02]),
+        (EffectId::BackEmfLimit, &[4.0, 3.0]),
+        (EffectId::CurrentOffset, &[0.05]),
+        (EffectId::MotorSaturation, &[1.5]),
+        (EffectId::AngleOffset, &[0.02]),
+        (EffectId::GyroScale, &[0.05]),
+        (EffectId::GyroBias, &[0.02]),
     ];
     for (effect, p) in cases {
         let driven = plan(Kind::Driven, 0.3, Driving::Square(0.8), 4.0);
-        let log = record(&truth(vec![Hidden::Library(effect, p)]), &driven, &QUIET, 1);
+        let log = record(
+            &truth(vec![Hidden::Library(effect, p.to_vec())]),
+            &driven,
+            &QUIET,
+            1,
+        );
         let model = Model::base().with(effect);
         let mut values = vec![
             BASE[0],
@@ -116,7 +122,7 @@ fn smooth_effects_mean_the_same_to_the_exam_and_to_the_plant() {
         values.resize(model.parameter_count(), 0.0);
         let at = model.position(effect).expect("just added");
         for (slot, value) in values[at..].iter_mut().zip(p) {
-            *slot = value;
+            *slot = *value;
         }
         // The parameters of the base effects lie wherever the library puts them.
         for (name, value) in [
@@ -312,7 +318,13 @@ fn three_terms_of_a_power_series_are_no_explanation() {
             bench.question,
             Question::Outside(Outsider::SoftStop)
         ));
-        let paper = mark(&bench.setup, &Answer::of(&bench), EffectId::ALL).expect("a verdict");
+        let paper = mark(
+            &bench.setup,
+            &Answer::of(&bench),
+            EffectId::ALL,
+            &Progress::silent(),
+        )
+        .expect("a verdict");
         assert_eq!(paper.verdict, Verdict::Unexplained, "seed {seed}");
         assert_eq!(paper.mark, Mark::Right, "seed {seed}");
     }

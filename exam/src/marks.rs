@@ -1,9 +1,12 @@
 //! The marks of many benches together.
 
+use diagnose::Verdict;
+use identify::Setup;
 use plant::EffectId;
+use serde::Serialize;
 
-use super::marking::{Mark, PLAIN, Paper};
-use crate::diagnosis::Verdict;
+use crate::answer::Answer;
+use crate::marking::{Mark, PLAIN, Paper};
 
 /// One bench with its marked verdict.
 #[derive(Clone, Debug)]
@@ -29,6 +32,28 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// A marked bench of which nobody knows the sizes.
+    pub fn new(
+        label: String,
+        truth: Vec<String>,
+        answer: Answer,
+        setup: &Setup,
+        paper: Paper,
+    ) -> Entry {
+        let records = setup.records.iter();
+        Entry {
+            label,
+            truth,
+            hidden: answer.effects,
+            outside: answer.outside,
+            sizes: vec![],
+            noise: vec![],
+            experiments: records.clone().map(|record| record.name.clone()).collect(),
+            observations: records.map(|record| record.observations()).sum(),
+            paper,
+        }
+    }
+
     /// Whether the logs leave a tie between the truth and another set.
     pub fn is_tie(&self) -> bool {
         self.paper.ties.iter().any(|(set, _)| {
@@ -76,12 +101,34 @@ impl Entry {
 }
 
 /// A count out of a number of cases.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(into = "StatedRate")]
 pub struct Rate {
     /// How many.
     pub count: usize,
     /// Out of how many.
     pub of: usize,
+}
+
+/// A rate as it is written: with its share and the 95 % interval of that.
+#[derive(Serialize)]
+struct StatedRate {
+    count: usize,
+    of: usize,
+    share: f64,
+    interval_95: [f64; 2],
+}
+
+impl From<Rate> for StatedRate {
+    fn from(rate: Rate) -> StatedRate {
+        let (low, high) = rate.interval();
+        StatedRate {
+            count: rate.count,
+            of: rate.of,
+            share: rate.share(),
+            interval_95: [low, high],
+        }
+    }
 }
 
 impl Rate {
@@ -112,7 +159,7 @@ impl Rate {
 }
 
 /// Statements of about one probability.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Bin {
     /// Mean stated probability.
     pub stated: f64,

@@ -1,7 +1,7 @@
 //! The teeth of a motor: what they do to logs, and what a diagnosis makes of it.
 
-use diagnose::exam::{Answer, Mark, draw, mark};
-use identify::{Effort, Record, Window, final_windows, refit, simulate};
+use exam::{Answer, Mark, draw, mark};
+use identify::{Effort, Progress, Record, Window, final_windows, refit, simulate};
 use plant::{EffectId, Kind, Model};
 
 /// The bench of a seed whose driven log passes many teeth slowly.
@@ -84,7 +84,8 @@ fn cogging_is_named_where_it_holds_the_wheel_or_hides_a_push() {
         let bench = draw(seed).expect("a bench");
         let answer = Answer::of(&bench);
         assert_eq!(answer.effects, [EffectId::WheelCogging], "seed {seed}");
-        let paper = mark(&bench.setup, &answer, EffectId::ALL).expect("a verdict");
+        let paper =
+            mark(&bench.setup, &answer, EffectId::ALL, &Progress::silent()).expect("a verdict");
         assert_eq!(paper.named, [EffectId::WheelCogging], "seed {seed}");
         assert_eq!(paper.mark, Mark::Right, "seed {seed}");
     }

@@ -8,74 +8,16 @@
 
 use std::borrow::Cow;
 
-use identify::{
-    Effort, Fit, Minimum, Setup, final_windows, fit_from_scratch, identify, joined, refit,
-};
+use diagnose::{Diagnosis, Options, Verdict, diagnose_with};
+use identify::{Cancelled, Effort, Fit, IdentifyError, Progress, Setup, identify, joined, refit};
 use plant::{EffectId, Model};
 
-use super::draw::{ExamBench, Question};
-use super::truth::Hidden;
-use crate::candidate::Candidate;
-use crate::diagnosis::{Diagnosis, Verdict, diagnose_among};
-use crate::search::{largest_trace, prepared};
-use crate::suspects::{Round, try_all};
+use crate::answer::Answer;
+use crate::rivals::{CLOSE, EQUAL, Rival, rivals};
 
-/// A rival at less than this distance cannot be told from the truth (odds of 4 to one at most):
-/// a confident answer is luck.
-pub const EQUAL: f64 = 3.0;
-/// Up to this distance (odds of 400 to one) "ambiguous" is as right as the truth.
-pub const CLOSE: f64 = 12.0;
 /// A missed effect whose trace is at least this, in units of noise, makes "nothing missing" and
 /// "explained" wrong and not only blind.
 pub const PLAIN: f64 = 3.0;
-
-/// χ² for each observation beyond which the fit of the true set has not found its minimum.
-const BAD: f64 = 1.3;
-
-/// What is true of a bench.
-#[derive(Clone, Debug)]
-pub struct Answer {
-    /// The hidden effects of the library; for an outsider those that act besides it.
-    pub effects: Vec<EffectId>,
-    /// True parameters in SI by name, as far as they are known.
-    pub parameters: Vec<(String, f64)>,
-    /// A term hides that no suspect accounts for.
-    pub outside: bool,
-}
-
-impl Answer {
-    /// The answer of a drawn bench.
-    pub fn of(bench: &ExamBench) -> Answer {
-        let outside = matches!(bench.question, Question::Outside(_) | Question::Withheld(_));
-        let mut parameters: Vec<(String, f64)> = plant::BASE_PARAMETERS
-            .iter()
-            .zip(bench.truth.base)
-            .map(|(info, value)| (info.name.to_owned(), value))
-            .collect();
-        parameters.push(("body_viscous_friction".to_owned(), bench.truth.body_viscous));
-        parameters.push((
-            "wheel_viscous_friction".to_owned(),
-            bench.truth.wheel_viscous,
-        ));
-        let mut effects = vec![];
-        for hidden in &bench.truth.hidden {
-            if let Hidden::Library(effect, p) = hidden {
-                for (info, value) in effect.info().parameters.iter().zip(p) {
-                    parameters.push((info.name.to_owned(), *value));
-                }
-                if !outside {
-                    effects.push(*effect);
-                }
-            }
-        }
-        effects.sort();
-        Answer {
-            effects,
-            parameters,
-            outside,
-        }
-    }
-}
 
 /// What a verdict is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,142 +102,36 @@ pub struct Paper {
     pub seconds: f64,
 }
 
-/// A set of effects that was refitted beside the truth.
-struct Rival {
-    set: Vec<EffectId>,
-    distance: f64,
-    simpler: bool,
-    /// The truth contains it, and shows this trace beyond it in units of noise.
-    lacks: Option<f64>,
-}
-
-/// The true set fitted, started at what is known of its parameters.
-pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answer) -> Candidate {
-    let records = setup.all_records();
-    let model = effects
-        .iter()
-        .fold(Model::base(), |model, &effect| model.with(effect));
-    let mut values = setup.start_values(&model);
-    for (position, info) in model.parameters().iter().enumerate() {
-        let known = answer.parameters.iter().find(|(name, _)| name == info.name);
-        if let Some((_, value)) = known {
-            values[position] = *value;
-        } else if let Some(at) = Model::base().position_of(info.name) {
-            values[position] = base.values[at];
-        }
-    }
-    for (value, known) in values.iter_mut().zip(setup.known) {
-        *value = known.unwrap_or(*value);
-    }
-    let free = setup.free(&model);
-    // The starts of the logs are guessed once from the samples, once taken from the base fit; the
-    // better end counts. Where both ends are bad, the schedule from short windows finds a better one.
-    let guessed = records
-        .iter()
-        .map(|record| final_windows(record, &values))
-        .collect();
-    let minimum = [guessed, base.windows.clone()]
-        .into_iter()
-        .map(|windows| {
-            refit(
-                &records,
-                &model,
-                values.clone(),
-                windows,
-                &free,
-                Effort::FULL,
-            )
-        })
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .unwrap_or_else(|| base.clone());
-    let observations: usize = records.iter().map(|record| record.observations()).sum();
-    let minimum = if minimum.cost > BAD * observations as f64 {
-        let again = fit_from_scratch(&records, &model, values, &free);
-        if again.cost < minimum.cost {
-            again
-        } else {
-            minimum
-        }
-    } else {
-        minimum
-    };
-    Candidate::new(setup, &records, effects.to_vec(), model, minimum, None)
-}
-
-/// All sets that could stand in the place of the true one, by distance, and the true one's traces.
-fn rivals(
-    setup: &Setup,
-    base: &Minimum,
-    answer: &Answer,
-    suspects: &[EffectId],
-) -> (Vec<Rival>, Vec<f64>) {
-    let records = setup.all_records();
-    let truth = fitted(setup, base, &answer.effects, answer);
-    let observations: usize = records.iter().map(|record| record.observations()).sum();
-    let each = (observations.max(2) as f64).ln();
-    let mut candidates: Vec<Candidate> = vec![];
-    let mut shown = vec![];
-    let start = Candidate::new(setup, &records, vec![], Model::base(), base.clone(), None);
-    candidates.push(start.clone());
-    let mut froms = vec![start];
-    for effect in &answer.effects {
-        let mut rest = answer.effects.clone();
-        rest.retain(|other| other != effect);
-        if rest.is_empty() {
-            shown.push(largest_trace(&records, &froms[0], &truth));
-        } else {
-            let without = fitted(setup, base, &rest, answer);
-            shown.push(largest_trace(&records, &without, &truth));
-            candidates.push(without.clone());
-            froms.push(without);
-        }
-    }
-    for from in froms {
-        let (bench, from) = prepared(setup, from, suspects);
-        let round = Round {
-            most: usize::MAX,
-            is_fitted: &|_| false,
-            leader: None,
-            only_where_something_remains: false,
-        };
-        candidates.extend(try_all(&bench, &from, &round));
-    }
-    let mut rivals: Vec<Rival> = vec![];
-    for candidate in candidates {
-        let set = candidate.set();
-        // A larger set that holds the truth is no rival: parsimony decides.
-        if set == answer.effects || candidate.strictly_contains(&truth) {
-            continue;
-        }
-        let more = candidate.parameters as f64 - truth.parameters as f64;
-        let distance = candidate.minimum.cost - truth.minimum.cost + each * more;
-        let lacks = truth
-            .strictly_contains(&candidate)
-            .then(|| largest_trace(&records, &candidate, &truth));
-        let counts = distance < CLOSE || lacks.is_some();
-        if counts && !rivals.iter().any(|rival| rival.set == set) {
-            rivals.push(Rival {
-                set,
-                distance,
-                simpler: candidate.parameters < truth.parameters,
-                lacks,
-            });
-        }
-    }
-    rivals.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    (rivals, shown)
+/// A bench could not be marked.
+#[derive(Debug, thiserror::Error)]
+pub enum MarkError {
+    /// It cannot be identified.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// The work was called off.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Lets the diagnosis answer a bench, and marks it.
 ///
 /// # Errors
-/// In words, if the bench cannot be identified.
-pub fn mark(setup: &Setup, answer: &Answer, suspects: &[EffectId]) -> Result<Paper, String> {
+/// [`MarkError`] if the bench cannot be identified, or the work is called off.
+pub fn mark(
+    setup: &Setup,
+    answer: &Answer,
+    suspects: &[EffectId],
+    progress: &Progress,
+) -> Result<Paper, MarkError> {
     let started = std::time::Instant::now();
     let base = Model::base();
-    let found = identify(setup, &base, None).map_err(|error| error.to_string())?;
+    let found = identify(setup, &base, None)?;
     let mut minimum = found.fit.minimum.clone();
-    let diagnosis = diagnose_among(setup, &base, found.fit.minimum, suspects, &|_| {});
+    let options = Options {
+        suspects,
+        ..Options::default()
+    };
+    let diagnosis = diagnose_with(setup, &base, found.fit.minimum, &options, progress)?;
     let seconds = started.elapsed().as_secs_f64();
     // What the logs can decide is worked out without the pushes that the diagnosis leaves out, too.
     let cleared = setup.with_more_pushes(&base, &minimum.values);
@@ -330,7 +166,7 @@ pub fn mark(setup: &Setup, answer: &Answer, suspects: &[EffectId]) -> Result<Pap
     let (rivals, shown) = if answer.effects.is_empty() || answer.outside {
         (vec![], vec![])
     } else {
-        rivals(setup, &minimum, answer, suspects)
+        rivals(setup, &minimum, answer, suspects, progress)?
     };
     Ok(marked(setup, answer, diagnosis, rivals, shown, seconds))
 }
@@ -434,7 +270,7 @@ fn marked(
 fn intervals(setup: &Setup, fit: &Fit, answer: &Answer) -> Vec<Interval> {
     let mut found = vec![];
     for effect in &answer.effects {
-        for info in effect.info().parameters {
+        for (index, info) in effect.info().parameters.iter().enumerate() {
             let Some(position) = fit.model.position_of(info.name) else {
                 continue;
             };
@@ -447,7 +283,11 @@ fn intervals(setup: &Setup, fit: &Fit, answer: &Answer) -> Vec<Interval> {
                 continue;
             };
             let mut value = fit.values[position];
-            if info.name == "cogging_phase" {
+            if effect
+                .info()
+                .ripple
+                .is_some_and(|ripple| ripple.phase == index)
+            {
                 let turn = std::f64::consts::TAU;
                 value -= turn * ((value - truth) / turn).round();
             }
@@ -460,29 +300,4 @@ fn intervals(setup: &Setup, fit: &Fit, answer: &Answer) -> Vec<Interval> {
         }
     }
     found
-}
-
-/// The answer that a truth.json states.
-///
-/// # Errors
-/// In words, if it names an effect that the library does not have.
-pub fn answer_from(effects: &[String], parameters: Vec<(String, f64)>) -> Result<Answer, String> {
-    let mut answer = Answer {
-        effects: vec![],
-        parameters,
-        outside: false,
-    };
-    for name in effects {
-        match EffectId::from_name(name) {
-            Some(effect) => answer.effects.push(effect),
-            None if name == "unknown" => answer.outside = true,
-            None => {
-                return Err(format!(
-                    "\"{name}\" is no effect of the library; an outsider is called \"unknown\""
-                ));
-            }
-        }
-    }
-    answer.effects.sort();
-    Ok(answer)
 }

@@ -1,8 +1,8 @@
 //! What a model's own terms get wrong is no missing effect.
 
-use diagnose::Verdict;
-use diagnose::exam::{Answer, Mark, draw, fitted, mark};
-use identify::{Output, identify};
+use diagnose::{Verdict, imperfection};
+use exam::{Answer, Mark, draw, fitted, mark};
+use identify::{Output, Progress, identify};
 use plant::{EffectId, Kind, Model};
 
 /// Benches whose dry friction really sticks (the exam simulates it so), in a balance log that stops
@@ -16,7 +16,8 @@ fn the_misfit_of_a_smoothed_sign_is_predicted() {
         let base = identify(setup, &Model::base(), None).expect("a fit").fit;
         let records = setup.all_records();
         let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-        let mut imperfection = truth.imperfection(setup, &records).rms_over_noise.iter();
+        let found = imperfection(setup, &records, &truth);
+        let mut imperfection = found.rms_over_noise.iter();
         for (record, traces) in records.iter().zip(&truth.traces) {
             for (channel, trace) in record.channels.iter().zip(traces) {
                 let predicted = *imperfection.next().expect("one for each series");
@@ -40,7 +41,7 @@ fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
     let bench = draw(4006).expect("a bench");
     let answer = Answer::of(&bench);
     assert_eq!(answer.effects, [EffectId::WheelCoulombFriction]);
-    let paper = mark(&bench.setup, &answer, EffectId::ALL).expect("a verdict");
+    let paper = mark(&bench.setup, &answer, EffectId::ALL, &Progress::silent()).expect("a verdict");
     assert_eq!(paper.verdict, Verdict::Ambiguous);
     for effect in [EffectId::WheelCoulombFriction, EffectId::MotorDeadZone] {
         assert!(
@@ -53,7 +54,7 @@ fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
     let setup = &bench.setup;
     let base = identify(setup, &Model::base(), None).expect("a fit").fit;
     let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-    let without = &truth.imperfection(setup, &setup.all_records()).rmse_without;
+    let without = imperfection(setup, &setup.all_records(), &truth).rmse_without;
     let own = truth.rmse();
     assert_eq!(without.len(), own.len());
     assert!(
@@ -73,9 +74,7 @@ fn without_dry_friction_there_is_none() {
     let setup = &bench.setup;
     let base = identify(setup, &Model::base(), None).expect("a fit").fit;
     let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-    let imperfection = &truth
-        .imperfection(setup, &setup.all_records())
-        .rms_over_noise;
+    let imperfection = imperfection(setup, &setup.all_records(), &truth).rms_over_noise;
     assert!(imperfection.iter().all(|&value| value == 0.0));
 }
 
@@ -88,7 +87,13 @@ fn neither_a_smoothed_sign_nor_a_stuck_fit_is_taken_for_an_effect() {
         (328, EffectId::WheelCogging),
     ] {
         let bench = draw(seed).expect("a bench");
-        let paper = mark(&bench.setup, &Answer::of(&bench), EffectId::ALL).expect("a verdict");
+        let paper = mark(
+            &bench.setup,
+            &Answer::of(&bench),
+            EffectId::ALL,
+            &Progress::silent(),
+        )
+        .expect("a verdict");
         assert_eq!(paper.named, [effect], "seed {seed}");
         assert_eq!(paper.mark, Mark::Right, "seed {seed}");
     }
@@ -101,7 +106,13 @@ fn dry_friction_does_not_lose_by_its_smoothed_sign() {
     let bench = draw(992).expect("a bench");
     let mut truth = Answer::of(&bench).effects;
     truth.sort();
-    let paper = mark(&bench.setup, &Answer::of(&bench), EffectId::ALL).expect("a verdict");
+    let paper = mark(
+        &bench.setup,
+        &Answer::of(&bench),
+        EffectId::ALL,
+        &Progress::silent(),
+    )
+    .expect("a verdict");
     assert_eq!(paper.verdict, Verdict::Ambiguous);
     assert!(truth.contains(&EffectId::WheelCoulombFriction));
     assert!(

@@ -9,10 +9,12 @@
 
 use plant::{EffectId, Kind};
 
-use super::truth::{Hidden, Outsider, Truth};
+use crate::truth::{Hidden, Outsider, TrueInstant, Truth};
 
 /// Steps in one interval between samples.
 const STEPS_PER_SAMPLE: f64 = 10.0;
+/// The same where only the difference of two motions is asked for: the error of the rule is in both.
+const FEW_STEPS_PER_SAMPLE: f64 = 2.0;
 /// Longest step as a share of the fastest time or angle constant.
 const STEP_SHARE: f64 = 0.25;
 /// Halvings with which the instant of a reversal is found.
@@ -34,6 +36,24 @@ pub struct TrueMotion {
     time_s: f64,
     body: Direction,
     wheel: Direction,
+    steps_per_sample: f64,
+}
+
+/// Where a motion begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Beginning {
+    /// Since the start of the log, s.
+    pub time_s: f64,
+    /// Body angle, rad.
+    pub angle_rad: f64,
+    /// Body rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Wheel angle since the start of the log, rad.
+    pub wheel_angle_rad: f64,
+    /// Wheel speed, rad/s.
+    pub wheel_speed_rad_s: f64,
+    /// Current that flows, A.
+    pub current_a: f64,
 }
 
 /// A push on the body, f = peak exp(−((t − centre)/width)²).
@@ -56,19 +76,44 @@ struct Stage {
 impl TrueMotion {
     /// Starts at rest at this angle, with this wheel speed.
     pub fn new(truth: &Truth, kind: Kind, angle_rad: f64, wheel_speed_rad_s: f64) -> TrueMotion {
-        TrueMotion {
-            kind,
-            truth: truth.clone(),
-            motion: [angle_rad, 0.0, 0.0, wheel_speed_rad_s, 0.0, 0.0],
+        let at_rest = Beginning {
             time_s: 0.0,
-            body: 0.0,
-            wheel: wheel_speed_rad_s.signum() * f64::from(u8::from(wheel_speed_rad_s != 0.0)),
+            angle_rad,
+            rate_rad_s: 0.0,
+            wheel_angle_rad: 0.0,
+            wheel_speed_rad_s,
+            current_a: 0.0,
+        };
+        TrueMotion {
+            steps_per_sample: STEPS_PER_SAMPLE,
+            ..TrueMotion::of_differences(truth, kind, &at_rest)
         }
     }
 
-    fn library(&self, effect: EffectId) -> Option<[f64; 3]> {
+    /// Starts in the middle of a motion, to be compared with another motion of the same steps.
+    pub fn of_differences(truth: &Truth, kind: Kind, from: &Beginning) -> TrueMotion {
+        let direction = |speed: f64| if speed == 0.0 { 0.0 } else { speed.signum() };
+        TrueMotion {
+            kind,
+            truth: truth.clone(),
+            motion: [
+                from.angle_rad,
+                from.rate_rad_s,
+                from.wheel_angle_rad,
+                from.wheel_speed_rad_s,
+                0.0,
+                from.current_a,
+            ],
+            time_s: from.time_s,
+            body: direction(from.rate_rad_s),
+            wheel: direction(from.wheel_speed_rad_s),
+            steps_per_sample: FEW_STEPS_PER_SAMPLE,
+        }
+    }
+
+    fn library(&self, effect: EffectId) -> Option<&[f64]> {
         self.truth.hidden.iter().find_map(|hidden| match hidden {
-            Hidden::Library(own, p) if *own == effect => Some(*p),
+            Hidden::Library(own, p) if *own == effect => Some(p.as_slice()),
             _ => None,
         })
     }
@@ -136,19 +181,19 @@ impl TrueMotion {
         let mut body = self.truth.base[2] * angle.sin() + self.truth.body_viscous * rate;
         let mut wheel = self.truth.wheel_viscous * speed;
         let mut flowing = current;
-        if let Some([voltage, resistance, _]) = self.library(EffectId::BackEmfLimit)
+        if let Some(&[voltage, resistance]) = self.library(EffectId::BackEmfLimit)
             && flowing * speed > 0.0
         {
             let most = ((voltage - torque_constant * speed.abs()) / resistance).max(0.0);
             flowing = flowing.clamp(-most, most);
         }
-        if let Some([width, _, _]) = self.library(EffectId::MotorDeadZone) {
+        if let Some(&[width]) = self.library(EffectId::MotorDeadZone) {
             flowing -= flowing.clamp(-width, width);
         }
-        if let Some([offset, _, _]) = self.library(EffectId::CurrentOffset) {
+        if let Some(&[offset]) = self.library(EffectId::CurrentOffset) {
             flowing += offset;
         }
-        if let Some([knee, _, _]) = self.library(EffectId::MotorSaturation) {
+        if let Some(&[knee]) = self.library(EffectId::MotorSaturation) {
             flowing /= 1.0f64.hypot(flowing / knee);
         }
         let mut motor = torque_constant * flowing;
@@ -163,6 +208,21 @@ impl TrueMotion {
                     EffectId::WheelCogging => wheel += p[0] * (p[1] * wheel_angle + p[2]).sin(),
                     _ => {}
                 },
+                Hidden::Stated(_, p, stated) => {
+                    let at = TrueInstant {
+                        time_s,
+                        angle_rad: angle,
+                        rate_rad_s: rate,
+                        wheel_angle_rad: wheel_angle,
+                        wheel_speed_rad_s: speed,
+                    };
+                    let joint = if stated.on_body {
+                        &mut body
+                    } else {
+                        &mut wheel
+                    };
+                    *joint += (stated.torque)(p, &at);
+                }
                 Hidden::Outsider(outsider, p) => match outsider {
                     Outsider::MagnetNearAnAngle => {
                         let z = (angle - p[1]) / p[2];
@@ -270,14 +330,14 @@ impl TrueMotion {
                 }
             },
         };
-        let presliding_dot = match self.library(EffectId::BodyPreslidingFriction) {
-            Some([limit, stiffness, _]) => stiffness * y[1] * (1.0 - y[1].signum() * y[4] / limit),
-            None => 0.0,
-        };
-        let current_dot = match self.library(EffectId::MotorLag) {
-            Some([lag_s, _, _]) => (command_a - y[5]) / lag_s,
-            None => 0.0,
-        };
+        let mut presliding_dot = 0.0;
+        if let Some(&[limit, stiffness]) = self.library(EffectId::BodyPreslidingFriction) {
+            presliding_dot = stiffness * y[1] * (1.0 - y[1].signum() * y[4] / limit);
+        }
+        let mut current_dot = 0.0;
+        if let Some(&[lag_s]) = self.library(EffectId::MotorLag) {
+            current_dot = (command_a - y[5]) / lag_s;
+        }
         let moves_body = self.kind != Kind::SpinUp;
         let moves_wheel = self.kind != Kind::FreeSwing;
         [
@@ -387,16 +447,16 @@ impl TrueMotion {
     /// Longest step in s that resolves every term where the motion is now.
     fn longest_step_s(&self) -> f64 {
         let mut step_s = f64::INFINITY;
-        if let Some([limit, stiffness, _]) = self.library(EffectId::BodyPreslidingFriction) {
+        if let Some(&[limit, stiffness]) = self.library(EffectId::BodyPreslidingFriction) {
             // The rate over a step may grow by what gravity gives in it.
             let fastest = self.motion[1].abs().max(0.05);
             step_s = step_s.min(STEP_SHARE * limit / stiffness / fastest);
             step_s = step_s.min(STEP_SHARE * (self.truth.base[0] / stiffness).sqrt());
         }
-        if let Some([lag_s, _, _]) = self.library(EffectId::MotorLag) {
+        if let Some(&[lag_s]) = self.library(EffectId::MotorLag) {
             step_s = step_s.min(STEP_SHARE * lag_s);
         }
-        if let Some([_, order, _]) = self.library(EffectId::WheelCogging) {
+        if let Some(&[_, order, _]) = self.library(EffectId::WheelCogging) {
             step_s = step_s.min(STEP_SHARE / (order * self.motion[3].abs().max(1.0)));
         }
         step_s
@@ -417,7 +477,7 @@ impl TrueMotion {
             (until_s, after_a),
         ] {
             while end_s - self.time_s > 1e-12 {
-                let longest_s = (sample_s / STEPS_PER_SAMPLE).min(self.longest_step_s());
+                let longest_s = (sample_s / self.steps_per_sample).min(self.longest_step_s());
                 let parts = ((end_s - self.time_s) / longest_s).ceil().max(1.0);
                 self.step((end_s - self.time_s) / parts, command_a, push);
             }

@@ -1,14 +1,15 @@
 //! The experiments of a bench of the exam, and their logs.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use plant::Kind;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::true_motion::{Push, TrueMotion};
-use super::truth::{Hidden, Truth};
+use crate::true_motion::{Beginning, Push, TrueMotion};
+use crate::truth::Truth;
 
 /// Standard deviations of the sensors' noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,10 +160,30 @@ pub fn is_usable(plan: &ExperimentPlan, log: &ExamLog) -> bool {
         && log.clean.iter().flatten().all(|value| value.is_finite())
 }
 
-/// The truth with other hidden terms.
-pub fn with_hidden(truth: &Truth, hidden: Vec<Hidden>) -> Truth {
-    Truth {
-        hidden,
-        ..truth.clone()
+/// The readings over a part of a log, under the current that was commanded in it, from another
+/// beginning or with other terms: angle, rate and wheel speed at each sample, to be compared with another replay.
+pub fn replay(
+    truth: &Truth,
+    kind: Kind,
+    (time_s, current_a): (&[f64], &[f64]),
+    samples: Range<usize>,
+    from: &Beginning,
+) -> Vec<[f64; 3]> {
+    let mut motion = TrueMotion::of_differences(truth, kind, from);
+    let delay_s = motion.delay_s();
+    let mut readings = Vec::with_capacity(samples.len());
+    for k in samples.clone() {
+        readings.push(motion.reading());
+        if k + 1 < samples.end {
+            let sample_s = time_s[k + 1] - time_s[k];
+            let whole = (delay_s / sample_s).floor();
+            let fraction_s = delay_s - whole * sample_s;
+            // Before the log the first command holds.
+            let command_a = |back: usize| current_a[k.saturating_sub(back)];
+            let back = whole as usize;
+            let commands = (command_a(back + 1), time_s[k] + fraction_s, command_a(back));
+            motion.advance(time_s[k + 1], sample_s, commands, &[]);
+        }
     }
+    readings
 }
