@@ -14,14 +14,14 @@ use std::collections::BTreeMap;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use serde::Serialize;
 
-use crate::certificate::Certificate;
-use crate::contract::stated;
-use crate::interpret::{Machine, range_of};
-use crate::module::Module;
-use crate::program::Program;
+use crate::certificate::reader::Certificate;
+use crate::claims::filter_exact::Draw;
+use crate::domains::machine::Machine;
+use crate::domains::smt::{self, Answer};
+use crate::language::contracts::stated;
+use crate::language::module::Module;
+use crate::program::steps::Program;
 use crate::prove::{Emitted, Outcome, Settings, settle};
-use crate::smt::{self, Answer};
-use crate::words::Draw;
 
 /// One damaged source.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -597,7 +597,7 @@ fn alike(before: &Module, after: &Module, number: usize, up: usize) -> Option<(F
         .enumerate()
         .map(|(word, type_)| {
             let required = contract.requires.iter().filter(|range| range.word == word);
-            required.fold(range_of(type_), |(low, high), range| {
+            required.fold(type_.range(), |(low, high), range| {
                 (low.max(range.low), high.min(range.high))
             })
         })

@@ -7,23 +7,23 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::attraction;
-use crate::bias_observer;
-use crate::certificate::{Certificate, CertificateError};
-use crate::claims::{Claim, claim};
-use crate::closed_loop;
-use crate::consistency;
-use crate::control_law::{ControlLaw, LawError};
-use crate::exact::rounded_up;
-use crate::filter;
-use crate::hardware;
-use crate::length;
-use crate::module::{Module, ReadError, sources};
-use crate::reference;
-use crate::smt::{self, Answer};
-use crate::source::SourceError;
-use crate::stability::{self, RegionFailure};
-use crate::words;
+use crate::certificate::claims::{Claim, claim};
+use crate::certificate::reader::{Certificate, CertificateError};
+use crate::claims::bias_observer_stable;
+use crate::claims::certificate_consistent;
+use crate::claims::closed_loop_for_all_time;
+use crate::claims::control_law::{ControlLaw, LawError};
+use crate::claims::filter_accurate;
+use crate::claims::filter_exact;
+use crate::claims::filter_length;
+use crate::claims::filter_total;
+use crate::claims::hardware_words;
+use crate::claims::region_of_attraction;
+use crate::claims::stable_for_parameters::{self, RegionFailure};
+use crate::domains::smt::{self, Answer};
+use crate::exact::rational::rounded_up;
+use crate::language::module::{Module, ReadError, sources};
+use crate::program::place::SourceError;
 
 /// What came of a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -373,12 +373,12 @@ pub fn settle(
     filter_claims(&mut table, &module, certificate, settings);
     table.add("certificate-consistent", EXACT, || {
         of(
-            consistency::check(certificate, &module, &law, &emitted.files())
+            certificate_consistent::check(certificate, &module, &law, &emitted.files())
                 .map(|()| "every field".to_owned()),
         )
     });
     table.add("hardware-words", EXACT, || {
-        of(hardware::check(certificate, &module, &law).map(|()| "every word".to_owned()))
+        of(hardware_words::check(certificate, &module, &law).map(|()| "every word".to_owned()))
     });
     loop_claims(&mut table, &module, certificate, &law, settings);
     table.0
@@ -449,7 +449,7 @@ fn control_claims(
     law: &ControlLaw,
     settings: &Settings,
 ) {
-    let half_unit = law.unit() * crate::exact::half();
+    let half_unit = law.unit() * crate::exact::rational::half();
     table.add("control-accurate", INTERVALS, || {
         let bound = rounded_up(&law.rounding, 4);
         let gains_agree = certificate
@@ -457,9 +457,9 @@ fn control_claims(
             .iter()
             .zip(&law.gains)
             .all(|(c, gain)| {
-                let word = crate::exact::integer(c.raw.into());
-                let bits = crate::control_law::exponent(c.fraction_bits);
-                word * crate::exact::power_of_two(-bits) == *gain
+                let word = crate::exact::rational::integer(c.raw.into());
+                let bits = crate::claims::control_law::exponent(c.fraction_bits);
+                word * crate::exact::rational::power_of_two(-bits) == *gain
             });
         if law.rounding > half_unit {
             Outcome::Failed(format!("off by up to {bound} A, more than half a unit"))
@@ -470,7 +470,7 @@ fn control_claims(
         }
     });
     table.add("control-accurate-real-gains", EXACT, || {
-        let (bound, _) = consistency::derived(certificate, law);
+        let (bound, _) = certificate_consistent::derived(certificate, law);
         if bound <= certificate.bounds.real_gains.value {
             Outcome::Proved(format!("{} A", rounded_up(&bound, 4)))
         } else {
@@ -487,7 +487,7 @@ fn control_claims(
         Outcome::Proved("a linear form, rounded down and clamped".to_owned())
     });
     table.add("control-accurate", RANDOM, || {
-        tested(reference::control(
+        tested(filter_accurate::control(
             module,
             certificate,
             settings.cases,
@@ -538,8 +538,8 @@ fn range_claims(
     settings: &Settings,
 ) {
     let start = Instant::now();
-    let primitives = filter::primitives(module);
-    let contracts = filter::proved(&primitives);
+    let primitives = filter_total::primitives(module);
+    let contracts = filter_total::proved(&primitives);
     let failed: Vec<String> = primitives
         .iter()
         .filter(|primitive| !primitive.contract.is_partial)
@@ -570,15 +570,16 @@ fn range_claims(
         start.elapsed().as_secs_f64(),
     );
     table.add("filter-total", INTERVALS, || {
-        of(filter::check_filter(module, &contracts).map(|()| "the invariant is kept".to_owned()))
+        of(filter_total::check_filter(module, &contracts)
+            .map(|()| "the invariant is kept".to_owned()))
     });
     if settings.filter_length {
         table.add("filter-length", EXACT, || {
-            of(length::check(module, &contracts).map(|lengths| {
+            of(filter_length::check(module, &contracts).map(|lengths| {
                 format!(
                     "squared length after a step: {}; after an alignment: {}",
-                    length::distances(&lengths.after_step),
-                    length::distances(&lengths.after_alignment)
+                    filter_length::distances(&lengths.after_step),
+                    filter_length::distances(&lengths.after_alignment)
                 )
             }))
         });
@@ -588,7 +589,8 @@ fn range_claims(
         let low = drive
             .duty_zero
             .saturating_sub(drive.duty_max.saturating_sub(drive.duty_zero));
-        let checked = filter::check_step(module, &contracts, low, drive.duty_zero, drive.duty_max);
+        let checked =
+            filter_total::check_step(module, &contracts, low, drive.duty_zero, drive.duty_max);
         of(checked.map(|()| format!("duty within {low} to {}", drive.duty_max)))
     });
 }
@@ -604,21 +606,21 @@ fn filter_claims(
     }
     let fewer = (settings.cases / 10).max(1);
     table.add("filter-accurate", RANDOM, || {
-        tested(reference::filter(module, fewer, settings.seed))
+        tested(filter_accurate::filter(module, fewer, settings.seed))
     });
     table.add("filter-exact", RANDOM, || {
-        tested(words::run(module, fewer, settings.seed))
+        tested(filter_exact::run(module, fewer, settings.seed))
     });
     table.add("step-total", RANDOM, || {
-        let runs = reference::step(module, certificate, fewer, settings.seed);
+        let runs = filter_accurate::step(module, certificate, fewer, settings.seed);
         tested(runs.and_then(|runs| {
-            let more = reference::bias_observer(module, fewer, settings.seed)?;
-            let parts = reference::composition(module, fewer, settings.seed)?;
+            let more = filter_accurate::bias_observer(module, fewer, settings.seed)?;
+            let parts = filter_accurate::composition(module, fewer, settings.seed)?;
             Ok(runs + more + parts)
         }))
     });
     table.add("primitives", RANDOM, || {
-        tested(reference::primitives(module, fewer, settings.seed))
+        tested(filter_accurate::primitives(module, fewer, settings.seed))
     });
 }
 
@@ -630,11 +632,12 @@ fn loop_claims(
     settings: &Settings,
 ) {
     table.add("closed-loop-stable", EXACT, || {
-        of(stability::check_stable(certificate, law).map(|()| "Hurwitz' criterion".to_owned()))
+        of(stable_for_parameters::check_stable(certificate, law)
+            .map(|()| "Hurwitz' criterion".to_owned()))
     });
     table.add("bias-observer-stable", EXACT, || {
         of(
-            bias_observer::check_loop(certificate, module, law).map(|rest| match rest {
+            bias_observer_stable::check_loop(certificate, module, law).map(|rest| match rest {
                 Some((left, speed)) => format!(
                     "{} of a bias is left; the wheel turns with {} rad/s for each rad of bias",
                     rounded_up(&left, 2),
@@ -655,7 +658,7 @@ fn loop_claims(
                     .to_owned(),
             );
         };
-        let checked = closed_loop::check(certificate, stated, law);
+        let checked = closed_loop_for_all_time::check(certificate, stated, law);
         found = checked.as_ref().ok().cloned();
         of(checked.map(|bounds| {
             let parts: Vec<_> = bounds
@@ -679,7 +682,7 @@ fn loop_claims(
         let (Some(stated), Some(bounds)) = (&certificate.closed_loop, &found) else {
             return Outcome::NotRun("it needs closed-loop-for-all-time".to_owned());
         };
-        match attraction::check(certificate, stated, bounds, law) {
+        match region_of_attraction::check(certificate, stated, bounds, law) {
             Ok(region) => Outcome::Proved(format!(
                 "from {} of the ellipsoid (up to {} rad, {} rad/s, {} rad/s) into {} of it",
                 rounded_up(&region.outer, 3),
@@ -694,7 +697,7 @@ fn loop_claims(
     table.add(
         "stable-for-parameters",
         EXACT,
-        || match stability::check_region(certificate, law) {
+        || match stable_for_parameters::check_region(certificate, law) {
             Ok(region) if region.uncertain.is_empty() => {
                 Outcome::Proved("no standard error is stated: the parameters themselves".to_owned())
             }

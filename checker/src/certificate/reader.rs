@@ -8,7 +8,8 @@ use num_rational::BigRational;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _};
 
-use crate::exact::{Matrix, Vector, decimal};
+use crate::exact::matrices::{Matrix, Vector};
+use crate::exact::rational::decimal;
 
 /// A decimal number as written, with its exact value.
 #[derive(Clone, Debug, PartialEq)]
@@ -213,7 +214,7 @@ pub struct Bounds {
     pub state_rounding: Decimal,
 }
 
-/// Observer of the angle's bias; see [`crate::bias_observer`] for its equations.
+/// Observer of the angle's bias; see [`crate::claims::bias_observer_stable`] for its equations.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BiasObserver {
@@ -244,7 +245,7 @@ pub struct Claim {
     pub bound: Option<Decimal>,
 }
 
-/// Bounds of the closed loop for all time; see [`crate::closed_loop`] for what they mean.
+/// Bounds of the closed loop for all time; see [`crate::claims::closed_loop_for_all_time`] for what they mean.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClosedLoop {

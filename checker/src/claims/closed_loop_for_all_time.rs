@@ -32,12 +32,12 @@ use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::{Certificate, ClosedLoop, matrix, vector};
-use crate::control_law::{ControlLaw, exponent};
-use crate::exact::{
-    Matrix, Vector, half, integer, inverse, is_positive_definite, power_of_two, product, quadratic,
-    root_above, rounded_up, transposed,
+use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
+use crate::claims::control_law::{ControlLaw, exponent};
+use crate::exact::matrices::{
+    Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
 };
+use crate::exact::rational::{half, integer, power_of_two, root_above, rounded_up};
 
 /// Bits after the point of the powers of F.
 const BITS: usize = 192;

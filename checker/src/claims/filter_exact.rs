@@ -2,13 +2,13 @@
 //!
 //! Written from the documents of each function: its formats, where it rounds, where it clamps, and
 //! the coefficients. Words here are wide, so nothing overflows; an argument that the source may
-//! not be given is not tried. [`crate::reference`] shows that the equations are the right ones,
+//! not be given is not tried. [`crate::claims::filter_accurate`] shows that the equations are the right ones,
 //! to within a tolerance; this shows that the source computes just these words, so that a damage
 //! below the tolerance is noticed as well.
 
-use crate::interpret::Machine;
-use crate::module::Module;
-use crate::reference::Random;
+use crate::claims::filter_accurate::Random;
+use crate::domains::machine::Machine;
+use crate::language::module::Module;
 
 /// A vector of words.
 type Words = Vec<i128>;

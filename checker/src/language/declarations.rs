@@ -3,7 +3,7 @@
 //! The language is the one that the generator documents for its output, read from that document
 //! and written anew here: 32-bit fixed-point aliases, structs, arrays, plain functions, no loops,
 //! no generics, no traits but `Default`, no macro but `assert!` in a constant. Anything else is
-//! refused with its place. Bodies are read in [`crate::lower`].
+//! refused with its place. Bodies are read in [`crate::language::lower`].
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,105 +11,11 @@ use std::sync::Arc;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-use crate::source::{Place, SourceError};
+use crate::program::place::{Place, SourceError};
+use crate::program::types::{Integer, Type};
 
 /// Result of reading source.
 pub type Read<T> = Result<T, SourceError>;
-
-/// An integer type of Rust.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Integer {
-    /// Whether it has a sign.
-    pub signed: bool,
-    /// Width in bits, 8 to 128.
-    pub bits: u32,
-}
-
-impl Integer {
-    /// `i32`.
-    pub const I32: Integer = Integer {
-        signed: true,
-        bits: 32,
-    };
-    /// `i64`.
-    pub const I64: Integer = Integer {
-        signed: true,
-        bits: 64,
-    };
-    /// `i128`.
-    pub const I128: Integer = Integer {
-        signed: true,
-        bits: 128,
-    };
-    /// `u32`, the type of a shift.
-    pub const U32: Integer = Integer {
-        signed: false,
-        bits: 32,
-    };
-
-    /// The type called `name`.
-    pub fn named(name: &str) -> Option<Integer> {
-        let (signed, bits) = match name {
-            "i8" => (true, 8),
-            "i16" => (true, 16),
-            "i32" => (true, 32),
-            "i64" => (true, 64),
-            "i128" => (true, 128),
-            "u8" => (false, 8),
-            "u16" => (false, 16),
-            "u32" => (false, 32),
-            "u64" => (false, 64),
-            _ => return None,
-        };
-        Some(Integer { signed, bits })
-    }
-
-    /// Smallest value.
-    pub fn min(self) -> i128 {
-        if !self.signed {
-            0
-        } else if self.bits == 128 {
-            i128::MIN
-        } else {
-            -(1 << (self.bits - 1))
-        }
-    }
-
-    /// Largest value.
-    pub fn max(self) -> i128 {
-        if self.bits == 128 {
-            i128::MAX
-        } else if self.signed {
-            (1 << (self.bits - 1)) - 1
-        } else {
-            (1 << self.bits) - 1
-        }
-    }
-
-    /// Whether `value` is one of this type.
-    pub fn holds(self, value: i128) -> bool {
-        self.min() <= value && value <= self.max()
-    }
-}
-
-/// A type of the language.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Type {
-    /// An integer.
-    Integer(Integer),
-    /// `bool`.
-    Bool,
-    /// A signed 32-bit type of the crate `fixed` with this many fraction bits.
-    Fixed(u32),
-    /// A struct, by its number in [`Declarations::structs`].
-    Struct(usize),
-    /// An array.
-    Array(Box<Type>, usize),
-    /// A tuple; `()` is the empty one.
-    Tuple(Vec<Type>),
-    /// `Option<T>`.
-    Option(Box<Type>),
-}
 
 /// A struct.
 #[derive(Clone, Debug)]
@@ -318,6 +224,31 @@ impl Declarations {
                 let mut words = vec![Type::Bool];
                 words.extend(self.words(content));
                 words
+            }
+        }
+    }
+
+    /// Names of the words of a value called `name`.
+    pub fn word_names(&self, name: &str, type_: &Type) -> Vec<String> {
+        match type_ {
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) => vec![name.to_owned()],
+            Type::Struct(index) => self.structs[*index]
+                .fields
+                .iter()
+                .flat_map(|(field, type_)| self.word_names(&format!("{name}.{field}"), type_))
+                .collect(),
+            Type::Array(element, length) => (0..*length)
+                .flat_map(|index| self.word_names(&format!("{name}[{index}]"), element))
+                .collect(),
+            Type::Tuple(elements) => elements
+                .iter()
+                .enumerate()
+                .flat_map(|(index, type_)| self.word_names(&format!("{name}.{index}"), type_))
+                .collect(),
+            Type::Option(content) => {
+                let mut names = vec![format!("{name}.is_some")];
+                names.extend(self.word_names(name, content));
+                names
             }
         }
     }

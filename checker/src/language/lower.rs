@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use syn::spanned::Spanned;
 
-use crate::contract::Contract;
-use crate::interpret::Machine;
-use crate::language::{Declarations, Integer, Named, Read, Type, refuse, shown};
-use crate::program::{Action, Arithmetic, Comparison, Program, Slot, Step};
-use crate::source::{Place, SourceError};
+use crate::domains::machine::Machine;
+use crate::language::declarations::{Declarations, Named, Read, refuse, shown};
+use crate::program::contract::Contract;
+use crate::program::place::{Place, SourceError};
+use crate::program::steps::{Action, Arithmetic, Comparison, Join, Program, Slot, Step};
+use crate::program::types::{Integer, Type};
 
 /// The words of a value.
 #[derive(Clone, Debug)]
@@ -73,7 +74,7 @@ pub fn function(
     let mut values = Vec::new();
     for argument in &function.arguments {
         let value = builder.fresh(&argument.type_);
-        inputs.extend(word_names(declarations, &argument.name, &argument.type_));
+        inputs.extend(declarations.word_names(&argument.name, &argument.type_));
         arguments.extend(&value.slots);
         argument_types.extend(declarations.words(&argument.type_));
         values.push(value);
@@ -166,31 +167,6 @@ pub fn constant(
         })?;
     constants.insert(number, words.clone());
     Ok(words)
-}
-
-/// Names of the words of a value called `name`.
-pub(crate) fn word_names(declarations: &Declarations, name: &str, type_: &Type) -> Vec<String> {
-    match type_ {
-        Type::Integer(_) | Type::Bool | Type::Fixed(_) => vec![name.to_owned()],
-        Type::Struct(index) => declarations.structs[*index]
-            .fields
-            .iter()
-            .flat_map(|(field, type_)| word_names(declarations, &format!("{name}.{field}"), type_))
-            .collect(),
-        Type::Array(element, length) => (0..*length)
-            .flat_map(|index| word_names(declarations, &format!("{name}[{index}]"), element))
-            .collect(),
-        Type::Tuple(elements) => elements
-            .iter()
-            .enumerate()
-            .flat_map(|(index, type_)| word_names(declarations, &format!("{name}.{index}"), type_))
-            .collect(),
-        Type::Option(content) => {
-            let mut names = vec![format!("{name}.is_some")];
-            names.extend(word_names(declarations, name, content));
-            names
-        }
-    }
 }
 
 impl<'a> Builder<'a> {
@@ -604,7 +580,11 @@ impl<'a> Builder<'a> {
         let mut join = |builder: &mut Self, a: &mut Slot, b: Slot| {
             if *a != b {
                 let to = builder.slot();
-                joins.push((to, *a, b));
+                joins.push(Join {
+                    to,
+                    then: *a,
+                    otherwise: b,
+                });
                 *a = to;
             }
         };

@@ -1,7 +1,7 @@
 //! The length of the attitude's quaternion: no step leaves it outside 1 ± 2⁻¹¹ (squared).
 //!
 //! No ranges of components can say this, so it is shown by algebra on the source itself, with
-//! words as polynomials ([`crate::polynomial`]) and rational arithmetic:
+//! words as polynomials ([`crate::domains::polynomials`]) and rational arithmetic:
 //!
 //! 1. `inverse_length`, `coarse_inverse_length`: n r² is 1 to within a stated share, by halving
 //!    the range of n.
@@ -15,22 +15,21 @@
 //!    as it was, and a new one is 1.
 //!
 //! That no word overflows, and the ranges of half-angles and directions, are for
-//! [`crate::filter`]; this claim holds together with `filter-total`.
+//! [`crate::claims::filter_total`]; this claim holds together with `filter-total`.
 
 use std::collections::HashMap;
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::contract::{Contract, Range};
-use crate::exact::{integer, power_of_two, root_above, root_below};
-use crate::filter::{Invariant, analysed};
-use crate::interpret::{Machine, range_of};
-use crate::intervals::{Interval, every_bit_pattern, ranges};
-use crate::lower::word_names;
-use crate::module::Module;
-use crate::polynomial::{Call, Polynomial, Words};
-use crate::program::{Action, Program, Slot, Step};
+use crate::claims::filter_total::{Invariant, analysed};
+use crate::domains::intervals::{Interval, every_bit_pattern, ranges};
+use crate::domains::machine::Machine;
+use crate::domains::polynomials::{Call, Polynomial, Words};
+use crate::exact::rational::{integer, power_of_two, root_above, root_below};
+use crate::language::module::Module;
+use crate::program::contract::{Contract, Range};
+use crate::program::steps::{Action, Program, Slot, Step};
 
 /// Largest distance of the squared length from 1, as a power of two: 2⁻¹¹.
 pub const TOLERANCE_BITS: i32 = 11;
@@ -64,7 +63,7 @@ pub struct Lengths {
     pub after_alignment: (BigRational, BigRational),
 }
 
-/// Claim `filter-length`. `contracts` are those that [`crate::filter::proved`] allows.
+/// Claim `filter-length`. `contracts` are those that [`crate::claims::filter_total::proved`] allows.
 ///
 /// # Errors
 /// A sentence on what could not be shown.
@@ -117,7 +116,7 @@ fn every_word(module: &Module, name: &str) -> Result<(usize, Contract), String> 
         .iter()
         .enumerate()
         .map(|(word, type_)| {
-            let (low, high) = range_of(type_);
+            let (low, high) = type_.range();
             Range { word, low, high }
         })
         .collect();
@@ -184,9 +183,9 @@ fn only_compares(steps: &[Step], arguments: &[Slot], picked: &mut Vec<Slot>) -> 
         } => {
             only_compares(then, arguments, picked)
                 && only_compares(otherwise, arguments, picked)
-                && joins.iter().all(|(to, a, b)| {
-                    let is_pick = picked.contains(a) && picked.contains(b);
-                    picked.push(*to);
+                && joins.iter().all(|join| {
+                    let is_pick = picked.contains(&join.then) && picked.contains(&join.otherwise);
+                    picked.push(join.to);
                     is_pick
                 })
         }
@@ -285,10 +284,10 @@ impl Sources {
         let declarations = module.declarations();
         let mut changes = 0;
         for (number, function) in declarations.functions.iter().enumerate() {
-            let mut names = word_names(declarations, "", &function.result);
+            let mut names = declarations.word_names("", &function.result);
             let receiver = function.arguments.first().filter(|it| it.is_mutable);
             if let Some(receiver) = receiver {
-                names.extend(word_names(declarations, "self", &receiver.type_));
+                names.extend(declarations.word_names("self", &receiver.type_));
             }
             let Some(first) = names.iter().position(|name| is_state_of_an_owner(name)) else {
                 continue;
@@ -438,7 +437,7 @@ fn clamp_of<'a>(
         return None;
     };
     let (low, high) = (words.form(*low).number()?, words.form(*high).number()?);
-    Some((call, words.form(*value), low, high))
+    Some((call, words.form(*value).clone(), low, high))
 }
 
 fn magnitudes_squared(ranges: &[(Slot, i128, i128)]) -> BigRational {
@@ -473,7 +472,7 @@ fn correction(module: &Module, beta: &BigRational) -> Result<BigRational, String
     let beta_symbol = *program.arguments.last().ok_or(not_understood)?;
     // Lengths of directions are those of the contract of `scaled_up4`.
     let scaled_up = number(module, "scaling::scaled_up4")?;
-    let contract = crate::contract::stated(module, scaled_up).ok_or(not_understood)?;
+    let contract = crate::language::contracts::stated(module, scaled_up).ok_or(not_understood)?;
     let stated: Vec<_> = contract
         .ensures
         .iter()
@@ -868,7 +867,7 @@ fn short_turns_do_not_reach_it(
 
 /// Both ends as distances from 1, rounded up, for a sentence.
 pub fn distances(squared: &(BigRational, BigRational)) -> String {
-    let text = |value: BigRational| crate::exact::rounded_up(&value, 2);
+    let text = |value: BigRational| crate::exact::rational::rounded_up(&value, 2);
     let below = BigRational::one() - &squared.0;
     let above = &squared.1 - BigRational::one();
     format!("{} below, {} above", text(below), text(above))

@@ -25,11 +25,12 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::{Certificate, matrix, vector};
-use crate::closed_loop::loops;
-use crate::control_law::ControlLaw;
-use crate::enclosure::Enclosure;
-use crate::exact::{Matrix, Vector, apply, half, integer, power, product, root_above, rounded_up};
+use crate::certificate::reader::{Certificate, matrix, vector};
+use crate::claims::closed_loop_for_all_time::loops;
+use crate::claims::control_law::ControlLaw;
+use crate::exact::enclosure::Enclosure;
+use crate::exact::matrices::{Matrix, Vector, apply, product};
+use crate::exact::rational::{half, integer, power, root_above, rounded_up};
 
 /// 95 % quantiles of χ² for 1 to 10 degrees of freedom, rounded up in the third decimal.
 const CHI_SQUARED_95: [&str; 10] = [
@@ -231,7 +232,7 @@ pub fn check_region(
     let count = certificate.parameters.len();
     let Some(quantile) = CHI_SQUARED_95
         .get(count.saturating_sub(1))
-        .and_then(|text| crate::exact::decimal(text))
+        .and_then(|text| crate::exact::rational::decimal(text))
     else {
         return Err(RegionFailure::NotStated(format!(
             "{count} parameters; the quantile is known for up to 10"

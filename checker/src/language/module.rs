@@ -5,11 +5,11 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::contract::Contract;
-use crate::language::{Declarations, Named, Read};
-use crate::lower::{self, Constants};
-use crate::program::Program;
-use crate::source::{Place, SourceError};
+use crate::language::declarations::{Declarations, Named, Read};
+use crate::language::lower::{self, Constants};
+use crate::program::contract::Contract;
+use crate::program::place::{Place, SourceError};
+use crate::program::steps::Program;
 
 /// An emitted crate.
 #[derive(Clone, Debug)]
@@ -149,7 +149,7 @@ impl Module {
     pub fn constant_words(&self, file: &str, name: &str) -> Option<Vec<(String, i128)>> {
         let number = self.constant_number(file, name)?;
         let type_ = &self.declarations.constants[number].type_;
-        let names = lower::word_names(&self.declarations, name, type_);
+        let names = self.declarations.word_names(name, type_);
         let words = self.constants.get(&number)?;
         Some(names.into_iter().zip(words.iter().copied()).collect())
     }

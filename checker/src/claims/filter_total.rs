@@ -2,16 +2,17 @@
 //! keeps.
 //!
 //! Primitives whose contracts stand at them in the source are proved first, each alone, by
-//! halving their domains ([`crate::intervals::prove`]). The steps above are then analysed with the
+//! halving their domains ([`crate::domains::intervals::prove`]). The steps above are then analysed with the
 //! calls of proved primitives replaced by their contracts: what they are given must lie in the
 //! stated ranges, and nothing but the stated ranges is known of their results.
 
 use std::collections::HashMap;
 
-use crate::contract::{Contract, stated};
-use crate::intervals::{Interval, every_bit_pattern, prove, ranges};
-use crate::module::Module;
-use crate::program::Program;
+use crate::domains::intervals::{Interval, every_bit_pattern, prove, ranges};
+use crate::language::contracts::stated;
+use crate::language::module::Module;
+use crate::program::contract::Contract;
+use crate::program::steps::Program;
 
 /// How many boxes a contract may take.
 const BOXES: usize = 400_000;

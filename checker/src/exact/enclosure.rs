@@ -7,7 +7,7 @@ use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-use crate::exact::power_of_two;
+use crate::exact::rational::power_of_two;
 
 /// Bits after the point.
 const BITS: usize = 192;
@@ -142,7 +142,7 @@ impl Mul for &Enclosure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::decimal;
+    use crate::exact::rational::decimal;
 
     fn e(low: &str, high: &str) -> Enclosure {
         Enclosure::new(&decimal(low).unwrap(), &decimal(high).unwrap())

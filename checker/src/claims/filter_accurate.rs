@@ -2,13 +2,13 @@
 //!
 //! The control law is compared in exact integers with the words of the certificate. The attitude
 //! filter is compared with Madgwick's equations (report of 2010, eq. 25 to 46) in double precision,
-//! written here from the paper. Beside [`crate::words`], which draws its numbers with it, this is
+//! written here from the paper. Beside [`crate::claims::filter_exact`], which draws its numbers with it, this is
 //! the only file with floating point.
 
-use crate::certificate::Certificate;
-use crate::interpret::Machine;
-use crate::module::Module;
-use crate::program::Program;
+use crate::certificate::reader::Certificate;
+use crate::domains::machine::Machine;
+use crate::language::module::Module;
+use crate::program::steps::Program;
 
 /// Largest error of a quaternion's component in one step.
 const COMPONENT_TOLERANCE: f64 = 2e-7;
@@ -415,7 +415,7 @@ fn one_step(
             all.extend(filter.flat());
             all
         };
-        let trapped = |trap: crate::interpret::Trap| trap.to_string();
+        let trapped = |trap: crate::domains::machine::Trap| trap.to_string();
         let mut machine = Machine::new(imu);
         let found = machine
             .call(&arguments(&[&gyro, &accel]))
@@ -551,7 +551,7 @@ pub fn step(
     let mut speed = Machine::new(get("wheel_speed")?);
     let mut control = Machine::new(get("control")?);
     let mut machine = Machine::new(step);
-    let trapped = |trap: crate::interpret::Trap| trap.to_string();
+    let trapped = |trap: crate::domains::machine::Trap| trap.to_string();
     let own = step
         .inputs
         .iter()

@@ -1,61 +1,7 @@
-//! Contracts as ranges: the arguments that a function takes, and the results that it then gives.
+//! Reads the contracts that stand at functions of the source.
 
-use crate::interpret::range_of;
-use crate::language::Type;
-use crate::lower::word_names;
-use crate::module::Module;
-use crate::program::Slot;
-
-/// The range of one word, by its position among the words of arguments or results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Range {
-    /// Position.
-    pub word: usize,
-    /// Smallest value.
-    pub low: i128,
-    /// Largest value.
-    pub high: i128,
-}
-
-/// If the arguments lie in their ranges, nothing overflows and the results lie in theirs.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub struct Contract {
-    /// Ranges of words of the arguments; those left out may have any value.
-    pub requires: Vec<Range>,
-    /// Ranges of words of the result; those left out may have any value.
-    pub ensures: Vec<Range>,
-    /// Whether the source requires something that is no range and is left out here.
-    pub is_partial: bool,
-}
-
-impl Contract {
-    /// Ranges of all words of the result; those without a promise have that of their type.
-    pub(crate) fn promised(&self, types: &[Type], slots: &[Slot]) -> Vec<(Slot, i128, i128)> {
-        let mut ranges: Vec<_> = slots
-            .iter()
-            .zip(types)
-            .map(|(slot, type_)| {
-                let (low, high) = range_of(type_);
-                (*slot, low, high)
-            })
-            .collect();
-        for range in &self.ensures {
-            if let Some(word) = ranges.get_mut(range.word) {
-                word.1 = word.1.max(range.low);
-                word.2 = word.2.min(range.high);
-            }
-        }
-        ranges
-    }
-
-    /// Ranges with the slots in which their words stand.
-    pub(crate) fn applied(&self, ranges: &[Range], slots: &[Slot]) -> Vec<(Slot, i128, i128)> {
-        ranges
-            .iter()
-            .filter_map(|range| Some((*slots.get(range.word)?, range.low, range.high)))
-            .collect()
-    }
-}
+use crate::language::module::Module;
+use crate::program::contract::{Contract, Range};
 
 /// Reads the contract that stands at a function for Kani, as far as it states ranges.
 ///
@@ -67,7 +13,7 @@ pub fn stated(module: &Module, number: usize) -> Option<Contract> {
     let function = &declarations.functions[number];
     let mut inputs = Vec::new();
     for argument in &function.arguments {
-        inputs.extend(word_names(declarations, &argument.name, &argument.type_));
+        inputs.extend(declarations.word_names(&argument.name, &argument.type_));
     }
     let mut contract = Contract::default();
     for attribute in &function.attributes {
@@ -83,7 +29,7 @@ pub fn stated(module: &Module, number: usize) -> Option<Contract> {
                 let Some(syn::Pat::Ident(name)) = closure.inputs.first() else {
                     continue;
                 };
-                let outputs = word_names(declarations, &name.ident.to_string(), &function.result);
+                let outputs = declarations.word_names(&name.ident.to_string(), &function.result);
                 // What is not understood is not promised; nothing depends on it.
                 reader.conjunction(&closure.body, &outputs, &mut contract.ensures);
             }

@@ -2,11 +2,11 @@
 //!
 //! There are no loops in the language, so a function is a finite list of steps with branches.
 //! Every slot is written once, except that a branch writes the slots in which its two sides join.
-//! The interpreter, the interval analysis, the linear forms and the translation to SMT-LIB all
-//! read this one form.
+//! Everything that computes with a function reads this one form, by the walk of
+//! [`crate::domains::walk`].
 
-use crate::language::{Integer, Type};
-use crate::source::Place;
+use crate::program::place::Place;
+use crate::program::types::{Integer, Type};
 
 /// Number of a word.
 pub type Slot = usize;
@@ -28,6 +28,42 @@ pub enum Arithmetic {
     And,
 }
 
+impl Arithmetic {
+    /// a op b in unlimited integers; `None` where even 128 bits or the shift's range (`bits` of the
+    /// type) do not suffice.
+    pub fn apply(self, a: i128, b: i128, bits: u32) -> Option<i128> {
+        match self {
+            Arithmetic::Add => a.checked_add(b),
+            Arithmetic::Subtract => a.checked_sub(b),
+            Arithmetic::Multiply => a.checked_mul(b),
+            Arithmetic::ShiftLeft | Arithmetic::ShiftRight => {
+                let amount = u32::try_from(b).ok().filter(|amount| *amount < bits)?;
+                if self == Arithmetic::ShiftRight {
+                    return Some(a >> amount);
+                }
+                // Rust's << drops high bits without a panic; here that counts as an overflow.
+                1_i128
+                    .checked_shl(amount)
+                    .filter(|power| *power > 0)
+                    .and_then(|power| a.checked_mul(power))
+            }
+            Arithmetic::And => Some(a & b),
+        }
+    }
+
+    /// The operation in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Arithmetic::Add => "the sum",
+            Arithmetic::Subtract => "the difference",
+            Arithmetic::Multiply => "the product",
+            Arithmetic::ShiftLeft => "the left shift",
+            Arithmetic::ShiftRight => "the right shift",
+            Arithmetic::And => "the common bits",
+        }
+    }
+}
+
 /// Comparison of two integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Comparison {
@@ -39,6 +75,24 @@ pub enum Comparison {
     Equal,
     /// a ≠ b
     NotEqual,
+}
+
+/// A word in which the two sides of a branch meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Join {
+    /// Result.
+    pub to: Slot,
+    /// Its word if the condition holds.
+    pub then: Slot,
+    /// Its word if it does not.
+    pub otherwise: Slot,
+}
+
+impl Join {
+    /// Its word on one side.
+    pub fn of(&self, is_then: bool) -> Slot {
+        if is_then { self.then } else { self.otherwise }
+    }
 }
 
 /// What a step does.
@@ -95,7 +149,7 @@ pub enum Action {
         /// Upper end.
         high: Slot,
     },
-    /// Goes one way or the other, then copies for each join (slot, then's, otherwise's).
+    /// Goes one way or the other, then copies for each join the word of that side.
     If {
         /// Condition.
         condition: Slot,
@@ -104,7 +158,7 @@ pub enum Action {
         /// Steps if it does not.
         otherwise: Vec<Step>,
         /// Where the two sides meet.
-        joins: Vec<(Slot, Slot, Slot)>,
+        joins: Vec<Join>,
     },
     /// Fails unless `a` holds.
     Assert {

@@ -1,5 +1,5 @@
 //! The words of `src/constants.rs` against the real numbers in its documentation and, for the observer
-//! of the angle's bias (see [`crate::bias_observer`]), in the certificate.
+//! of the angle's bias (see [`crate::claims::bias_observer_stable`]), in the certificate.
 //!
 //! What each word stands for is derived here from the formats that the emitted fields state:
 //! half-angles a step in Q32, matrices in Q17 of which the accelerometer's and magnetometer's are
@@ -9,11 +9,11 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use crate::bias_observer::check_words;
-use crate::certificate::Certificate;
-use crate::control_law::{ControlLaw, exponent};
-use crate::exact::{decimal, half, integer, power_of_two, rounded_up};
-use crate::module::Module;
+use crate::certificate::reader::Certificate;
+use crate::claims::bias_observer_stable::check_words;
+use crate::claims::control_law::{ControlLaw, exponent};
+use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
+use crate::language::module::Module;
 
 type Check = Result<(), String>;
 
@@ -50,7 +50,7 @@ impl Words {
 
 /// A word is the nearest to a real number; half a unit and what double precision may add.
 pub(crate) fn nearest(name: &str, word: &BigRational, real: &BigRational) -> Check {
-    let allowed = half() + crate::exact::power(10, -3);
+    let allowed = half() + crate::exact::rational::power(10, -3);
     if (word - real).abs() <= allowed {
         Ok(())
     } else {
@@ -192,7 +192,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Ch
 fn check_sensor_steps(
     text: &str,
     gravity: &BigRational,
-    stated: &crate::certificate::ClosedLoop,
+    stated: &crate::certificate::reader::ClosedLoop,
 ) -> Check {
     let row = |mark: &str, rows: &[usize]| -> Result<BigRational, String> {
         let numbers = numbers(after(text, mark)?);
@@ -218,7 +218,7 @@ fn check_sensor_steps(
     ];
     for (index, found) in found.iter().enumerate() {
         let stated = &stated.sensor_steps[index];
-        if (&stated.value - found).abs() > found * crate::exact::power(10, -12) {
+        if (&stated.value - found).abs() > found * crate::exact::rational::power(10, -12) {
             return Err(format!(
                 "sensor_steps[{index}] is stated as {stated}, the sensor's count is {}",
                 rounded_up(found, 12)

@@ -1,6 +1,6 @@
 //! A region of attraction of the pendulum itself, whose gravity is a sine, in exact arithmetic.
 //!
-//! Of [`crate::closed_loop`] this uses the set E = {x: ‖x‖ ≤ 1}, ‖x‖² = xᵀ P x, which the linear loop maps
+//! Of [`crate::claims::closed_loop_for_all_time`] this uses the set E = {x: ‖x‖ ≤ 1}, ‖x‖² = xᵀ P x, which the linear loop maps
 //! into γ times itself, and in which no command saturates whatever the perturbations |v| ≤ V.
 //!
 //! **Gravity.** With g = G/(Θ − j_w), e = (0, 1, −1) and A of the linear model the pendulum obeys
@@ -23,10 +23,11 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::{Certificate, ClosedLoop, matrix, vector};
-use crate::closed_loop::ClosedLoopBounds;
-use crate::control_law::ControlLaw;
-use crate::exact::{Matrix, Vector, dot, half, integer, inverse, power, quadratic, root_above};
+use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
+use crate::claims::closed_loop_for_all_time::ClosedLoopBounds;
+use crate::claims::control_law::ControlLaw;
+use crate::exact::matrices::{Matrix, Vector, dot, inverse, quadratic};
+use crate::exact::rational::{half, integer, power, root_above};
 
 /// Shares of the set that are tried, in parts of its size.
 const PARTS: i128 = 64;

@@ -2,7 +2,7 @@
 //! −K x.
 //!
 //! The source is read as a saturated linear form of the three words (crate module
-//! [`crate::forms`]), so gains, rounding and limit come out of the code and not out of the
+//! [`crate::domains::linear_forms`]), so gains, rounding and limit come out of the code and not out of the
 //! certificate. With the coefficients cᵢ (command units per unit of word i) and the error interval
 //! [l, h] of the form:
 //!
@@ -15,11 +15,11 @@
 use num_rational::BigRational;
 use num_traits::Signed;
 
-use crate::exact::{half, power_of_two};
-use crate::forms::forms;
-use crate::intervals::{Finding, every_bit_pattern, ranges};
-use crate::language::Type;
-use crate::module::Module;
+use crate::domains::intervals::{Finding, every_bit_pattern, ranges};
+use crate::domains::linear_forms::forms;
+use crate::exact::rational::{half, power_of_two};
+use crate::language::module::Module;
+use crate::program::types::Type;
 
 /// The law that the source implements, in SI units.
 #[derive(Clone, Debug, PartialEq)]

@@ -26,11 +26,12 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::{BiasObserver, Certificate, matrix, vector};
-use crate::control_law::{ControlLaw, exponent};
-use crate::exact::{Vector, dot, half, integer, power_of_two, rounded_up};
-use crate::hardware::{Words, nearest};
-use crate::module::Module;
+use crate::certificate::reader::{BiasObserver, Certificate, matrix, vector};
+use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::hardware_words::{Words, nearest};
+use crate::exact::matrices::{Vector, dot};
+use crate::exact::rational::{half, integer, power_of_two, rounded_up};
+use crate::language::module::Module;
 
 type Check = Result<(), String>;
 

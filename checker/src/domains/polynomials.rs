@@ -5,15 +5,18 @@
 //! right shift by s divides by 2ˢ and takes up to one unit off e. A factor that has a remainder
 //! becomes a symbol of its own, whose definition stays known.
 //!
-//! Machine words are integers here. That nothing overflows is for [`crate::intervals`] to show.
+//! Machine words are integers here. That nothing overflows is for [`crate::domains::intervals`] to show.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
+use std::convert::Infallible;
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use crate::exact::{integer, power_of_two};
-use crate::program::{Action, Arithmetic, Program, Slot, Step};
+use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
+use crate::exact::rational::{integer, power_of_two};
+use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::types::Integer;
 
 /// Symbols, sorted, each as often as its power.
 pub type Monomial = Vec<Slot>;
@@ -181,34 +184,32 @@ pub struct Call {
 
 /// Every word of a program.
 #[derive(Clone, Debug)]
-pub struct Words<'a> {
-    program: &'a Program,
-    forms: HashMap<Slot, Polynomial>,
-    joins: Vec<Vec<(Slot, Slot, Slot)>>,
+pub struct Words {
+    forms: Vec<Polynomial>,
+    joins: Vec<Vec<Join>>,
     /// Calls, in order.
     pub calls: Vec<Call>,
 }
 
-impl<'a> Words<'a> {
+impl Words {
     /// Looks at every step, on both sides of each branch.
-    pub fn of(program: &'a Program) -> Words<'a> {
-        let mut words = Words {
-            program,
-            forms: HashMap::new(),
-            joins: Vec::new(),
-            calls: Vec::new(),
-        };
-        words.steps(&program.steps);
-        words
+    pub fn of(program: &Program) -> Words {
+        let mut domain = Polynomials::default();
+        let arguments = program.arguments.iter().copied().map(Polynomial::symbol);
+        let mut forms = start(&mut domain, program, arguments);
+        match walk(&mut domain, program, &mut forms) {
+            Ok(()) => {}
+        }
+        Words {
+            forms,
+            joins: domain.joins,
+            calls: domain.calls,
+        }
     }
 
     /// What is known of a word; a symbol where nothing is.
-    pub fn form(&self, slot: Slot) -> Polynomial {
-        if self.program.is_constant[slot] {
-            return Polynomial::constant(integer(self.program.initial[slot]));
-        }
-        let known = self.forms.get(&slot);
-        known.cloned().unwrap_or_else(|| Polynomial::symbol(slot))
+    pub fn form(&self, slot: Slot) -> &Polynomial {
+        &self.forms[slot]
     }
 
     /// The symbol that a word is, or is a copy of.
@@ -232,112 +233,168 @@ impl<'a> Words<'a> {
     pub fn alternatives(&self, tuple: &[Slot]) -> Vec<Vec<Slot>> {
         // Later branches first: the words of a later one join those of an earlier.
         for joins in self.joins.iter().rev() {
-            let side = |pick: fn(&(Slot, Slot, Slot)) -> Slot| -> Vec<Slot> {
-                tuple
+            let joined = |slot: &Slot| joins.iter().find(|join| join.to == *slot);
+            let side = |is_then: bool| -> Vec<Slot> {
+                let picked = tuple
                     .iter()
-                    .map(|slot| {
-                        joins
-                            .iter()
-                            .find(|join| join.0 == *slot)
-                            .map_or(*slot, pick)
-                    })
-                    .collect()
+                    .map(|slot| joined(slot).map_or(*slot, |join| join.of(is_then)));
+                picked.collect()
             };
-            if tuple
-                .iter()
-                .any(|slot| joins.iter().any(|join| join.0 == *slot))
-            {
-                let mut found = self.alternatives(&side(|join| join.1));
-                found.extend(self.alternatives(&side(|join| join.2)));
+            if tuple.iter().any(|slot| joined(slot).is_some()) {
+                let mut found = self.alternatives(&side(true));
+                found.extend(self.alternatives(&side(false)));
                 return found;
             }
         }
         vec![tuple.to_vec()]
     }
+}
 
-    fn steps(&mut self, steps: &[Step]) {
-        for step in steps {
-            match &step.action {
-                Action::Arithmetic {
-                    to,
-                    operation,
-                    a,
-                    b,
-                    ..
-                } => {
-                    if let Some(form) = self.arithmetic(*operation, *a, *b) {
-                        self.forms.insert(*to, form);
-                    }
-                }
-                Action::Cast { to, a, .. } => {
-                    let form = self.form(*a);
-                    self.forms.insert(*to, form);
-                }
-                Action::If {
-                    then,
-                    otherwise,
-                    joins,
-                    ..
-                } => {
-                    self.steps(then);
-                    self.steps(otherwise);
-                    self.joins.push(joins.clone());
-                }
-                Action::Contract {
-                    function,
-                    requires,
-                    ensures,
-                } => self.calls.push(Call {
-                    function: function.clone(),
-                    arguments: requires.iter().map(|(slot, _, _)| *slot).collect(),
-                    results: ensures.iter().map(|(slot, _, _)| *slot).collect(),
-                }),
-                Action::Compare { .. }
-                | Action::Not { .. }
-                | Action::Clamp { .. }
-                | Action::Assert { .. } => {}
-            }
+/// Polynomials of symbols; what has no form is a symbol of its own.
+#[derive(Default)]
+struct Polynomials {
+    joins: Vec<Vec<Join>>,
+    calls: Vec<Call>,
+}
+
+impl Domain for Polynomials {
+    type Word = Polynomial;
+    type Stop = Infallible;
+
+    fn initial(&mut self, slot: Slot, constant: Option<i128>) -> Polynomial {
+        match constant {
+            Some(value) => Polynomial::constant(integer(value)),
+            None => Polynomial::symbol(slot),
         }
     }
 
-    fn arithmetic(&self, operation: Arithmetic, a: Slot, b: Slot) -> Option<Polynomial> {
-        let (x, y) = (self.form(a), self.form(b));
-        let bits = || {
-            y.number()?
-                .to_integer()
-                .to_i32()
-                .filter(|s| (0..64).contains(s))
-        };
-        match operation {
-            Arithmetic::Add => Some(x.plus(&y)),
-            Arithmetic::Subtract => Some(x.plus(&y.scaled(&integer(-1)))),
-            Arithmetic::Multiply => Some(match (x.number(), y.number()) {
-                (Some(factor), _) => y.scaled(&factor),
-                (_, Some(factor)) => x.scaled(&factor),
-                _ => {
-                    let factor = |form: Polynomial, slot| {
-                        let is_exact = form.is_exact();
-                        if is_exact {
-                            form
-                        } else {
-                            Polynomial::symbol(slot)
-                        }
-                    };
-                    factor(x, a).times(&factor(y, b))
-                }
-            }),
-            Arithmetic::ShiftLeft => Some(x.scaled(&power_of_two(bits()?))),
-            Arithmetic::ShiftRight => {
-                let mut quotient = x.scaled(&power_of_two(-bits()?));
-                quotient.low -= BigRational::one();
-                Some(quotient)
+    fn arithmetic(
+        &mut self,
+        site: &Site<Polynomial>,
+        to: Slot,
+        operation: Arithmetic,
+        operands: (Slot, Slot),
+        _type: Integer,
+    ) -> Result<Polynomial, Infallible> {
+        let form = arithmetic(site, operation, operands);
+        Ok(form.unwrap_or_else(|| Polynomial::symbol(to)))
+    }
+
+    fn comparison(
+        &mut self,
+        _site: &Site<Polynomial>,
+        to: Slot,
+        _comparison: Comparison,
+        _operands: (Slot, Slot),
+    ) -> Result<Polynomial, Infallible> {
+        Ok(Polynomial::symbol(to))
+    }
+
+    fn negation(
+        &mut self,
+        _site: &Site<Polynomial>,
+        to: Slot,
+        _operand: Slot,
+    ) -> Result<Polynomial, Infallible> {
+        Ok(Polynomial::symbol(to))
+    }
+
+    fn cast(
+        &mut self,
+        site: &Site<Polynomial>,
+        operand: Slot,
+        _type: Integer,
+    ) -> Result<Polynomial, Infallible> {
+        Ok(site.word(operand).clone())
+    }
+
+    fn clamp(
+        &mut self,
+        _site: &Site<Polynomial>,
+        to: Slot,
+        _operand: Slot,
+        _ends: (Slot, Slot),
+    ) -> Result<Polynomial, Infallible> {
+        Ok(Polynomial::symbol(to))
+    }
+
+    fn assertion(
+        &mut self,
+        _site: &Site<Polynomial>,
+        _condition: Slot,
+        _message: &str,
+    ) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    fn call(
+        &mut self,
+        _site: &Site<Polynomial>,
+        call: ContractedCall,
+    ) -> Result<Vec<Polynomial>, Infallible> {
+        let results: Vec<Slot> = call.ensures.iter().map(|(slot, _, _)| *slot).collect();
+        let symbols = results.iter().copied().map(Polynomial::symbol).collect();
+        self.calls.push(Call {
+            function: call.function.to_owned(),
+            arguments: call.requires.iter().map(|(slot, _, _)| *slot).collect(),
+            results,
+        });
+        Ok(symbols)
+    }
+
+    fn join(
+        &mut self,
+        _site: &Site<Polynomial>,
+        _condition: Slot,
+        joins: &[Join],
+        _sides: [Side<Polynomial>; 2],
+    ) -> Result<Vec<Polynomial>, Infallible> {
+        self.joins.push(joins.to_vec());
+        let joined = joins.iter().map(|join| Polynomial::symbol(join.to));
+        Ok(joined.collect())
+    }
+}
+
+fn arithmetic(
+    site: &Site<Polynomial>,
+    operation: Arithmetic,
+    (a, b): (Slot, Slot),
+) -> Option<Polynomial> {
+    let (x, y) = (site.word(a), site.word(b));
+    let bits = || {
+        y.number()?
+            .to_integer()
+            .to_i32()
+            .filter(|s| (0..64).contains(s))
+    };
+    match operation {
+        Arithmetic::Add => Some(x.plus(y)),
+        Arithmetic::Subtract => Some(x.plus(&y.scaled(&integer(-1)))),
+        Arithmetic::Multiply => Some(match (x.number(), y.number()) {
+            (Some(factor), _) => y.scaled(&factor),
+            (_, Some(factor)) => x.scaled(&factor),
+            _ => {
+                let factor = |form: &Polynomial, slot| {
+                    if form.is_exact() {
+                        form.clone()
+                    } else {
+                        Polynomial::symbol(slot)
+                    }
+                };
+                factor(x, a).times(&factor(y, b))
             }
-            Arithmetic::And => {
-                let mask = y.number().filter(|mask| !mask.is_negative())?;
-                let mut form = Polynomial::zero();
-                form.high = mask;
-                Some(form)
-            }
+        }),
+        Arithmetic::ShiftLeft => Some(x.scaled(&power_of_two(bits()?))),
+        Arithmetic::ShiftRight => {
+            let mut quotient = x.scaled(&power_of_two(-bits()?));
+            quotient.low -= BigRational::one();
+            Some(quotient)
+        }
+        Arithmetic::And => {
+            let mask = y.number().filter(|mask| !mask.is_negative())?;
+            let mut form = Polynomial::zero();
+            form.high = mask;
+            Some(form)
         }
     }
 }

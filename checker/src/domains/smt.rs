@@ -5,14 +5,14 @@
 //! a division that rounds down. Every claim is asked as "is there a counterexample"; `unsat` proves
 //! it.
 
-use std::collections::HashMap;
 use std::process::{Command, Stdio};
 
 use easy_smt::{Context, ContextBuilder, Response, SExpr};
 
-use crate::certificate::Certificate;
-use crate::interpret::range_of;
-use crate::program::{Action, Arithmetic, Comparison, Program, Slot, Step};
+use crate::certificate::reader::Certificate;
+use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
+use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::types::Integer;
 
 /// Milliseconds that a question about a claim may take.
 const TIMEOUT_MS: u32 = 20_000;
@@ -102,13 +102,20 @@ impl Question {
         )
     }
 
+    /// `value`, or the end beyond which it lies.
+    pub(crate) fn clamped(&self, value: SExpr, low: SExpr, high: SExpr) -> SExpr {
+        let c = &self.context;
+        let upper = c.ite(c.lt(high, value), high, value);
+        c.ite(c.lt(value, low), low, upper)
+    }
+
     /// Words of the arguments as unknowns.
     fn arguments(&mut self, program: &Program, prefix: &str) -> Asked<Vec<SExpr>> {
         let mut unknowns = Vec::new();
         for (index, type_) in program.argument_types.iter().enumerate() {
             let sort = self.context.int_sort();
             let unknown = io(self.context.declare_const(format!("{prefix}{index}"), sort))?;
-            let (low, high) = range_of(type_);
+            let (low, high) = type_.range();
             let range = self.within(unknown, low, high);
             io(self.context.assert(range))?;
             unknowns.push(unknown);
@@ -138,169 +145,21 @@ impl Question {
     }
 
     /// The program's results for `arguments`.
-    fn results(&mut self, program: &Program, arguments: &[SExpr]) -> Asked<Vec<SExpr>> {
-        let mut values: HashMap<Slot, SExpr> = HashMap::new();
-        for (slot, value) in program.initial.iter().enumerate() {
-            if program.is_constant[slot] {
-                values.insert(slot, self.number(*value));
-            }
-        }
-        for (slot, argument) in program.arguments.iter().zip(arguments) {
-            values.insert(*slot, *argument);
-        }
-        self.steps(program, &program.steps, &mut values)?;
-        program
-            .results
-            .iter()
-            .map(|slot| value_of(&values, *slot))
-            .collect()
+    pub(crate) fn results(&mut self, program: &Program, arguments: &[SExpr]) -> Asked<Vec<SExpr>> {
+        let mut words = start(self, program, arguments.iter().copied());
+        walk(self, program, &mut words)?;
+        Ok(program.results.iter().map(|slot| words[*slot]).collect())
     }
 
-    fn steps(
-        &mut self,
-        program: &Program,
-        steps: &[Step],
-        values: &mut HashMap<Slot, SExpr>,
-    ) -> Asked<()> {
-        steps
-            .iter()
-            .try_for_each(|step| self.step(program, step, values))
+    /// The truth of a condition as a word.
+    fn truth(&mut self, holds: SExpr) -> Asked<SExpr> {
+        let value = self.context.ite(holds, self.number(1), self.number(0));
+        self.named(value)
     }
 
-    fn step(
-        &mut self,
-        program: &Program,
-        step: &Step,
-        values: &mut HashMap<Slot, SExpr>,
-    ) -> Asked<()> {
-        let known = |slot: &Slot| value_of(values, *slot);
-        match &step.action {
-            Action::Arithmetic {
-                to,
-                operation,
-                a,
-                b,
-                type_,
-            } => {
-                let (x, y) = (known(a)?, known(b)?);
-                let constant =
-                    |slot: Slot| program.is_constant[slot].then(|| program.initial[slot]);
-                let products = match (operation, constant(*a).or(constant(*b)), self.product) {
-                    (Arithmetic::Multiply, None, Some(product)) => Some(product),
-                    _ => None,
-                };
-                if let Some(product) = products {
-                    let swapped = self.context.eq(
-                        self.context.list(vec![product, x, y]),
-                        self.context.list(vec![product, y, x]),
-                    );
-                    io(self.context.assert(swapped))?;
-                }
-                let c = &self.context;
-                let value = match operation {
-                    Arithmetic::Multiply if products.is_some() => {
-                        c.list(products.into_iter().chain([x, y]).collect())
-                    }
-                    Arithmetic::Add => c.plus(x, y),
-                    Arithmetic::Subtract => c.sub(x, y),
-                    Arithmetic::Multiply => c.times(x, y),
-                    Arithmetic::ShiftRight | Arithmetic::ShiftLeft => {
-                        let amount = constant(*b)
-                            .and_then(|amount| u32::try_from(amount).ok())
-                            .filter(|amount| *amount < type_.bits)
-                            .ok_or("a shift by no constant")?;
-                        let factor = self.number(1_i128 << amount);
-                        if *operation == Arithmetic::ShiftRight {
-                            c.div(x, factor)
-                        } else {
-                            c.times(x, factor)
-                        }
-                    }
-                    Arithmetic::And => {
-                        // The lowest bits of a number: what a division leaves.
-                        let (value, mask) = match (constant(*a), constant(*b)) {
-                            (_, Some(mask)) => (x, mask),
-                            (Some(mask), None) => (y, mask),
-                            _ => return Err("bits are not translated".to_owned()),
-                        };
-                        if mask < 0 || (mask & (mask + 1)) != 0 {
-                            return Err("bits are not translated".to_owned());
-                        }
-                        c.modulo(value, self.number(mask + 1))
-                    }
-                };
-                let value = self.named(value)?;
-                let fits = self.within(value, type_.min(), type_.max());
-                self.needs(fits);
-                values.insert(*to, value);
-            }
-            Action::Cast { to, a, type_ } => {
-                let value = known(a)?;
-                let fits = self.within(value, type_.min(), type_.max());
-                self.needs(fits);
-                values.insert(*to, value);
-            }
-            Action::Clamp { to, a, low, high } => {
-                let (value, low, high) = (known(a)?, known(low)?, known(high)?);
-                let c = &self.context;
-                let ordered = c.lte(low, high);
-                let upper = c.ite(c.lt(high, value), high, value);
-                let clamped = c.ite(c.lt(value, low), low, upper);
-                self.needs(ordered);
-                let clamped = self.named(clamped)?;
-                values.insert(*to, clamped);
-            }
-            Action::Compare {
-                to,
-                comparison,
-                a,
-                b,
-            } => {
-                let (x, y) = (known(a)?, known(b)?);
-                let c = &self.context;
-                let holds = match comparison {
-                    Comparison::Less => c.lt(x, y),
-                    Comparison::LessEqual => c.lte(x, y),
-                    Comparison::Equal => c.eq(x, y),
-                    Comparison::NotEqual => c.not(c.eq(x, y)),
-                };
-                let value = c.ite(holds, self.number(1), self.number(0));
-                let value = self.named(value)?;
-                values.insert(*to, value);
-            }
-            Action::Not { to, a } => {
-                let value = self.context.sub(self.number(1), known(a)?);
-                let value = self.named(value)?;
-                values.insert(*to, value);
-            }
-            Action::If {
-                condition,
-                then,
-                otherwise,
-                joins,
-            } => {
-                let holds = self.context.eq(known(condition)?, self.number(1));
-                let fails = self.context.not(holds);
-                for (condition, steps) in [(holds, then), (fails, otherwise)] {
-                    self.path.push(condition);
-                    let translated = self.steps(program, steps, values);
-                    self.path.pop();
-                    translated?;
-                }
-                for (slot, one, other) in joins {
-                    let (one, other) = (value_of(values, *one)?, value_of(values, *other)?);
-                    let joined = self.context.ite(holds, one, other);
-                    let joined = self.named(joined)?;
-                    values.insert(*slot, joined);
-                }
-            }
-            Action::Assert { a, .. } => {
-                let holds = self.context.eq(known(a)?, self.number(1));
-                self.needs(holds);
-            }
-            Action::Contract { .. } => return Err("contracts are not translated".to_owned()),
-        }
-        Ok(())
+    /// Whether a word is a truth that holds.
+    fn holds(&self, word: SExpr) -> SExpr {
+        self.context.eq(word, self.number(1))
     }
 
     /// Asks whether `wanted` can fail, with nothing gone wrong before if `sound` says so.
@@ -323,11 +182,149 @@ impl Question {
     }
 }
 
-fn value_of(values: &HashMap<Slot, SExpr>, slot: Slot) -> Asked<SExpr> {
-    values
-        .get(&slot)
-        .copied()
-        .ok_or_else(|| "a word without value".to_owned())
+/// Terms of SMT-LIB. What must hold for a run to go on is collected in `sound`.
+impl Domain for Question {
+    type Word = SExpr;
+    type Stop = String;
+
+    fn initial(&mut self, _slot: Slot, constant: Option<i128>) -> SExpr {
+        self.number(constant.unwrap_or(0))
+    }
+
+    fn arithmetic(
+        &mut self,
+        site: &Site<SExpr>,
+        _to: Slot,
+        operation: Arithmetic,
+        (a, b): (Slot, Slot),
+        type_: Integer,
+    ) -> Asked<SExpr> {
+        let (x, y) = (*site.word(a), *site.word(b));
+        let (a, b) = (site.constant(a), site.constant(b));
+        let value = match operation {
+            Arithmetic::Add => self.context.plus(x, y),
+            Arithmetic::Subtract => self.context.sub(x, y),
+            Arithmetic::Multiply => match self.product {
+                Some(product) if a.or(b).is_none() => {
+                    let c = &self.context;
+                    let value = c.list(vec![product, x, y]);
+                    let swapped = c.eq(value, c.list(vec![product, y, x]));
+                    io(self.context.assert(swapped))?;
+                    value
+                }
+                _ => self.context.times(x, y),
+            },
+            Arithmetic::ShiftRight | Arithmetic::ShiftLeft => {
+                let amount = b
+                    .and_then(|amount| u32::try_from(amount).ok())
+                    .filter(|amount| *amount < type_.bits)
+                    .ok_or("a shift by no constant")?;
+                let factor = self.number(1_i128 << amount);
+                if operation == Arithmetic::ShiftRight {
+                    self.context.div(x, factor)
+                } else {
+                    self.context.times(x, factor)
+                }
+            }
+            Arithmetic::And => {
+                // The lowest bits of a number: what a division leaves.
+                let (value, mask) = match (a, b) {
+                    (_, Some(mask)) => (x, mask),
+                    (Some(mask), None) => (y, mask),
+                    _ => return Err("bits are not translated".to_owned()),
+                };
+                if mask < 0 || (mask & (mask + 1)) != 0 {
+                    return Err("bits are not translated".to_owned());
+                }
+                self.context.modulo(value, self.number(mask + 1))
+            }
+        };
+        let value = self.named(value)?;
+        let fits = self.within(value, type_.min(), type_.max());
+        self.needs(fits);
+        Ok(value)
+    }
+
+    fn comparison(
+        &mut self,
+        site: &Site<SExpr>,
+        _to: Slot,
+        comparison: Comparison,
+        (a, b): (Slot, Slot),
+    ) -> Asked<SExpr> {
+        let (x, y) = (*site.word(a), *site.word(b));
+        let c = &self.context;
+        let holds = match comparison {
+            Comparison::Less => c.lt(x, y),
+            Comparison::LessEqual => c.lte(x, y),
+            Comparison::Equal => c.eq(x, y),
+            Comparison::NotEqual => c.not(c.eq(x, y)),
+        };
+        self.truth(holds)
+    }
+
+    fn negation(&mut self, site: &Site<SExpr>, _to: Slot, operand: Slot) -> Asked<SExpr> {
+        let value = self.context.sub(self.number(1), *site.word(operand));
+        self.named(value)
+    }
+
+    fn cast(&mut self, site: &Site<SExpr>, operand: Slot, type_: Integer) -> Asked<SExpr> {
+        let value = *site.word(operand);
+        let fits = self.within(value, type_.min(), type_.max());
+        self.needs(fits);
+        Ok(value)
+    }
+
+    fn clamp(
+        &mut self,
+        site: &Site<SExpr>,
+        _to: Slot,
+        operand: Slot,
+        (low, high): (Slot, Slot),
+    ) -> Asked<SExpr> {
+        let (low, high) = (*site.word(low), *site.word(high));
+        let ordered = self.context.lte(low, high);
+        let clamped = self.clamped(*site.word(operand), low, high);
+        self.needs(ordered);
+        self.named(clamped)
+    }
+
+    fn assertion(&mut self, site: &Site<SExpr>, condition: Slot, _message: &str) -> Asked<()> {
+        let holds = self.holds(*site.word(condition));
+        self.needs(holds);
+        Ok(())
+    }
+
+    fn call(&mut self, _site: &Site<SExpr>, _call: ContractedCall) -> Asked<Vec<SExpr>> {
+        Err("contracts are not translated".to_owned())
+    }
+
+    fn enter(&mut self, words: &mut [SExpr], condition: Slot, side: bool) -> bool {
+        let holds = self.holds(words[condition]);
+        self.path
+            .push(if side { holds } else { self.context.not(holds) });
+        true
+    }
+
+    fn leave(&mut self, _words: &mut [SExpr]) {
+        self.path.pop();
+    }
+
+    fn join(
+        &mut self,
+        site: &Site<SExpr>,
+        condition: Slot,
+        _joins: &[Join],
+        [then, otherwise]: [Side<SExpr>; 2],
+    ) -> Asked<Vec<SExpr>> {
+        let holds = self.holds(*site.word(condition));
+        let both = then.words.into_iter().zip(otherwise.words);
+        both.map(|(one, other)| {
+            let joined = self.context.ite(holds, one, other);
+            self.named(joined)
+        })
+        .collect()
+    }
 }
 
 fn answered(asked: Asked<Answer>) -> Answer {
@@ -384,7 +381,7 @@ pub fn monotone(program: &Program, certificate: &Certificate, state: usize) -> A
         let mut question = Question::new(TIMEOUT_MS)?;
         let lower = question.arguments(program, "x")?;
         let mut upper = lower.clone();
-        let (low, high) = range_of(&program.argument_types[state]);
+        let (low, high) = program.argument_types[state].range();
         let sort = question.context.int_sort();
         upper[state] = io(question.context.declare_const("y", sort))?;
         let range = question.within(upper[state], low, high);

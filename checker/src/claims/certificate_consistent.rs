@@ -3,14 +3,15 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed};
 
-use crate::bias_observer::check_numbers;
-use crate::certificate::{Certificate, Decimal, vector};
-use crate::claims::CLAIMS;
-use crate::control_law::{ControlLaw, exponent};
-use crate::exact::{half, integer, power_of_two, rounded_up};
-use crate::language::{Named, Type};
-use crate::module::Module;
-use crate::stability::check_sampling;
+use crate::certificate::claims::CLAIMS;
+use crate::certificate::reader::{Certificate, Decimal, vector};
+use crate::claims::bias_observer_stable::check_numbers;
+use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::stable_for_parameters::check_sampling;
+use crate::exact::rational::{half, integer, power_of_two, rounded_up};
+use crate::language::declarations::Named;
+use crate::language::module::Module;
+use crate::program::types::Type;
 
 /// Digits of a printed bound; one in the last of them is how far it may be rounded up.
 const BOUND_DIGITS: i32 = 39;
@@ -330,7 +331,7 @@ pub fn derived(certificate: &Certificate, law: &ControlLaw) -> (BigRational, Big
 
 /// A stated bound is the derived one, or that rounded up in its last digit.
 fn as_derived(what: &str, stated: &Decimal, found: &BigRational) -> Check {
-    let above = found * (BigRational::one() + crate::exact::power(10, -BOUND_DIGITS));
+    let above = found * (BigRational::one() + crate::exact::rational::power(10, -BOUND_DIGITS));
     holds(*found <= stated.value && stated.value <= above, || {
         format!(
             "{what} is stated as {stated}, the source gives {}",
