@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `record` | a log as the fit sees it |
 //! | `noise` | the noise of a sensor, from the log alone |
+//! | `transition` | the motion from sample to sample, linearised |
 //! | `start` | a first guess, straight from the samples |
 //! | `sensitivity` | one window simulated with exact derivatives |
 //! | `solver` | nonlinear least squares over shared parameters and each window's start |
@@ -36,6 +37,7 @@ mod record;
 mod sensitivity;
 mod solver;
 mod start;
+mod transition;
 mod whiteness;
 
 pub use breakdown::{
