@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use bench_files::{Bench, Known};
 use plant::{
-    BASE_PARAMETERS, EffectId, GRAVITY_TORQUE, Kind, Model, Role, TORQUE_CONSTANT, TOTAL_INERTIA,
-    WHEEL_INERTIA,
+    BASE_PARAMETERS, Driving, EffectId, GRAVITY_TORQUE, Kind, Model, Role, StartFrom,
+    TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
 };
 use rayon::prelude::*;
 
@@ -18,7 +18,7 @@ use crate::pushes::{
 use crate::record::{BALANCE_WINDOW_S, Output, Record};
 use crate::sensitivity::Window;
 use crate::solver::{Effort, Minimum, cost};
-use crate::start::{base_values, ratios, supply_starts};
+use crate::start::{base_values, driving_samples, ratios};
 
 /// Why a bench cannot be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -180,7 +180,7 @@ impl Setup {
 
     /// The bench as a model can be compared with it: [`Setup::in_windows`] for one with cogging.
     pub fn suited_to(&self, model: &Model) -> Cow<'_, Setup> {
-        let cut = if model.has(EffectId::WheelCogging) {
+        let cut = if model.find(|info| info.ripple.is_some()).is_some() {
             self.in_windows()
         } else {
             None
@@ -195,7 +195,7 @@ impl Setup {
     ///
     /// The period is that of the samples: a model that lacks something need not have it.
     pub fn thinned(&self, per_period: f64) -> (Setup, Vec<usize>) {
-        let period_s = crate::fit::period_s(&self.start_values(&Model::base()));
+        let period_s = plant::period_s(&self.start_values(&Model::base()));
         let mut thin = self.clone();
         let steps: Vec<usize> = self
             .records
@@ -253,17 +253,8 @@ impl Setup {
                             })
                     }
                     _ => {
-                        let role = model
-                            .effects()
-                            .iter()
-                            .find(|&&effect| {
-                                model.position(effect).is_some_and(|start| {
-                                    (start..start + effect.info().parameters.len())
-                                        .contains(&position)
-                                })
-                            })
-                            .map(|effect| effect.info().role);
-                        match role {
+                        let effect = model.effect_at(position);
+                        match effect.map(|effect| effect.info().role) {
                             Some(Role::Wheel | Role::Motor) => wheel,
                             _ => body,
                         }
@@ -282,12 +273,9 @@ impl Setup {
         let is_wheel = match position {
             TOTAL_INERTIA | GRAVITY_TORQUE => false,
             WHEEL_INERTIA | TORQUE_CONSTANT => true,
-            _ => model.effects().iter().any(|&effect| {
-                let own = model.position(effect).is_some_and(|start| {
-                    (start..start + effect.info().parameters.len()).contains(&position)
-                });
-                own && matches!(effect.info().role, Role::Wheel | Role::Motor)
-            }),
+            _ => model
+                .effect_at(position)
+                .is_some_and(|effect| matches!(effect.info().role, Role::Wheel | Role::Motor)),
         };
         let known = if is_wheel {
             self.wheel_scale_known
@@ -309,9 +297,9 @@ impl Setup {
         let mut values = base.to_vec();
         // The stated starts are torques of a bench of Θ ≈ 2e-3 kg m².
         for &effect in model.effects() {
-            match effect {
-                EffectId::BodyViscousFriction => values.push(body_friction),
-                EffectId::WheelViscousFriction => values.push(wheel_friction),
+            match (effect.info().start_from, effect.info().role) {
+                (StartFrom::Damping, Role::Wheel) => values.push(wheel_friction),
+                (StartFrom::Damping, _) => values.push(body_friction),
                 _ => values.extend(self.scaled(effect, effect.info().starts[0], &base)),
             }
         }
@@ -319,7 +307,7 @@ impl Setup {
     }
 
     /// Parameters from which the fit of an effect may start on this bench, beside base parameters `base`:
-    /// those that the library states, and for the limit of a supply those that the logs suggest.
+    /// those that it states, and those that the logs suggest.
     pub fn starts(
         &self,
         records: &[&Record],
@@ -330,9 +318,12 @@ impl Setup {
         let mut starts: Vec<Vec<f64>> = stated
             .map(|start| self.scaled(effect, start, base))
             .collect();
-        if effect == EffectId::BackEmfLimit {
-            let ohm = self.scale(Role::Motor, base);
-            starts.extend(supply_starts(records, base[TORQUE_CONSTANT], ohm));
+        if let StartFrom::Driving(of) = effect.info().start_from {
+            starts.extend(of(&Driving {
+                samples: driving_samples(records),
+                torque_constant: base[TORQUE_CONSTANT],
+                ohm: self.scale(Role::Motor, base),
+            }));
         }
         starts
     }
@@ -525,9 +516,9 @@ pub fn extend(
     let free = setup.free(model);
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
     let starts = |effect: EffectId| -> Vec<Vec<f64>> {
-        match effect {
-            EffectId::WheelCogging => cogging_start(records, from, minimum)
-                .map(|start| start.parameters)
+        match effect.info().start_from {
+            StartFrom::Ripple => cogging_start(records, from, minimum)
+                .map(|start| start.parameters_of(effect))
                 .into_iter()
                 .collect(),
             _ => setup.starts(records, effect, &base),

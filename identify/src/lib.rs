@@ -48,8 +48,8 @@ pub use contradiction::{
 pub use covariance::{pseudo_inverse, stuck};
 pub use decay::{AtAmplitude, Decay, DecayLaw, Estimate, decay};
 pub use fit::{
-    Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, guessed, joined, period_s,
-    refit, traces,
+    Fit, Trace, final_windows, finish, fit_from_scratch, fit_windowed, guessed, joined, refit,
+    traces,
 };
 pub use identification::{
     Identification, IdentifyError, Setup, carry_over, describe, extend, identify,

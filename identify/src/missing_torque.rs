@@ -15,9 +15,7 @@
 //! differentiated. The result is the torque smoothed by the bump; its integral is that of the torque.
 //! Unlike the residual of a free run it has no memory: it says where the model fails now.
 
-use plant::{
-    Current, EffectId, GRAVITY_TORQUE, Kind, Model, Plant, State, TOTAL_INERTIA, WHEEL_INERTIA,
-};
+use plant::{Current, Kind, Model, Plant, State, TOTAL_INERTIA, WHEEL_INERTIA, period_s};
 
 use crate::record::{Output, Record, RecordedCurrent};
 use crate::sensitivity::{Local, Window, simulate};
@@ -268,7 +266,7 @@ impl MeasuredMotion {
         let mut state = vec![State::rest(); n - 1];
         let mut wheel_angle = 0.0;
         let mut last_speed = 0.0;
-        let memory = model.has(EffectId::BodyPreslidingFriction) && moves_body;
+        let memory = model.find(|info| info.memory.is_some()).is_some() && moves_body;
         let mut smoothed_before = memory.then(|| smooth(0, false));
         let mut friction = 0.0;
         for (k, state) in state.iter_mut().enumerate() {
@@ -472,14 +470,6 @@ fn short_mean(samples: &[f64], k: usize, short: usize) -> f64 {
     } else {
         f64::NAN
     }
-}
-
-/// The period of small swings, s.
-fn period_s(values: &[f64]) -> f64 {
-    let rate = (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA])
-        .abs()
-        .sqrt();
-    std::f64::consts::TAU / rate.max(1e-3)
 }
 
 /// Fills in the current that flows in the middle of every interval.
@@ -701,7 +691,7 @@ fn noise(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plant::{Hold, Input};
+    use plant::{EffectId, Hold, Input};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};

@@ -9,9 +9,10 @@
 //! | `scalar` | numbers with and without derivatives |
 //! | `effect` | what an effect is |
 //! | `hiding` | how the exam hides an effect |
+//! | `external` | effects that come while the program runs |
 //! | `effects/` | the library, one file an effect |
 //! | `model` | which effects a model has; the layout of its parameter vector |
-//! | `plant` | the motion and its integration |
+//! | `plant/` | the motion: right-hand side, assembly, motor chain, integrator |
 //! | `reading` | what the sensors say |
 //! | `input` | the recorded current as a function of time |
 //! | `linear` | the linear model about upright |
@@ -20,6 +21,7 @@
 mod effect;
 mod effects;
 mod experiment;
+mod external;
 mod hiding;
 mod input;
 mod linear;
@@ -34,11 +36,12 @@ pub use effect::{
 };
 pub use effects::EffectId;
 pub use experiment::Kind;
+pub use external::{Definition, External, ExternalEffect, ExternalError, Partials};
 pub use hiding::{Hiding, HidingPlace};
 pub use input::{Hold, Input};
 pub use linear::{LinearModel, LinearisationError, linearise};
 pub use model::{
-    BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
+    BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
 pub use plant::{Current, Drive, Plant, State};
 pub use reading::{Output, Reading};
