@@ -10,8 +10,8 @@
 //! criterion of Chen & Chen, Biometrika 95 (2008)). Without it, the best of many pairs would beat the
 //! one true effect by luck.
 
-use identify::{Record, effective_samples, period_s};
-use plant::Kind;
+use identify::{Record, effective_samples};
+use plant::{Kind, period_s};
 
 use crate::applicable::applicable;
 use crate::bench::Bench;

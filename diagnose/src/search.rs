@@ -1,7 +1,7 @@
 //! The search for the set of effects that explains the measurements.
 
-use identify::{Cancelled, Effort, Outcome, Progress, fit_windowed, period_s, refit};
-use plant::EffectId;
+use identify::{Cancelled, Effort, Outcome, Progress, fit_windowed, refit};
+use plant::{EffectId, period_s};
 use rayon::prelude::*;
 
 use crate::bench::Bench;

@@ -37,7 +37,7 @@ use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
 use self::shape::{Shape, is_plausible, place, shape_of_effect, shape_of_outsider};
 use self::size::{base_fit, make, sized};
 use crate::bench_plan::SensorNoise;
-use crate::truth::Truth;
+use crate::truth::{StatedTorque, Truth};
 
 /// An outsider counts if this is left, in units of noise, by every small combination of suspects.
 pub const LEFT_BY_SUSPECTS: f64 = 3.0;
@@ -76,7 +76,15 @@ fn sign(rng: &mut ChaCha8Rng) -> f64 {
 
 /// The bench of a seed; `None` if no draw gave hidden terms of the size that was wanted.
 pub fn draw(seed: u64) -> Option<ExamBench> {
-    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt))
+    let question = question(seed);
+    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), None))
+}
+
+/// A bench in which an effect hides alone that is no part of this program; it is a suspect beside those of the library.
+/// The exam needs its equation a second time. `None` if no draw of this seed has the size that was wanted.
+pub fn draw_stated(seed: u64, effect: EffectId, torque: &StatedTorque) -> Option<ExamBench> {
+    let question = Question::One(effect);
+    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), Some(torque)))
 }
 
 /// What the experiments of a question must have.
@@ -90,8 +98,12 @@ fn needs(question: &Question) -> Needs {
     }
 }
 
-fn attempt_draw(seed: u64, attempt: u64) -> Option<ExamBench> {
-    let question = question(seed);
+fn attempt_draw(
+    seed: u64,
+    attempt: u64,
+    question: Question,
+    stated: Option<&StatedTorque>,
+) -> Option<ExamBench> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1009).wrapping_add(attempt));
     let base = draw_truth(&mut rng);
     let noise = draw_noise(&mut rng);
@@ -102,7 +114,7 @@ fn attempt_draw(seed: u64, attempt: u64) -> Option<ExamBench> {
         _ => question
             .hidden()
             .iter()
-            .map(|&effect| shape_of_effect(&mut rng, effect, &place))
+            .map(|&effect| shape_of_effect(&mut rng, effect, &place, stated))
             .collect(),
     };
     let (smallest, largest) = SIZES;
@@ -125,6 +137,9 @@ fn attempt_draw(seed: u64, attempt: u64) -> Option<ExamBench> {
     let truth = base.with(terms);
     let made = make(&truth, &choice, &noise, seed)?;
     let mut suspects = effects();
+    if stated.is_some() {
+        suspects.extend(question.hidden());
+    }
     if let Question::Withheld(effect) = &question {
         suspects.retain(|suspect| suspect != effect);
     }
