@@ -13,6 +13,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `dice` | draws that every file needs |
 //! | `question` | what a seed asks |
 //! | `experiments` | the pendulum, its sensors, its experiments |
 //! | `shape` | the shape of a hidden term |
@@ -20,6 +21,7 @@
 //! | `combinations` | what no small combination of suspects can take of a trace |
 
 mod combinations;
+mod dice;
 mod experiments;
 mod question;
 mod shape;
@@ -27,12 +29,13 @@ mod size;
 
 use identify::Setup;
 use plant::{EffectId, Output, Role};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 pub use question::{Question, ROUND, effects, question};
 
 use self::combinations::left_by_combinations;
+use self::dice::log_uniform;
 use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
 use self::shape::{Shape, is_plausible, place, shape_of_effect, shape_of_outsider};
 use self::size::{base_fit, make, sized};
@@ -64,14 +67,6 @@ pub struct ExamBench {
     pub noise: SensorNoise,
     /// The suspects.
     pub suspects: Vec<EffectId>,
-}
-
-fn log_uniform(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
-    (rng.random_range(low.ln()..high.ln())).exp()
-}
-
-fn sign(rng: &mut ChaCha8Rng) -> f64 {
-    if rng.random_bool(0.5) { 1.0 } else { -1.0 }
 }
 
 /// The bench of a seed; `None` if no draw gave hidden terms of the size that was wanted.

@@ -6,7 +6,7 @@ use plant::{EffectId, HidingPlace};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::sign;
+use super::dice::sign;
 use crate::truth::{Hidden, Outsider, StatedTorque, Truth};
 
 /// A hidden term whose amplitude is still open.
