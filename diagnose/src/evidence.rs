@@ -17,12 +17,10 @@ use crate::applicable::applicable;
 use crate::bench::Bench;
 use crate::candidate::Candidate;
 use crate::remainder::{noise, residual};
-#[cfg(doc)]
-use crate::thresholds::Thresholds;
 
 /// The effective sample size of every series, in the order of [`Candidate::rmse`]: from the
 /// autocorrelation of what the best model leaves, but not below one value
-/// for so many periods of an oscillation (see [`Thresholds::periods_per_value`]).
+/// for so many periods of an oscillation (see [`crate::Thresholds::periods_per_value`]).
 fn effective(records: &[&Record], best: &Candidate, periods_per_value: f64) -> Vec<f64> {
     let period_s = period_s(&best.minimum.values);
     records

@@ -36,6 +36,8 @@ mod diagnosis;
 mod economy;
 mod evidence;
 mod genuine;
+#[cfg(test)]
+mod hand_made;
 mod imperfection;
 mod next_experiment;
 mod path;

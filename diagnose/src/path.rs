@@ -65,3 +65,84 @@ pub fn without_absorbers(found: &Search, chosen: usize, excess: &[f64]) -> usize
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use EffectId::{
+        BodyCoulombFriction as Coulomb, BodyPreslidingFriction as Presliding,
+        BodyQuadraticDrag as Drag, BodySofteningSpring as Spring,
+    };
+
+    use super::*;
+    use crate::hand_made::search;
+
+    #[test]
+    fn the_way_goes_over_the_best_evidence_one_effect_a_step() {
+        let found = search(
+            &[
+                (&[], 100.0, 5.0, -50.0),
+                (&[Coulomb], 60.0, 3.0, -25.0),
+                (&[Drag], 40.0, 2.0, -20.0),
+                (&[Drag, Coulomb], 10.0, 0.0, -5.0),
+                (&[Spring], 5.0, 0.0, -1.0),
+            ],
+            3,
+            &[],
+        );
+        let expected = [(None, 0), (Some(Drag), 2), (Some(Coulomb), 3)];
+        assert_eq!(path(&found, 3), expected);
+        assert_eq!(path(&found, 0), [(None, 0)]);
+    }
+
+    #[test]
+    fn what_is_refined_comes_before_its_refinement() {
+        let found = search(
+            &[
+                (&[], 100.0, 5.0, -50.0),
+                (&[Presliding], 10.0, 0.0, -5.0),
+                (&[Coulomb], 30.0, 1.0, -15.0),
+            ],
+            1,
+            &[],
+        );
+        assert_eq!(
+            path(&found, 1),
+            [(None, 0), (Some(Coulomb), 2), (Some(Presliding), 1)]
+        );
+    }
+
+    #[test]
+    fn a_set_that_was_reached_at_once_is_a_step_for_each_effect() {
+        let found = search(
+            &[
+                (&[], 100.0, 5.0, -50.0),
+                (&[Drag, Coulomb], 10.0, 0.0, -5.0),
+            ],
+            1,
+            &[],
+        );
+        assert_eq!(
+            path(&found, 1),
+            [(None, 0), (Some(Drag), 1), (Some(Coulomb), 1)]
+        );
+    }
+
+    #[test]
+    fn an_addition_that_takes_less_than_remains_is_given_back() {
+        let found = search(
+            &[
+                (&[], 100.0, 9.0, -50.0),
+                (&[Drag], 40.0, 5.0, -30.0),
+                (&[Drag, Coulomb], 30.0, 4.0, -25.0),
+            ],
+            2,
+            &[],
+        );
+        // Coulomb friction takes 10 where 30 remain, drag 60 where 30 remain.
+        assert_eq!(without_absorbers(&found, 2, &[100.0, 40.0, 30.0]), 1);
+        // Where next to nothing remains, every addition is its own.
+        assert_eq!(without_absorbers(&found, 2, &[75.0, 15.0, 5.0]), 2);
+        // Where nearly all remains, none is.
+        assert_eq!(without_absorbers(&found, 2, &[100.0, 95.0, 90.0]), 0);
+    }
+}

@@ -119,3 +119,101 @@ pub fn common(found: &Search) -> Option<usize> {
         })
         .max_by_key(|&index| found.pool[index].added.len())
 }
+
+#[cfg(test)]
+mod tests {
+    use EffectId::{
+        BodyCoulombFriction as Coulomb, BodyPreslidingFriction as Presliding,
+        BodyQuadraticDrag as Drag, BodySofteningSpring as Spring, CurrentOffset as Offset,
+    };
+
+    use super::*;
+    use crate::hand_made::{candidate, search};
+
+    #[test]
+    fn the_better_fit_of_a_set_takes_its_place() {
+        let mut pool = vec![candidate(&[], 100.0, 5.0), candidate(&[Drag], 50.0, 2.0)];
+        let found = vec![
+            candidate(&[Coulomb, Drag], 20.0, 0.0),
+            candidate(&[Drag], 40.0, 1.0),
+            // The same set, found in another order and worse.
+            candidate(&[Drag, Coulomb], 30.0, 0.0),
+        ];
+        assert_eq!(merge(&mut pool, found), [2, 1]);
+        let costs: Vec<f64> = pool.iter().map(|one| one.minimum.cost).collect();
+        assert_eq!(costs, [100.0, 40.0, 20.0]);
+    }
+
+    #[test]
+    fn the_simplest_that_is_as_good_is_taken() {
+        let pool = [
+            candidate(&[], 100.0, 5.0),
+            candidate(&[Coulomb], 12.0, 0.1),
+            candidate(&[Coulomb, Drag], 10.0, 0.0),
+        ];
+        let evidence = [-50.0, -6.0, -4.0];
+        assert_eq!(simplest(&pool, &evidence, 2, 3.0, |_, _| true), 1);
+        // It is worse by more than a tie, but no sensor would show it; the base model is seen to fail.
+        let shows = |smaller: &Candidate, _: &Candidate| smaller.added.is_empty();
+        assert_eq!(simplest(&pool, &evidence, 2, 1.0, shows), 1);
+        assert_eq!(simplest(&pool, &evidence, 2, 1.0, |_, _| true), 2);
+    }
+
+    #[test]
+    fn what_contains_another_is_no_tie_of_it() {
+        let found = search(
+            &[
+                (&[], 100.0, 5.0, -50.0),
+                (&[Coulomb], 12.0, 0.0, -5.0),
+                (&[Presliding], 12.0, 0.0, -5.5),
+                (&[Drag], 13.0, 0.0, -6.0),
+                (&[Drag, Offset], 13.0, 0.0, -6.5),
+                (&[Spring], 30.0, 3.0, -15.0),
+            ],
+            1,
+            &[],
+        );
+        // Presliding contains dry friction; drag speaks for drag with an offset; a spring is far.
+        assert_eq!(ties(&found.pool, &found.evidence, 1, 3.0), [1, 3]);
+        assert!(ties(&found.pool, &found.evidence, 1, 0.5).is_empty());
+        // A model that lacks nothing ties with nothing.
+        assert!(ties(&found.pool, &found.evidence, 0, 100.0).is_empty());
+    }
+
+    #[test]
+    fn ties_agree_on_the_largest_set_that_all_contain() {
+        let tried: &[(&[EffectId], f64, f64, f64)] = &[
+            (&[], 100.0, 5.0, -50.0),
+            (&[Coulomb], 50.0, 2.0, -20.0),
+            (&[Coulomb, Drag], 10.0, 0.0, -4.0),
+            (&[Coulomb, Spring], 10.0, 0.0, -4.5),
+            (&[Offset, Spring], 10.0, 0.0, -4.5),
+        ];
+        assert_eq!(common(&search(tried, 2, &[2, 3])), Some(1));
+        assert_eq!(common(&search(tried, 2, &[2, 4])), Some(0));
+    }
+
+    #[test]
+    fn a_refinement_that_leaves_something_plain_takes_something_up() {
+        let pool = [
+            candidate(&[], 100.0, 5.0),
+            candidate(&[Coulomb], 60.0, 3.0),
+            candidate(&[Presliding], 50.0, 2.0),
+        ];
+        assert!(takes_up(&pool, 2, &[1, 2], 1.0));
+        assert!(!takes_up(&pool, 2, &[1, 2], 2.5));
+        assert!(!takes_up(&pool, 2, &[2], 1.0));
+        assert!(!takes_up(&pool, 1, &[1, 2], 1.0));
+    }
+
+    #[test]
+    fn only_a_fit_at_its_minimum_is_a_fit() {
+        let mut pool = vec![candidate(&[Coulomb, Drag], 10.0, 0.0)];
+        let mut set = vec![Drag, Coulomb];
+        set.sort();
+        assert!(is_fitted(&pool, &set));
+        assert!(!is_fitted(&pool, &[Drag]));
+        pool[0].minimum.outcome = identify::Outcome::OutOfIterations;
+        assert!(!is_fitted(&pool, &set));
+    }
+}

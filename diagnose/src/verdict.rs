@@ -58,3 +58,40 @@ pub fn verdict(findings: &Findings, thresholds: &Thresholds) -> Verdict {
         Verdict::Explained
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(added: usize, remainder: f64, ties: usize, left_by_ties: f64) -> Verdict {
+        let findings = Findings {
+            added,
+            remainder,
+            ties,
+            left_by_ties,
+        };
+        verdict(&findings, &Thresholds::default())
+    }
+
+    #[test]
+    fn what_remains_and_what_ties_decide() {
+        let none = f64::INFINITY;
+        let cases = [
+            (of(0, 0.0, 0, none), Verdict::NothingMissing),
+            (of(0, 1.0, 0, none), Verdict::NothingMissing),
+            (of(0, 1.1, 0, none), Verdict::Unexplained),
+            (of(1, 0.3, 0, none), Verdict::Explained),
+            (of(2, 4.0, 0, none), Verdict::Unexplained),
+            // Nothing is common to the ties, or what is leaves something.
+            (of(0, 6.0, 2, 0.0), Verdict::Ambiguous),
+            (of(1, 2.0, 3, 1.5), Verdict::Ambiguous),
+            // What they share is all that there is.
+            (of(1, 0.5, 2, 0.0), Verdict::Explained),
+            // None of them explains.
+            (of(0, 9.0, 2, 5.0), Verdict::Unexplained),
+        ];
+        for (found, expected) in cases {
+            assert_eq!(found, expected);
+        }
+    }
+}

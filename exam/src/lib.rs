@@ -31,7 +31,9 @@ mod truth;
 
 pub use answer::{Answer, UnknownEffect};
 pub use bench_plan::{Driving, ExamLog, ExperimentPlan, SensorNoise, record};
-pub use draw::{ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SIZES, draw, effects, question};
+pub use draw::{
+    ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SIZES, draw, draw_stated, effects, question,
+};
 pub use marking::{Interval, Mark, MarkError, PLAIN, Paper, mark};
 pub use marks::{Bin, Entry, Marks, Rate};
 pub use report::{BenchReport, CalibrationReport, ExamReport};

@@ -340,3 +340,71 @@ fn worst(segments: &[Segment], rows: &[Rows], trace: &[DVector<f64>]) -> f64 {
         .map(|(sum, count)| (sum / count as f64).sqrt())
         .fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::experiments::Choice;
+    use super::super::question::effects;
+    use super::super::shape::place;
+    use super::super::size::{base_fit, make, worst};
+    use super::*;
+    use crate::bench_plan::{Driving, ExperimentPlan, SensorNoise};
+    use crate::truth::Outsider;
+    use plant::Kind;
+
+    /// A bench with two free swings, what its base fit leaves, and what is left of that beside these suspects.
+    fn left(hidden: Hidden, suspects: &[EffectId]) -> (f64, f64) {
+        let truth = Truth {
+            base: [2.30344e-3, 1.36125e-4, 0.245158, 0.0335],
+            body_viscous: 2.12e-5,
+            wheel_viscous: 1.75204e-5,
+            hidden: vec![hidden],
+        };
+        let swing = |angle_rad: f64| ExperimentPlan {
+            name: format!("free swing {angle_rad} rad"),
+            kind: Kind::FreeSwing,
+            angle_rad,
+            wheel_speed_rad_s: 0.0,
+            driving: Driving::None,
+            duration_s: 12.0,
+            sample_s: 0.005,
+        };
+        let choice = Choice {
+            plans: vec![swing(0.9), swing(0.3)],
+            has_rate: true,
+            known: [None, None, Some(truth.base[2]), None],
+            top: (1.0, 500.0),
+        };
+        let noise = SensorNoise {
+            std: [1e-3, 5e-3, 0.5],
+        };
+        let made = make(&truth, &choice, &noise, 1).expect("logs");
+        let fit = base_fit(&made.clean, &truth).expect("a fit");
+        let size = worst(&made.clean.all_records(), &fit.traces);
+        let place = place(&truth, choice.top);
+        let left = left_by_combinations(&made.clean, &fit, suspects, &place).expect("finite");
+        (size, left)
+    }
+
+    #[test]
+    fn a_suspect_takes_its_own_trace() {
+        let drag = EffectId::BodyQuadraticDrag;
+        let hidden = || Hidden::Library(drag, vec![2e-4]);
+        let (size, with) = left(hidden(), &[drag]);
+        assert!(size > 3.0, "{size}");
+        // What is not linear in a trace of this size remains.
+        assert!(with < 0.1 * size, "{with} of {size}");
+        // What has nothing to do with it takes nothing.
+        let (_, beside) = left(hidden(), &[EffectId::GyroBias]);
+        assert!(beside > 0.9 * size, "{beside} of {size}");
+    }
+
+    #[test]
+    fn more_suspects_leave_less() {
+        let magnet = || Hidden::Outsider(Outsider::MagnetNearAnAngle, [8e-3, 0.15, 0.05]);
+        let (size, none) = left(magnet(), &[]);
+        assert!((none - size).abs() < 0.05 * size, "{none} of {size}");
+        let (_, all) = left(magnet(), &effects());
+        assert!(all < none && all > 0.02 * size, "{all} of {size}");
+    }
+}

@@ -8,7 +8,7 @@ use plant::{Kind, Model, linearise};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::{log_uniform, sign};
+use super::dice::{log_uniform, sign};
 use crate::bench_plan::{Driving, ExperimentPlan, SensorNoise};
 use crate::true_motion::Push;
 use crate::truth::Truth;

@@ -13,6 +13,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `dice` | draws that every file needs |
 //! | `question` | what a seed asks |
 //! | `experiments` | the pendulum, its sensors, its experiments |
 //! | `shape` | the shape of a hidden term |
@@ -20,6 +21,7 @@
 //! | `combinations` | what no small combination of suspects can take of a trace |
 
 mod combinations;
+mod dice;
 mod experiments;
 mod question;
 mod shape;
@@ -27,17 +29,18 @@ mod size;
 
 use identify::Setup;
 use plant::{EffectId, Output, Role};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 pub use question::{Question, ROUND, effects, question};
 
 use self::combinations::left_by_combinations;
+use self::dice::log_uniform;
 use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
 use self::shape::{Shape, is_plausible, place, shape_of_effect, shape_of_outsider};
 use self::size::{base_fit, make, sized};
 use crate::bench_plan::SensorNoise;
-use crate::truth::Truth;
+use crate::truth::{StatedTorque, Truth};
 
 /// An outsider counts if this is left, in units of noise, by every small combination of suspects.
 pub const LEFT_BY_SUSPECTS: f64 = 3.0;
@@ -66,17 +69,17 @@ pub struct ExamBench {
     pub suspects: Vec<EffectId>,
 }
 
-fn log_uniform(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
-    (rng.random_range(low.ln()..high.ln())).exp()
-}
-
-fn sign(rng: &mut ChaCha8Rng) -> f64 {
-    if rng.random_bool(0.5) { 1.0 } else { -1.0 }
-}
-
 /// The bench of a seed; `None` if no draw gave hidden terms of the size that was wanted.
 pub fn draw(seed: u64) -> Option<ExamBench> {
-    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt))
+    let question = question(seed);
+    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), None))
+}
+
+/// A bench in which an effect hides alone that is no part of this program; it is a suspect beside those of the library.
+/// The exam needs its equation a second time. `None` if no draw of this seed has the size that was wanted.
+pub fn draw_stated(seed: u64, effect: EffectId, torque: &StatedTorque) -> Option<ExamBench> {
+    let question = Question::One(effect);
+    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), Some(torque)))
 }
 
 /// What the experiments of a question must have.
@@ -90,8 +93,12 @@ fn needs(question: &Question) -> Needs {
     }
 }
 
-fn attempt_draw(seed: u64, attempt: u64) -> Option<ExamBench> {
-    let question = question(seed);
+fn attempt_draw(
+    seed: u64,
+    attempt: u64,
+    question: Question,
+    stated: Option<&StatedTorque>,
+) -> Option<ExamBench> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1009).wrapping_add(attempt));
     let base = draw_truth(&mut rng);
     let noise = draw_noise(&mut rng);
@@ -102,7 +109,7 @@ fn attempt_draw(seed: u64, attempt: u64) -> Option<ExamBench> {
         _ => question
             .hidden()
             .iter()
-            .map(|&effect| shape_of_effect(&mut rng, effect, &place))
+            .map(|&effect| shape_of_effect(&mut rng, effect, &place, stated))
             .collect(),
     };
     let (smallest, largest) = SIZES;
@@ -125,6 +132,9 @@ fn attempt_draw(seed: u64, attempt: u64) -> Option<ExamBench> {
     let truth = base.with(terms);
     let made = make(&truth, &choice, &noise, seed)?;
     let mut suspects = effects();
+    if stated.is_some() {
+        suspects.extend(question.hidden());
+    }
     if let Question::Withheld(effect) = &question {
         suspects.retain(|suspect| suspect != effect);
     }

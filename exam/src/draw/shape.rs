@@ -6,8 +6,8 @@ use plant::{EffectId, HidingPlace};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::sign;
-use crate::truth::{Hidden, Outsider, Truth};
+use super::dice::sign;
+use crate::truth::{Hidden, Outsider, StatedTorque, Truth};
 
 /// A hidden term whose amplitude is still open.
 pub struct Shape {
@@ -38,8 +38,14 @@ pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) 
     }
 }
 
-/// An effect of the library with a drawn shape.
-pub fn shape_of_effect(rng: &mut ChaCha8Rng, effect: EffectId, place: &HidingPlace) -> Shape {
+/// An effect with a drawn shape; one that is no part of this program with its equation.
+pub fn shape_of_effect(
+    rng: &mut ChaCha8Rng,
+    effect: EffectId,
+    place: &HidingPlace,
+    stated: Option<&StatedTorque>,
+) -> Shape {
+    let stated = stated.cloned();
     let place = HidingPlace {
         side: sign(rng),
         shape: rng.random_range(0.0..1.0),
@@ -47,7 +53,13 @@ pub fn shape_of_effect(rng: &mut ChaCha8Rng, effect: EffectId, place: &HidingPla
         ..*place
     };
     Shape {
-        make: Box::new(move |s| Hidden::Library(effect, effect.info().hidden(s, &place))),
+        make: Box::new(move |s| {
+            let parameters = effect.info().hidden(s, &place);
+            match &stated {
+                Some(torque) => Hidden::Stated(effect, parameters, torque.clone()),
+                None => Hidden::Library(effect, parameters),
+            }
+        }),
         guess: effect.info().first_guess(),
     }
 }
