@@ -9,12 +9,8 @@
 use nalgebra::{DMatrix, DVector};
 use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
-use crate::record::{Output, Record};
+use crate::records::{BUMP_S, Output, Record, angle_samples, bumps};
 
-/// Length of the bump in s: well below a period of the pendula in question, well above the noise.
-pub(crate) const BUMP_S: f64 = 0.4;
-/// Fewest samples under a bump.
-const BUMP_SAMPLES: usize = 12;
 /// Length of the bump in a balance log: as short as a push by hand, so that most of the answer to a
 /// push lies under other bumps than the push.
 const BALANCE_BUMP_S: f64 = 0.1;
@@ -118,33 +114,6 @@ pub struct Ratios {
     pub friction_over_wheel: Option<f64>,
 }
 
-/// The angle of a record; integrated from the rate, without its trend, where no angle was measured.
-pub fn angle_samples(record: &Record) -> Option<Vec<f64>> {
-    if let Some(channel) = record.channel(Output::Angle) {
-        return Some(channel.samples.clone());
-    }
-    let rate = record.channel(Output::Rate)?;
-    let mut angle = vec![0.0; rate.samples.len()];
-    let mut last = 0.0;
-    for k in 1..angle.len() {
-        let (a, b) = (rate.samples[k - 1], rate.samples[k]);
-        if a.is_finite() && b.is_finite() {
-            last = 0.5 * (a + b);
-        }
-        angle[k] = angle[k - 1] + last * (record.time_s[k] - record.time_s[k - 1]);
-    }
-    let mean = angle.iter().sum::<f64>() / angle.len().max(1) as f64;
-    let rest = if record.kind == Kind::Balance {
-        std::f64::consts::PI
-    } else {
-        0.0
-    };
-    for value in &mut angle {
-        *value += rest - mean;
-    }
-    Some(angle)
-}
-
 /// Resistances of a winding in Ohm from which the limit of a supply may be fitted.
 const RESISTANCES_OHM: [f64; 3] = [1.0, 3.0, 10.0];
 /// Shares of the driven samples for which a supply suffices from which its fit may start.
@@ -177,54 +146,6 @@ pub(crate) fn supply_starts(records: &[&Record], torque_constant: f64, ohm: f64)
         }
     }
     starts
-}
-
-/// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
-/// trapezoidal rule, corrected at the ends for the first order.
-pub(crate) fn bumps(
-    record: &Record,
-    bump_s: f64,
-    mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64),
-) {
-    let n = record.len();
-    if n < BUMP_SAMPLES {
-        return;
-    }
-    let mean_step = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
-    let length = ((bump_s / mean_step).round() as usize).clamp(BUMP_SAMPLES, n);
-    let mut start = 0;
-    while start + length <= n {
-        let window = start..start + length;
-        let (a, b) = (record.time_s[start], record.time_s[start + length - 1]);
-        let weight = |k: usize, order: usize| {
-            let (u, v) = (record.time_s[k] - a, b - record.time_s[k]);
-            match order {
-                0 => u * u * v * v,
-                1 => 2.0 * u * v * (v - u),
-                _ => 2.0 * (v * v - 4.0 * u * v + u * u),
-            }
-        };
-        let scale = ((b - a) / 2.0).powi(4);
-        let integral = |f: &dyn Fn(usize) -> f64, order: usize| {
-            let mut sum = 0.0;
-            for k in window.start..window.end - 1 {
-                let step = record.time_s[k + 1] - record.time_s[k];
-                sum += 0.5 * step * (f(k) * weight(k, order) + f(k + 1) * weight(k + 1, order));
-            }
-            if order == 1 {
-                // Euler–Maclaurin: dψ/dt vanishes at the ends, its slope 2 (b − a)² does not.
-                let (first, last) = (window.start, window.end - 1);
-                let steps = (record.time_s[first + 1] - a, b - record.time_s[last - 1]);
-                let ends = steps.1.powi(2) * f(last) - steps.0.powi(2) * f(first);
-                sum -= ends * 2.0 * (b - a).powi(2) / 12.0;
-            }
-            sum / scale
-        };
-        if record.weight[window.clone()].iter().all(|w| *w > 0.0) {
-            each(&integral);
-        }
-        start += (length / 2).max(1);
-    }
 }
 
 /// The ratios that these records give.

@@ -1,12 +1,8 @@
 //! How a free swing dies out: amplitude, decay and period, half cycle by half cycle, from the angle
 //! alone and without a model.
 //!
-//! Between two zero crossings the angle is fitted with the first two harmonics of a pendulum,
-//! A (cos θ − A²/192 cos 3θ) (the third one from Duffing's equation with the cubic term of the sine;
-//! Nayfeh & Mook, *Nonlinear Oscillations*, 1979, 2.3), around zero with a sine: many samples for
-//! each number, so that neither noise nor the steps of an encoder matter much. Opposite half cycles
-//! are averaged, and so are periods between rising and between falling crossings, which removes the
-//! unknown zero of the angle.
+//! Opposite half cycles are averaged, and so are periods between rising and between falling crossings,
+//! which removes the unknown zero of the angle.
 //!
 //! The decay is compared with dA/dt = −(C + V A + Q A²): C = 4 μ/(G T) for dry friction, V = r_b/(2 Θ)
 //! for viscous friction, Q = 4 c ω/(3 π Θ) for quadratic drag (energy lost in a cycle; Nayfeh & Mook,
@@ -14,48 +10,18 @@
 //! integral, T₀ = T agm(1, cos(A/2)) (Abramowitz & Stegun 17.6.3). No friction that depends on speed
 //! alone changes it; a contact that bends before it slides, or a spring, does.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Matrix2, Vector2};
+mod half_cycles;
+mod law;
+mod point;
+
 use plant::Kind;
 
-use crate::record::{Output, Record};
-use crate::start::angle_samples;
+use self::half_cycles::{Crossing, dying_part, half_cycles};
+use self::law::laws;
+use crate::records::{Output, Record, angle_samples, noise_std};
 
-/// A number with its standard error.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
-    /// The value.
-    pub value: f64,
-    /// Its standard error, same unit.
-    pub std: f64,
-}
-
-/// Something at an amplitude of the swing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AtAmplitude {
-    /// Time, s.
-    pub time_s: f64,
-    /// Amplitude of the swing, rad.
-    pub amplitude_rad: f64,
-    /// The quantity.
-    pub value: f64,
-    /// Its standard error.
-    pub std: f64,
-}
-
-/// A law dA/dt = −(C + V A + Q A²), fitted with some of its terms.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DecayLaw {
-    /// Which of C, V and Q are there.
-    pub has: [bool; 3],
-    /// C in rad/s, V in 1/s, Q in 1/(rad s); those that are not there are 0.
-    pub coefficients: [Estimate; 3],
-    /// Root mean square of what it leaves of the amplitudes, rad.
-    pub rms_rad: f64,
-    /// The same relative to the amplitude.
-    pub relative_rms: f64,
-    /// Bayesian information criterion n ln(rms²) + p ln n over the half cycles: lower is better.
-    pub criterion: f64,
-}
+pub use self::law::DecayLaw;
+pub use self::point::{AtAmplitude, Estimate};
 
 /// How a free swing dies out.
 #[derive(Clone, Debug)]
@@ -81,29 +47,8 @@ const LEAST_OVER_NOISE: f64 = 5.0;
 const LEAST_OVER_QUANTUM: f64 = 3.0;
 /// Fewest half cycles from which anything is said.
 const FEWEST_HALF_CYCLES: usize = 8;
-/// Cosine of the phase up to which a half cycle belongs to its peak (60°).
-const PEAK_PART: f64 = 0.5;
-/// Sine of the phase up to which it belongs to the crossing (30°).
-const CROSSING_PART: f64 = 0.5;
-
 /// Periods at both ends of the swing that are averaged for the drift.
 const DRIFT_PERIODS: usize = 5;
-
-/// A zero crossing.
-#[derive(Clone, Copy)]
-struct Crossing {
-    time_s: f64,
-    variance_s2: f64,
-}
-
-/// The peak between two crossings.
-#[derive(Clone, Copy)]
-struct Peak {
-    time_s: f64,
-    /// With its sign.
-    angle: f64,
-    variance: f64,
-}
 
 /// The decay of a free swing; `None` where fewer than eight half cycles stand out of the noise, or
 /// for other kinds of experiment.
@@ -113,7 +58,7 @@ pub fn decay(record: &Record) -> Option<Decay> {
     }
     let angle = angle_samples(record)?;
     let channel = record.channel(Output::Angle);
-    let noise = channel.map_or_else(|| crate::noise_std(&angle), |channel| channel.noise_std);
+    let noise = channel.map_or_else(|| noise_std(&angle), |channel| channel.noise_std);
     let quantum = channel.and_then(|channel| channel.quantum);
     let mut samples: Vec<(f64, f64)> = record
         .time_s
@@ -225,142 +170,6 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
     a
 }
 
-/// All crossings and the peaks between them: peak k lies between crossings k and k + 1.
-fn half_cycles(
-    samples: &[(f64, f64)],
-    least: f64,
-    noise: f64,
-    quantum: Option<f64>,
-) -> (Vec<Crossing>, Vec<Peak>) {
-    // Rough crossings: a change of sign counts once the angle has got clear of the noise.
-    let clear = 0.5 * least;
-    let mut rough: Vec<f64> = vec![];
-    let mut side = 0.0;
-    let mut last_zero = 0.0;
-    for pair in samples.windows(2) {
-        let ((t0, x0), (t1, x1)) = (pair[0], pair[1]);
-        if x0 * x1 <= 0.0 && x0 != x1 {
-            last_zero = t0 + (t1 - t0) * x0 / (x0 - x1);
-        }
-        if x1.abs() > clear && x1.signum() != side {
-            if side != 0.0 {
-                rough.push(last_zero);
-            }
-            side = x1.signum();
-        }
-    }
-    let within = |from: f64, to: f64| {
-        let first = samples.partition_point(|sample| sample.0 < from);
-        let last = samples.partition_point(|sample| sample.0 <= to);
-        &samples[first..last.max(first)]
-    };
-    // Samples on one step of the encoder are one value.
-    let inflation = |count: usize, range: f64| match quantum {
-        Some(quantum) => (count as f64 / (1.0 + range / quantum)).max(1.0),
-        None => 1.0,
-    };
-    let mut peaks: Vec<Peak> = vec![];
-    for pair in rough.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let omega = std::f64::consts::PI / (to - from);
-        let middle = 0.5 * (from + to);
-        let reach = PEAK_PART.acos() / omega;
-        let part = within(middle - reach, middle + reach);
-        let highest = part.iter().map(|sample| sample.1.abs()).fold(0.0, f64::max);
-        let Some(peak) = fit_two(part, |t, amplitude: f64| {
-            let theta = omega * (t - middle);
-            let third = amplitude * amplitude / 192.0;
-            (theta.cos() - third * (3.0 * theta).cos(), theta.sin())
-        }) else {
-            break;
-        };
-        let angle = peak.0 * (1.0 - peak.0 * peak.0 / 192.0);
-        let delay = (peak.1 / peak.0).atan() / omega;
-        peaks.push(Peak {
-            time_s: middle + delay.clamp(-reach, reach),
-            angle,
-            variance: noise * noise * peak.2 * inflation(part.len(), (1.0 - PEAK_PART) * highest),
-        });
-    }
-    let mut crossings: Vec<Crossing> = vec![];
-    for (index, &zero) in rough.iter().enumerate() {
-        let before = index.checked_sub(1).and_then(|k| peaks.get(k));
-        let after = peaks.get(index);
-        let (Some(peak), spacing) = (
-            after.or(before),
-            match (rough.get(index + 1), index.checked_sub(1)) {
-                (Some(next), Some(k)) => 0.5 * (next - rough[k]),
-                (Some(next), None) => next - zero,
-                (None, Some(k)) => zero - rough[k],
-                (None, None) => break,
-            },
-        ) else {
-            break;
-        };
-        let omega = std::f64::consts::PI / spacing;
-        let reach = CROSSING_PART.asin() / omega;
-        let part = within(zero - reach, zero + reach);
-        let Some(fit) = fit_two(part, |t, _| {
-            let theta = omega * (t - zero);
-            (theta.sin(), theta.cos())
-        }) else {
-            break;
-        };
-        let slope = fit.0 * omega;
-        let range = 2.0 * CROSSING_PART * peak.angle.abs();
-        crossings.push(Crossing {
-            time_s: zero - (fit.1 / slope).clamp(-reach, reach),
-            variance_s2: noise * noise * fit.3 / (slope * slope) * inflation(part.len(), range),
-        });
-    }
-    let count = crossings.len().saturating_sub(1).min(peaks.len());
-    peaks.truncate(count);
-    crossings.truncate(count + 1);
-    (crossings, peaks)
-}
-
-/// Least squares with two functions of time (the first may depend on its own coefficient): both
-/// coefficients, and their variances for noise of variance 1.
-fn fit_two(
-    samples: &[(f64, f64)],
-    functions: impl Fn(f64, f64) -> (f64, f64),
-) -> Option<(f64, f64, f64, f64)> {
-    if samples.len() < 3 {
-        return None;
-    }
-    let mut found = (0.0, 0.0, 0.0, 0.0);
-    for _ in 0..3 {
-        let (mut square, mut right) = (Matrix2::zeros(), Vector2::zeros());
-        for &(t, x) in samples {
-            let (f, g) = functions(t, found.0);
-            let row = Vector2::new(f, g);
-            square += row * row.transpose();
-            right += row * x;
-        }
-        let inverse = square.try_inverse()?;
-        let solution = inverse * right;
-        found = (solution[0], solution[1], inverse[(0, 0)], inverse[(1, 1)]);
-    }
-    found.0.is_finite().then_some(found)
-}
-
-/// From the largest peak on, as long as the swing stands out of the noise: what comes before was
-/// pushed by hand.
-fn dying_part((crossings, peaks): (Vec<Crossing>, Vec<Peak>)) -> (Vec<Crossing>, Vec<Peak>) {
-    let Some(largest) =
-        (0..peaks.len()).max_by(|&a, &b| peaks[a].angle.abs().total_cmp(&peaks[b].angle.abs()))
-    else {
-        return (vec![], vec![]);
-    };
-    let end = (largest..peaks.len())
-        .find(|&k| peaks[k].angle.abs() < 5.0 * peaks[k].variance.sqrt())
-        .unwrap_or(peaks.len());
-    (
-        crossings[largest..=end].to_vec(),
-        peaks[largest..end].to_vec(),
-    )
-}
-
 /// The drift from the first periods to the last ones, with the error that the crossings give it:
 /// consecutive periods share most of theirs.
 fn drift(periods: &[AtAmplitude], crossings: &[Crossing]) -> Estimate {
@@ -389,141 +198,6 @@ fn drift(periods: &[AtAmplitude], crossings: &[Crossing]) -> Estimate {
         value: 100.0 * (last.value / first.value - 1.0),
         std: 100.0 * first.std.hypot(last.std) / first.value,
     }
-}
-
-/// The amplitudes that the law predicts at these times from the first one.
-fn predict(times: &[f64], start: f64, law: &[f64; 3]) -> Vec<f64> {
-    let slope = |a: f64| {
-        let a = a.max(0.0);
-        -(law[0] + law[1] * a + law[2] * a * a)
-    };
-    let mut out = vec![start];
-    let mut a = start;
-    for pair in times.windows(2) {
-        let h = pair[1] - pair[0];
-        let k1 = slope(a);
-        let k2 = slope(a + 0.5 * h * k1);
-        let k3 = slope(a + 0.5 * h * k2);
-        let k4 = slope(a + h * k3);
-        a = (a + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)).max(0.0);
-        out.push(a);
-    }
-    out
-}
-
-/// All laws, the best first.
-fn laws(amplitudes: &[AtAmplitude]) -> Vec<DecayLaw> {
-    let mut laws: Vec<DecayLaw> = (1..8u32)
-        .filter_map(|mask| {
-            let has = [mask & 1 != 0, mask & 2 != 0, mask & 4 != 0];
-            fit_law(amplitudes, has)
-        })
-        .filter(|law| {
-            let allowed = |e: &Estimate| e.value >= -2.0 * e.std;
-            law.coefficients.iter().all(allowed)
-        })
-        .collect();
-    laws.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    laws
-}
-
-/// Gauss–Newton with halved steps over the first amplitude and the terms of the law. Half cycles
-/// count by their own errors and by a part of their amplitude: what no law of this form can follow
-/// is a part of it.
-fn fit_law(amplitudes: &[AtAmplitude], has: [bool; 3]) -> Option<DecayLaw> {
-    let times: Vec<f64> = amplitudes.iter().map(|point| point.time_s).collect();
-    let n = times.len();
-    let free: Vec<usize> = (0..3).filter(|&term| has[term]).collect();
-    let p = free.len() + 1;
-    if n <= p + 2 {
-        return None;
-    }
-    let largest = amplitudes[0].value;
-    let mean_amplitude = amplitudes.iter().map(|point| point.value).sum::<f64>() / n as f64;
-    let rate = (largest - amplitudes[n - 1].value) / (times[n - 1] - times[0]) / mean_amplitude;
-    let typical = [mean_amplitude, 1.0, 1.0 / mean_amplitude].map(|unit| unit * rate.abs());
-    // Unknowns: the first amplitude, then the terms in units of their typical size.
-    let unpack = |x: &DVector<f64>| -> (f64, [f64; 3]) {
-        let mut law = [0.0; 3];
-        for (index, &term) in free.iter().enumerate() {
-            law[term] = x[index + 1] * typical[term];
-        }
-        (x[0] * largest, law)
-    };
-    let residual = |x: &DVector<f64>| -> DVector<f64> {
-        let (start, law) = unpack(x);
-        let predicted = predict(&times, start, &law);
-        DVector::from_iterator(
-            n,
-            amplitudes
-                .iter()
-                .zip(predicted)
-                .map(|(point, predicted)| (point.value - predicted) / largest),
-        )
-    };
-    let mut x = DVector::from_element(p, 1.0 / free.len() as f64);
-    x[0] = 1.0;
-    let mut left = residual(&x);
-    let mut inverse = DMatrix::zeros(p, p);
-    for _ in 0..60 {
-        let mut jacobian = DMatrix::zeros(n, p);
-        for column in 0..p {
-            let mut moved = x.clone();
-            moved[column] += 1e-5;
-            jacobian.set_column(column, &((residual(&moved) - &left) / 1e-5));
-        }
-        let square = jacobian.transpose() * &jacobian;
-        let mut damped = square.clone();
-        for k in 0..p {
-            damped[(k, k)] += 1e-12 * (1.0 + square[(k, k)]);
-        }
-        let cholesky = Cholesky::new(damped)?;
-        inverse = cholesky.inverse();
-        let step = cholesky.solve(&(jacobian.transpose() * &left));
-        let mut length = 1.0;
-        let mut better = None;
-        while length > 1e-4 {
-            let next = &x - length * &step;
-            let there = residual(&next);
-            if there.norm() <= left.norm() {
-                better = Some((next, there));
-                break;
-            }
-            length *= 0.5;
-        }
-        let Some((next, there)) = better else {
-            break;
-        };
-        let gain = left.norm_squared() - there.norm_squared();
-        x = next;
-        left = there;
-        if gain <= 1e-10 * left.norm_squared() {
-            break;
-        }
-    }
-    let variance = left.norm_squared() / (n - p) as f64;
-    let (_, law) = unpack(&x);
-    let mut coefficients = [Estimate::default(); 3];
-    for (index, &term) in free.iter().enumerate() {
-        coefficients[term] = Estimate {
-            value: law[term],
-            std: (variance * inverse[(index + 1, index + 1)]).sqrt() * typical[term],
-        };
-    }
-    let mean_square = left.norm_squared() / n as f64;
-    let relative = left
-        .iter()
-        .zip(amplitudes)
-        .map(|(left, point)| (left * largest / point.value).powi(2))
-        .sum::<f64>()
-        / n as f64;
-    Some(DecayLaw {
-        has,
-        coefficients,
-        rms_rad: mean_square.sqrt() * largest,
-        relative_rms: relative.sqrt(),
-        criterion: n as f64 * mean_square.max(1e-300).ln() + p as f64 * (n as f64).ln(),
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Pushes on the body that no column records: found, located, sized, and kept out of the fit.
 //!
-//! A push is a torque on the body that the model lacks, and [`crate::missing_torque`] has it in two
+//! A push is a torque on the body that the model lacks, and [`super::missing_torque`] has it in two
 //! ways: by the momentum of body and wheel, and by the command. The second has the lower noise, but an
 //! error of the motor's model (a lag, a dead zone) looks like a push in it; the first knows no motor.
 //! A push is what either shows and the other does not contradict.
@@ -14,8 +14,8 @@
 use nalgebra::{Matrix2, Vector2};
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
 
-use crate::missing_torque::{MeasuredMotion, TorqueOn, half_samples, missing_torque};
-use crate::record::{BALANCE_WINDOW_S, Output, Record};
+use super::missing_torque::{MeasuredMotion, TorqueOn, missing_torque};
+use crate::records::{BALANCE_WINDOW_S, Output, Record, half_samples};
 
 /// Half-width of the bump in s: shorter than a push by hand.
 const HALF_BUMP_S: f64 = 0.025;

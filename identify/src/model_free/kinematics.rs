@@ -11,8 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::record::{Output, Record};
-use crate::start::{BUMP_S, bumps};
+use crate::records::{BUMP_S, Output, Record, bumps};
 
 /// What the angle says of the gyroscope.
 #[derive(Clone, Copy, Debug, PartialEq)]

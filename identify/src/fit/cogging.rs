@@ -4,10 +4,12 @@
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
-use crate::fit::{guess, traces};
-use crate::record::{Output, Record};
-use crate::sensitivity::{Local, Unknowns, Window, normal};
-use crate::solver::Minimum;
+use super::comparison::traces;
+use super::sensitivity::normal;
+use super::solver::Minimum;
+use super::unknowns::{Local, Unknowns, Window};
+use super::windows::guess;
+use crate::records::{Output, Record};
 
 /// Where a fit of cogging may start.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use bench_files::{CurrentMeaning, Experiment};
 use plant::{Hold, Input, Kind, Reading};
 
-use crate::noise::{noise_std, resolution};
+use super::noise::{noise_std, resolution};
 
 /// A measured output of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
