@@ -1,6 +1,6 @@
 //! From the minimum of a model to that of a larger one.
 
-use plant::{EffectId, Model};
+use plant::{EffectId, Model, StartFrom};
 
 use crate::bench::Setup;
 use crate::fit::{Effort, Minimum, cogging_start, refit};
@@ -32,9 +32,9 @@ pub fn extend(
     let free = setup.free(model);
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
     let starts = |effect: EffectId| -> Vec<Vec<f64>> {
-        match effect {
-            EffectId::WheelCogging => cogging_start(records, from, minimum)
-                .map(|start| start.parameters)
+        match effect.info().start_from {
+            StartFrom::Ripple => cogging_start(records, from, minimum)
+                .map(|start| start.parameters_of(effect))
                 .into_iter()
                 .collect(),
             _ => setup.starts(records, effect, &base),

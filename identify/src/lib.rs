@@ -34,8 +34,8 @@ pub use fit::{
     CoggingStart, Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Observation, Outcome,
     Promise, PromisedStep, Ratios, RecordPromise, Trace, Unknowns, Window, WindowNormal, acts,
     base_values, cogging_start, cost, final_windows, fit_from_scratch, fit_windowed, guessed,
-    joined, minimise, normal, normal_observed, period_s, promise, ratios, refit, relevant, settled,
-    simulate, traces,
+    joined, minimise, normal, normal_observed, promise, ratios, refit, relevant, settled, simulate,
+    traces,
 };
 pub use identification::{Identification, describe, identify};
 pub use model_free::{

@@ -1,12 +1,12 @@
 //! The parameters of a model on a bench: which are free, in which unit, and where a fit of them starts.
 
 use plant::{
-    BASE_PARAMETERS, EffectId, GRAVITY_TORQUE, Kind, Model, Role, TORQUE_CONSTANT, TOTAL_INERTIA,
-    WHEEL_INERTIA,
+    BASE_PARAMETERS, Driving, EffectId, GRAVITY_TORQUE, Kind, Model, Role, StartFrom,
+    TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
 };
 
 use super::setup::Setup;
-use crate::fit::{base_values, ratios, supply_starts};
+use crate::fit::{base_values, driving_samples, ratios};
 use crate::records::Record;
 
 impl Setup {
@@ -27,17 +27,8 @@ impl Setup {
                             })
                     }
                     _ => {
-                        let role = model
-                            .effects()
-                            .iter()
-                            .find(|&&effect| {
-                                model.position(effect).is_some_and(|start| {
-                                    (start..start + effect.info().parameters.len())
-                                        .contains(&position)
-                                })
-                            })
-                            .map(|effect| effect.info().role);
-                        match role {
+                        let effect = model.effect_at(position);
+                        match effect.map(|effect| effect.info().role) {
                             Some(Role::Wheel | Role::Motor) => wheel,
                             _ => body,
                         }
@@ -56,12 +47,9 @@ impl Setup {
         let is_wheel = match position {
             TOTAL_INERTIA | GRAVITY_TORQUE => false,
             WHEEL_INERTIA | TORQUE_CONSTANT => true,
-            _ => model.effects().iter().any(|&effect| {
-                let own = model.position(effect).is_some_and(|start| {
-                    (start..start + effect.info().parameters.len()).contains(&position)
-                });
-                own && matches!(effect.info().role, Role::Wheel | Role::Motor)
-            }),
+            _ => model
+                .effect_at(position)
+                .is_some_and(|effect| matches!(effect.info().role, Role::Wheel | Role::Motor)),
         };
         let known = if is_wheel {
             self.wheel_scale_known
@@ -83,9 +71,9 @@ impl Setup {
         let mut values = base.to_vec();
         // The stated starts are torques of a bench of Θ ≈ 2e-3 kg m².
         for &effect in model.effects() {
-            match effect {
-                EffectId::BodyViscousFriction => values.push(body_friction),
-                EffectId::WheelViscousFriction => values.push(wheel_friction),
+            match (effect.info().start_from, effect.info().role) {
+                (StartFrom::Damping, Role::Wheel) => values.push(wheel_friction),
+                (StartFrom::Damping, _) => values.push(body_friction),
                 _ => values.extend(self.scaled(effect, effect.info().starts[0], &base)),
             }
         }
@@ -93,7 +81,7 @@ impl Setup {
     }
 
     /// Parameters from which the fit of an effect may start on this bench, beside base parameters `base`:
-    /// those that the library states, and for the limit of a supply those that the logs suggest.
+    /// those that it states, and those that the logs suggest.
     pub fn starts(
         &self,
         records: &[&Record],
@@ -104,9 +92,12 @@ impl Setup {
         let mut starts: Vec<Vec<f64>> = stated
             .map(|start| self.scaled(effect, start, base))
             .collect();
-        if effect == EffectId::BackEmfLimit {
-            let ohm = self.scale(Role::Motor, base);
-            starts.extend(supply_starts(records, base[TORQUE_CONSTANT], ohm));
+        if let StartFrom::Driving(of) = effect.info().start_from {
+            starts.extend(of(&Driving {
+                samples: driving_samples(records),
+                torque_constant: base[TORQUE_CONSTANT],
+                ohm: self.scale(Role::Motor, base),
+            }));
         }
         starts
     }

@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 
 use bench_files::{Bench, Known};
-use plant::{EffectId, GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 use rayon::prelude::*;
 
 use super::error::IdentifyError;
-use crate::fit::{base_values, period_s, ratios};
+use crate::fit::{base_values, ratios};
 use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
 use crate::residuals::{PushModel, find_disturbances, leave_out};
 
@@ -153,7 +153,7 @@ impl Setup {
 
     /// The bench as a model can be compared with it: [`Setup::in_windows`] for one with cogging.
     pub fn suited_to(&self, model: &Model) -> Cow<'_, Setup> {
-        let cut = if model.has(EffectId::WheelCogging) {
+        let cut = if model.find(|info| info.ripple.is_some()).is_some() {
             self.in_windows()
         } else {
             None
@@ -168,7 +168,7 @@ impl Setup {
     ///
     /// The period is that of the samples: a model that lacks something need not have it.
     pub fn thinned(&self, per_period: f64) -> (Setup, Vec<usize>) {
-        let period_s = period_s(&self.start_values(&Model::base()));
+        let period_s = plant::period_s(&self.start_values(&Model::base()));
         let mut thin = self.clone();
         let steps: Vec<usize> = self
             .records

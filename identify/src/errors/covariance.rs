@@ -238,12 +238,9 @@ fn project(
 
 /// Whether a position of the parameter vector belongs to a dry friction whose sign is smoothed.
 fn is_dry_friction(model: &Model, position: usize) -> bool {
-    model.effects().iter().any(|&effect| {
-        let info = effect.info();
-        let first = model.position(effect);
-        info.has_kink
-            && first.is_some_and(|at| (at..at + info.parameters.len()).contains(&position))
-    })
+    model
+        .effect_at(position)
+        .is_some_and(|effect| effect.info().has_kink)
 }
 
 /// Share of the smoothing speed at which dry friction is that of a joint that sticks.

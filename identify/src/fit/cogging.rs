@@ -20,6 +20,24 @@ pub struct CoggingStart {
     pub gain: f64,
 }
 
+impl CoggingStart {
+    /// The parameters of an effect that is such a ripple: what this start does not give is as the effect
+    /// states it.
+    pub fn parameters_of(&self, effect: EffectId) -> Vec<f64> {
+        let info = effect.info();
+        let mut parameters = info.starts[0].to_vec();
+        if let Some(ripple) = info.ripple {
+            for (place, value) in [ripple.amplitude, ripple.order, ripple.phase]
+                .into_iter()
+                .zip(&self.parameters)
+            {
+                parameters[place] = *value;
+            }
+        }
+        parameters
+    }
+}
+
 /// A start for cogging: the order whose trace is largest in the wheel speed; `None` where no log shows
 /// the wheel's speed.
 ///
@@ -203,7 +221,7 @@ pub fn settled(
     values: &[f64],
     windows: Vec<Vec<Window>>,
 ) -> Vec<Vec<Window>> {
-    if !model.has(EffectId::WheelCogging) {
+    if model.find(|info| info.ripple.is_some()).is_none() {
         return windows;
     }
     let unknowns = Unknowns::new(model, &[]);

@@ -5,7 +5,7 @@
 //! own (multiple shooting; Bock 1983), whose cost is nearly quadratic, and lengthens the windows
 //! until one of them spans the log.
 
-use plant::{EffectId, GRAVITY_TORQUE, Kind, Model, TOTAL_INERTIA};
+use plant::{Kind, Model, Timing, period_s};
 
 use super::cogging::settled;
 use super::effort::Effort;
@@ -85,12 +85,6 @@ pub fn fit_windowed(
     refit(records, model, values, windows, free, effort)
 }
 
-/// Period of small oscillations in s, from a parameter vector.
-pub fn period_s(values: &[f64]) -> f64 {
-    let square = (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA]).abs();
-    std::f64::consts::TAU / square.sqrt().max(1e-3)
-}
-
 /// Fits again from a good start: parameters and windows of a neighbouring fit.
 pub fn refit(
     records: &[&Record],
@@ -123,9 +117,9 @@ fn over_samples(
     unknowns: &Unknowns,
     effort: Effort,
 ) -> Minimum {
-    let at = model.position(EffectId::InputDelay);
-    let (Some(at), Some(sample_s)) = (
-        at.filter(|at| unknowns.free.contains(at)),
+    let delay = model.find(|info| info.timing == Some(Timing::Delay));
+    let (Some((effect, at)), Some(sample_s)) = (
+        delay.filter(|(_, at)| unknowns.free.contains(at)),
         shortest_sample_s(records),
     ) else {
         return found;
@@ -141,7 +135,7 @@ fn over_samples(
         loop {
             let middle = (best.values[at] / sample_s).floor() + 0.5;
             let next_s = (middle + direction) * sample_s;
-            let (low, high) = EffectId::InputDelay.info().parameters[0].bounds;
+            let (low, high) = effect.info().parameters[0].bounds;
             if next_s < low || next_s > high || !best.cost.is_finite() {
                 break;
             }

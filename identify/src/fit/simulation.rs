@@ -1,7 +1,7 @@
 //! One window of a log simulated: its start from the unknowns of the window, with what the log says of the
 //! time before it.
 
-use plant::{Current, EffectId, Model, Plant, Scalar, Smoothing, State};
+use plant::{Current, Model, Plant, Scalar, Smoothing, State};
 
 use super::unknowns::{Local, Window};
 use crate::records::{Record, RecordedCurrent};
@@ -58,10 +58,10 @@ pub(super) fn with_memory<S: Scalar>(
     if first == 0 {
         return state;
     }
-    if model.has(EffectId::WheelCogging) {
+    if model.find(|info| info.uses_wheel_angle).is_some() {
         state.wheel_angle_rad += S::constant(record.wheel_angle_before(first));
     }
-    if let Some(distance_rad) = plant.presliding_distance_rad() {
+    if let Some(distance_rad) = plant.memory_distance_rad() {
         let mut far = MEMORY_DISTANCES * distance_rad;
         let mut travel: Vec<f64> = vec![];
         for step in record.body_travel_before(first) {

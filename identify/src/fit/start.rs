@@ -114,16 +114,9 @@ pub struct Ratios {
     pub friction_over_wheel: Option<f64>,
 }
 
-/// Resistances of a winding in Ohm from which the limit of a supply may be fitted.
-const RESISTANCES_OHM: [f64; 3] = [1.0, 3.0, 10.0];
-/// Shares of the driven samples for which a supply suffices from which its fit may start.
-const SUFFICES: [f64; 2] = [0.8, 0.97];
-
-/// Voltage (V) and resistance (Ohm) of supplies that hold in a part of what the logs asked for and not in the
-/// rest: quantiles of R |i| + k_e |φ̇| over the samples in which the motor drives the wheel. A supply that is never
-/// reached leaves no trace, and one that is always reached is a motor without current. `ohm` is one Ohm in
-/// the unit that goes with the torque constant.
-pub(crate) fn supply_starts(records: &[&Record], torque_constant: f64, ohm: f64) -> Vec<Vec<f64>> {
+/// The samples in which the motor drives the wheel, current and speed having one sign: wheel speed in rad/s
+/// and current in A, as amounts.
+pub(crate) fn driving_samples(records: &[&Record]) -> Vec<(f64, f64)> {
     let mut driven: Vec<(f64, f64)> = vec![];
     for record in records {
         let Some(channel) = record.channel(Output::WheelSpeed) else {
@@ -133,19 +126,7 @@ pub(crate) fn supply_starts(records: &[&Record], torque_constant: f64, ohm: f64)
         let at = at.filter(|(speed, current)| **speed * **current > 0.0);
         driven.extend(at.map(|(speed, current)| (speed.abs(), current.abs())));
     }
-    let mut starts = vec![];
-    for resistance in RESISTANCES_OHM.map(|resistance| resistance * ohm) {
-        let asked = driven.iter();
-        let mut asked_v: Vec<f64> = asked
-            .map(|(speed, current)| resistance * current + torque_constant * speed)
-            .collect();
-        asked_v.sort_by(f64::total_cmp);
-        for share in SUFFICES {
-            let at = (share * asked_v.len() as f64) as usize;
-            starts.extend(asked_v.get(at).map(|voltage| vec![*voltage, resistance]));
-        }
-    }
-    starts
+    driven
 }
 
 /// The ratios that these records give.
@@ -304,7 +285,7 @@ pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plant::{Current, Hold, Input, Model, Plant, State};
+    use plant::{Current, Driving, EffectId, Hold, Input, Model, Plant, StartFrom, State};
 
     #[test]
     fn a_supply_from_which_a_fit_starts_holds_in_a_part_of_the_log() {
@@ -314,8 +295,18 @@ mod tests {
         let outputs = [None, None, Some(speed.clone())];
         let record = Record::new("x", Kind::SpinUp, time_s, outputs, Some(current), false);
         let torque_constant = 0.03;
-        let starts = supply_starts(&[&record], torque_constant, 1.0);
-        assert_eq!(starts.len(), RESISTANCES_OHM.len() * SUFFICES.len());
+        let StartFrom::Driving(supplies) = EffectId::BackEmfLimit.info().start_from else {
+            panic!("the limit of a supply starts from what was asked of the motor");
+        };
+        let starts_from = |record: &Record| {
+            supplies(&Driving {
+                samples: driving_samples(&[record]),
+                torque_constant,
+                ohm: 1.0,
+            })
+        };
+        let starts = starts_from(&record);
+        assert!(!starts.is_empty());
         for start in starts {
             let holds = |speed: &&f64| (start[0] - torque_constant * **speed) / start[1] >= 0.8;
             let share = speed.iter().filter(holds).count() as f64 / speed.len() as f64;
@@ -330,7 +321,7 @@ mod tests {
             Some(vec![0.0; 500]),
             false,
         );
-        assert!(supply_starts(&[&still], torque_constant, 1.0).is_empty());
+        assert!(starts_from(&still).is_empty());
     }
 
     #[test]

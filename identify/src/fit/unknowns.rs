@@ -58,8 +58,8 @@ impl Local {
     /// Whether the motion of this model depends on the unknown.
     pub fn acts_on(self, model: &Model) -> bool {
         match self {
-            Local::WheelAngle => model.has(EffectId::WheelCogging),
-            Local::PastCurrent => model.has(EffectId::InputDelay) || model.has(EffectId::MotorLag),
+            Local::WheelAngle => model.find(|info| info.uses_wheel_angle).is_some(),
+            Local::PastCurrent => model.find(|info| info.timing.is_some()).is_some(),
             _ => true,
         }
     }
@@ -160,12 +160,9 @@ pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usiz
     let shows = |position: usize| match position {
         plant::TOTAL_INERTIA | plant::GRAVITY_TORQUE => record.kind != Kind::SpinUp,
         plant::WHEEL_INERTIA | plant::TORQUE_CONSTANT => record.kind != Kind::FreeSwing,
-        _ => model.effects().iter().any(|&effect| {
-            let own = model.position(effect).is_some_and(|start| {
-                (start..start + effect.info().parameters.len()).contains(&position)
-            });
-            own && acts(effect, record.kind)
-        }),
+        _ => model
+            .effect_at(position)
+            .is_some_and(|effect| acts(effect, record.kind)),
     };
     (0..unknowns.free.len())
         .filter(|&unknown| shows(unknowns.free[unknown]))
@@ -176,14 +173,10 @@ pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usiz
 /// effects act there, with the same values.
 pub fn moves_alike(kind: Kind, one: (&Model, &[f64]), other: (&Model, &[f64])) -> bool {
     let acting = |model: &Model, values: &[f64]| -> Vec<(EffectId, Vec<f64>)> {
-        let effects = model.effects().iter().copied();
-        effects
-            .filter(|&effect| acts(effect, kind))
-            .map(|effect| {
-                let start = model.position(effect).unwrap_or(values.len());
-                let end = start + effect.info().parameters.len();
-                (effect, values[start..end].to_vec())
-            })
+        model
+            .ranges()
+            .filter(|&(effect, _)| acts(effect, kind))
+            .map(|(effect, own)| (effect, values[own].to_vec()))
             .collect()
     };
     let base = 0..plant::BASE_PARAMETERS.len();

@@ -4,52 +4,10 @@
 use std::sync::OnceLock;
 
 use bench_files::{CurrentMeaning, Experiment};
-use plant::{Hold, Input, Kind, Reading};
+pub use plant::Output;
+use plant::{Hold, Input, Kind};
 
 use super::noise::{noise_std, resolution};
-
-/// A measured output of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Output {
-    /// Body angle, rad.
-    Angle,
-    /// Body rate, rad/s.
-    Rate,
-    /// Wheel speed, rad/s.
-    WheelSpeed,
-}
-
-impl Output {
-    /// All outputs.
-    pub const ALL: [Output; 3] = [Output::Angle, Output::Rate, Output::WheelSpeed];
-
-    /// The channel's part of "experiment/channel".
-    pub fn name(self) -> &'static str {
-        match self {
-            Output::Angle => "angle",
-            Output::Rate => "rate",
-            Output::WheelSpeed => "wheel_speed",
-        }
-    }
-
-    /// SI unit.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Output::Angle => "rad",
-            Output::Rate | Output::WheelSpeed => "rad/s",
-        }
-    }
-
-    /// This output's part of a reading.
-    #[inline(always)]
-    pub fn of<S: Copy>(self, reading: &Reading<S>) -> S {
-        match self {
-            Output::Angle => reading.angle_rad,
-            Output::Rate => reading.rate_rad_s,
-            Output::WheelSpeed => reading.wheel_speed_rad_s,
-        }
-    }
-}
 
 /// One measured channel.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! The measured motion: the state between the samples of a record as the model's sensors would have seen it.
 
-use plant::{Current, EffectId, Kind, Model, Plant, State};
+use plant::{Current, Kind, Model, Plant, State, period_s};
 
-use crate::fit::{Local, Window, period_s, simulate};
+use crate::fit::{Local, Window, simulate};
 use crate::records::{Bump, Output, Record, RecordedCurrent, angle_samples, dot, half_samples};
 
 /// Length over which the drift of an integrated rate is averaged, in periods of the pendulum.
@@ -122,7 +122,7 @@ impl MeasuredMotion {
         let mut state = vec![State::rest(); n - 1];
         let mut wheel_angle = 0.0;
         let mut last_speed = 0.0;
-        let memory = model.has(EffectId::BodyPreslidingFriction) && moves_body;
+        let memory = model.find(|info| info.memory.is_some()).is_some() && moves_body;
         let mut smoothed_before = memory.then(|| smooth(0, false));
         let mut friction = 0.0;
         for (k, state) in state.iter_mut().enumerate() {

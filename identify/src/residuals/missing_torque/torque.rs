@@ -15,10 +15,10 @@
 //! differentiated. The result is the torque smoothed by the bump; its integral is that of the torque.
 //! Unlike the residual of a free run it has no memory: it says where the model fails now.
 
-use plant::{Kind, Model, Plant, State, TOTAL_INERTIA, WHEEL_INERTIA};
+use plant::{Kind, Model, Plant, State, TOTAL_INERTIA, WHEEL_INERTIA, period_s};
 
 use super::motion::MeasuredMotion;
-use crate::fit::{Window, period_s};
+use crate::fit::Window;
 use crate::records::{Bump, FEWEST_HALF_SAMPLES, Output, Record, dot, half_samples};
 
 /// Half of a bump's width, in periods of the pendulum: well inside the time in which a swing
