@@ -4,6 +4,7 @@
 //!
 //! | room | job |
 //! |---|---|
+//! | `progress` | what long work says, and how it is called off |
 //! | `records` | logs as the fit sees them: channels with their noise, the current, windows; the weak form |
 //! | `model_free` | what the logs show without a model: how a swing dies out, the rate against the angle |
 //! | `fit` | from a first guess to the minimum: windows with exact derivatives, least squares, score test |
@@ -20,6 +21,7 @@ mod fit;
 mod fourier;
 mod identification;
 mod model_free;
+mod progress;
 mod records;
 mod residuals;
 mod statements;
@@ -41,6 +43,7 @@ pub use identification::{Identification, describe, identify};
 pub use model_free::{
     AtAmplitude, Decay, DecayLaw, Estimate, RateAgainstAngle, decay, rate_against_angle,
 };
+pub use progress::{Cancelled, Progress};
 pub use records::{
     BALANCE_WINDOW_S, Channel, Output, Record, RecordedCurrent, angle_samples, input_noise_std,
     noise_std, resolution,
