@@ -2,6 +2,7 @@
 //! of another bench through the whole chain from parameters to closed loop.
 
 use crate::bench::{exact_law, plain_loop};
+use crate::compiled::CompiledLaw;
 use checker::Module;
 use codegen::ModuleSpec;
 use codegen::hardware::HardwareSpec;
@@ -11,9 +12,7 @@ use nalgebra::Vector3;
 use plant::{Kind, Model, Plant, linearise};
 use proptest::prelude::*;
 use simulate::scenario::Scale;
-use simulate::{
-    CompiledLaw, ExactLaw, InterpretedLaw, Law, Measured, Motion, Scenario, Sensor, Sensors,
-};
+use simulate::{ExactLaw, InterpretedLaw, Law, Measured, Motion, Scenario, Sensor, Sensors};
 use std::path::Path;
 use std::sync::LazyLock;
 

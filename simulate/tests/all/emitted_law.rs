@@ -1,13 +1,13 @@
 //! Half a minute of the emitted fixed-point law beside the exact one.
 
 use crate::bench::{BASE, bench, exact_law, gains, plain_loop};
+use crate::compiled::CompiledLaw;
 use design::zero_order_hold::zero_order_hold;
 use nalgebra::DMatrix;
 use plant::{LinearModel, Plant, linearise};
 use simulate::scenario::Scale;
 use simulate::{
-    Actuator, ClosedLoop, CompiledLaw, Deviation, LinearMotion, Motion, Scenario, Sensor, Sensors,
-    Trace,
+    Actuator, ClosedLoop, Deviation, LinearMotion, Motion, Scenario, Sensor, Sensors, Trace,
 };
 
 /// The documented error of the emitted law within its ranges: 5.95e-8 A from rounding gains and

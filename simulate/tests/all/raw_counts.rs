@@ -1,8 +1,8 @@
 //! The emitted step from raw counts to duty, compiled and from its source, on the nonlinear bench.
 
 use crate::bench::{BASE, bench};
+use crate::compiled::CompiledController;
 use checker::Module;
-use generated::Controller;
 use plant::Plant;
 use simulate::scenario::Scale;
 use simulate::{InterpretedController, RawLoop, RawSensors, Scenario, Trace};
@@ -43,7 +43,9 @@ fn balances_for_half_a_minute() {
         let plant: Plant<f64> = bench(with_coulomb);
         for seed in SEEDS {
             let on = on_thesis_hardware(&plant, seed);
-            let trace = on.run(0.0, 30.0, &mut Controller::new(), false).unwrap();
+            let trace = on
+                .run(0.0, 30.0, &mut CompiledController::new(), false)
+                .unwrap();
             assert_eq!(trace.fell_at_s, None, "seed {seed}");
             let angle = largest(&trace, &trace.angle_rad, 0.0).to_degrees();
             let wheel = largest(&trace, &trace.wheel_speed_rad_s, 0.0);
@@ -75,7 +77,12 @@ fn answers_the_pushes_of_the_thesis() {
             };
             let start = simulate::sensors::from_upright_rad(scenario.start.angle_rad);
             let trace = on
-                .run(start, scenario.duration_s, &mut Controller::new(), false)
+                .run(
+                    start,
+                    scenario.duration_s,
+                    &mut CompiledController::new(),
+                    false,
+                )
                 .unwrap();
             assert_eq!(trace.fell_at_s, None, "seed {seed}");
             let pushed = largest(&trace, &trace.angle_rad, 4.0).to_degrees();
@@ -112,7 +119,7 @@ fn recovers_nearly_to_the_current_limit() {
         let plant = bench(with_coulomb);
         for seed in SEEDS {
             let on = on_thesis_hardware(&plant, seed);
-            let mut controller = Controller::new();
+            let mut controller = CompiledController::new();
             let found = on
                 .largest_recoverable_angle(&scale, &mut controller, 1e-4)
                 .unwrap();
@@ -147,7 +154,9 @@ fn from_source_and_compiled_are_one() {
         held_s: 0.1,
         ..on_thesis_hardware(&plant, 7)
     };
-    let compiled = on.run(0.1, 2.0, &mut Controller::new(), false).unwrap();
+    let compiled = on
+        .run(0.1, 2.0, &mut CompiledController::new(), false)
+        .unwrap();
     let interpreted = on.run(0.1, 2.0, &mut from_source, false).unwrap();
     assert_eq!(compiled, interpreted);
     let other = Module::parse(&[(
@@ -168,7 +177,12 @@ fn armed_at_once_it_still_rises_from_a_small_tilt() {
         ..on_thesis_hardware(&plant, 3)
     };
     let trace = on
-        .run(5_f64.to_radians(), 10.0, &mut Controller::new(), true)
+        .run(
+            5_f64.to_radians(),
+            10.0,
+            &mut CompiledController::new(),
+            true,
+        )
         .unwrap();
     assert_eq!(trace.fell_at_s, None);
 }

@@ -2,9 +2,11 @@
 
 mod attitude_filters;
 mod bench;
+mod compiled;
 mod emitted_law;
 mod independent_simulation;
 mod interpreted_law;
 mod physics;
 mod raw_counts;
+mod rounding;
 mod studies;

@@ -1,6 +1,7 @@
 //! Laws of mechanics that every closed loop must keep, and theory that it must meet.
 
 use crate::bench::{BASE, SAMPLE_TIME_S, bench, exact_law, gains, plain_loop};
+use crate::compiled::CompiledLaw;
 use design::zero_order_hold::zero_order_hold;
 use design::{LinearController, angle_bias};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -8,7 +9,7 @@ use plant::{EffectId, Kind, Model, Plant, State, linearise};
 use simulate::closed_loop::at_rest;
 use simulate::scenario::Scale;
 use simulate::{
-    BiasObservingLaw, ClosedLoop, CompiledLaw, ExactLaw, LinearMotion, Motion, Push, Trace,
+    BiasObservingLaw, ClosedLoop, ExactLaw, LinearMotion, Motion, Push, Trace,
     largest_recoverable_angle,
 };
 use std::f64::consts::PI;
