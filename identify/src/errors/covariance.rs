@@ -11,22 +11,26 @@
 //!
 //! The recorded current has noise of its own, which the wheel integrates to a random walk and which swings
 //! the body. The fit takes that for motion, so that it is hardly seen in the residual; it enters as a
-//! second term. An error δi of the current over the interval h after sample k moves the state by
-//! h B δi, which the motion, linearised along the measured angle, carries to every later sample, and
-//! with it the gradient. While balancing the current answers to the noise of the sensors; that part of
+//! second term. An error δi of the current over the interval after a sample moves the state at the next one by
+//! ∂x/∂i δi, which the motion carries to every later sample, and with it the gradient: both are exact
+//! derivatives of the model's own steps, with all of its effects, the chain of the motor and the sensors
+//! among them ([`crate::transition`]). A delay moves all errors by the same time, which changes nothing
+//! but at the ends of a window. While balancing the current answers to the noise of the sensors; that part of
 //! it flows, and what the column adds cannot be told from it: nothing is added there.
 //!
 //! A real joint sticks, the model's dry friction passes through zero over the speed v₀. What that does
 //! to the outputs is taken as one standard error of them, common to all logs: v₀ is a parameter that
 //! is considered and not estimated (Schmidt 1966; Bierman 1977, chapter VIII).
 
-use nalgebra::{Cholesky, DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix6xX};
 use plant::{Kind, Model, Smoothing};
 use rayon::prelude::*;
 
 use super::spectral::correlated_sum;
-use crate::fit::{Observation, Unknowns, Window, normal_observed, relevant, simulate_smoothed};
-use crate::records::{Output, Record, input_noise_std};
+use crate::fit::{
+    Observation, Unknowns, Window, normal_observed, relevant, simulate_smoothed, transitions,
+};
+use crate::records::{Record, input_noise_std};
 
 /// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
 /// logarithm), from the final windows of a fit; `None` where the information is singular.
@@ -288,57 +292,21 @@ fn input_walk(
     if noise_a == 0.0 {
         return walk;
     }
-    let friction = |name| model.position_of(name).map_or(0.0, |at| values[at]);
-    let wheel_friction = friction("wheel_viscous_friction");
-    let body_friction = friction("body_viscous_friction");
-    let wheel_inertia = values[plant::WHEEL_INERTIA];
-    let torque_constant = values[plant::TORQUE_CONSTANT];
-    let is_clamped = record.kind == Kind::SpinUp;
-    let body_mobility = if is_clamped {
-        0.0
-    } else {
-        1.0 / (values[plant::TOTAL_INERTIA] - wheel_inertia)
-    };
-    // (α, α̇, φ̇)' = F (α, α̇, φ̇) + B i.
-    let on_body = body_mobility * torque_constant;
-    let input = Vector3::new(0.0, -on_body, torque_constant / wheel_inertia + on_body);
-    let angle = record.channel(Output::Angle);
-    let dynamics = |k: usize| {
-        let angle_rad = angle.map_or(0.0, |channel| channel.samples[k]);
-        let gravity = body_mobility * values[plant::GRAVITY_TORQUE] * angle_rad.cos();
-        let body = body_mobility * body_friction;
-        let coupling = body_mobility * wheel_friction;
-        Matrix3::new(
-            0.0,
-            f64::from(u8::from(!is_clamped)),
-            0.0,
-            -gravity,
-            -body,
-            coupling,
-            gravity,
-            body,
-            -wheel_friction / wheel_inertia - coupling,
-        )
-    };
+    let transitions = transitions(record, window, model, values);
     // Sum over all later samples of the sensitivity times what is left there of a change of the state.
-    let mut later = Matrix3xX::<f64>::zeros(p);
-    for k in window.samples.clone().rev().skip(1) {
-        let step_s = record.time_s[k + 1] - record.time_s[k];
+    let mut later = Matrix6xX::<f64>::zeros(p);
+    for (k, transition) in window.samples.clone().zip(&transitions).rev() {
         for (channel, series) in record.channels.iter().zip(sensitivities) {
-            let row = match channel.output {
-                Output::Angle => 0,
-                Output::Rate => 1,
-                Output::WheelSpeed => 2,
-            };
+            let shows = &transition.shown[channel.output as usize];
             for (index, series) in series.iter().enumerate() {
-                later[(row, index)] += series[k + 1] / channel.noise_std;
+                let weight = series[k + 1] / channel.noise_std;
+                later.column_mut(index).axpy(weight, shows, 1.0);
             }
         }
-        let moved = later.tr_mul(&input) * (step_s * noise_a);
+        let moved = later.tr_mul(&transition.input) * noise_a;
         walk += &moved * moved.transpose();
-        let dynamics = dynamics(k);
-        if dynamics.iter().all(|entry| entry.is_finite()) {
-            later = (dynamics * step_s).exp().transpose() * later;
+        if transition.state.iter().all(|entry| entry.is_finite()) {
+            later = transition.state.tr_mul(&later);
         }
     }
     walk

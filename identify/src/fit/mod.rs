@@ -9,6 +9,7 @@
 //! | `normal_equations` | all windows together, their own unknowns eliminated |
 //! | `solver`, `effort` | Levenberg–Marquardt on them, and when it ends |
 //! | `score_test` | what one step promises, without taking it |
+//! | `transition` | the motion from sample to sample, linearised |
 //! | `windows` | where windows begin, and their starts |
 //! | `comparison` | model against measurement |
 //! | `cogging` | where a fit of cogging may start |
@@ -24,6 +25,7 @@ mod sensitivity;
 mod simulation;
 mod solver;
 mod start;
+mod transition;
 mod unknowns;
 mod windows;
 
@@ -37,5 +39,6 @@ pub use simulation::{simulate, simulate_smoothed};
 pub use solver::{Minimum, cost, minimise};
 pub(crate) use start::driving_samples;
 pub use start::{Ratios, base_values, ratios};
+pub(crate) use transition::transitions;
 pub use unknowns::{Local, Unknowns, Window, acts, relevant};
 pub use windows::{final_windows, guessed, joined};

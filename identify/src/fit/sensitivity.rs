@@ -44,6 +44,16 @@ impl Lanes<'_> {
         self.globals.len() + self.locals.len()
     }
 
+    /// At most `most` of these lanes, from the lane `first` on.
+    fn part(&self, first: usize, most: usize) -> Lanes<'_> {
+        let end = (first + most).min(self.count());
+        let globals = self.globals.len();
+        Lanes {
+            globals: &self.globals[first.min(globals)..end.min(globals)],
+            locals: self.locals[first.max(globals) - globals..end.max(globals) - globals].to_vec(),
+        }
+    }
+
     /// The lane of an unknown of the window, if it has one.
     fn of_local(&self, local: usize) -> Option<usize> {
         let at = self.locals.iter().position(|&acting| acting == local)?;
@@ -72,12 +82,13 @@ macro_rules! with_lanes {
             9..=10 => $function::<10>($($argument),*),
             11..=12 => $function::<12>($($argument),*),
             13..=16 => $function::<16>($($argument),*),
-            _ => $function::<24>($($argument),*),
+            17..=MAX_UNKNOWNS => $function::<MAX_UNKNOWNS>($($argument),*),
+            _ => normal_wide($($argument),*),
         }
     };
 }
 
-/// The most unknowns, globals and locals together, that one window can have.
+/// The most unknowns, globals and locals together, that one simulation of a window carries.
 pub const MAX_UNKNOWNS: usize = 24;
 
 fn run_lanes<const N: usize>(
@@ -155,6 +166,15 @@ pub fn normal_observed(
     each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
     let lanes = Lanes::of(record, window, model, globals);
+    if is_impossible(record, values) {
+        let count = lanes.count();
+        return WindowNormal {
+            hessian: DMatrix::zeros(count, count),
+            gradient: DVector::zeros(count),
+            cost: f64::INFINITY,
+            locals: lanes.locals,
+        };
+    }
     with_lanes!(
         lanes.count(),
         normal_lanes,
@@ -166,6 +186,34 @@ pub fn normal_observed(
         lanes,
         each
     )
+}
+
+/// What a simulation with `N` lanes says of every measurement that counts at one sample: channel, residual,
+/// sensitivities, the latter two divided by the noise.
+fn observations<const N: usize>(
+    record: &Record,
+    k: usize,
+    reading: &plant::Reading<Dual<N>>,
+    mut each: impl FnMut(usize, f64, &[f64; N]),
+) {
+    let weight = record.weight[k];
+    if weight == 0.0 {
+        return;
+    }
+    for (index, channel) in record.channels.iter().enumerate() {
+        let measured = channel.samples[k];
+        if measured.is_nan() {
+            continue;
+        }
+        let output = channel.output.of(reading);
+        let scale = weight / channel.noise_std;
+        let residual = (measured - output.value) * scale;
+        let mut sensitivity = output.derivatives;
+        for lane in &mut sensitivity {
+            *lane *= scale;
+        }
+        each(index, residual, &sensitivity);
+    }
 }
 
 fn normal_lanes<const N: usize>(
@@ -181,14 +229,6 @@ fn normal_lanes<const N: usize>(
     let mut hessian = [[0.0; N]; N];
     let mut gradient = [0.0; N];
     let mut cost = 0.0;
-    if is_impossible(record, values) {
-        return WindowNormal {
-            hessian: DMatrix::zeros(count, count),
-            gradient: DVector::zeros(count),
-            cost: f64::INFINITY,
-            locals: lanes.locals,
-        };
-    }
     run_lanes::<N>(
         record,
         window,
@@ -197,23 +237,8 @@ fn normal_lanes<const N: usize>(
         unknowns,
         &lanes,
         &mut |k, reading| {
-            let weight = record.weight[k];
-            if weight == 0.0 {
-                return;
-            }
-            for (index, channel) in record.channels.iter().enumerate() {
-                let measured = channel.samples[k];
-                if measured.is_nan() {
-                    continue;
-                }
-                let output = channel.output.of(reading);
-                let scale = weight / channel.noise_std;
-                let residual = (measured - output.value) * scale;
+            observations(record, k, reading, |channel, residual, sensitivity| {
                 cost += residual * residual;
-                let mut sensitivity = output.derivatives;
-                for lane in &mut sensitivity {
-                    *lane *= scale;
-                }
                 for row in 0..count {
                     gradient[row] += sensitivity[row] * residual;
                     // The lower triangle is filled by symmetry at the end.
@@ -223,30 +248,109 @@ fn normal_lanes<const N: usize>(
                 }
                 each(Observation {
                     sample: k,
-                    channel: index,
+                    channel,
                     residual,
                     sensitivity: &sensitivity[..count],
                 });
-            }
+            });
         },
     );
-    for (local, value, std) in priors(record, window) {
-        cost += (value / std).powi(2);
-        let Some(lane) = lanes.of_local(local) else {
-            continue;
-        };
-        gradient[lane] -= value / (std * std);
-        hessian[lane][lane] += 1.0 / (std * std);
-    }
-    if !cost.is_finite() {
-        cost = f64::INFINITY;
-    }
-    WindowNormal {
+    let normal = WindowNormal {
         hessian: DMatrix::from_fn(count, count, |row, column| hessian[row][column]),
         gradient: DVector::from_fn(count, |row, _| gradient[row]),
         cost,
-        locals: lanes.locals,
+        locals: lanes.locals.clone(),
+    };
+    with_priors(record, window, &lanes, normal)
+}
+
+/// As [`normal_lanes`], for more unknowns than one simulation carries: as many simulations as it takes, each with
+/// a part of the lanes.
+fn normal_wide(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    lanes: Lanes,
+    each: &mut dyn FnMut(Observation),
+) -> WindowNormal {
+    /// One observation, its sensitivities as far as they have come.
+    struct Row {
+        sample: usize,
+        channel: usize,
+        residual: f64,
+        sensitivity: Vec<f64>,
     }
+    let count = lanes.count();
+    let mut rows: Vec<Row> = vec![];
+    for first in (0..count).step_by(MAX_UNKNOWNS) {
+        let part = lanes.part(first, MAX_UNKNOWNS);
+        let own = part.count();
+        let mut at = 0;
+        run_lanes::<MAX_UNKNOWNS>(
+            record,
+            window,
+            model,
+            values,
+            unknowns,
+            &part,
+            &mut |k, reading| {
+                observations(record, k, reading, |channel, residual, sensitivity| {
+                    if first == 0 {
+                        rows.push(Row {
+                            sample: k,
+                            channel,
+                            residual,
+                            sensitivity: vec![],
+                        });
+                    }
+                    rows[at].sensitivity.extend(&sensitivity[..own]);
+                    at += 1;
+                });
+            },
+        );
+    }
+    let mut normal = WindowNormal {
+        hessian: DMatrix::zeros(count, count),
+        gradient: DVector::zeros(count),
+        cost: 0.0,
+        locals: lanes.locals.clone(),
+    };
+    for row in &rows {
+        normal.cost += row.residual * row.residual;
+        let sensitivity = DVector::from_column_slice(&row.sensitivity);
+        normal.gradient.axpy(row.residual, &sensitivity, 1.0);
+        normal.hessian.ger(1.0, &sensitivity, &sensitivity, 1.0);
+        each(Observation {
+            sample: row.sample,
+            channel: row.channel,
+            residual: row.residual,
+            sensitivity: &row.sensitivity,
+        });
+    }
+    with_priors(record, window, &lanes, normal)
+}
+
+/// The normal equations with what is known beforehand of the window's unknowns.
+fn with_priors(
+    record: &Record,
+    window: &Window,
+    lanes: &Lanes,
+    mut normal: WindowNormal,
+) -> WindowNormal {
+    for (local, value, std) in priors(record, window) {
+        normal.cost += (value / std).powi(2);
+        let Some(lane) = lanes.of_local(local) else {
+            continue;
+        };
+        normal.gradient[lane] -= value / (std * std);
+        normal.hessian[(lane, lane)] += 1.0 / (std * std);
+    }
+    if !normal.cost.is_finite() {
+        normal.cost = f64::INFINITY;
+    }
+    normal
 }
 
 /// The unknowns of a window that are known beforehand: index, value, standard deviation.

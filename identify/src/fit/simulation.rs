@@ -26,6 +26,7 @@ pub(super) fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S
     (state, current, angle_zero)
 }
 
+/// The plant of a record: without what lies between command and current where the record holds the current.
 pub(super) fn plant_of<S: Scalar>(
     record: &Record,
     model: &Model,

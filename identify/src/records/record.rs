@@ -23,7 +23,7 @@ pub struct Channel {
     pub quantum: Option<f64>,
 }
 
-/// Length of the windows of a balance log in s (contract), and of any other log whose free run diverges.
+/// Length of the windows of a balance log in s, and of any other log whose free run diverges.
 pub const BALANCE_WINDOW_S: f64 = 0.25;
 
 /// Time over which the rate is averaged before the way of the body is taken from it, s: a balanced body moves

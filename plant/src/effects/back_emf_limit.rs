@@ -13,7 +13,7 @@ impl Effect for BackEmfLimit {
         name: "back-emf-limit",
         equation: "|i| ≤ (V − k_e |φ̇|)/R where current and speed have one sign, k_e = τ",
         meaning: "the back-EMF of the motor uses up the supply voltage",
-        source: "contract",
+        source: "Krishnan, Electric Motor Drives (2001), ch. 9, voltage limit of a brushless motor",
         fingerprint: "a spin-up bends over at a high speed and ends at a speed that does not depend on the current",
         role: Role::Motor,
         parameters: &[ParameterInfo {

@@ -13,7 +13,7 @@ impl Effect for BodyCableSpring {
         name: "body-cable-spring",
         equation: "κ (α − α₀)",
         meaning: "the supply or sensor cable bends as the body turns",
-        source: "contract",
+        source: "Landau & Lifshitz, Mechanics (3rd ed. 1976), § 21, a linear restoring torque",
         fingerprint: "the rest position and the balance point are shifted, and the period changes",
         role: Role::Body,
         parameters: &[ParameterInfo {

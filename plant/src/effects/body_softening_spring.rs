@@ -13,7 +13,7 @@ impl Effect for BodySofteningSpring {
         name: "body-softening-spring",
         equation: "−κ₃ α³",
         meaning: "a suspension or cable whose stiffness falls with deflection",
-        source: "contract",
+        source: "Landau & Lifshitz, Mechanics (3rd ed. 1976), § 28, the cubic term of the restoring torque",
         fingerprint: "the period grows with the amplitude by more than a pendulum allows",
         role: Role::Body,
         parameters: &[ParameterInfo {

@@ -13,7 +13,7 @@ impl Effect for CurrentOffset {
         name: "current-offset",
         equation: "torque = τ (i + i₀)",
         meaning: "offset of the analogue set point of the drive",
-        source: "contract",
+        source: "Horowitz & Hill, The Art of Electronics (3rd ed. 2015), ch. 4, offset of an amplifier",
         fingerprint: "the wheel creeps at zero command; forward and reversed runs are not mirror images",
         role: Role::Motor,
         parameters: &[ParameterInfo {

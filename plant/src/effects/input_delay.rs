@@ -13,7 +13,7 @@ impl Effect for InputDelay {
         name: "input-delay",
         equation: "i(t) = u(t − δ)",
         meaning: "computing time, bus and PWM period",
-        source: "contract",
+        source: "Åström & Wittenmark, Computer-Controlled Systems (3rd ed. 1997), ch. 2, systems with time delay",
         fingerprint: "while balancing, the response to the command is shifted in time; the loop rings",
         role: Role::Motor,
         parameters: &[ParameterInfo {

@@ -13,7 +13,7 @@ impl Effect for MotorDeadZone {
         name: "motor-dead-zone",
         equation: "torque = τ sign(i) max(|i| − d, 0)",
         meaning: "dead band of the drive",
-        source: "contract",
+        source: "Khalil, Nonlinear Systems (3rd ed. 2002), ch. 1, common nonlinearities: dead zone",
         fingerprint: "the acceleration is short by the same amount at every current, and a coasting wheel knows nothing of it",
         role: Role::Motor,
         parameters: &[ParameterInfo {

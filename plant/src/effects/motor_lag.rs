@@ -13,7 +13,7 @@ impl Effect for MotorLag {
         name: "motor-lag",
         equation: "T di/dt = u − i",
         meaning: "winding inductance and the bandwidth of the current drive",
-        source: "contract",
+        source: "Franklin, Powell & Emami-Naeini, Feedback Control of Dynamic Systems, ch. 2, armature circuit of a motor",
         fingerprint: "after a step of the command the acceleration rises gradually; while balancing, the loop rings",
         role: Role::Motor,
         parameters: &[ParameterInfo {

@@ -13,7 +13,7 @@ impl Effect for MotorSaturation {
         name: "motor-saturation",
         equation: "torque = τ i / √(1 + (i/i_s)²)",
         meaning: "the iron of the motor saturates",
-        source: "contract",
+        source: "saturation of the iron: Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 2; the shape of the knee is a choice",
         fingerprint: "twice the current gives less than twice the acceleration of the wheel",
         role: Role::Motor,
         parameters: &[ParameterInfo {

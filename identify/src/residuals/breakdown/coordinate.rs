@@ -39,7 +39,7 @@ impl Coordinate {
         Coordinate::Time,
     ];
 
-    /// The name in the contract.
+    /// The name in every report.
     pub fn name(self) -> &'static str {
         match self {
             Coordinate::Time => "time",
