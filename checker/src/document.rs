@@ -3,7 +3,7 @@
 use crate::certificate::claims::CLAIMS;
 use crate::certificate::reader::Certificate;
 use crate::language::module::Module;
-use crate::prove::ClaimResult;
+use crate::prove::results::ClaimResult;
 
 /// The text of CLAIMS.md for one emitted crate. `results` tells which engines settle a claim; times
 /// and outcomes, which differ from machine to machine, are not in the text.

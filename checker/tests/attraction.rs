@@ -5,7 +5,7 @@ use std::path::Path;
 use checker::Module;
 use checker::certificate::reader::Certificate;
 use checker::claims::control_law::ControlLaw;
-use checker::claims::filter_accurate::Random;
+use checker::claims::random::Random;
 use checker::claims::{closed_loop_for_all_time, region_of_attraction};
 use num_traits::ToPrimitive;
 

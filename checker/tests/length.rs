@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use checker::claims::filter_length::{Lengths, check};
-use checker::claims::filter_total;
+use checker::claims::filter_length::check::{Lengths, check};
+use checker::claims::primitives;
 use checker::{Machine, Module};
 use num_rational::BigRational;
 use proptest::prelude::*;
@@ -21,10 +21,7 @@ fn module(sources: &[(String, String)]) -> Module {
 }
 
 fn lengths(module: &Module) -> Result<Lengths, String> {
-    check(
-        module,
-        &filter_total::proved(&filter_total::primitives(module)),
-    )
+    check(module, &primitives::proved(&primitives::primitives(module)))
 }
 
 /// 1 + `distance`, which is a double and so exact.
@@ -164,7 +161,7 @@ fn damage_is_refused() {
         ),
     ];
     // The contracts of the primitives stand as they were; the length is to notice by itself.
-    let contracts = filter_total::proved(&filter_total::primitives(&module(&sources())));
+    let contracts = primitives::proved(&primitives::primitives(&module(&sources())));
     for (file, from, to) in cases {
         let mut sources = sources();
         let (_, text) = sources.iter_mut().find(|(path, _)| path == file).unwrap();

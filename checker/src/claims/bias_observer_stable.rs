@@ -1,186 +1,39 @@
-//! The observer of the angle's bias: its numbers against the plant, its words against its numbers,
-//! and the loop that it makes.
+//! Claim `bias-observer-stable`: the loop that plant, regulator and the observer of the angle's bias
+//! make.
 //!
-//! With x⁺ = Ad x + Bd u, the measured state y = x + b e₁ and ℓ, f, g, λ the stated `direct`,
-//! `from_states`, `from_current` and `decay`,
-//!
-//! ```text
-//! b̂ = z + ℓᵀ y,   z⁺ = λ z + fᵀ y + g u.
-//! ```
-//!
-//! **Numbers.** The error e = b̂ − b follows e⁺ = λ e whatever x and u do exactly if
-//!
-//! ```text
-//! fᵀ + ℓᵀ Ad − λ ℓᵀ = 0,   g + ℓᵀ Bd = 0,   λ + ℓᵀ (I − Ad) e₁ = 1
-//! ```
-//!
-//! (put y⁺ = Ad x + Bd u + b e₁ into b̂⁺; the three are the terms in x, in u and in b).
-//!
-//! **Words.** All products have p fraction bits, p the largest with which a sum of products of any
-//! words stays within 64 bits; a number c per unit of a word with q fraction bits is the word
-//! c 2^(p − q), rounded.
-//!
-//! **Loop.** Plant, observer and u = N (y − b̂ e₁) with the words as they are: Hurwitz' criterion in
+//! Plant, observer and u = N (y − b̂ e₁) with the words as they are: Hurwitz' criterion in
 //! δ = (z − 1)/T for the four eigenvalues, and the share of a constant bias that is left at rest.
+//! [`crate::claims::bias_observer_numbers`] says what the observer is.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::reader::{BiasObserver, Certificate, matrix, vector};
+use crate::certificate::reader::{Certificate, matrix, vector};
+use crate::claims::bias_observer_words::STATE_BITS;
 use crate::claims::control_law::{ControlLaw, exponent};
-use crate::claims::hardware_words::{Words, nearest};
+use crate::claims::named_words::NamedWords;
+use crate::claims::outcome::Outcome;
 use crate::exact::matrices::{Vector, dot};
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 
-type Check = Result<(), String>;
-
-/// Fraction bits of the word of z (rad).
-const STATE_BITS: i32 = 30;
-/// Most fraction bits of a product.
-const PRODUCT_BITS_MAX: i32 = 60;
 /// What is left of a constant bias at rest must be below this share.
 const LEFT_MAX: i32 = 100;
 
-/// The stated numbers observe the stated plant, to within what double precision leaves of them.
-///
-/// # Errors
-/// A sentence that names the number.
-pub fn check_numbers(certificate: &Certificate) -> Check {
-    let Some(observer) = &certificate.bias_observer else {
-        return Ok(());
-    };
-    let ad = matrix(&certificate.plant.ad);
-    let bd = vector(&certificate.plant.bd);
-    let direct = vector(&observer.direct);
-    let decay = &observer.decay.value;
-    if !(decay.is_positive() && *decay < BigRational::one()) {
-        return Err(format!(
-            "bias_observer.decay is {}, which does not lie between 0 and 1",
-            observer.decay
-        ));
-    }
-    if !observer.limit_rad.value.is_positive() {
-        return Err("bias_observer.limit_rad is not positive".to_owned());
-    }
-    let vanishes = |name: String, terms: &[BigRational]| {
-        let sum: BigRational = terms.iter().sum();
-        let size: BigRational = terms.iter().map(Signed::abs).sum();
-        if sum.abs() <= size * power_of_two(-46) {
-            Ok(())
-        } else {
-            Err(format!(
-                "bias_observer.{name} does not observe the stated Ad and Bd: {} remains",
-                rounded_up(&sum, 3)
-            ))
-        }
-    };
-    for (j, stated) in observer.from_states.iter().enumerate() {
-        let mut terms = vec![stated.value.clone(), -(decay * &direct[j])];
-        terms.extend((0..3).map(|i| &direct[i] * &ad[i][j]));
-        vanishes(format!("from_states[{j}]"), &terms)?;
-    }
-    let mut terms = vec![observer.from_current.value.clone()];
-    terms.extend((0..3).map(|i| &direct[i] * &bd[i]));
-    vanishes("from_current".to_owned(), &terms)?;
-    let mut terms = vec![decay.clone(), integer(-1)];
-    terms.extend((0..3).map(|i| &direct[i] * (integer(i128::from(i == 0)) - &ad[i][0])));
-    vanishes("direct".to_owned(), &terms)
-}
-
-/// The words of `BIAS_OBSERVER` are the stated numbers, rounded; all nothing where none are stated.
-///
-/// # Errors
-/// A sentence that names the word.
-pub(crate) fn check_words(
+/// What comes of the claim.
+pub fn by_exact_arithmetic(
     certificate: &Certificate,
-    text: &str,
+    module: &Module,
     law: &ControlLaw,
-    words: &Words,
-) -> Check {
-    let documented = |line: &str| {
-        if text.lines().any(|found| found.trim() == line) {
-            Ok(())
-        } else {
-            Err(format!("src/constants.rs does not document `{line}`"))
-        }
-    };
-    let Some(observer) = &certificate.bias_observer else {
-        documented("/// No observer of the angle's bias: the estimate is zero.")?;
-        // Nothing of one is left but shifts that are valid.
-        for (name, word) in words.iter() {
-            let wanted = i128::from(name.ends_with("_shift"));
-            if word != wanted {
-                return Err(format!(
-                    "{name} is {word} in a module without a bias estimate"
-                ));
-            }
-        }
-        return Ok(());
-    };
-    documented(&format!(
-        "/// Observer of the angle's bias with decay {} a step, within ±{} rad.",
-        observer.decay, observer.limit_rad
-    ))?;
-    let angle_bits = exponent(law.state_bits[0]);
-    let get = |field: &str| words.get(&format!("BIAS_OBSERVER.{field}"));
-    let is = |field: &str, wanted: BigRational| {
-        let found = get(field)?;
-        if found == wanted {
-            Ok(())
-        } else {
-            Err(format!("BIAS_OBSERVER.{field} is {found}, not {wanted}"))
-        }
-    };
-    let product_bits = (angle_bits.max(STATE_BITS) + 1..=PRODUCT_BITS_MAX)
-        .rev()
-        .find(|bits| fits(&scaled(observer, law, *bits)))
-        .ok_or("the numbers of bias_observer fit no words")?;
-    is("unit", power_of_two(product_bits - STATE_BITS))?;
-    is("state_shift", integer((product_bits - STATE_BITS).into()))?;
-    is("angle_shift", integer((product_bits - angle_bits).into()))?;
-    for (field, real) in scaled(observer, law, product_bits) {
-        nearest(&format!("BIAS_OBSERVER.{field}"), &get(&field)?, &real)?;
-    }
-    nearest(
-        "BIAS_OBSERVER.limit",
-        &get("limit")?,
-        &(&observer.limit_rad.value * power_of_two(angle_bits)),
-    )
-}
-
-/// Each number of the observer in units of its word, for products with `bits` fraction bits.
-fn scaled(observer: &BiasObserver, law: &ControlLaw, bits: i32) -> Vec<(String, BigRational)> {
-    let unit = |word_bits: i32| power_of_two(bits - word_bits);
-    let mut all = vec![("decay".to_owned(), &observer.decay.value * unit(STATE_BITS))];
-    for i in 0..3 {
-        let state = unit(exponent(law.state_bits[i]));
-        all.push((format!("direct[{i}]"), &observer.direct[i].value * &state));
-        all.push((
-            format!("from_states[{i}]"),
-            &observer.from_states[i].value * &state,
-        ));
-    }
-    all.push((
-        "from_current".to_owned(),
-        &observer.from_current.value * unit(exponent(law.current_bits)),
-    ));
-    // 1, on the same scale as the decay.
-    all.push(("unit".to_owned(), unit(STATE_BITS)));
-    all
-}
-
-/// Whether sums of products with any words, and the half that rounds, stay below 2⁶³.
-fn fits(scaled: &[(String, BigRational)]) -> bool {
-    let sum = |names: &[&str]| -> BigRational {
-        scaled
-            .iter()
-            .filter(|(name, _)| names.iter().any(|start| name.starts_with(start)))
-            .map(|(_, value)| value.abs().round())
-            .sum()
-    };
-    let largest = power_of_two(31);
-    sum(&["unit", "direct"]) < largest && sum(&["decay", "from_"]) < largest
+) -> Outcome {
+    Outcome::proved(check_loop(certificate, module, law).map(|rest| match rest {
+        Some((left, speed)) => format!(
+            "{} of a bias is left; the wheel turns with {} rad/s for each rad of bias",
+            rounded_up(&left, 2),
+            rounded_up(&speed, 2)
+        ),
+        None => "there is no observer: its words are zero".to_owned(),
+    }))
 }
 
 /// Shows that plant, regulator and observer are stable together, with the words of the source, and
@@ -198,7 +51,7 @@ pub fn check_loop(
     if certificate.bias_observer.is_none() {
         return Ok(None);
     }
-    let words = Words::read(module, "BIAS_OBSERVER")?;
+    let words = NamedWords::read(module, "BIAS_OBSERVER")?;
     let small = |field: &str| words.small(&format!("BIAS_OBSERVER.{field}"));
     // Real numbers again: of z with 2^−30 rad, of an estimate with the angle's unit.
     let angle_bits = exponent(law.state_bits[0]);

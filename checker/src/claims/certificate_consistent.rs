@@ -4,10 +4,11 @@ use num_rational::BigRational;
 use num_traits::{One, Signed};
 
 use crate::certificate::claims::CLAIMS;
-use crate::certificate::reader::{Certificate, Decimal, vector};
-use crate::claims::bias_observer_stable::check_numbers;
+use crate::certificate::reader::{Certificate, Decimal};
+use crate::claims::bias_observer_numbers::check_numbers;
+use crate::claims::control_accurate_real_gains::derived;
 use crate::claims::control_law::{ControlLaw, exponent};
-use crate::claims::stable_for_parameters::check_sampling;
+use crate::claims::sampling::check_sampling;
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::declarations::Named;
 use crate::language::module::Module;
@@ -316,17 +317,6 @@ fn check_bounds(certificate: &Certificate, law: &ControlLaw) -> Check {
     })?;
     as_derived("real_gains_A", &bounds.real_gains, &real_gains)?;
     as_derived("state_rounding_A", &bounds.state_rounding, &state_rounding)
-}
-
-/// The bound against the real gains, and that of rounding a state.
-pub fn derived(certificate: &Certificate, law: &ControlLaw) -> (BigRational, BigRational) {
-    let k = vector(&certificate.gains);
-    let ranges = [0, 1, 2].map(|i| certificate.inputs[i].range.value.clone());
-    let limit = &certificate.constants[3].real.value;
-    (
-        law.real_gains_bound(&k, limit, &ranges),
-        law.state_rounding(&k),
-    )
 }
 
 /// A stated bound is the derived one, or that rounded up in its last digit.

@@ -34,6 +34,7 @@ use num_traits::{One, Signed, Zero};
 
 use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
 use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::outcome::Outcome;
 use crate::exact::matrices::{
     Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
 };
@@ -90,6 +91,37 @@ pub fn loops(certificate: &Certificate, law: &ControlLaw) -> (Matrix, Matrix) {
     };
     let minus_k = k.map(|gain| -gain);
     (with(&minus_k), with(&law.gains))
+}
+
+/// What comes of the claim, and the bounds if it holds.
+pub fn by_exact_arithmetic(
+    certificate: &Certificate,
+    law: &ControlLaw,
+) -> (Outcome, Option<ClosedLoopBounds>) {
+    let Some(stated) = &certificate.closed_loop else {
+        let why = "the certificate states none: no set was found that the perturbations cannot leave, or the module has an observer of the angle's bias, which the bound does not include";
+        return (Outcome::NotRun(why.to_owned()), None);
+    };
+    match check(certificate, stated, law) {
+        Ok(bounds) => {
+            let parts: Vec<_> = bounds
+                .cases
+                .iter()
+                .map(|case| {
+                    format!(
+                        "{}: {} rad, {} rad/s, {} rad/s, {} A",
+                        case.name,
+                        rounded_up(&case.states[0], 3),
+                        rounded_up(&case.states[1], 3),
+                        rounded_up(&case.states[2], 3),
+                        rounded_up(&case.command, 3)
+                    )
+                })
+                .collect();
+            (Outcome::Proved(parts.join("; ")), Some(bounds))
+        }
+        Err(why) => (Outcome::Failed(why), None),
+    }
 }
 
 /// Checks the closed-loop part of the certificate.

@@ -1,87 +1,16 @@
-//! Attitude filter and full step: no overflow for any reading, and an invariant that every step
-//! keeps.
+//! Claim `filter-total`: no overflow for any reading, and an invariant that every step of the
+//! attitude filter keeps.
 //!
-//! Primitives whose contracts stand at them in the source are proved first, each alone, by
-//! halving their domains ([`crate::domains::intervals::prove`]). The steps above are then analysed with the
-//! calls of proved primitives replaced by their contracts: what they are given must lie in the
-//! stated ranges, and nothing but the stated ranges is known of their results.
+//! The steps are analysed with the calls of proved primitives ([`crate::claims::primitives`])
+//! replaced by their contracts: what they are given must lie in the stated ranges, and nothing but
+//! the stated ranges is known of their results.
 
 use std::collections::HashMap;
 
-use crate::domains::intervals::{Interval, every_bit_pattern, prove, ranges};
-use crate::language::contracts::stated;
+use crate::domains::intervals::{Interval, every_bit_pattern, ranges};
 use crate::language::module::Module;
 use crate::program::contract::Contract;
 use crate::program::steps::Program;
-
-/// How many boxes a contract may take.
-const BOXES: usize = 400_000;
-
-/// A primitive and its contract.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Primitive {
-    /// Name, with its file: `root::inverse_length`.
-    pub name: String,
-    /// Number of the function.
-    pub number: usize,
-    /// What is stated.
-    pub contract: Contract,
-    /// Boxes that the proof took, or why there is none.
-    pub proof: Result<usize, String>,
-}
-
-/// Proves every contract that stands in the source.
-pub fn primitives(module: &Module) -> Vec<Primitive> {
-    let declarations = module.declarations();
-    let mut found: Vec<(usize, usize, Contract)> = Vec::new();
-    for number in 0..declarations.functions.len() {
-        if let (Some(contract), Some(program)) = (stated(module, number), module.program(number)) {
-            found.push((program.len(), number, contract));
-        }
-    }
-    // Small ones first, because larger ones call them.
-    found.sort_by_key(|(size, number, _)| (*size, *number));
-    let mut proved = HashMap::new();
-    let mut primitives = Vec::new();
-    for (_, number, contract) in found {
-        let function = &declarations.functions[number];
-        let proof = module
-            .function_with_contracts(number, &proved)
-            .map_err(|error| error.to_string())
-            .and_then(|program| {
-                // With the calls in place where their contracts say too little.
-                let short = prove(&program, &contract, 2_000).or_else(|_| {
-                    let whole = module.program(number).unwrap_or(&program);
-                    prove(whole, &contract, BOXES)
-                });
-                short.map_err(|finding| finding.to_string())
-            })
-            .map(|effort| effort.boxes);
-        if proof.as_ref().is_ok_and(|boxes| *boxes > 1) {
-            proved.insert(number, contract.clone());
-        }
-        primitives.push(Primitive {
-            name: format!(
-                "{}::{}",
-                declarations.files[function.module].module, function.name
-            ),
-            number,
-            contract,
-            proof,
-        });
-    }
-    primitives
-}
-
-/// The contracts that the steps above use: those whose proof needed halving. The other functions
-/// are small, and putting them in place says more than their contracts.
-pub fn proved(primitives: &[Primitive]) -> HashMap<usize, Contract> {
-    primitives
-        .iter()
-        .filter(|primitive| primitive.proof.as_ref().is_ok_and(|boxes| *boxes > 1))
-        .map(|primitive| (primitive.number, primitive.contract.clone()))
-        .collect()
-}
 
 /// The invariant of the words of a state: the quaternion's components and the rates within the
 /// limits that the source states, everything else of any value.
@@ -126,7 +55,7 @@ impl Invariant {
 
     /// Whether the words of a state that a step leaves keep the invariant; the state's words come
     /// last among the results and first among the arguments.
-    fn is_kept(&self, program: &Program, results: &[Interval]) -> Result<(), String> {
+    pub(crate) fn is_kept(&self, program: &Program, results: &[Interval]) -> Result<(), String> {
         let names: Vec<&String> = program
             .inputs
             .iter()
@@ -147,12 +76,12 @@ impl Invariant {
     }
 }
 
-/// Claim 3: the invariant holds at the start, and alignment and both steps keep it for every
+/// The invariant holds at the start, and alignment and both steps keep it for every
 /// reading, without overflow.
 ///
 /// # Errors
 /// A sentence with the place in the source.
-pub fn check_filter(module: &Module, contracts: &HashMap<usize, Contract>) -> Result<(), String> {
+pub fn check(module: &Module, contracts: &HashMap<usize, Contract>) -> Result<(), String> {
     let invariant = Invariant::read(module)?;
     let start = analysed(module, contracts, "Attitude::new", &invariant, &[])?;
     let names = module
@@ -174,57 +103,6 @@ pub fn check_filter(module: &Module, contracts: &HashMap<usize, Contract>) -> Re
         analysed(module, contracts, name, &invariant, &[])?;
     }
     Ok(())
-}
-
-/// Claim 5: raw counts of any value give a duty within `low` and `high`, and exactly `zero` when
-/// not armed; the state keeps its invariant.
-///
-/// # Errors
-/// A sentence with the place in the source.
-pub fn check_step(
-    module: &Module,
-    contracts: &HashMap<usize, Contract>,
-    low: u16,
-    zero: u16,
-    high: u16,
-) -> Result<(), String> {
-    let invariant = Invariant::read(module)?;
-    let name = "Controller::step";
-    let program = module
-        .function(name)
-        .ok_or("there is no Controller::step")?;
-    let start = analysed(module, contracts, "Controller::new", &invariant, &[])?;
-    invariant.is_kept(program, &start)?;
-    let armed = program
-        .inputs
-        .iter()
-        .position(|name| name == "self.is_armed")
-        .ok_or("the controller has no flag is_armed")?;
-    let is_armed_at_start = start[start.len() - own_words(program) + armed];
-    if is_armed_at_start != Interval::point(0) {
-        return Err("a new controller is armed".to_owned());
-    }
-    let cases = [
-        (0, Interval::point(zero.into())),
-        (1, Interval::new(low.into(), high.into())),
-    ];
-    for (flag, wanted) in cases {
-        let fixed = [(armed, Interval::point(flag))];
-        let results = analysed(module, contracts, name, &invariant, &fixed)?;
-        if !results[0].is_within(wanted) {
-            return Err(format!(
-                "with is_armed = {flag} the duty may lie in [{}, {}], not within [{}, {}]",
-                results[0].low, results[0].high, wanted.low, wanted.high
-            ));
-        }
-        invariant.is_kept(program, &results)?;
-    }
-    Ok(())
-}
-
-fn own_words(program: &Program) -> usize {
-    let is_own = |name: &&String| name.starts_with("self.");
-    program.inputs.iter().filter(is_own).count()
 }
 
 /// Ranges of the results of `name` for a state in the invariant and any readings.

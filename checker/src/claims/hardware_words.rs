@@ -1,5 +1,5 @@
 //! The words of `src/constants.rs` against the real numbers in its documentation and, for the observer
-//! of the angle's bias (see [`crate::claims::bias_observer_stable`]), in the certificate.
+//! of the angle's bias (see [`crate::claims::bias_observer_words`]), in the certificate.
 //!
 //! What each word stands for is derived here from the formats that the emitted fields state:
 //! half-angles a step in Q32, matrices in Q17 of which the accelerometer's and magnetometer's are
@@ -10,57 +10,13 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::certificate::reader::Certificate;
-use crate::claims::bias_observer_stable::check_words;
+use crate::claims::bias_observer_words::check_words;
 use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::named_words::{NamedWords, nearest};
 use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 
 type Check = Result<(), String>;
-
-/// Words by name.
-pub(crate) struct Words(Vec<(String, i128)>);
-
-impl Words {
-    pub(crate) fn read(module: &Module, name: &str) -> Result<Words, String> {
-        module
-            .constant_words("constants", name)
-            .map(Words)
-            .ok_or_else(|| format!("src/constants.rs has no {name}"))
-    }
-
-    pub(crate) fn get(&self, name: &str) -> Result<BigRational, String> {
-        self.0
-            .iter()
-            .find(|(known, _)| known == name)
-            .map(|(_, word)| integer(*word))
-            .ok_or_else(|| format!("src/constants.rs has no {name}"))
-    }
-
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, i128)> {
-        self.0.iter().map(|(name, word)| (name.as_str(), *word))
-    }
-
-    pub(crate) fn small(&self, name: &str) -> Result<i32, String> {
-        let word = self.get(name)?;
-        word.to_integer()
-            .to_i32()
-            .ok_or_else(|| format!("{name} is too large"))
-    }
-}
-
-/// A word is the nearest to a real number; half a unit and what double precision may add.
-pub(crate) fn nearest(name: &str, word: &BigRational, real: &BigRational) -> Check {
-    let allowed = half() + crate::exact::rational::power(10, -3);
-    if (word - real).abs() <= allowed {
-        Ok(())
-    } else {
-        Err(format!(
-            "{name} is {}, its real number makes it {}",
-            rounded_up(word, 12),
-            rounded_up(real, 12)
-        ))
-    }
-}
 
 /// Numbers in a line of text, in order.
 fn numbers(text: &str) -> Vec<BigRational> {
@@ -94,7 +50,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Ch
     if stated_period != period {
         return Err("the filter's sample time is not that of the certificate".to_owned());
     }
-    let filter = Words::read(module, "FILTER")?;
+    let filter = NamedWords::read(module, "FILTER")?;
     let stated = numbers(after(text, "Gravity")?);
     let [gravity, .., field, lever_x, lever_y] = stated.as_slice() else {
         return Err("the documents of FILTER do not state gravity, field and lever".to_owned());
@@ -142,7 +98,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Ch
     }
 
     let angle_bits = exponent(law.state_bits[0]);
-    let observer = Words::read(module, "BIAS_OBSERVER")?;
+    let observer = NamedWords::read(module, "BIAS_OBSERVER")?;
     check_words(certificate, text, law, &observer)?;
     check_angle(module, text, angle_bits, &observer)?;
 
@@ -230,7 +186,7 @@ fn check_sensor_steps(
 
 /// One sensor's bias and matrix; returns the factor from matrix to words.
 fn sensor(
-    words: &Words,
+    words: &NamedWords,
     text: &str,
     mark: &str,
     name: &str,
@@ -274,13 +230,13 @@ fn sensor(
     Ok(unit)
 }
 
-fn squared(words: &Words, name: &str, length: &BigRational) -> Check {
+fn squared(words: &NamedWords, name: &str, length: &BigRational) -> Check {
     let real = length * length * power_of_two(-32);
     nearest(name, &words.get(name)?, &real.max(BigRational::one()))
 }
 
-fn check_angle(module: &Module, text: &str, angle_bits: i32, observer: &Words) -> Check {
-    let single = |name: &str| Words::read(module, name)?.get(name);
+fn check_angle(module: &Module, text: &str, angle_bits: i32, observer: &NamedWords) -> Check {
+    let single = |name: &str| NamedWords::read(module, name)?.get(name);
     let exact = |name: &str, wanted: &BigRational| {
         let found = single(name)?;
         if found == *wanted {
@@ -320,7 +276,7 @@ fn line(
     low: &BigRational,
     high: &BigRational,
 ) -> Check {
-    let words = Words::read(module, name)?;
+    let words = NamedWords::read(module, name)?;
     let field = |field: &str| words.get(&format!("{name}.{field}"));
     let scale = power_of_two(words.small(&format!("{name}.shift"))?);
     let word = field("scale")?;

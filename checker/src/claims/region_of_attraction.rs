@@ -26,8 +26,9 @@ use num_traits::{One, Signed, Zero};
 use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
 use crate::claims::closed_loop_for_all_time::ClosedLoopBounds;
 use crate::claims::control_law::ControlLaw;
+use crate::claims::outcome::Outcome;
 use crate::exact::matrices::{Matrix, Vector, dot, inverse, quadratic};
-use crate::exact::rational::{half, integer, power, root_above};
+use crate::exact::rational::{half, integer, power, root_above, rounded_up};
 
 /// Shares of the set that are tried, in parts of its size.
 const PARTS: i128 = 64;
@@ -59,6 +60,28 @@ struct Loop {
     gamma: BigRational,
     pushed: BigRational,
     q: BigRational,
+}
+
+/// What comes of the claim, with the bounds of `closed-loop-for-all-time` if they hold.
+pub fn by_exact_arithmetic(
+    certificate: &Certificate,
+    bounds: Option<&ClosedLoopBounds>,
+    law: &ControlLaw,
+) -> Outcome {
+    let (Some(stated), Some(bounds)) = (&certificate.closed_loop, bounds) else {
+        return Outcome::NotRun("it needs closed-loop-for-all-time".to_owned());
+    };
+    match check(certificate, stated, bounds, law) {
+        Ok(region) => Outcome::Proved(format!(
+            "from {} of the ellipsoid (up to {} rad, {} rad/s, {} rad/s) into {} of it",
+            rounded_up(&region.outer, 3),
+            rounded_up(&region.extents[0], 3),
+            rounded_up(&region.extents[1], 3),
+            rounded_up(&region.extents[2], 3),
+            rounded_up(&region.inner, 3)
+        )),
+        Err(why) => Outcome::NotRun(why),
+    }
 }
 
 /// Finds the largest region that the argument above shows, and the smallest set to which it comes.

@@ -1,14 +1,5 @@
-//! Stability of the sampled loop with the emitted gains: of the stated matrices, and of every
-//! parameter vector that identification allows.
-//!
-//! **Criterion.** With t = T/2 and δ = (z − 1)/T, z = (1 + w t)/(1 − w t) maps the left half plane
-//! of w onto the inside of the unit circle, and δ = w/(1 − w t). A characteristic polynomial
-//! δ³ + a δ² + b δ + c becomes h₃ w³ + h₂ w² + h₁ w + h₀ with
-//!
-//! h₃ = 1 − a t + b t² − c t³,  h₂ = a − 2 b t + 3 c t²,  h₁ = b − 3 c t,  h₀ = c,
-//!
-//! and all roots lie in the left half plane exactly if all four are positive and h₂ h₁ > h₃ h₀
-//! (Hurwitz). Working in δ instead of z keeps what matters, z − 1, from drowning in 1.
+//! Claim `stable-for-parameters`: the loop with the emitted gains is stable for every parameter vector
+//! that identification allows, by the criterion of [`crate::claims::closed_loop_stable`].
 //!
 //! **Region.** Each parameter lies within ±√χ² standard errors, χ² the 95 % quantile for as many
 //! degrees of freedom as there are parameters. This box contains the 95 % ellipsoid whatever the
@@ -23,13 +14,14 @@
 //! from A itself: of G as a constant, of d in proportion to the Coulomb torque.
 
 use num_rational::BigRational;
-use num_traits::{One, Signed, Zero};
+use num_traits::{Signed, Zero};
 
 use crate::certificate::reader::{Certificate, matrix, vector};
-use crate::claims::closed_loop_for_all_time::loops;
+use crate::claims::closed_loop_stable::{Verdict, judged};
 use crate::claims::control_law::ControlLaw;
+use crate::claims::outcome::Outcome;
 use crate::exact::enclosure::Enclosure;
-use crate::exact::matrices::{Matrix, Vector, apply, product};
+use crate::exact::matrices::Vector;
 use crate::exact::rational::{half, integer, power, root_above, rounded_up};
 
 /// 95 % quantiles of χ² for 1 to 10 degrees of freedom, rounded up in the third decimal.
@@ -39,136 +31,6 @@ const CHI_SQUARED_95: [&str; 10] = [
 
 /// How often boxes are halved before the sweep gives up.
 const BOXES: usize = 4_000;
-
-/// Terms of the series of the matrix exponential.
-const TERMS: u32 = 80;
-
-/// Checks that Ad and Bd are A and B, sampled with a zero-order hold at the stated time.
-///
-/// # Errors
-/// A sentence that names the entry.
-pub fn check_sampling(certificate: &Certificate) -> Result<(), String> {
-    let t = &certificate.sample_time_s.value;
-    if !t.is_positive() {
-        return Err("the sample time is not positive".to_owned());
-    }
-    let a = matrix(&certificate.plant.a);
-    let b = vector(&certificate.plant.b);
-    let scaled: Matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| &a[i][j] * t));
-    let norm = scaled
-        .iter()
-        .map(|row| row.iter().map(Signed::abs).sum::<BigRational>())
-        .max()
-        .unwrap_or_default();
-    if norm > integer(8) {
-        return Err("the sample time is too long for the model: |A| T is above 8".to_owned());
-    }
-    // The first row of the model is kinematics: the rate is the angle's derivative.
-    let first = [&a[0][0], &a[0][1], &a[0][2], &b[0]];
-    if first.map(|entry| entry.clone()) != [0, 1, 0, 0].map(integer) {
-        return Err("the first row of A and B is not (0, 1, 0) and 0".to_owned());
-    }
-    // Σ (A T)^k/k! and T Σ (A T)^k/(k + 1)! B, until what is left is below 1e-30.
-    let mut left = BigRational::one();
-    let zero = || BigRational::zero();
-    let one = BigRational::one();
-    let mut term: Matrix =
-        [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { one.clone() } else { zero() }));
-    let mut ad: Matrix = [0, 1, 2].map(|_| [0, 1, 2].map(|_| zero()));
-    let mut bd: Vector = [0, 1, 2].map(|_| zero());
-    for k in 0..TERMS {
-        let input = apply(&term, &b);
-        let order = integer(i128::from(k) + 1);
-        for i in 0..3 {
-            for (sum, entry) in ad[i].iter_mut().zip(&term[i]) {
-                *sum += entry;
-            }
-            bd[i] += &input[i] * t / &order;
-        }
-        left = left * &norm / &order;
-        if left < power(10, -30) && order > &norm * integer(2) {
-            break;
-        }
-        let next = product(&term, &scaled);
-        term = next.map(|row| row.map(|entry| entry / &order));
-    }
-    let close = |what: String, stated: &BigRational, exact: &BigRational| {
-        let allowed = exact.abs() * power(10, -12) + power(10, -20);
-        if (stated - exact).abs() <= allowed {
-            Ok(())
-        } else {
-            Err(format!(
-                "{what} is stated as {}, sampling gives {}",
-                rounded_up(stated, 12),
-                rounded_up(exact, 12)
-            ))
-        }
-    };
-    let stated = &certificate.plant;
-    for i in 0..3 {
-        for (j, (entry, exact)) in stated.ad[i].iter().zip(&ad[i]).enumerate() {
-            close(format!("Ad[{i}][{j}]"), &entry.value, exact)?;
-        }
-        close(format!("Bd[{i}]"), &stated.bd[i].value, &bd[i])?;
-    }
-    Ok(())
-}
-
-/// Checks that the loop Ad + Bd N with the emitted gains is asymptotically stable.
-///
-/// # Errors
-/// A sentence.
-pub fn check_stable(certificate: &Certificate, law: &ControlLaw) -> Result<(), String> {
-    let t = &certificate.sample_time_s.value;
-    let (_, quantised) = loops(certificate, law);
-    let delta = [0, 1, 2].map(|i| {
-        [0, 1, 2].map(|j| {
-            let identity = integer(i128::from(i == j));
-            Enclosure::point(&((&quantised[i][j] - identity) / t))
-        })
-    });
-    match judged(&delta, t) {
-        Verdict::Stable => Ok(()),
-        _ => Err("Ad + Bd N has an eigenvalue on or outside the unit circle".to_owned()),
-    }
-}
-
-/// What is known of a box of parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
-    Stable,
-    Unstable,
-    Undecided,
-}
-
-/// Hurwitz' criterion for the δ-form of a loop.
-fn judged(m: &[[Enclosure; 3]; 3], sample_time: &BigRational) -> Verdict {
-    let t = Enclosure::point(&(sample_time * half()));
-    let minor = |i: usize, j: usize| &(&m[i][i] * &m[j][j]) - &(&m[i][j] * &m[j][i]);
-    let a = -&(&(&m[0][0] + &m[1][1]) + &m[2][2]);
-    let b = &(&minor(0, 1) + &minor(0, 2)) + &minor(1, 2);
-    let cofactor = |i: usize, j: usize| &(&m[1][i] * &m[2][j]) - &(&m[1][j] * &m[2][i]);
-    let determinant = &(&(&m[0][0] * &cofactor(1, 2)) - &(&m[0][1] * &cofactor(0, 2)))
-        + &(&m[0][2] * &cofactor(0, 1));
-    let c = -&determinant;
-
-    let t2 = &t * &t;
-    let t3 = &t2 * &t;
-    let two = Enclosure::point(&integer(2));
-    let three = Enclosure::point(&integer(3));
-    let h3 = &(&(&Enclosure::point(&integer(1)) - &(&a * &t)) + &(&b * &t2)) - &(&c * &t3);
-    let h2 = &(&a - &(&(&two * &b) * &t)) + &(&(&three * &c) * &t2);
-    let h1 = &b - &(&(&three * &c) * &t);
-    let cross = &(&h2 * &h1) - &(&h3 * &c);
-    let all = [&h3, &h2, &h1, &c, &cross];
-    if all.iter().all(|value| value.is_positive()) {
-        Verdict::Stable
-    } else if all.iter().any(|value| value.is_negative()) {
-        Verdict::Unstable
-    } else {
-        Verdict::Undecided
-    }
-}
 
 /// The parameters on which the linear model depends.
 const NAMES: [&str; 7] = [
@@ -197,6 +59,25 @@ pub enum RegionFailure {
     NotStated(String),
     /// It does not hold, or could not be decided.
     Fails(String),
+}
+
+/// What comes of the claim.
+pub fn by_exact_arithmetic(certificate: &Certificate, law: &ControlLaw) -> Outcome {
+    match check_region(certificate, law) {
+        Ok(region) if region.uncertain.is_empty() => {
+            Outcome::Proved("no standard error is stated: the parameters themselves".to_owned())
+        }
+        Ok(region) => {
+            let list: Vec<_> = region
+                .uncertain
+                .iter()
+                .map(|(name, radius)| format!("{name} ± {radius}"))
+                .collect();
+            Outcome::Proved(format!("{} in {} boxes", list.join(", "), region.boxes))
+        }
+        Err(RegionFailure::NotStated(why)) => Outcome::NotRun(why),
+        Err(RegionFailure::Fails(why)) => Outcome::Failed(why),
+    }
 }
 
 /// Shows that the loop with the emitted gains is stable for every parameter vector of the region.

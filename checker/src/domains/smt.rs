@@ -1,5 +1,4 @@
-//! Questions to z3 about the control law, and whether two functions are the same, as integer
-//! problems in SMT-LIB.
+//! Terms of SMT-LIB, and questions to z3 about them.
 //!
 //! Words are unbounded integers with their ranges as assumptions, truth is 0 or 1; a right shift is
 //! a division that rounds down. Every claim is asked as "is there a counterexample"; `unsat` proves
@@ -9,13 +8,12 @@ use std::process::{Command, Stdio};
 
 use easy_smt::{Context, ContextBuilder, Response, SExpr};
 
-use crate::certificate::reader::Certificate;
 use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
 use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
 use crate::program::types::Integer;
 
 /// Milliseconds that a question about a claim may take.
-const TIMEOUT_MS: u32 = 20_000;
+pub(crate) const TIMEOUT_MS: u32 = 20_000;
 /// Milliseconds that a comparison of two functions may take.
 const COMPARISON_MS: u32 = 4_000;
 
@@ -44,10 +42,10 @@ pub fn is_available() -> bool {
 }
 
 /// One question.
-struct Question {
-    context: Context,
+pub(crate) struct Question {
+    pub(crate) context: Context,
     /// Conditions under which nothing has gone wrong.
-    sound: Vec<SExpr>,
+    pub(crate) sound: Vec<SExpr>,
     /// Conditions of the branches around the step that is translated.
     path: Vec<SExpr>,
     /// Number of names given.
@@ -58,14 +56,14 @@ struct Question {
 }
 
 /// Why a question could not be asked.
-type Asked<T> = Result<T, String>;
+pub(crate) type Asked<T> = Result<T, String>;
 
-fn io<T>(result: std::io::Result<T>) -> Asked<T> {
+pub(crate) fn io<T>(result: std::io::Result<T>) -> Asked<T> {
     result.map_err(|error| format!("z3: {error}"))
 }
 
 impl Question {
-    fn new(timeout_ms: u32) -> Asked<Question> {
+    pub(crate) fn new(timeout_ms: u32) -> Asked<Question> {
         // Preprocessing does not look at the clock of `:timeout`; the process ends a little later.
         let seconds = format!("-T:{}", timeout_ms / 1000 + 1);
         let mut context = io(ContextBuilder::new()
@@ -85,7 +83,7 @@ impl Question {
         })
     }
 
-    fn number(&self, value: i128) -> SExpr {
+    pub(crate) fn number(&self, value: i128) -> SExpr {
         if value < 0 {
             let magnitude = self.context.numeral(value.unsigned_abs());
             self.context.negate(magnitude)
@@ -94,7 +92,7 @@ impl Question {
         }
     }
 
-    fn within(&self, value: SExpr, low: i128, high: i128) -> SExpr {
+    pub(crate) fn within(&self, value: SExpr, low: i128, high: i128) -> SExpr {
         let c = &self.context;
         c.and(
             c.lte(self.number(low), value),
@@ -110,7 +108,7 @@ impl Question {
     }
 
     /// Words of the arguments as unknowns.
-    fn arguments(&mut self, program: &Program, prefix: &str) -> Asked<Vec<SExpr>> {
+    pub(crate) fn arguments(&mut self, program: &Program, prefix: &str) -> Asked<Vec<SExpr>> {
         let mut unknowns = Vec::new();
         for (index, type_) in program.argument_types.iter().enumerate() {
             let sort = self.context.int_sort();
@@ -163,7 +161,7 @@ impl Question {
     }
 
     /// Asks whether `wanted` can fail, with nothing gone wrong before if `sound` says so.
-    fn ask(mut self, wanted: SExpr) -> Asked<Answer> {
+    pub(crate) fn ask(mut self, wanted: SExpr) -> Asked<Answer> {
         let not = self.context.not(wanted);
         io(self.context.assert(not))?;
         match io(self.context.check())? {
@@ -327,78 +325,9 @@ impl Domain for Question {
     }
 }
 
-fn answered(asked: Asked<Answer>) -> Answer {
+/// What z3 said, or why it could not be asked.
+pub(crate) fn answered(asked: Asked<Answer>) -> Answer {
     asked.unwrap_or_else(Answer::Unknown)
-}
-
-/// Claim `control-total`: no operation leaves its type, and the command lies within the limit.
-pub fn total(program: &Program, limit: i128) -> Answer {
-    let ask = || {
-        let mut question = Question::new(TIMEOUT_MS)?;
-        let arguments = question.arguments(program, "x")?;
-        let results = question.results(program, &arguments)?;
-        let within = question.within(results[0], -limit, limit);
-        let mut all = question.sound.clone();
-        all.push(within);
-        let wanted = question.context.and_many(all);
-        question.ask(wanted)
-    };
-    answered(ask())
-}
-
-/// Claim `control-accurate`: |command 2ˢ − clamp(Σ N X, ±limit 2ˢ)| ≤ 2ˢ⁻¹, with words, shift and
-/// limit of the certificate.
-pub fn accurate(program: &Program, certificate: &Certificate) -> Answer {
-    let ask = || {
-        let mut question = Question::new(TIMEOUT_MS)?;
-        let arguments = question.arguments(program, "x")?;
-        let results = question.results(program, &arguments)?;
-        let shift = certificate.bounds.shift;
-        if shift == 0 || shift > 62 {
-            return Err("the certificate states no law".to_owned());
-        }
-        let c = &question.context;
-        let mut sum = question.number(0);
-        for (constant, argument) in certificate.constants.iter().zip(&arguments) {
-            let gain = question.number(constant.raw.into());
-            sum = c.plus(sum, c.times(gain, *argument));
-        }
-        let scale = 1_i128 << shift;
-        let limit = i128::from(certificate.constants[3].raw) * scale;
-        let (low, high) = (question.number(-limit), question.number(limit));
-        let upper = c.ite(c.lt(high, sum), high, sum);
-        let saturated = c.ite(c.lt(sum, low), low, upper);
-        let error = c.sub(c.times(results[0], question.number(scale)), saturated);
-        let wanted = question.within(error, -scale / 2, scale / 2);
-        question.ask(wanted)
-    };
-    answered(ask())
-}
-
-/// Claim `control-monotone`, for one state: two copies of the law that differ in it.
-pub fn monotone(program: &Program, certificate: &Certificate, state: usize) -> Answer {
-    let ask = || {
-        let mut question = Question::new(TIMEOUT_MS)?;
-        let lower = question.arguments(program, "x")?;
-        let mut upper = lower.clone();
-        let (low, high) = program.argument_types[state].range();
-        let sort = question.context.int_sort();
-        upper[state] = io(question.context.declare_const("y", sort))?;
-        let range = question.within(upper[state], low, high);
-        io(question.context.assert(range))?;
-        let rises = question.context.lte(lower[state], upper[state]);
-        io(question.context.assert(rises))?;
-        let one = question.results(program, &lower)?[0];
-        let other = question.results(program, &upper)?[0];
-        let gain = certificate.constants[state].raw;
-        let wanted = if gain >= 0 {
-            question.context.lte(one, other)
-        } else {
-            question.context.lte(other, one)
-        };
-        question.ask(wanted)
-    };
-    answered(ask())
 }
 
 /// Whether two versions of a function return the same words, and neither overflows where the other

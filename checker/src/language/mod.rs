@@ -3,5 +3,6 @@
 
 pub mod contracts;
 pub mod declarations;
+pub mod emitted;
 pub mod lower;
 pub mod module;
