@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use identify::{Effort, Fit, Minimum, Setup, Window, finish, joined, refit};
+use identify::{Cancelled, Effort, Fit, Minimum, Progress, Setup, Window, finish, joined, refit};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
@@ -107,27 +107,49 @@ const LEFT_BY_TIES: f64 = 3.0;
 /// oscillation, about one step of the integration, lies between two of them.
 const SAMPLES_PER_PERIOD: f64 = 63.0;
 
-/// Diagnoses a fitted model. `progress` is told in words what is going on.
-pub fn diagnose(
-    setup: &Setup,
-    model: &Model,
-    minimum: Minimum,
-    progress: &dyn Fn(&str),
-) -> Diagnosis {
-    diagnose_among(setup, model, minimum, EffectId::ALL, progress)
+/// What may be asked of a diagnosis beside the model.
+#[derive(Clone, Debug)]
+pub struct Options<'a> {
+    /// The effects that are suspects.
+    pub suspects: &'a [EffectId],
+}
+
+impl Default for Options<'_> {
+    /// The whole library.
+    fn default() -> Self {
+        Options {
+            suspects: EffectId::ALL,
+        }
+    }
+}
+
+/// Diagnoses a fitted model. `say` is told in words what is going on. As [`diagnose_with`] with the
+/// usual options, where nobody calls the work off.
+pub fn diagnose(setup: &Setup, model: &Model, minimum: Minimum, say: &dyn Fn(&str)) -> Diagnosis {
+    let options = Options::default();
+    match diagnose_with(setup, model, minimum, &options, &Progress::saying(say)) {
+        Ok(diagnosis) => diagnosis,
+        Err(Cancelled) => unreachable!("nobody calls it off"),
+    }
 }
 
 /// Most times that a search is repeated because its result shows the logs in another light.
 const MOST_REVISIONS: usize = 2;
 
-/// As [`diagnose`], with these effects of the library as the only suspects.
-pub fn diagnose_among(
+/// Diagnoses a fitted model.
+///
+/// # Errors
+/// [`Cancelled`] soon after `progress` answers that the work is called off.
+pub fn diagnose_with(
     setup: &Setup,
     model: &Model,
     minimum: Minimum,
-    suspects: &[EffectId],
-    progress: &dyn Fn(&str),
-) -> Diagnosis {
+    options: &Options,
+    progress: &Progress,
+) -> Result<Diagnosis, Cancelled> {
+    progress.check()?;
+    let suspects = options.suspects;
+    let say = progress.say;
     let cleared = setup.with_more_pushes(model, &minimum.values);
     let has_more_pushes = cleared.is_some();
     let mut setup = cleared.unwrap_or_else(|| setup.clone());
@@ -143,17 +165,20 @@ pub fn diagnose_among(
         setup = cut;
         start = Start::new(&setup, model, &minimum, false, suspects);
     }
-    let mut searched = Searched::new(start, progress);
+    progress.check()?;
+    let mut searched = Searched::new(start, say);
     for _ in 0..MOST_REVISIONS {
         let Some(revised) = searched.revised(&setup) else {
             break;
         };
-        progress("searching again: the logs are read differently with what was found");
+        progress.check()?;
+        say("searching again: the logs are read differently with what was found");
         setup = revised;
         let start = Start::new(&setup, model, &minimum, false, suspects);
-        searched = Searched::new(start, progress);
+        searched = Searched::new(start, say);
     }
-    searched.diagnosis(&setup, progress)
+    progress.check()?;
+    Ok(searched.diagnosis(&setup, say))
 }
 
 /// What a search starts from.

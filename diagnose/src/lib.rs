@@ -27,7 +27,7 @@ mod suspects;
 mod validation;
 
 pub use candidate::Candidate;
-pub use diagnosis::{Diagnosis, Step, Suspect, Verdict, diagnose, diagnose_among};
+pub use diagnosis::{Diagnosis, Options, Step, Suspect, Verdict, diagnose, diagnose_with};
 pub use evidence::{TIE, effective, log_evidence, residual};
 pub use imperfection::Imperfection;
 pub use next_experiment::propose;

@@ -15,6 +15,7 @@
 //! | `decay` | how a free swing dies out: amplitude, decay and period |
 //! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
 //! | `cogging` | where a fit of cogging may start: its order, and the teeth on which windows begin |
+//! | `progress` | what long work says, and how it is called off |
 //! | `kinematics` | the rate against the angle, without a model of the motion |
 //! | `whiteness` | what is left in a residual: noise or structure |
 //! | `identification` | a whole bench: what is known, what is free, what is open |
@@ -29,6 +30,7 @@ mod identification;
 mod kinematics;
 mod missing_torque;
 mod noise;
+mod progress;
 mod pushes;
 mod record;
 mod sensitivity;
@@ -57,6 +59,7 @@ pub use missing_torque::{
     MeasuredMotion, MissingTorque, TorqueOn, half_bump, missing_torque, missing_torques,
 };
 pub use noise::{input_noise_std, noise_std, resolution};
+pub use progress::{Cancelled, Progress};
 pub use pushes::{Push, PushModel, find_pushes, leave_out};
 pub use record::{BALANCE_WINDOW_S, Channel, Output, Record, RecordedCurrent};
 pub use sensitivity::{

@@ -9,14 +9,14 @@
 use std::borrow::Cow;
 
 use identify::{
-    Effort, Fit, Minimum, Setup, final_windows, fit_from_scratch, identify, joined, refit,
+    Effort, Fit, Minimum, Progress, Setup, final_windows, fit_from_scratch, identify, joined, refit,
 };
 use plant::{EffectId, Model};
 
 use super::draw::{ExamBench, Question};
 use super::truth::Hidden;
 use crate::candidate::Candidate;
-use crate::diagnosis::{Diagnosis, Verdict, diagnose_among};
+use crate::diagnosis::{Diagnosis, Options, Verdict, diagnose_with};
 use crate::search::{largest_trace, prepared};
 use crate::suspects::{Round, try_all};
 
@@ -295,7 +295,10 @@ pub fn mark(setup: &Setup, answer: &Answer, suspects: &[EffectId]) -> Result<Pap
     let base = Model::base();
     let found = identify(setup, &base, None).map_err(|error| error.to_string())?;
     let mut minimum = found.fit.minimum.clone();
-    let diagnosis = diagnose_among(setup, &base, found.fit.minimum, suspects, &|_| {});
+    let options = Options { suspects };
+    let progress = Progress::silent();
+    let diagnosis = diagnose_with(setup, &base, found.fit.minimum, &options, &progress)
+        .map_err(|cancelled| cancelled.to_string())?;
     let seconds = started.elapsed().as_secs_f64();
     // What the logs can decide is worked out without the pushes that the diagnosis leaves out, too.
     let cleared = setup.with_more_pushes(&base, &minimum.values);
