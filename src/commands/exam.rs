@@ -136,7 +136,8 @@ fn write_files(out: &Path, entries: &[Entry], marks: &Marks) -> Result<Vec<PathB
         truths: &truths,
         answers: &answers,
         counts: &marks.confusion,
-    })?;
+    })
+    .map_err(workbench::Error::from)?;
     write_atomically(&confusion, figure.as_bytes())?;
     let bins: Vec<ReliabilityBin> = marks
         .calibration

@@ -10,8 +10,8 @@ use design::BiasObserver;
 use nalgebra::{Matrix3, Vector3};
 use simulate::Sensors;
 
-use crate::failure::Failure;
-use crate::model_design::ModelDesign;
+use crate::control_design::ControlDesign;
+use crate::error::Error;
 
 /// The estimate of the angle's bias stays within ± this, rad: 5.7°. More is no bias that a sensor
 /// has after calibration, and at it the loop still has nearly two thirds of its current limit's angle.
@@ -22,9 +22,10 @@ const BIAS_LIMIT_RAD: f64 = 0.1;
 ///
 /// # Errors
 /// A bias observer that the model cannot carry.
-pub fn module_spec(designed: &ModelDesign) -> Result<ModuleSpec, Failure> {
-    let design = &designed.design;
-    let calibration = &designed.file.calibration.unwrap_or_default();
+pub(crate) fn module_spec(designed: &ControlDesign) -> Result<ModuleSpec, Error> {
+    let design = designed.design();
+    let wishes = designed.wishes();
+    let calibration = &designed.file().calibration.unwrap_or_default();
     let rows = |value: &dyn Fn(usize, usize) -> f64| {
         [0, 1, 2].map(|row| [0, 1, 2].map(|column| value(row, column)))
     };
@@ -33,15 +34,15 @@ pub fn module_spec(designed: &ModelDesign) -> Result<ModuleSpec, Failure> {
         ..hardware(calibration)
     };
     Ok(ModuleSpec {
-        model_name: designed.name(),
+        model_name: designed.name().to_owned(),
         gains: [0, 1, 2].map(|index| design.gains[index]),
-        current_limit_a: designed.wishes.current_limit_a,
-        sample_time_s: designed.wishes.sample_time_s,
+        current_limit_a: wishes.current_limit_a,
+        sample_time_s: wishes.sample_time_s,
         ranges: PhysicalRanges::THESIS_BENCH,
         drive: drive(calibration),
         hardware,
         parameters: designed
-            .file
+            .file()
             .parameters
             .iter()
             .map(|parameter| Parameter {
@@ -51,8 +52,8 @@ pub fn module_spec(designed: &ModelDesign) -> Result<ModuleSpec, Failure> {
                 unit: parameter.unit.clone(),
             })
             .collect(),
-        state_weights: designed.wishes.state_weights,
-        current_weight: designed.wishes.current_weight,
+        state_weights: wishes.state_weights,
+        current_weight: wishes.current_weight,
         a: rows(&|row, column| design.model.state[(row, column)]),
         b: [0, 1, 2].map(|row| design.model.input[row]),
         ad: rows(&|row, column| design.discrete.state[(row, column)]),
@@ -63,8 +64,9 @@ pub fn module_spec(designed: &ModelDesign) -> Result<ModuleSpec, Failure> {
 
 /// The observer that `bias_time_constant` asks for. Of the sensors' noise only the ratios count;
 /// they are those of the simulated sensors.
-fn bias_observer(designed: &ModelDesign) -> Result<Option<BiasObserverSpec>, Failure> {
-    let Some(time_constant_s) = designed.wishes.bias_time_constant_s else {
+fn bias_observer(designed: &ControlDesign) -> Result<Option<BiasObserverSpec>, Error> {
+    let wishes = designed.wishes();
+    let Some(time_constant_s) = wishes.bias_time_constant_s else {
         return Ok(None);
     };
     let sensors = Sensors::of_the_thesis();
@@ -74,12 +76,12 @@ fn bias_observer(designed: &ModelDesign) -> Result<Option<BiasObserverSpec>, Fai
         sensors.wheel_speed.noise_std,
     );
     let observer = BiasObserver::new(
-        &designed.design.model,
-        designed.wishes.sample_time_s,
+        &designed.design().model,
+        wishes.sample_time_s,
         time_constant_s,
         &noise,
     )
-    .map_err(|error| Failure::in_file(designed.file.path(), error))?;
+    .map_err(|source| designed.design_error(source))?;
     Ok(Some(BiasObserverSpec {
         decay: observer.decay,
         direct: observer.direct.into(),
