@@ -75,7 +75,7 @@ pub fn mutate(
     most: Option<usize>,
     progress: &Progress,
 ) -> Result<MutationReport, Error> {
-    let emitted = Emitted::read(folder)?;
+    let emitted = Emitted::read(folder).map_err(checker::ProveError::from)?;
     let certificate =
         Certificate::parse(&emitted.certificate).map_err(checker::ProveError::Certificate)?;
     if let Some(notice) = notices(&emitted, &certificate).first() {
