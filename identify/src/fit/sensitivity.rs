@@ -167,7 +167,8 @@ pub fn normal_observed(
     // simulation: few numbers, close together where most fits are.
     let solve = match lanes.count() {
         0..=4 => normal_lanes::<4>,
-        5..=8 => normal_lanes::<8>,
+        5..=6 => normal_lanes::<6>,
+        7..=8 => normal_lanes::<8>,
         9..=MAX_LANES => normal_lanes::<MAX_LANES>,
         _ => normal_wide,
     };
