@@ -36,8 +36,8 @@ use crate::bench::{SECTIONS, bench_file, folder_of};
 use crate::csv_table;
 use crate::error::{Error, Names, Problem};
 use crate::known::Known;
-use crate::model_file::{number, set, table_in};
 use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_writing::{number, set, table_in};
 
 /// Raw readings of a three-axis sensor.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use quote::quote;
 use crate::emit::{inner_docs, integer, outer_docs, print};
 use crate::exact::Decimal;
 use crate::file::EmittedFile;
-use crate::hardware::HardwareWords;
+use crate::hardware_words::HardwareWords;
 use crate::helpers::bias_observer::BiasObserver;
 use crate::helpers::calibration::SensorLine;
 use crate::helpers::filter::FilterConstants;
