@@ -4,7 +4,7 @@ use std::path::Path;
 
 use checker::Module;
 use checker::certificate::reader::Certificate;
-use checker::domains::smt::{Answer, same as same_words};
+use checker::domains::smt::{SolverAnswer, same as same_words};
 use checker::mutate::{applied, chosen, judged, mutants, notices, summary};
 use checker::prove::Emitted;
 
@@ -66,14 +66,14 @@ fn two_versions_of_a_function_are_compared_for_all_arguments() {
         text.replace("p < -1_000", "p <= -1_000"),
         text.replace("a as i64 * b as i64", "b as i64 * a as i64"),
     ] {
-        assert_eq!(answer(&same, [whole; 2]), Answer::Proved, "{same}");
+        assert_eq!(answer(&same, [whole; 2]), SolverAnswer::Proved, "{same}");
     }
     let lower = text.replace("p > 1_000 {", "p > 999 {");
     let shifted = text.replace(">> 31", ">> 30");
-    assert_eq!(answer(&lower, [whole; 2]), Answer::Proved);
-    assert_ne!(answer(&shifted, [whole; 2]), Answer::Proved);
+    assert_eq!(answer(&lower, [whole; 2]), SolverAnswer::Proved);
+    assert_ne!(answer(&shifted, [whole; 2]), SolverAnswer::Proved);
     let higher = text.replace("p > 1_000 {", "p > 1_001 {");
-    assert_ne!(answer(&higher, [whole; 2]), Answer::Proved);
+    assert_ne!(answer(&higher, [whole; 2]), SolverAnswer::Proved);
     // Where the arguments cannot reach the difference there is none.
-    assert_eq!(answer(&higher, [(0, 1 << 20); 2]), Answer::Proved);
+    assert_eq!(answer(&higher, [(0, 1 << 20); 2]), SolverAnswer::Proved);
 }

@@ -2,7 +2,7 @@
 
 use attitude::AttitudeSpec;
 
-/// Sensors, converter and optional bias observer; the drive stands in [`crate::spec::Drive`].
+/// Sensors, converter and optional bias observer; the drive stands in [`crate::spec::PwmDrive`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardwareSpec {
     /// Inertial sensor, mounting and filter. Its sample time is that of the module.

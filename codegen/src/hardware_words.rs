@@ -10,7 +10,7 @@ use crate::hardware::BiasObserverSpec;
 use crate::helpers::bias_observer::BiasObserver;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::line::Line;
-use crate::ir::ControlLaw;
+use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
 /// The observer that does nothing.
@@ -54,7 +54,7 @@ pub struct HardwareWords {
 ///
 /// # Errors
 /// [`AttitudeRefusal`] for numbers that are not finite or do not fit their format.
-pub fn derive(spec: &ModuleSpec, law: &ControlLaw) -> Result<HardwareWords, AttitudeRefusal> {
+pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, AttitudeRefusal> {
     let hardware = &spec.hardware;
     let filter_spec = AttitudeSpec {
         sample_time_s: spec.sample_time_s,
@@ -146,7 +146,7 @@ fn line(
 /// The observer's words, with as many fraction bits in the products as fit 64 bits.
 fn observer_words(
     spec: &BiasObserverSpec,
-    law: &ControlLaw,
+    law: &IntegerLaw,
 ) -> Result<BiasObserver, AttitudeRefusal> {
     const STATE_BITS: i32 = 30;
     let angle_bits = law.terms[0].input.format.fraction_bits as i32;

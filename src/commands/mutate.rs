@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bench_files::write_atomically;
 use checker::certificate::Certificate;
-use checker::mutate::{Summary, Verdict, chosen, judged, notices, summary};
+use checker::mutate::{MutantVerdict, Summary, chosen, judged, notices, summary};
 use checker::prove::Emitted;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ pub struct Arguments {
 struct Mutation {
     folder: PathBuf,
     summary: Summary,
-    verdicts: Vec<Verdict>,
+    verdicts: Vec<MutantVerdict>,
 }
 
 /// Runs the command.
@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} mutants ({eta} left)") {
         progress.set_style(style);
     }
-    let verdicts: Vec<Verdict> = mutants
+    let verdicts: Vec<MutantVerdict> = mutants
         .into_par_iter()
         .map(|mutant| {
             let verdict = judged(&emitted, &certificate, mutant);
@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     )
 }
 
-fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
+fn text(summary: &Summary, verdicts: &[MutantVerdict]) -> String {
     let mut kinds = Table::new(&[
         ("kind", Align::Left),
         ("caught", Align::Right),
@@ -129,7 +129,7 @@ fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
     )
 }
 
-fn csv_of(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
+fn csv_of(verdicts: &[MutantVerdict]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(vec![]);
     writer.write_record([
         "file", "line", "column", "kind", "before", "after", "fate", "claim", "engine", "reason",

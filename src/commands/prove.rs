@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use checker::prove::{ClaimResult, Settings, passed, prove};
+use checker::prove::{ClaimResult, ProofSettings, passed, prove};
 use serde::Serialize;
 
 use crate::cli::Output;
@@ -18,10 +18,10 @@ pub struct Arguments {
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Number of random runs of each kind
-    #[arg(long, value_name = "N", default_value_t = Settings::default().cases)]
+    #[arg(long, value_name = "N", default_value_t = ProofSettings::default().cases)]
     pub cases: usize,
     /// Seed of the random runs
-    #[arg(long, value_name = "SEED", default_value_t = Settings::default().seed)]
+    #[arg(long, value_name = "SEED", default_value_t = ProofSettings::default().seed)]
     pub seed: u64,
     /// Leave out Kani even where it is installed (it takes minutes)
     #[arg(long)]
@@ -39,11 +39,11 @@ struct Proof {
 
 /// Runs the command: exit code 1 where a claim fails.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let settings = Settings {
+    let settings = ProofSettings {
         cases: arguments.cases,
         seed: arguments.seed,
         kani: !arguments.without_kani,
-        ..Settings::default()
+        ..ProofSettings::default()
     };
     let claims = while_doing("checking the claims of the certificate", || {
         prove(&arguments.folder, &settings)

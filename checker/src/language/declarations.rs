@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use syn::spanned::Spanned;
 
-use crate::program::place::{Place, SourceError};
+use crate::program::place::{SourceError, SourcePlace};
 use crate::program::types::Type;
 
 /// Result of reading source.
@@ -48,7 +48,7 @@ pub struct Constant {
     /// Value as written.
     pub expression: syn::Expr,
     /// Where its item starts (after documentation).
-    pub place: Place,
+    pub place: SourcePlace,
     /// Whether others see it.
     pub is_public: bool,
 }
@@ -69,7 +69,7 @@ pub struct Function {
     /// Body.
     pub body: syn::Block,
     /// Where its name stands.
-    pub place: Place,
+    pub place: SourcePlace,
     /// Attributes, in which contracts may stand.
     pub attributes: Vec<syn::Attribute>,
     /// Whether others see it.
@@ -89,7 +89,7 @@ pub struct Argument {
 
 /// One file.
 #[derive(Clone, Debug)]
-pub struct File {
+pub struct SourceFile {
     /// Path inside the crate.
     pub path: Arc<str>,
     /// `control` of `src/control.rs`; empty for `src/lib.rs`.
@@ -102,7 +102,7 @@ pub struct File {
 #[derive(Clone, Debug, Default)]
 pub struct Declarations {
     /// Files, `src/lib.rs` among them if it was given.
-    pub files: Vec<File>,
+    pub files: Vec<SourceFile>,
     /// Structs of all files.
     pub structs: Vec<Struct>,
     /// Constants of all files.
@@ -116,7 +116,7 @@ pub struct Declarations {
 /// `found`, at `span`, is not understood.
 pub(crate) fn refuse<T>(file: &Arc<str>, span: proc_macro2::Span, message: String) -> Read<T> {
     Err(SourceError {
-        place: Place::of(file, span),
+        place: SourcePlace::of(file, span),
         message,
     })
 }

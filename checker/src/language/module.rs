@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::language::declarations::{Constants, Declarations, Named, Read};
 use crate::language::lower::programs;
 use crate::program::contract::Contract;
-use crate::program::place::{Place, SourceError};
+use crate::program::place::{SourceError, SourcePlace};
 use crate::program::steps::Program;
 
 /// An emitted crate.
@@ -155,7 +155,7 @@ impl Module {
     }
 
     /// Where a constant stands.
-    pub fn constant_place(&self, file: &str, name: &str) -> Option<&Place> {
+    pub fn constant_place(&self, file: &str, name: &str) -> Option<&SourcePlace> {
         let number = self.constant_number(file, name)?;
         Some(&self.declarations.constants[number].place)
     }

@@ -13,10 +13,10 @@ use syn::visit::Visit;
 
 use crate::language::attributes::{inner_attributes, no_attributes, no_generics, outer_attributes};
 use crate::language::declarations::{
-    Constant, Declarations, File, Function, Named, Read, Struct, refuse, shown,
+    Constant, Declarations, Function, Named, Read, SourceFile, Struct, refuse, shown,
 };
 use crate::language::signatures::{fixed_named, fixed_type};
-use crate::program::place::{Place, SourceError};
+use crate::program::place::{SourceError, SourcePlace};
 use crate::program::types::{Integer, Type};
 
 impl Declarations {
@@ -30,10 +30,10 @@ impl Declarations {
         for (path, text) in sources {
             let path: Arc<str> = (*path).into();
             let file = syn::parse_file(text).map_err(|error| SourceError {
-                place: Place::of(&path, error.span()),
+                place: SourcePlace::of(&path, error.span()),
                 message: format!("this is no Rust: {error}"),
             })?;
-            declarations.files.push(File {
+            declarations.files.push(SourceFile {
                 module: module_name(&path),
                 path: path.clone(),
                 names: HashMap::new(),
@@ -93,7 +93,7 @@ impl Declarations {
                 module,
                 type_: Type::Bool,
                 expression: (*item.expr).clone(),
-                place: Place::of(
+                place: SourcePlace::of(
                     path,
                     item.vis
                         .span()
@@ -113,7 +113,7 @@ impl Declarations {
                 arguments: Vec::new(),
                 result: Type::Tuple(Vec::new()),
                 body: (*item.block).clone(),
-                place: Place::of(path, item.sig.ident.span()),
+                place: SourcePlace::of(path, item.sig.ident.span()),
                 attributes: item.attrs.clone(),
                 is_public: matches!(item.vis, syn::Visibility::Public(_)),
             });
@@ -270,7 +270,7 @@ impl Declarations {
                         module,
                         type_,
                         expression: (*item.expr).clone(),
-                        place: Place::of(path, item.const_token.span()),
+                        place: SourcePlace::of(path, item.const_token.span()),
                         is_public: false,
                     });
                 } else if let Some(Named::Constant(number)) =
@@ -406,7 +406,7 @@ impl Declarations {
                 arguments,
                 result,
                 body: function.block.clone(),
-                place: Place::of(path, function.sig.ident.span()),
+                place: SourcePlace::of(path, function.sig.ident.span()),
                 attributes: function.attrs.clone(),
                 is_public: matches!(function.vis, syn::Visibility::Public(_)),
             });

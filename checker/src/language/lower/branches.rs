@@ -4,7 +4,7 @@ use syn::spanned::Spanned;
 
 use crate::language::declarations::{Read, refuse};
 use crate::language::lower::builder::{Builder, Scope, Value};
-use crate::program::steps::{Action, Join, Slot, Step};
+use crate::program::steps::{Action, Join, ProgramStep, Slot};
 use crate::program::types::Type;
 
 impl Builder<'_> {
@@ -14,9 +14,9 @@ impl Builder<'_> {
         scope: &mut Scope,
         condition: &syn::Expr,
         span: proc_macro2::Span,
-        steps: &mut Vec<Step>,
-        then: impl FnOnce(&mut Self, &mut Scope, &mut Vec<Step>) -> Read<Value>,
-        otherwise: impl FnOnce(&mut Self, &mut Scope, &mut Vec<Step>) -> Read<Value>,
+        steps: &mut Vec<ProgramStep>,
+        then: impl FnOnce(&mut Self, &mut Scope, &mut Vec<ProgramStep>) -> Read<Value>,
+        otherwise: impl FnOnce(&mut Self, &mut Scope, &mut Vec<ProgramStep>) -> Read<Value>,
     ) -> Read<Value> {
         let is_tail = std::mem::replace(&mut scope.is_tail, false);
         let test = self.expression(scope, condition, Some(&Type::Bool), steps)?;
@@ -30,9 +30,9 @@ impl Builder<'_> {
         scope: &mut Scope,
         condition: Slot,
         span: proc_macro2::Span,
-        steps: &mut Vec<Step>,
-        then: impl FnOnce(&mut Self, &mut Scope, &mut Vec<Step>) -> Read<Value>,
-        otherwise: impl FnOnce(&mut Self, &mut Scope, &mut Vec<Step>) -> Read<Value>,
+        steps: &mut Vec<ProgramStep>,
+        then: impl FnOnce(&mut Self, &mut Scope, &mut Vec<ProgramStep>) -> Read<Value>,
+        otherwise: impl FnOnce(&mut Self, &mut Scope, &mut Vec<ProgramStep>) -> Read<Value>,
     ) -> Read<Value> {
         let outside = scope.variables.len();
         let mut then_scope = scope.clone();
@@ -68,7 +68,7 @@ impl Builder<'_> {
         }
         scope.variables = then_scope.variables;
         let place = self.at(scope, span);
-        steps.push(Step {
+        steps.push(ProgramStep {
             action: Action::If {
                 condition,
                 then: then_steps,
@@ -85,7 +85,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         choice: &syn::ExprIf,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         self.choice(
             scope,
@@ -109,7 +109,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         choice: &syn::ExprMatch,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let is_tail = std::mem::replace(&mut scope.is_tail, false);
         let value = self.expression(scope, &choice.expr, None, steps)?;

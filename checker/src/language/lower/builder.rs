@@ -7,7 +7,7 @@ use syn::spanned::Spanned;
 
 use crate::language::declarations::{Constants, Declarations, Named, Read, refuse, shown};
 use crate::program::contract::Contract;
-use crate::program::place::Place;
+use crate::program::place::SourcePlace;
 use crate::program::steps::Slot;
 use crate::program::types::Type;
 
@@ -40,7 +40,7 @@ pub(super) struct Builder<'a> {
     pub(super) initial: Vec<i128>,
     pub(super) is_constant: Vec<bool>,
     pub(super) pool: HashMap<i128, Slot>,
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<SourcePlace>,
     /// Functions that are being put in place, against recursion.
     pub(super) stack: Vec<usize>,
 }
@@ -91,7 +91,7 @@ impl Builder<'_> {
     }
 
     pub(super) fn at(&mut self, scope: &Scope, span: proc_macro2::Span) -> u32 {
-        self.places.push(Place::of(&scope.path, span));
+        self.places.push(SourcePlace::of(&scope.path, span));
         u32::try_from(self.places.len() - 1).unwrap_or(u32::MAX)
     }
 

@@ -5,7 +5,7 @@ use syn::spanned::Spanned;
 
 use crate::language::declarations::{Named, Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
-use crate::program::steps::{Action, Arithmetic, Comparison, Slot, Step};
+use crate::program::steps::{Action, Arithmetic, Comparison, ProgramStep, Slot};
 use crate::program::types::{Integer, Type};
 
 impl Builder<'_> {
@@ -14,7 +14,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         call: &syn::ExprCall,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let unknown = format!("{} is no function of this crate", shown(&call.func));
         let syn::Expr::Path(path) = &*call.func else {
@@ -117,7 +117,7 @@ impl Builder<'_> {
         receiver: Option<(Value, Option<(usize, usize)>)>,
         arguments: &[&syn::Expr],
         span: proc_macro2::Span,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let declarations = self.declarations;
         let function = &declarations.functions[number];
@@ -166,7 +166,7 @@ impl Builder<'_> {
                 .collect();
             let result = self.fresh(&function.result);
             let place = self.at(scope, span);
-            steps.push(Step {
+            steps.push(ProgramStep {
                 action: Action::Contract {
                     function: function.name.clone(),
                     requires: contract.applied(&contract.requires, &slots),
@@ -203,7 +203,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         call: &syn::ExprMethodCall,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let name = call.method.to_string();
         let arguments: Vec<&syn::Expr> = call.args.iter().collect();
@@ -223,7 +223,7 @@ impl Builder<'_> {
                 self.require(scope, high.span(), &type_, &high_value.type_)?;
                 let to = self.slot();
                 let place = self.at(scope, call.method.span());
-                steps.push(Step {
+                steps.push(ProgramStep {
                     action: Action::Clamp {
                         to,
                         a: receiver.slots[0],
@@ -244,7 +244,7 @@ impl Builder<'_> {
                 };
                 let test = self.slot();
                 let place = self.at(scope, call.method.span());
-                steps.push(Step {
+                steps.push(ProgramStep {
                     action: Action::Compare {
                         to: test,
                         comparison: Comparison::Less,

@@ -7,7 +7,7 @@ use syn::spanned::Spanned;
 use crate::language::declarations::{Named, Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
 use crate::language::lower::programs;
-use crate::program::steps::Step;
+use crate::program::steps::ProgramStep;
 use crate::program::types::{Integer, Type};
 
 impl Builder<'_> {
@@ -16,7 +16,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         expression: &syn::Expr,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let unit = Value {
             type_: Type::Tuple(Vec::new()),
@@ -274,7 +274,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         array: &syn::ExprArray,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let wanted = match expected {
             Some(Type::Array(element, _)) => Some((**element).clone()),
@@ -306,7 +306,7 @@ impl Builder<'_> {
         &mut self,
         scope: &mut Scope,
         literal: &syn::ExprStruct,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let Some(number) = self.struct_number(scope, &literal.path) else {
             return refuse(
@@ -367,7 +367,7 @@ impl Builder<'_> {
         number: usize,
         arguments: &[&syn::Expr],
         span: proc_macro2::Span,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let declarations = self.declarations;
         let fields = &declarations.structs[number].fields;

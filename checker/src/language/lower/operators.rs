@@ -4,7 +4,7 @@ use syn::spanned::Spanned;
 
 use crate::language::declarations::{Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
-use crate::program::steps::{Action, Arithmetic, Comparison, Step};
+use crate::program::steps::{Action, Arithmetic, Comparison, ProgramStep};
 use crate::program::types::{Integer, Type};
 
 impl Builder<'_> {
@@ -13,7 +13,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         unary: &syn::ExprUnary,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         match unary.op {
             syn::UnOp::Deref(_) => self.expression(scope, &unary.expr, expected, steps),
@@ -40,7 +40,7 @@ impl Builder<'_> {
                 self.require(scope, unary.expr.span(), &Type::Bool, &value.type_)?;
                 let to = self.slot();
                 let place = self.at(scope, unary.span());
-                steps.push(Step {
+                steps.push(ProgramStep {
                     action: Action::Not {
                         to,
                         a: value.slots[0],
@@ -67,7 +67,7 @@ impl Builder<'_> {
         operation: Arithmetic,
         a: Value,
         b: Value,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let is_shift = matches!(operation, Arithmetic::ShiftLeft | Arithmetic::ShiftRight);
         let (Type::Integer(type_), Type::Integer(_)) = (&a.type_, &b.type_) else {
@@ -87,7 +87,7 @@ impl Builder<'_> {
         let type_ = *type_;
         let to = self.slot();
         let place = self.at(scope, span);
-        steps.push(Step {
+        steps.push(ProgramStep {
             action: Action::Arithmetic {
                 to,
                 operation,
@@ -108,7 +108,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         binary: &syn::ExprBinary,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let span = binary.op.span();
         if let syn::BinOp::And(_) | syn::BinOp::Or(_) = binary.op {
@@ -117,12 +117,12 @@ impl Builder<'_> {
                 type_: Type::Bool,
                 slots: vec![self.known(i128::from(!is_and))],
             };
-            let right = |builder: &mut Self, scope: &mut Scope, steps: &mut Vec<Step>| {
+            let right = |builder: &mut Self, scope: &mut Scope, steps: &mut Vec<ProgramStep>| {
                 let value = builder.expression(scope, &binary.right, Some(&Type::Bool), steps)?;
                 builder.require(scope, binary.right.span(), &Type::Bool, &value.type_)?;
                 Ok(value)
             };
-            let early = |_: &mut Self, _: &mut Scope, _: &mut Vec<Step>| Ok(decided);
+            let early = |_: &mut Self, _: &mut Scope, _: &mut Vec<ProgramStep>| Ok(decided);
             return if is_and {
                 self.choice(scope, &binary.left, span, steps, right, early)
             } else {
@@ -186,7 +186,7 @@ impl Builder<'_> {
         let (a, b) = if is_swapped { (b, a) } else { (a, b) };
         let to = self.slot();
         let place = self.at(scope, span);
-        steps.push(Step {
+        steps.push(ProgramStep {
             action: Action::Compare {
                 to,
                 comparison,
@@ -205,7 +205,7 @@ impl Builder<'_> {
         &mut self,
         scope: &mut Scope,
         cast: &syn::ExprCast,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let type_ = self
             .declarations
@@ -222,7 +222,7 @@ impl Builder<'_> {
         span: proc_macro2::Span,
         value: Value,
         type_: &Type,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let (Type::Integer(from), Type::Integer(to_type)) = (&value.type_, type_) else {
             return refuse(
@@ -250,7 +250,7 @@ impl Builder<'_> {
         }
         let to = self.slot();
         let place = self.at(scope, span);
-        steps.push(Step {
+        steps.push(ProgramStep {
             action: Action::Cast {
                 to,
                 a: value.slots[0],

@@ -5,7 +5,7 @@ use syn::spanned::Spanned;
 use crate::language::declarations::{Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
 use crate::program::place::SourceError;
-use crate::program::steps::{Action, Step};
+use crate::program::steps::{Action, ProgramStep};
 use crate::program::types::Type;
 
 /// More steps than this come from calls that multiply, not from a controller.
@@ -17,7 +17,7 @@ impl Builder<'_> {
         &mut self,
         number: usize,
         arguments: Vec<Value>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<(Value, Vec<Value>)> {
         let declarations = self.declarations;
         let function = &declarations.functions[number];
@@ -81,7 +81,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         block: &syn::Block,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let outside = scope.variables.len();
         let value = self.statements(scope, &block.stmts, expected, steps)?;
@@ -94,7 +94,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         statements: &[syn::Stmt],
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let unit = Value {
             type_: Type::Tuple(Vec::new()),
@@ -174,7 +174,7 @@ impl Builder<'_> {
         scope: &mut Scope,
         value: &syn::ExprReturn,
         expected: Option<&Type>,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         match &value.expr {
             Some(expression) => self.expression(scope, expression, expected, steps),
@@ -190,7 +190,7 @@ impl Builder<'_> {
         &mut self,
         scope: &mut Scope,
         local: &syn::Local,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<()> {
         let Some(init) = local.init.as_ref().filter(|init| init.diverge.is_none()) else {
             return refuse(
@@ -274,7 +274,7 @@ impl Builder<'_> {
         &mut self,
         scope: &mut Scope,
         call: &syn::StmtMacro,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Read<()> {
         let arguments = call
             .mac
@@ -298,7 +298,7 @@ impl Builder<'_> {
         let value = self.expression(scope, &condition, Some(&Type::Bool), steps)?;
         self.require(scope, condition.span(), &Type::Bool, &value.type_)?;
         let place = self.at(scope, call.span());
-        steps.push(Step {
+        steps.push(ProgramStep {
             action: Action::Assert {
                 a: value.slots[0],
                 message: message.unwrap_or_else(|| shown(&condition)),
