@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use checker::prove::{ClaimResult, ProofSettings, passed, prove};
-use serde::Serialize;
+use workbench::{ProofSettings, prove};
 
 use crate::cli::Output;
 use crate::failure::Failure;
-use crate::progress::while_doing;
+use crate::progress::with_progress;
 use crate::report::Report;
 use crate::report::table::{Align, Table};
 
@@ -30,13 +29,6 @@ pub struct Arguments {
     pub output: Output,
 }
 
-#[derive(Serialize)]
-struct Proof {
-    folder: PathBuf,
-    seed: u64,
-    claims: Vec<ClaimResult>,
-}
-
 /// Runs the command: exit code 1 where a claim fails.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let settings = ProofSettings {
@@ -45,11 +37,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         kani: !arguments.without_kani,
         ..ProofSettings::default()
     };
-    let claims = while_doing("checking the claims of the certificate", || {
-        prove(&arguments.folder, &settings)
-    })
-    .map_err(|error| Failure::new(error.to_string()))?;
-    let all_hold = passed(&claims);
+    let proof = with_progress(|progress| prove(&arguments.folder, &settings, progress))?;
+    let all_hold = proof.passed();
     let mut table = Table::new(&[
         ("claim", Align::Left),
         ("engine", Align::Left),
@@ -59,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     ]);
     let mut statements = String::new();
     let mut last = "";
-    for claim in &claims {
+    for claim in &proof.claims {
         table.row([
             claim.id.clone(),
             claim.engine.to_owned(),
@@ -88,13 +77,6 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         statements,
         table.text(),
     );
-    let report = Report::new(
-        text,
-        &Proof {
-            folder: arguments.folder.clone(),
-            seed: arguments.seed,
-            claims,
-        },
-    )?;
+    let report = Report::new(text, &proof)?;
     Ok(if all_hold { report } else { report.failed() })
 }
