@@ -76,13 +76,13 @@ fn unit_vector(module: &Module) -> Result<(BigRational, BigRational), String> {
         let form = words.form(*result);
         let product: &[Slot] = &[*along, inverse.results[0]];
         unless(
-            is_terms(&form, &[(product, power_of_two(-31))]),
+            is_terms(form, &[(product, power_of_two(-31))]),
             not_understood,
         )?;
         rounding += form.remainder() * form.remainder();
     }
     let n = words.form(inverse.arguments[0]);
-    let (coefficient, constant) = sum_of_squares(&n, &scaled.results).ok_or(not_understood)?;
+    let (coefficient, constant) = sum_of_squares(n, &scaled.results).ok_or(not_understood)?;
     unless(
         coefficient == power_of_two(-32) && constant.is_zero(),
         not_understood,
@@ -142,7 +142,7 @@ pub(crate) fn aligned(module: &Module) -> Result<(BigRational, BigRational), Str
             unless(
                 form.is_exact()
                     && value.is_exact()
-                    && is_terms(&form, &[(outer, integer(2))])
+                    && is_terms(form, &[(outer, integer(2))])
                     && is_terms(&value, &[(inner, integer(2))])
                     && high == power_of_two(29)
                     && low == -high,
@@ -184,7 +184,7 @@ fn short_turns_do_not_reach_it(
         let terms: &[(&[Slot], BigRational)] =
             &[(&[*symbol], sign.clone()), (&[], constant.clone())];
         unless(
-            form.is_exact() && sign.abs().is_one() && is_terms(&form, terms),
+            form.is_exact() && sign.abs().is_one() && is_terms(form, terms),
             not_understood,
         )?;
         let largest = integer(UP_MAX) + constant.abs();

@@ -77,7 +77,7 @@ pub(crate) fn correction(module: &Module, beta: &BigRational) -> Result<BigRatio
             .ok_or(not_understood)?;
         let product: &[Slot] = &[inverse.results[0], beta_symbol];
         unless(
-            is_terms(&gain, &[(product, power_of_two(-32))]),
+            is_terms(gain, &[(product, power_of_two(-32))]),
             not_understood,
         )?;
         // n: four times the clamped sum of squares.
