@@ -59,8 +59,21 @@ impl From<bench_files::Error> for Failure {
     }
 }
 
-impl From<figures::FigureError> for Failure {
-    fn from(error: figures::FigureError) -> Failure {
-        Failure::new(error.to_string())
+impl From<workbench::Error> for Failure {
+    fn from(error: workbench::Error) -> Failure {
+        use workbench::Error;
+        let identify = |bench: &Path| format!("flywheel identify {}", bench.display());
+        match error {
+            Error::File(error) => error.into(),
+            Error::NoModel { model, bench } => Failure::in_file(
+                &model,
+                format!("there is no model yet; make one with: {}", identify(&bench)),
+            ),
+            Error::ParameterUnit { ref bench, .. } | Error::ParameterMissing { ref bench, .. } => {
+                Failure::new(format!("{error}; run: {}", identify(bench)))
+            }
+            Error::FailsUndamaged { .. } => Failure::new(format!("{error}; see flywheel prove")),
+            other => Failure::new(other.to_string()),
+        }
     }
 }

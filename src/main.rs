@@ -1,21 +1,13 @@
 //! The command line: from measurements of a reaction-wheel pendulum to a verified fixed-point
-//! controller. One file per command in `commands/`; what they print is built in `report/`. No
-//! mathematics lives here.
+//! controller. One file per command in `commands/`: its arguments, one call of the library
+//! `workbench`, and a view of the result (`views/`).
 
-mod bench_folder;
 mod cli;
 mod commands;
-mod design_change;
-mod diagnosed;
 mod failure;
-mod fitted;
-mod model_design;
-mod module_spec;
 mod progress;
 mod report;
-mod spin_linearity;
-mod swing_decay;
-mod swing_linearity;
+mod views;
 
 use std::io::Write;
 use std::panic;
@@ -54,11 +46,10 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
 
 /// Prints the text, or writes the JSON; with `--json -` the JSON takes the text's place.
 fn deliver(report: &Report, output: &Output) -> Result<(), Failure> {
-    let json = || report.json_text();
     match output.json.as_deref() {
-        Some(path) if path.as_os_str() == "-" => print(&json()?),
+        Some(path) if path.as_os_str() == "-" => print(&report.json),
         Some(path) => {
-            bench_files::write_atomically(path, json()?.as_bytes())?;
+            bench_files::write_atomically(path, report.json.as_bytes())?;
             print(&report.text)
         }
         None => print(&report.text),

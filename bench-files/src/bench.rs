@@ -8,6 +8,7 @@ use plant::Kind;
 use crate::channel::{Channel, NORMALISED};
 use crate::csv_table::{self, OpenTable};
 use crate::error::{Error, Names, Problem};
+use crate::files::{Files, FilesInMemory};
 use crate::known::Known;
 use crate::log::{self, ColumnUse, LoadReport, Log, Note};
 use crate::toml_source::{Located, Section, TomlSource};
@@ -17,7 +18,7 @@ use crate::toml_source::{Located, Section, TomlSource};
 pub struct Bench {
     /// Its name; the folder's name where bench.toml gives none.
     pub name: String,
-    /// The folder that holds bench.toml; logs are named relative to it.
+    /// The folder that holds bench.toml; logs are named relative to it. Empty for a bench in memory.
     pub folder: PathBuf,
     /// What was measured directly.
     pub known: Known,
@@ -78,9 +79,20 @@ impl Bench {
     pub fn load(path: &Path) -> Result<Bench, Error> {
         let file = bench_file(path)?;
         let folder = folder_of(&file);
-        let source = TomlSource::read(&file)?;
+        let source = TomlSource::read(Files::Disk, &file)?;
         let document = source.parse()?;
-        read_bench(&source, &source.root(&document), folder)
+        read_bench(Files::Disk, &source, &source.root(&document), folder)
+    }
+
+    /// The same from files that are in memory, one of them `bench.toml`.
+    ///
+    /// # Errors
+    /// As for [`Bench::load`].
+    pub fn from_files(files: &FilesInMemory) -> Result<Bench, Error> {
+        let files = Files::Memory(files);
+        let source = TomlSource::read(files, Path::new("bench.toml"))?;
+        let document = source.parse()?;
+        read_bench(files, &source, &source.root(&document), PathBuf::new())
     }
 
     /// The experiment with this name.
@@ -114,7 +126,12 @@ pub(crate) fn folder_of(file: &Path) -> PathBuf {
     }
 }
 
-fn read_bench(source: &TomlSource, root: &Section, folder: PathBuf) -> Result<Bench, Error> {
+fn read_bench(
+    files: Files,
+    source: &TomlSource,
+    root: &Section,
+    folder: PathBuf,
+) -> Result<Bench, Error> {
     root.allow_only(&SECTIONS)?;
     let mut name = None;
     if let Some(section) = root.section("bench")? {
@@ -155,7 +172,7 @@ fn read_bench(source: &TomlSource, root: &Section, folder: PathBuf) -> Result<Be
     let experiments = plans
         .into_iter()
         .zip(&sections)
-        .map(|(plan, section)| plan.load(source, section))
+        .map(|(plan, section)| plan.load(files, source, section))
         .collect::<Result<Vec<_>, Error>>()?;
     Ok(Bench {
         name: name.unwrap_or_else(|| folder_name(&folder)),
@@ -332,10 +349,15 @@ impl Plan {
         })
     }
 
-    fn load(self, source: &TomlSource, section: &Section) -> Result<Experiment, Error> {
+    fn load(
+        self,
+        files: Files,
+        source: &TomlSource,
+        section: &Section,
+    ) -> Result<Experiment, Error> {
         let header = Channel::ALL.map(Channel::standard_name).join(",");
         let table =
-            csv_table::open(&self.file, &header).map_err(|error| match error.problem() {
+            csv_table::open(files, &self.file, &header).map_err(|error| match error.problem() {
                 // The place to mend is where the file is named.
                 Problem::NotFound | Problem::NotAFile { .. } => source.error(
                     self.file_key.span.clone(),

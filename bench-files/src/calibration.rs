@@ -35,6 +35,7 @@ use toml_edit::{Array, TableLike, Value};
 use crate::bench::{SECTIONS, bench_file, folder_of};
 use crate::csv_table;
 use crate::error::{Error, Names, Problem};
+use crate::files::{Files, FilesInMemory};
 use crate::known::Known;
 use crate::model_file::{number, set, table_in};
 use crate::toml_source::{Located, Section, TomlSource};
@@ -123,8 +124,20 @@ impl CalibrationRecordings {
     /// The first thing that is wrong, see [`Problem`].
     pub fn load(path: &Path) -> Result<CalibrationRecordings, Error> {
         let file = bench_file(path)?;
-        let folder = folder_of(&file);
-        let source = TomlSource::read(&file)?;
+        CalibrationRecordings::read(Files::Disk, &file, folder_of(&file))
+    }
+
+    /// The same from files that are in memory, one of them `bench.toml`.
+    ///
+    /// # Errors
+    /// As for [`CalibrationRecordings::load`].
+    pub fn from_files(files: &FilesInMemory) -> Result<CalibrationRecordings, Error> {
+        let files = Files::Memory(files);
+        CalibrationRecordings::read(files, Path::new("bench.toml"), PathBuf::new())
+    }
+
+    fn read(files: Files, file: &Path, folder: PathBuf) -> Result<CalibrationRecordings, Error> {
+        let source = TomlSource::read(files, file)?;
         let document = source.parse()?;
         let root = source.root(&document);
         root.allow_only(&SECTIONS)?;
@@ -152,6 +165,7 @@ impl CalibrationRecordings {
             "plumb_lines",
         ])?;
         let reader = Reader {
+            files,
             source: &source,
             section: &section,
             folder: &folder,
@@ -260,13 +274,14 @@ fn columns(section: &Section) -> Result<Vec<(String, Located<String>)>, Error> {
 
 /// Reads the files that the section names.
 struct Reader<'a> {
+    files: Files<'a>,
     source: &'a TomlSource,
     section: &'a Section<'a>,
     folder: &'a Path,
     columns: Vec<(String, Located<String>)>,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn counts_of(&self, key: &str, names: [&str; 3]) -> Result<Option<CountsRecording>, Error> {
         self.section
             .text(key)?
@@ -323,8 +338,11 @@ impl Reader<'_> {
         file: &Located<String>,
         path: &'p Path,
         names: &[&str],
-    ) -> Result<csv_table::OpenTable<'p>, Error> {
-        csv_table::open(path, &names.join(",")).map_err(|error| match error.problem() {
+    ) -> Result<csv_table::OpenTable<'p>, Error>
+    where
+        'a: 'p,
+    {
+        csv_table::open(self.files, path, &names.join(",")).map_err(|error| match error.problem() {
             Problem::NotFound | Problem::NotAFile { .. } => self.source.error(
                 file.span.clone(),
                 Problem::NoLog {

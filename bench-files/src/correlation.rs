@@ -16,6 +16,7 @@
 //! Parameters that are not named are correlated with none.
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use serde::{Deserialize, Serialize};
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Names, Problem};
@@ -28,7 +29,7 @@ const ROUNDING: f64 = 1e-9;
 const EXAMPLE: &str = "matrix = [[1.0, 0.98], [0.98, 1.0]]";
 
 /// Correlations of the errors of parameters; without a unit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Correlation {
     /// The parameters, each once and each with a standard error.
     pub parameters: Vec<String>,

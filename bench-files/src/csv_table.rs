@@ -5,7 +5,6 @@
 
 use std::cell::Cell;
 use std::fmt;
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::rc::Rc;
@@ -13,7 +12,7 @@ use std::rc::Rc;
 use csv::{ErrorKind, StringRecord};
 
 use crate::error::{Error, Names, Place, Problem, shortened};
-use crate::toml_source::open_regular;
+use crate::files::{Content, Files};
 use crate::write::reason;
 
 /// Largest log that is read, in bytes.
@@ -27,16 +26,60 @@ const MAX_LINE_BYTES: usize = 1 << 20;
 
 /// A CSV file that was opened: the header is read, the rows are not.
 pub(crate) struct OpenTable<'p> {
-    path: &'p Path,
-    reader: csv::Reader<Bounded<File>>,
+    source: Source<'p>,
+    reader: csv::Reader<Bounded<Content<'p>>>,
     budget: Rc<Cell<usize>>,
     columns: Vec<String>,
     header_line: u64,
 }
 
+/// A file and where it is looked for.
+#[derive(Clone, Copy)]
+struct Source<'p> {
+    files: Files<'p>,
+    path: &'p Path,
+}
+
+impl Source<'_> {
+    /// The line on which the record at this position begins. The CSV reader's own position lies before
+    /// the blank lines, comments and half line ends that it passes over ahead of a record, so the file
+    /// is looked at once more from there; this happens only on the way to an error.
+    fn line_of(self, position: Option<&csv::Position>) -> u64 {
+        let Some(position) = position else {
+            return 1;
+        };
+        let mut line = position.line();
+        let Ok(mut file) = self.files.open(self.path) else {
+            return line;
+        };
+        let mut start = [0; 3];
+        let mark = match file.read(&mut start) {
+            Ok(3) if start == *BYTE_ORDER_MARK => 3,
+            _ => 0,
+        };
+        if file.seek(SeekFrom::Start(position.byte() + mark)).is_err() {
+            return line;
+        }
+        let mut in_comment = false;
+        for byte in io::BufReader::new(file).bytes().map_while(Result::ok) {
+            match byte {
+                b'\n' => {
+                    line += 1;
+                    in_comment = false;
+                }
+                b'\r' => {}
+                b'#' => in_comment = true,
+                _ if in_comment => {}
+                _ => break,
+            }
+        }
+        line
+    }
+}
+
 /// One row of the columns that were asked for.
 pub(crate) struct Row<'r> {
-    path: &'r Path,
+    source: Source<'r>,
     record: &'r StringRecord,
     names: &'r [String],
     indices: &'r [usize],
@@ -53,8 +96,11 @@ impl Row<'_> {
 
     /// A problem with the cell of column `k`.
     pub fn error(&self, k: usize, problem: Problem) -> Error {
-        let line = line_of(self.path, self.record.position());
-        Error::at(at_line(self.path, line, Some(&self.names[k])), problem)
+        let line = self.source.line_of(self.record.position());
+        Error::at(
+            at_line(self.source.path, line, Some(&self.names[k])),
+            problem,
+        )
     }
 
     /// The text in column `k`.
@@ -64,12 +110,16 @@ impl Row<'_> {
 }
 
 /// Opens a file and reads its header line; `example` is a header that would be right.
-pub(crate) fn open<'p>(path: &'p Path, example: &str) -> Result<OpenTable<'p>, Error> {
-    let file = open_regular(path)?;
+pub(crate) fn open<'p>(
+    files: Files<'p>,
+    path: &'p Path,
+    example: &str,
+) -> Result<OpenTable<'p>, Error> {
+    let source = Source { files, path };
+    let file = files.open(path)?;
     let bytes = file
-        .metadata()
-        .map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))?
-        .len();
+        .length()
+        .map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))?;
     if bytes > MAX_LOG_BYTES {
         return Err(Error::in_file(
             path,
@@ -99,11 +149,11 @@ pub(crate) fn open<'p>(path: &'p Path, example: &str) -> Result<OpenTable<'p>, E
     let mut header = StringRecord::new();
     let found = reader
         .read_record(&mut header)
-        .map_err(|error| csv_error(path, reader.position(), error))?;
+        .map_err(|error| csv_error(source, reader.position(), error))?;
     if !found {
         return Err(Error::in_file(path, Problem::EmptyLog));
     }
-    let line = line_of(path, header.position());
+    let line = source.line_of(header.position());
     if header.iter().any(|cell| cell.parse::<f64>().is_ok()) {
         let first = header.iter().collect::<Vec<_>>().join(",");
         return Err(Error::at(
@@ -115,7 +165,7 @@ pub(crate) fn open<'p>(path: &'p Path, example: &str) -> Result<OpenTable<'p>, E
         ));
     }
     Ok(OpenTable {
-        path,
+        source,
         reader,
         budget,
         columns: header.iter().map(str::to_string).collect(),
@@ -131,12 +181,12 @@ impl OpenTable<'_> {
 
     /// The file.
     pub fn path(&self) -> &Path {
-        self.path
+        self.source.path
     }
 
     /// An error at the header line.
     pub fn header_error(&self, column: Option<&str>, problem: Problem) -> Error {
-        Error::at(at_line(self.path, self.header_line, column), problem)
+        Error::at(at_line(self.source.path, self.header_line, column), problem)
     }
 
     /// Gives every row of these columns to `take`, in the order of the file, and returns how many
@@ -157,20 +207,20 @@ impl OpenTable<'_> {
             let found = self
                 .reader
                 .read_record(&mut record)
-                .map_err(|error| csv_error(self.path, self.reader.position(), error))?;
+                .map_err(|error| csv_error(self.source, self.reader.position(), error))?;
             if !found {
                 return Ok(rows);
             }
             if rows == MAX_LOG_ROWS {
                 return Err(Error::in_file(
-                    self.path,
+                    self.source.path,
                     Problem::TooManySamples {
                         limit: MAX_LOG_ROWS,
                     },
                 ));
             }
             take(&Row {
-                path: self.path,
+                source: self.source,
                 record: &record,
                 names,
                 indices: &indices,
@@ -236,43 +286,9 @@ fn at_line(path: &Path, line: u64, column: Option<&str>) -> Place {
     }
 }
 
-/// The line on which the record at this position begins. The CSV reader's own position lies before
-/// the blank lines, comments and half line ends that it passes over ahead of a record, so the file
-/// is looked at once more from there; this happens only on the way to an error.
-fn line_of(path: &Path, position: Option<&csv::Position>) -> u64 {
-    let Some(position) = position else {
-        return 1;
-    };
-    let mut line = position.line();
-    let Ok(mut file) = File::open(path) else {
-        return line;
-    };
-    let mut start = [0; 3];
-    let mark = match file.read(&mut start) {
-        Ok(3) if start == *BYTE_ORDER_MARK => 3,
-        _ => 0,
-    };
-    if file.seek(SeekFrom::Start(position.byte() + mark)).is_err() {
-        return line;
-    }
-    let mut in_comment = false;
-    for byte in io::BufReader::new(file).bytes().map_while(Result::ok) {
-        match byte {
-            b'\n' => {
-                line += 1;
-                in_comment = false;
-            }
-            b'\r' => {}
-            b'#' => in_comment = true,
-            _ if in_comment => {}
-            _ => break,
-        }
-    }
-    line
-}
-
-fn csv_error(path: &Path, reader_at: &csv::Position, error: csv::Error) -> Error {
-    let line = line_of(path, Some(error.position().unwrap_or(reader_at)));
+fn csv_error(source: Source, reader_at: &csv::Position, error: csv::Error) -> Error {
+    let path = source.path;
+    let line = source.line_of(Some(error.position().unwrap_or(reader_at)));
     let place = at_line(path, line, None);
     match error.into_kind() {
         ErrorKind::UnequalLengths {

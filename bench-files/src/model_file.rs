@@ -6,11 +6,13 @@
 use std::path::{Path, PathBuf};
 
 use plant::{BASE_PARAMETERS, EffectId, Model, ParameterInfo};
+use serde::{Deserialize, Serialize};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 use crate::calibration::Calibration;
 use crate::correlation::Correlation;
 use crate::error::{Error, Names, Problem};
+use crate::files::{Files, FilesInMemory};
 use crate::toml_source::{Section, TomlSource};
 use crate::write::write_atomically;
 
@@ -24,7 +26,7 @@ const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
 ];
 
 /// One parameter of a model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
     /// Its name in the contract.
     pub name: String,
@@ -47,7 +49,7 @@ impl Parameter {
 }
 
 /// What the controller is to be designed for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DesignSection {
     /// Time between two commands, s.
     pub sample_time_s: f64,
@@ -119,7 +121,18 @@ impl ModelFile {
     /// # Errors
     /// The first thing that is wrong, see [`Problem`].
     pub fn read(path: &Path) -> Result<ModelFile, Error> {
-        ModelFile::from_source(&TomlSource::read(path)?)
+        ModelFile::from_source(&TomlSource::read(Files::Disk, path)?)
+    }
+
+    /// The `model.toml` among files that are in memory.
+    ///
+    /// # Errors
+    /// As for [`ModelFile::read`].
+    pub fn from_files(files: &FilesInMemory) -> Result<ModelFile, Error> {
+        ModelFile::from_source(&TomlSource::read(
+            Files::Memory(files),
+            Path::new("model.toml"),
+        )?)
     }
 
     /// Reads a text; errors name it `path`.
@@ -327,7 +340,15 @@ impl ModelFile {
         })
     }
 
-    /// Where the file was read from; `model.toml` for one that was not.
+    /// The same file, named `path` in errors: where it is to be written.
+    pub fn named(self, path: &Path) -> ModelFile {
+        ModelFile {
+            path: Some(path.to_path_buf()),
+            ..self
+        }
+    }
+
+    /// Where the file was read from, or is to be written; `model.toml` where nobody has said.
     pub fn path(&self) -> &Path {
         self.path.as_deref().unwrap_or(Path::new("model.toml"))
     }

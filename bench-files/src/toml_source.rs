@@ -1,6 +1,5 @@
 //! Reading values out of a TOML text so that every error can point at its place.
 
-use std::fs::{self, File};
 use std::io::Read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -10,6 +9,7 @@ use miette::NamedSource;
 use toml_edit::{Document, Item, Key, TableLike, Value};
 
 use crate::error::{Error, Names, Place, Problem, is_slip};
+use crate::files::Files;
 use crate::write::reason;
 
 /// Largest TOML file that is read, in bytes. A bench with a thousand experiments has a tenth of it.
@@ -40,8 +40,8 @@ pub(crate) struct Section<'a> {
 
 impl TomlSource {
     /// Reads the file.
-    pub fn read(path: &Path) -> Result<TomlSource, Error> {
-        let text = read_text(path, MAX_TOML_BYTES)?;
+    pub fn read(files: Files, path: &Path) -> Result<TomlSource, Error> {
+        let text = read_text(files, path, MAX_TOML_BYTES)?;
         Ok(TomlSource::new(path, text))
     }
 
@@ -528,8 +528,8 @@ fn item_span(key: &Key, item: &Item) -> Range<usize> {
 }
 
 /// Reads a text file of at most `limit` bytes.
-fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
-    let file = open_regular(path)?;
+fn read_text(files: Files, path: &Path, limit: u64) -> Result<String, Error> {
+    let file = files.open(path)?;
     let advice = "no bench.toml or model.toml is that long";
     let too_large = |bytes| {
         Error::in_file(
@@ -543,7 +543,7 @@ fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
     };
     let unreadable =
         |error: std::io::Error| Error::in_file(path, Problem::Unreadable(reason(&error)));
-    let length = file.metadata().map_err(unreadable)?.len();
+    let length = file.length().map_err(unreadable)?;
     if length > limit {
         return Err(too_large(length));
     }
@@ -571,24 +571,4 @@ fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
             Problem::NotUtf8 { byte: byte as u64 },
         )
     })
-}
-
-/// Opens a regular file; a folder, device or pipe (which may never end) is refused.
-pub(crate) fn open_regular(path: &Path) -> Result<File, Error> {
-    let metadata = fs::metadata(path).map_err(|error| {
-        let problem = match error.kind() {
-            std::io::ErrorKind::NotFound => Problem::NotFound,
-            _ => Problem::Unreadable(reason(&error)),
-        };
-        Error::in_file(path, problem)
-    })?;
-    if !metadata.is_file() {
-        let found = if metadata.is_dir() {
-            "a folder"
-        } else {
-            "a device or a pipe"
-        };
-        return Err(Error::in_file(path, Problem::NotAFile { found }));
-    }
-    File::open(path).map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))
 }

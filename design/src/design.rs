@@ -29,6 +29,24 @@ pub struct Settings {
     pub friction_extremes: Option<FrictionExtremes>,
 }
 
+/// Sample time of the thesis' loop, s.
+const SAMPLE_TIME_OF_THE_THESIS_S: f64 = 0.001;
+/// Largest current of the thesis' drive, A.
+const CURRENT_LIMIT_OF_THE_THESIS_A: f64 = 2.0;
+
+impl Settings {
+    /// What a controller is designed for where nothing is said: weights and sample time of the
+    /// thesis, and its current limit unless the bench's own is known.
+    pub fn usual(current_limit_a: Option<f64>) -> Settings {
+        Settings {
+            sample_time_s: SAMPLE_TIME_OF_THE_THESIS_S,
+            weights: Weights::OF_THE_THESIS,
+            current_limit_a: current_limit_a.unwrap_or(CURRENT_LIMIT_OF_THE_THESIS_A),
+            friction_extremes: None,
+        }
+    }
+}
+
 /// A controller and what can be expected of it. States are (angle from upright in rad, rate in
 /// rad/s, wheel speed in rad/s), the law is u = −K x.
 #[derive(Clone, Debug, PartialEq)]

@@ -19,6 +19,13 @@ pub struct Weights {
 }
 
 impl Weights {
+    /// The weights of the thesis: it prints the gains that they give, (−24.4786, −2.14922, −0.0228898),
+    /// and no weights; these were found from them.
+    pub const OF_THE_THESIS: Weights = Weights {
+        state: Vector3::new(25.0, 0.5, 5e-4),
+        current: 1.0,
+    };
+
     /// Q (3×3) and R (1×1).
     pub(crate) fn matrices(&self) -> Result<(DMatrix<f64>, DMatrix<f64>), DesignError> {
         check_positive("the current weight", self.current)?;

@@ -26,10 +26,7 @@ pub(crate) fn b() -> DMatrix<f64> {
 
 /// The weights behind the thesis' gains.
 pub(crate) fn weights() -> crate::Weights {
-    crate::Weights {
-        state: Vector3::new(25.0, 0.5, 5e-4),
-        current: 1.0,
-    }
+    crate::Weights::OF_THE_THESIS
 }
 
 /// Every entry within `relative` of its golden value, given by rows.

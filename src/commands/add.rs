@@ -3,18 +3,16 @@
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use plant::{EffectId, Model};
-use serde::Serialize;
+use identify::Progress;
+use plant::EffectId;
+use workbench::{EffectChange, Error, Session};
 
-use crate::bench_folder::BenchFolder;
-use crate::cli::{BenchFiles, Output};
-use crate::commands::identify::{fit, save};
+use crate::cli::{BenchFiles, Output, save_model};
+use crate::commands::identify::{has_design, written};
 use crate::failure::Failure;
-use crate::fitted::{Fitted, FittedJson};
+use crate::progress::with_progress;
 use crate::report::Report;
-use crate::report::json::Keyed;
-use crate::report::numbers::with_prefix;
-use crate::report::table::{Align, Table};
+use crate::views::comparison;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -38,97 +36,20 @@ pub fn effect_names() -> Vec<&'static str> {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let folder = BenchFolder::load(&arguments.bench, &arguments.files)?;
-    let file = folder.model_or_base()?;
-    let before = file.model();
-    let effect = EffectId::from_name(&arguments.effect)
-        .ok_or_else(|| Failure::new(format!("there is no effect \"{}\"", arguments.effect)))?;
-    let after = before.with(effect);
-    if after == before {
-        let reason = match before
-            .effects()
-            .iter()
-            .find(|present| present.info().replaces.contains(&effect.name()))
-        {
-            Some(larger) => format!("{} contains it already", larger.name()),
-            None => "the model has it already".to_owned(),
-        };
-        return Err(Failure::in_file(
-            &folder.model_path,
-            format!("{} is not added: {reason}", effect.name()),
-        ));
-    }
-    change(&folder, file, &before, &after)
+    let session = arguments.files.open(&arguments.bench)?;
+    change(session, |session, progress| {
+        session.add_effect(&arguments.effect, progress)
+    })
 }
 
-/// What changed, beside what the new model says.
-#[derive(Serialize)]
-struct ChangeJson {
-    #[serde(flatten)]
-    after: FittedJson,
-    effects_before: Vec<&'static str>,
-    rmse_before: Keyed,
-}
-
-/// Fits both models, writes the second, and shows what it changes.
+/// Changes the session's model, writes it, and shows what the change did.
 pub fn change(
-    folder: &BenchFolder,
-    file: bench_files::ModelFile,
-    before: &Model,
-    after: &Model,
+    mut session: Session,
+    change: impl FnOnce(&mut Session, &Progress) -> Result<EffectChange, Error>,
 ) -> Result<Report, Failure> {
-    let old = fit(folder, before)?;
-    let new = fit(folder, after)?;
-    let saved = save(folder, file, &new)?;
-    let text = new.head()
-        + &new.parameter_table()
-        + &difference_table(&old, &new)
-        + &new.place_table()
-        + &new.remarks()
-        + &saved;
-    Report::new(
-        text,
-        &ChangeJson {
-            after: new.json(Vec::new()),
-            effects_before: before.effects().iter().map(|e| e.name()).collect(),
-            rmse_before: old.keyed(|_, trace| trace.rmse),
-        },
-    )
-}
-
-fn difference_table(old: &Fitted, new: &Fitted) -> String {
-    let mut table = Table::new(&[
-        ("experiment/channel", Align::Left),
-        ("RMSE before", Align::Right),
-        ("after", Align::Right),
-        ("sensor noise", Align::Right),
-        ("fit before", Align::Right),
-        ("after", Align::Right),
-    ]);
-    let units: Vec<&str> = new
-        .traces
-        .iter()
-        .flatten()
-        .map(|trace| trace.output.unit())
-        .collect();
-    let rows = old
-        .keyed(|_, trace| trace.rmse)
-        .0
-        .into_iter()
-        .zip(new.keyed(|_, trace| trace.rmse).0)
-        .zip(new.keyed(|noise, _| noise).0)
-        .zip(old.keyed(|_, trace| trace.fit_percent).0)
-        .zip(new.keyed(|_, trace| trace.fit_percent).0)
-        .zip(units);
-    for (((((before, after), noise), fit_before), fit_after), unit) in rows {
-        table.row([
-            before.0,
-            with_prefix(before.1, unit),
-            with_prefix(after.1, unit),
-            with_prefix(noise.1, unit),
-            format!("{:.2} %", fit_before.1),
-            format!("{:.2} %", fit_after.1),
-        ]);
-    }
-    format!("\nModel against measurement\n{}", table.text())
+    let had_design = has_design(&session);
+    let changed = with_progress(|progress| change(&mut session, progress))?;
+    save_model(&session)?;
+    let text = comparison::changed(&changed) + &written(&session, had_design);
+    Report::new(text, &changed)
 }

@@ -2,15 +2,13 @@
 
 use std::path::PathBuf;
 
-use bench_files::{Correlation, ModelFile, Parameter};
-use plant::Model;
+use workbench::Session;
 
-use crate::bench_folder::BenchFolder;
-use crate::cli::{BenchFiles, Output};
+use crate::cli::{BenchFiles, Output, save_model};
 use crate::failure::Failure;
-use crate::fitted::Fitted;
-use crate::progress::while_doing;
+use crate::progress::with_progress;
 use crate::report::Report;
+use crate::views::comparison;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -28,63 +26,30 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let folder = BenchFolder::load(&arguments.bench, &arguments.files)?;
-    let file = folder.model_or_base()?;
-    let model = if arguments.reset {
-        Model::base()
-    } else {
-        file.model()
-    };
-    let fitted = fit(&folder, &model)?;
-    let text = save(&folder, file, &fitted)?;
-    Report::new(
-        fitted.head()
-            + &fitted.parameter_table()
-            + &fitted.error_table()
-            + &fitted.place_table()
-            + &fitted.remarks()
-            + &text,
-        &fitted.json(Vec::new()),
-    )
+    let mut session = arguments.files.open(&arguments.bench)?;
+    let had_design = has_design(&session);
+    let fitted = with_progress(|progress| {
+        if arguments.reset {
+            session.identify_base(progress)
+        } else {
+            session.identify(progress)
+        }
+    })?;
+    save_model(&session)?;
+    let text = comparison::whole(&fitted) + &written(&session, had_design);
+    Report::new(text, &fitted)
 }
 
-/// Fits `model` to all experiments of the bench.
-pub fn fit<'a>(folder: &'a BenchFolder, model: &Model) -> Result<Fitted<'a>, Failure> {
-    let found = while_doing("fitting the model to all experiments", || {
-        identify::identify(&folder.setup, model, None)
-    })
-    .map_err(|error| Failure::in_file(&folder.bench.folder, error))?;
-    Ok(Fitted::from_identification(folder, found))
+/// Whether the session's model says what a controller is to be designed for.
+pub fn has_design(session: &Session) -> bool {
+    session.model().is_some_and(|model| model.design.is_some())
 }
 
-/// The bench's model.toml with another model in it; `file` is what stood there.
-pub fn with_model(
-    folder: &BenchFolder,
-    mut file: ModelFile,
-    model: &Model,
-    parameters: Vec<Parameter>,
-    correlation: Option<Correlation>,
-) -> ModelFile {
-    file.replace_model_parameters(parameters, correlation);
-    file.effects = model.effects().to_vec();
-    file.design.get_or_insert_with(|| folder.usual_design());
-    file
-}
-
-/// Writes a fit to the bench's model.toml; `file` is what stood there. Returns what to say about it.
-pub fn save(folder: &BenchFolder, file: ModelFile, fitted: &Fitted) -> Result<String, Failure> {
-    let had_design = file.design.is_some();
-    let file = with_model(
-        folder,
-        file,
-        &fitted.model,
-        fitted.parameters.clone(),
-        fitted.correlation.clone(),
-    );
-    folder.write_model(&file)?;
-    let mut text = format!("\nWritten: {}\n", folder.model_path.display());
+/// What to say about the model that was written.
+pub fn written(session: &Session, had_design: bool) -> String {
+    let mut text = format!("\nWritten: {}\n", session.model_path().display());
     if !had_design {
         text.push_str("  with the weights of the thesis under [design], where others can be set\n");
     }
-    Ok(text)
+    text
 }

@@ -2,16 +2,12 @@
 
 use std::path::PathBuf;
 
-use bench_files::write_atomically;
-use checker::certificate::Certificate;
-use checker::mutate::{Summary, Verdict, chosen, judged, notices, summary};
-use checker::prove::Emitted;
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
-use serde::Serialize;
+use checker::mutate::{Summary, Verdict};
+use workbench::mutate;
 
 use crate::cli::Output;
 use crate::failure::Failure;
+use crate::progress::with_progress;
 use crate::report::Report;
 use crate::report::table::{Align, Table};
 
@@ -31,55 +27,15 @@ pub struct Arguments {
     pub output: Output,
 }
 
-#[derive(Serialize)]
-struct Mutation {
-    folder: PathBuf,
-    summary: Summary,
-    verdicts: Vec<Verdict>,
-}
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let folder = &arguments.folder;
-    let read = |error: String| Failure::new(error);
-    let emitted = Emitted::read(folder).map_err(|error| read(error.to_string()))?;
-    let certificate =
-        Certificate::parse(&emitted.certificate).map_err(|error| read(error.to_string()))?;
-    if let Some(notice) = notices(&emitted, &certificate).first() {
-        return Err(Failure::new(format!(
-            "{}: the claim {} fails without any damage; see flywheel prove",
-            folder.display(),
-            notice.claim
-        )));
-    }
-    let mutants = chosen(&emitted, arguments.most);
-    let progress = ProgressBar::new(mutants.len() as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} mutants ({eta} left)") {
-        progress.set_style(style);
-    }
-    let verdicts: Vec<Verdict> = mutants
-        .into_par_iter()
-        .map(|mutant| {
-            let verdict = judged(&emitted, &certificate, mutant);
-            progress.inc(1);
-            verdict
-        })
-        .collect();
-    progress.finish_and_clear();
+    let report = with_progress(|progress| mutate(folder, arguments.most, progress))?;
     if let Some(path) = &arguments.csv {
-        let table = csv_of(&verdicts).map_err(|error| Failure::in_file(path, error))?;
-        write_atomically(path, &table)?;
+        bench_files::write_atomically(path, report.table()?.text.as_bytes())?;
     }
-    let summary = summary(&verdicts);
-    let text = format!("{}: {}", folder.display(), text(&summary, &verdicts));
-    Report::new(
-        text,
-        &Mutation {
-            folder: folder.clone(),
-            summary,
-            verdicts,
-        },
-    )
+    let text = text(&report.summary, &report.verdicts);
+    Report::new(format!("{}: {text}", folder.display()), &report)
 }
 
 fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
@@ -127,33 +83,4 @@ fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
         kinds.text(),
         engines.text(),
     )
-}
-
-fn csv_of(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(vec![]);
-    writer.write_record([
-        "file", "line", "column", "kind", "before", "after", "fate", "claim", "engine", "reason",
-    ])?;
-    for verdict in verdicts {
-        let mutant = &verdict.mutant;
-        let (claim, engine) = verdict
-            .noticed
-            .first()
-            .map_or(("", ""), |notice| (notice.claim.as_str(), notice.engine));
-        writer.write_record([
-            mutant.file.as_str(),
-            &mutant.line.to_string(),
-            &mutant.column.to_string(),
-            mutant.kind,
-            &mutant.before,
-            &mutant.after,
-            verdict.fate.as_str(),
-            claim,
-            engine,
-            &verdict.reason,
-        ])?;
-    }
-    writer
-        .into_inner()
-        .map_err(|error| csv::Error::from(std::io::Error::other(error.to_string())))
 }

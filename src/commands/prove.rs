@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use checker::prove::{ClaimResult, Settings, passed, prove};
-use serde::Serialize;
+use workbench::{ProofSettings, prove};
 
 use crate::cli::Output;
 use crate::failure::Failure;
-use crate::progress::while_doing;
+use crate::progress::with_progress;
 use crate::report::Report;
 use crate::report::table::{Align, Table};
 
@@ -18,10 +17,10 @@ pub struct Arguments {
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Number of random runs of each kind
-    #[arg(long, value_name = "N", default_value_t = Settings::default().cases)]
+    #[arg(long, value_name = "N", default_value_t = ProofSettings::default().cases)]
     pub cases: usize,
     /// Seed of the random runs
-    #[arg(long, value_name = "SEED", default_value_t = Settings::default().seed)]
+    #[arg(long, value_name = "SEED", default_value_t = ProofSettings::default().seed)]
     pub seed: u64,
     /// Leave out Kani even where it is installed (it takes minutes)
     #[arg(long)]
@@ -30,26 +29,16 @@ pub struct Arguments {
     pub output: Output,
 }
 
-#[derive(Serialize)]
-struct Proof {
-    folder: PathBuf,
-    seed: u64,
-    claims: Vec<ClaimResult>,
-}
-
 /// Runs the command: exit code 1 where a claim fails.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let settings = Settings {
+    let settings = ProofSettings {
         cases: arguments.cases,
         seed: arguments.seed,
         kani: !arguments.without_kani,
-        ..Settings::default()
+        ..ProofSettings::default()
     };
-    let claims = while_doing("checking the claims of the certificate", || {
-        prove(&arguments.folder, &settings)
-    })
-    .map_err(|error| Failure::new(error.to_string()))?;
-    let all_hold = passed(&claims);
+    let proof = with_progress(|progress| prove(&arguments.folder, &settings, progress))?;
+    let all_hold = proof.passed();
     let mut table = Table::new(&[
         ("claim", Align::Left),
         ("engine", Align::Left),
@@ -59,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     ]);
     let mut statements = String::new();
     let mut last = "";
-    for claim in &claims {
+    for claim in &proof.claims {
         table.row([
             claim.id.clone(),
             claim.engine.to_owned(),
@@ -88,13 +77,6 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         statements,
         table.text(),
     );
-    let report = Report::new(
-        text,
-        &Proof {
-            folder: arguments.folder.clone(),
-            seed: arguments.seed,
-            claims,
-        },
-    )?;
+    let report = Report::new(text, &proof)?;
     Ok(if all_hold { report } else { report.failed() })
 }

@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use plant::EffectId;
 
-use crate::bench_folder::BenchFolder;
 use crate::cli::{BenchFiles, Output};
 use crate::commands::add::{change, effect_names};
 use crate::failure::Failure;
@@ -28,21 +26,8 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let folder = BenchFolder::load(&arguments.bench, &arguments.files)?;
-    let file = folder.required_model()?;
-    let before = file.model();
-    match EffectId::from_name(&arguments.effect).filter(|effect| before.has(*effect)) {
-        Some(effect) => change(&folder, file, &before, &before.without(effect)),
-        None => {
-            let present: Vec<&str> = before.effects().iter().map(|e| e.name()).collect();
-            Err(Failure::in_file(
-                &folder.model_path,
-                format!(
-                    "the model does not have {}; it has {}",
-                    arguments.effect,
-                    present.join(", ")
-                ),
-            ))
-        }
-    }
+    let session = arguments.files.open(&arguments.bench)?;
+    change(session, |session, progress| {
+        session.remove_effect(&arguments.effect, progress)
+    })
 }

@@ -1,10 +1,11 @@
 //! What commands print: text for people, JSON for programs.
 
-pub mod json;
-pub mod numbers;
 pub mod table;
 
+use std::path::{Path, PathBuf};
+
 use serde::Serialize;
+use workbench::OutputFile;
 
 use crate::failure::Failure;
 
@@ -12,27 +13,22 @@ use crate::failure::Failure;
 pub struct Report {
     /// The text for standard output, ending in a line break.
     pub text: String,
-    /// The same for programs.
-    json: serde_json::Value,
+    /// The same for programs, ending in a line break.
+    pub json: String,
     /// False where a proof or a check failed (exit code 1).
     pub passed: bool,
 }
 
 impl Report {
     /// A report of a command that did what it should.
-    pub fn new(text: String, json: &impl Serialize) -> Result<Report, Failure> {
+    pub fn new(text: String, result: &impl Serialize) -> Result<Report, Failure> {
+        let json = serde_json::to_string_pretty(result)
+            .map_err(|error| Failure::new(format!("cannot write the result as JSON: {error}")))?;
         Ok(Report {
             text,
-            json: serde_json::to_value(json).map_err(|error| {
-                Failure::new(format!("cannot write the result as JSON: {error}"))
-            })?,
+            json: json + "\n",
             passed: true,
         })
-    }
-
-    /// The result for programs.
-    pub fn value(&self) -> &serde_json::Value {
-        &self.json
     }
 
     /// The same report with exit code 1.
@@ -42,11 +38,36 @@ impl Report {
             ..self
         }
     }
+}
 
-    /// The JSON as text, ending in a line break.
-    pub fn json_text(&self) -> Result<String, Failure> {
-        serde_json::to_string_pretty(&self.json)
-            .map(|text| text + "\n")
-            .map_err(|error| Failure::new(format!("cannot write the result as JSON: {error}")))
+/// A result with the paths of the figures that were made from it.
+#[derive(Serialize)]
+pub struct WithFigures<'a, T> {
+    /// The result.
+    #[serde(flatten)]
+    pub result: &'a T,
+    /// Where its figures are.
+    pub figures: Vec<PathBuf>,
+}
+
+/// Writes figures and tables into a folder, which is made where it is missing; returns their paths.
+pub fn write_files(folder: &Path, files: &[OutputFile]) -> Result<Vec<PathBuf>, Failure> {
+    if files.is_empty() {
+        return Ok(Vec::new());
     }
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::in_file(folder, format!("cannot make the folder: {error}")))?;
+    let mut paths = Vec::new();
+    for file in files {
+        let path = folder.join(&file.name);
+        bench_files::write_atomically(&path, file.text.as_bytes())?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+/// The lines that list files.
+pub fn listed(paths: &[PathBuf]) -> String {
+    let lines = paths.iter().map(|path| format!("  {}\n", path.display()));
+    lines.collect()
 }

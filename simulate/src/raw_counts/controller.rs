@@ -86,7 +86,7 @@ impl InterpretedController {
             .map_err(|trap| failure(trap.to_string()))?
             .to_vec();
         let bits = match angle.result_types.as_slice() {
-            [checker::language::Type::Fixed(bits)] => *bits,
+            [checker::program::Type::Fixed(bits)] => *bits,
             _ => return Err(failure("`Attitude::angle` returns no angle".to_owned())),
         };
         Ok(InterpretedController {

@@ -1,0 +1,122 @@
+//! Where the files of a bench are: on the disk, or in memory.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Problem};
+use crate::write::reason;
+
+/// The files of a bench that is not on the disk: `bench.toml`, the logs that it names, and
+/// `model.toml` where there is one. Names are as bench.toml writes them.
+///
+/// ```
+/// let files: bench_files::FilesInMemory =
+///     [("bench.toml", "[bench]\nname = \"mine\"\n"), ("swing.csv", "time_s,angle_rad\n")]
+///         .into_iter()
+///         .collect();
+/// assert!(files.contains("swing.csv"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FilesInMemory(BTreeMap<PathBuf, Vec<u8>>);
+
+impl FilesInMemory {
+    /// Whether there is a file of this name.
+    pub fn contains(&self, name: impl AsRef<Path>) -> bool {
+        self.0.contains_key(name.as_ref())
+    }
+
+    /// Puts in a file, in the place of one with the same name.
+    pub fn insert(&mut self, name: impl Into<PathBuf>, content: impl Into<Vec<u8>>) {
+        self.0.insert(name.into(), content.into());
+    }
+}
+
+impl<N: Into<PathBuf>, C: Into<Vec<u8>>> FromIterator<(N, C)> for FilesInMemory {
+    fn from_iter<I: IntoIterator<Item = (N, C)>>(files: I) -> FilesInMemory {
+        let files = files.into_iter();
+        FilesInMemory(
+            files
+                .map(|(name, content)| (name.into(), content.into()))
+                .collect(),
+        )
+    }
+}
+
+/// Where files are looked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Files<'f> {
+    /// On the disk.
+    Disk,
+    /// Among these and nowhere else.
+    Memory(&'f FilesInMemory),
+}
+
+/// A file that was opened.
+#[derive(Debug)]
+pub(crate) enum Content<'f> {
+    Disk(File),
+    Memory(Cursor<&'f [u8]>),
+}
+
+impl<'f> Files<'f> {
+    /// Opens a file; on the disk a folder, device or pipe (which may never end) is refused.
+    pub fn open(self, path: &Path) -> Result<Content<'f>, Error> {
+        match self {
+            Files::Memory(FilesInMemory(files)) => match files.get(path) {
+                Some(bytes) => Ok(Content::Memory(Cursor::new(bytes))),
+                None => Err(Error::in_file(path, Problem::NotFound)),
+            },
+            Files::Disk => open_regular(path).map(Content::Disk),
+        }
+    }
+}
+
+impl Content<'_> {
+    /// Number of bytes.
+    pub fn length(&self) -> io::Result<u64> {
+        match self {
+            Content::Disk(file) => Ok(file.metadata()?.len()),
+            Content::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
+        }
+    }
+}
+
+impl Read for Content<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Content::Disk(file) => file.read(buffer),
+            Content::Memory(bytes) => bytes.read(buffer),
+        }
+    }
+}
+
+impl Seek for Content<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match self {
+            Content::Disk(file) => file.seek(to),
+            Content::Memory(bytes) => bytes.seek(to),
+        }
+    }
+}
+
+fn open_regular(path: &Path) -> Result<File, Error> {
+    let unreadable = |error: &io::Error| Problem::Unreadable(reason(error));
+    let metadata = fs::metadata(path).map_err(|error| {
+        let problem = match error.kind() {
+            io::ErrorKind::NotFound => Problem::NotFound,
+            _ => unreadable(&error),
+        };
+        Error::in_file(path, problem)
+    })?;
+    if !metadata.is_file() {
+        let found = if metadata.is_dir() {
+            "a folder"
+        } else {
+            "a device or a pipe"
+        };
+        return Err(Error::in_file(path, Problem::NotAFile { found }));
+    }
+    File::open(path).map_err(|error| Error::in_file(path, unreadable(&error)))
+}

@@ -1,0 +1,214 @@
+//! A model beside the measurements: what `identify`, `compare`, `add`, `remove` and `diagnose` print.
+
+use workbench::numbers::{with_prefix, with_uncertainty};
+use workbench::words::{place, residual};
+use workbench::{BenchNote, Comparison, EffectChange, LoggedExperiment};
+
+use crate::report::table::{Align, Table};
+
+/// Correlation from which two parameters are named: less than a fifth of the variance of one is then its
+/// own (1 − 0.9²).
+const STRONG_CORRELATION: f64 = 0.9;
+
+/// The line that names the bench, and what there is to know about its files.
+pub fn head(bench: &str, experiments: &[LoggedExperiment], notes: &[BenchNote]) -> String {
+    let samples: usize = experiments.iter().map(|one| one.samples).sum();
+    let mut text = format!(
+        "{bench}: {} experiments, {samples} samples\n",
+        experiments.len()
+    );
+    for BenchNote { experiment, note } in notes {
+        match experiment {
+            Some(experiment) => text.push_str(&format!("  {experiment}: {note}\n")),
+            None => text.push_str(&format!("  {note}\n")),
+        }
+    }
+    text
+}
+
+/// Head, parameters, errors, places, remarks.
+pub fn whole(comparison: &Comparison) -> String {
+    head(
+        &comparison.bench,
+        &comparison.experiments,
+        &comparison.notes,
+    ) + &parameter_table(comparison)
+        + &error_table(comparison)
+        + &place_table(comparison)
+        + &remarks(comparison)
+}
+
+/// The same for a model that was changed, with the errors before and after.
+pub fn changed(change: &EffectChange) -> String {
+    let after = &change.after;
+    head(&after.bench, &after.experiments, &after.notes)
+        + &parameter_table(after)
+        + &difference_table(change)
+        + &place_table(after)
+        + &remarks(after)
+}
+
+fn parameter_table(comparison: &Comparison) -> String {
+    let mut table = Table::new(&[
+        ("parameter", Align::Left),
+        ("value ± standard error", Align::Left),
+        ("unit", Align::Left),
+        ("from", Align::Left),
+    ]);
+    for parameter in &comparison.parameters {
+        table.row([
+            parameter.name.clone(),
+            with_uncertainty(parameter.value, parameter.std),
+            parameter.unit.clone(),
+            shortened(&parameter.source, 44),
+        ]);
+    }
+    format!(
+        "\nModel: {}\n{}{}",
+        comparison.effects.join(", "),
+        table.text(),
+        strong_correlations(comparison)
+    )
+}
+
+/// A line for every two parameters whose errors hardly move alone.
+fn strong_correlations(comparison: &Comparison) -> String {
+    let Some(correlation) = &comparison.correlation else {
+        return String::new();
+    };
+    let names = &correlation.parameters;
+    let mut text = String::new();
+    for (row, a) in names.iter().enumerate() {
+        for b in &names[row + 1..] {
+            let found = correlation.between(a, b);
+            if found.abs() >= STRONG_CORRELATION {
+                let how = if found > 0.0 {
+                    "together"
+                } else {
+                    "against each other"
+                };
+                text.push_str(&format!(
+                    "  the errors of {a} and {b} go {how}: correlation {found:.4}\n"
+                ));
+            }
+        }
+    }
+    text
+}
+
+/// Model against measurement, channel by channel.
+pub fn error_table(comparison: &Comparison) -> String {
+    let mut table = Table::new(&[
+        ("experiment", Align::Left),
+        ("channel", Align::Left),
+        ("RMSE", Align::Right),
+        ("sensor noise", Align::Right),
+        ("fit", Align::Right),
+    ]);
+    for (series, rmse) in comparison.rmse.iter() {
+        let unit = series.channel.unit();
+        let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        table.row([
+            series.experiment.clone(),
+            series.channel.name().to_owned(),
+            with_prefix(*rmse, unit),
+            with_prefix(number(comparison.sensor_noise.of(series)), unit),
+            format!("{:.2} %", number(comparison.fit_percent.of(series))),
+        ]);
+    }
+    format!("\nModel against measurement\n{}", table.text())
+}
+
+fn difference_table(change: &EffectChange) -> String {
+    let mut table = Table::new(&[
+        ("experiment/channel", Align::Left),
+        ("RMSE before", Align::Right),
+        ("after", Align::Right),
+        ("sensor noise", Align::Right),
+        ("fit before", Align::Right),
+        ("after", Align::Right),
+    ]);
+    let after = &change.after;
+    for (series, rmse) in after.rmse.iter() {
+        let unit = series.channel.unit();
+        let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let size = |value: Option<f64>| with_prefix(number(value), unit);
+        table.row([
+            series.to_string(),
+            size(change.rmse_before.of(series)),
+            with_prefix(*rmse, unit),
+            size(after.sensor_noise.of(series)),
+            format!("{:.2} %", number(change.fit_percent_before.of(series))),
+            format!("{:.2} %", number(after.fit_percent.of(series))),
+        ]);
+    }
+    format!("\nModel against measurement\n{}", table.text())
+}
+
+/// Where the model fails, the plainest place first.
+pub fn place_table(comparison: &Comparison) -> String {
+    let significant = comparison.places.iter().filter(|place| place.significant);
+    let mut table = Table::new(&[
+        ("experiment/channel", Align::Left),
+        ("seen in", Align::Left),
+        ("where", Align::Left),
+        ("of its error", Align::Right),
+    ]);
+    for found in significant {
+        table.row([
+            format!("{}/{}", found.experiment, found.channel),
+            residual(found.residual).to_owned(),
+            place(found),
+            format!("{:.0} %", 100.0 * found.share_of_error),
+        ]);
+    }
+    if table.is_empty() {
+        return "\nWhere the model fails\n  nowhere beyond the noise of the sensors\n".to_owned();
+    }
+    format!("\nWhere the model fails\n{}", table.text())
+}
+
+/// Pushes and open questions, where there are any.
+pub fn remarks(comparison: &Comparison) -> String {
+    let mut text = String::new();
+    let per = if comparison.per_unit_of_inertia {
+        " per kg m2"
+    } else {
+        ""
+    };
+    let mut table = Table::new(&[
+        ("push in", Align::Left),
+        ("at", Align::Right),
+        ("impulse on the body", Align::Left),
+    ]);
+    for push in &comparison.pushes {
+        table.row([
+            push.experiment.clone(),
+            format!("{:.3} s", push.time_s),
+            format!(
+                "({}) mN m s{per}",
+                with_uncertainty(1e3 * push.impulse_nms, Some(1e3 * push.impulse_std_nms))
+            ),
+        ]);
+    }
+    if !table.is_empty() {
+        text.push_str("\nPushes that no column records, left out of the fit\n");
+        text.push_str(&table.text());
+    }
+    if !comparison.statements.is_empty() {
+        text.push_str("\nWhat these logs leave open, or contradict\n");
+        for statement in &comparison.statements {
+            text.push_str(&format!("  - {statement}\n"));
+        }
+    }
+    text
+}
+
+fn shortened(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    let mut short: String = text.chars().take(width - 1).collect();
+    short.push('…');
+    short
+}

@@ -1,0 +1,128 @@
+//! A diagnosis in words.
+
+use workbench::DiagnosisReport;
+use workbench::numbers::{with_prefix, with_uncertainty};
+use workbench::words::set;
+
+use super::{comparison, decay};
+use crate::report::table::{Align, Table};
+
+/// Everything.
+pub fn text(report: &DiagnosisReport) -> String {
+    let last = &report.last;
+    let mut text = format!(
+        "{}\n{}\n",
+        comparison::head(&report.bench, &last.experiments, &report.notes),
+        report.sentence
+    );
+    text.push_str(&staircase_table(report));
+    text.push_str(&suspect_table(report));
+    if !report.ambiguous_between.is_empty() {
+        text.push_str("\nEqually good explanations\n");
+        for effects in &report.ambiguous_between {
+            let name = set(effects.iter().map(String::as_str));
+            text.push_str(&format!("  - {name}\n"));
+        }
+    }
+    if !report.next_experiment.is_empty() {
+        text.push_str(&format!(
+            "\nNext experiment\n  {}\n",
+            report.next_experiment
+        ));
+    }
+    text.push_str(&decay::text(&report.decay));
+    text + &comparison::place_table(last) + &comparison::remarks(last)
+}
+
+/// The error of every series after each step, down to the sensor's noise.
+pub fn staircase_table(report: &DiagnosisReport) -> String {
+    let steps = &report.steps;
+    let names: Vec<String> = steps.iter().map(|step| step.name()).collect();
+    let mut heads = vec![("RMSE of experiment/channel", Align::Left)];
+    heads.extend(names.iter().map(|name| (name.as_str(), Align::Right)));
+    heads.push(("sensor noise", Align::Right));
+    let mut table = Table::new(&heads);
+    for (series, noise) in report.sensor_noise.iter() {
+        let unit = series.channel.unit();
+        let size = |rmse: Option<f64>| match rmse {
+            Some(rmse) => with_prefix(rmse, unit),
+            None => "–".to_owned(),
+        };
+        let mut row = vec![series.to_string()];
+        row.extend(steps.iter().map(|step| size(step.rmse.of(series))));
+        row.push(with_prefix(*noise, unit));
+        table.row(row);
+        let unseen = steps.iter().map(|step| step.validation_rmse.of(series));
+        let unseen: Vec<Option<f64>> = unseen.collect();
+        if unseen.iter().any(Option::is_some) {
+            let mut row = vec!["  held out".to_owned()];
+            row.extend(unseen.into_iter().map(size));
+            row.push(String::new());
+            table.row(row);
+        }
+    }
+    let mut row = vec!["mean fit, held out".to_owned()];
+    row.extend(
+        steps
+            .iter()
+            .map(|step| percent(step.validation_fit_percent)),
+    );
+    row.push(String::new());
+    table.row(row);
+    format!(
+        "\nThe error, step by step (held out: predicted by the other experiments)\n{}",
+        table.text()
+    )
+}
+
+fn suspect_table(report: &DiagnosisReport) -> String {
+    if report.suspects.is_empty() {
+        return "\nSuspects\n  none: no effect of the library promises anything\n".to_owned();
+    }
+    let mut table = Table::new(&[
+        ("suspect", Align::Left),
+        ("probability", Align::Right),
+        ("fit, held out", Align::Right),
+        ("parameters", Align::Left),
+    ]);
+    let mut words = String::new();
+    for suspect in &report.suspects {
+        let parameters: Vec<String> = suspect
+            .parameters
+            .iter()
+            .map(|parameter| {
+                let value = with_uncertainty(parameter.value, parameter.std);
+                format!("{} {value} {}", parameter.name, parameter.unit)
+                    .trim_end()
+                    .to_owned()
+            })
+            .collect();
+        table.row([
+            suspect.effect.clone(),
+            probability(suspect.probability),
+            percent(suspect.validation_fit_percent),
+            parameters.join(", "),
+        ]);
+        words.push_str(&format!("  {}: {}\n", suspect.effect, suspect.fingerprint));
+    }
+    format!("\nSuspects\n{}\n{words}", table.text())
+}
+
+fn percent(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.2} %")
+    } else {
+        "–".to_owned()
+    }
+}
+
+/// A probability; what rounds to nothing or to certainty is said as a bound.
+fn probability(value: f64) -> String {
+    if value < 0.005 {
+        "< 1 %".to_owned()
+    } else if value > 0.995 {
+        "> 99 %".to_owned()
+    } else {
+        format!("{:.0} %", 100.0 * value)
+    }
+}

@@ -1,0 +1,9 @@
+//! Typed results as text for people.
+
+pub mod calibration;
+pub mod closed_loop;
+pub mod comparison;
+pub mod decay;
+pub mod design;
+pub mod design_change;
+pub mod diagnosis;

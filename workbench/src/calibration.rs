@@ -1,0 +1,544 @@
+//! Sensors, mounting, converters and centre of mass from recordings of raw counts.
+
+use std::path::Path;
+
+use ::calibrate::{CalibrationError, LineFit, PlumbLine};
+use bench_files::{
+    Calibration, CalibrationRecordings, LeverArmCalibration, LineCalibration, ModelFile,
+    MountingCalibration, Parameter, SensorCalibration,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::numbers::significant;
+
+/// Scale of the magnetometer's data sheet (FXOS8700), µT per count.
+const MAGNETOMETER_UT_PER_COUNT: f64 = 0.1;
+
+/// A lever arm from the swing that is less certain than this is not used, m: at 30 rad/s², as near
+/// 15° from upright, it moves the apparent vertical by a third of a degree.
+const LEVER_ARM_STD_MAX_M: f64 = 2e-3;
+
+/// Standard errors between ruler and swing beyond which they contradict each other.
+const CONTRADICTION: f64 = 4.0;
+
+/// A gyroscope's scale that is off by more than this is that of another range, or a slip: data sheets
+/// allow a few per cent.
+const SCALE_ERROR_MAX: f64 = 0.05;
+
+/// What the recordings of `[calibration]` give: the result of [`calibrate`].
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct CalibrationReport {
+    /// m/s² of counts.
+    pub accelerometer: Option<CalibratedSensor>,
+    /// rad/s of counts.
+    pub gyroscope: Option<CalibratedSensor>,
+    /// µT of counts.
+    pub magnetometer: Option<CalibratedSensor>,
+    /// How the sensor sits on the body.
+    pub mounting: Option<SensorMounting>,
+    /// Where the accelerometer sits, along x and y of the aligned sensor.
+    pub lever_arm: Option<LeverArmReport>,
+    /// Wheel speed in rad/s over converter counts.
+    pub wheel_speed: Option<CalibratedLine>,
+    /// Duty in counts over current in A.
+    pub current: Option<CalibratedLine>,
+    /// Centre of mass of the body, from plumb lines.
+    pub centre_of_mass: Option<PlumbedCentre>,
+    /// What is not trustworthy, and what would help; sentences.
+    pub warnings: Vec<String>,
+    /// The magnetometer's samples before and after.
+    #[serde(skip)]
+    pub magnetometer_points: Option<MagnetometerPoints>,
+    /// The same as model.toml has it.
+    #[serde(skip)]
+    found: Calibration,
+}
+
+/// A three-axis sensor: value = matrix (counts − bias).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedSensor {
+    /// Unit of the value.
+    pub unit_per_count: String,
+    /// Bias, counts.
+    pub bias_counts: [f64; 3],
+    /// Standard errors of the bias, counts.
+    pub bias_std: [f64; 3],
+    /// Row by row.
+    pub matrix: [[f64; 3]; 3],
+    /// Standard errors; zero for entries that are not identified.
+    pub matrix_std: [[f64; 3]; 3],
+    /// Quality of the fit by name: residual, condition, coverage, noise, …
+    pub quality: Vec<(String, f64)>,
+}
+
+/// How the sensor sits on the body.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SensorMounting {
+    /// The pivot axis in the sensor's frame.
+    pub axis: [f64; 3],
+    /// Its standard error.
+    pub axis_std_rad: f64,
+    /// From the body's axis to the sensor's x axis.
+    pub angle_rad: f64,
+    /// Its standard error.
+    pub angle_std_rad: f64,
+}
+
+/// Where the accelerometer sits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeverArmReport {
+    /// What went into the model, if anything.
+    pub position_m: Option<[f64; 2]>,
+    /// Its standard errors.
+    pub position_std_m: Option<[f64; 2]>,
+    /// What was measured with a ruler, if it was.
+    pub stated_m: Option<[f64; 2]>,
+    /// Its standard errors.
+    pub stated_std_m: Option<[f64; 2]>,
+    /// What the swing gives.
+    pub from_swing: Option<LeverArmOfSwing>,
+}
+
+/// The lever arm that the accelerations of a swing show.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeverArmOfSwing {
+    /// Along x and y of the aligned sensor.
+    pub position_m: [f64; 2],
+    /// Standard errors.
+    pub position_std_m: [f64; 2],
+    /// The true rate about the pivot axis is (1 + this) times the calibrated one.
+    pub gyro_scale_error: f64,
+    /// Its standard error.
+    pub gyro_scale_error_std: f64,
+    /// What is left of the acceleration.
+    pub residual_std_m_s2: f64,
+}
+
+/// A straight line with its errors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedLine {
+    /// Slope.
+    pub slope: f64,
+    /// Its standard error.
+    pub slope_std: f64,
+    /// Value at zero.
+    pub offset: f64,
+    /// Its standard error.
+    pub offset_std: f64,
+    /// Standard deviation about the line.
+    pub residual_std: f64,
+}
+
+/// A centre of mass from plumb lines.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlumbedCentre {
+    /// Where it is.
+    pub position_m: [f64; 2],
+    /// From the pivot.
+    pub pivot_to_com_m: f64,
+    /// Standard error of that.
+    pub pivot_to_com_std_m: f64,
+    /// Largest angle between two of the lines.
+    pub crossing_angle_rad: f64,
+    /// How far each line passes from it.
+    pub residuals_m: Vec<f64>,
+}
+
+/// Samples of a magnetometer that was turned into all directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MagnetometerPoints {
+    /// Counts.
+    pub before: Vec<[f64; 3]>,
+    /// µT.
+    pub after_ut: Vec<[f64; 3]>,
+    /// Strength of the field, µT.
+    pub field_ut: f64,
+    /// Variation of the length before, as a share.
+    pub spread_before: f64,
+    /// And after.
+    pub spread_after: f64,
+    /// Share of all directions that were covered.
+    pub coverage: f64,
+}
+
+/// Calibrates everything that the recordings allow.
+///
+/// # Errors
+/// [`Error::Calibrate`] with the recording that does not allow its calibration.
+pub fn calibrate(recordings: &CalibrationRecordings) -> Result<CalibrationReport, Error> {
+    let mut work = Work {
+        recordings,
+        report: CalibrationReport::default(),
+    };
+    let accelerometer = work.accelerometer()?;
+    let gyroscope = work.gyroscope()?;
+    work.magnetometer()?;
+    if let (Some(accelerometer), Some(gyroscope)) = (accelerometer, gyroscope) {
+        let mounting = work.mounting(&accelerometer, &gyroscope)?;
+        let of_swing = match mounting {
+            Some(mounting) => work.lever_arm_of_swing(&accelerometer, &gyroscope, &mounting)?,
+            None => None,
+        };
+        work.lever_arm(of_swing);
+    } else {
+        work.lever_arm(None);
+    }
+    work.lines()?;
+    work.centre_of_mass()?;
+    Ok(work.report)
+}
+
+impl CalibrationReport {
+    /// Puts what was found into a model; what was found before stays where nothing new was.
+    pub fn apply_to(&self, file: &mut ModelFile) {
+        file.calibration = Some(merged(file.calibration, self.found));
+        if let Some(centre) = &self.centre_of_mass {
+            file.set_parameter(Parameter {
+                name: "pivot_to_com".to_owned(),
+                value: centre.pivot_to_com_m,
+                std: Some(centre.pivot_to_com_std_m),
+                unit: "m".to_owned(),
+                source: "plumb lines".to_owned(),
+            });
+        }
+    }
+}
+
+/// What was found now, and for the rest what was found before.
+fn merged(before: Option<Calibration>, now: Calibration) -> Calibration {
+    let before = before.unwrap_or_default();
+    Calibration {
+        accelerometer: now.accelerometer.or(before.accelerometer),
+        gyroscope: now.gyroscope.or(before.gyroscope),
+        beta_rad_s: now.beta_rad_s.or(before.beta_rad_s),
+        magnetometer: now.magnetometer.or(before.magnetometer),
+        mounting: now.mounting.or(before.mounting),
+        lever_arm: now.lever_arm.or(before.lever_arm),
+        wheel_speed: now.wheel_speed.or(before.wheel_speed),
+        duty: now.duty.or(before.duty),
+    }
+}
+
+/// A calibration under way.
+struct Work<'a> {
+    recordings: &'a CalibrationRecordings,
+    report: CalibrationReport,
+}
+
+impl Work<'_> {
+    fn accelerometer(&mut self) -> Result<Option<::calibrate::SensorCalibration>, Error> {
+        let recordings = self.recordings;
+        let (Some(first), Some(gravity)) =
+            (recordings.accelerometer.first(), recordings.known.gravity)
+        else {
+            return Ok(None);
+        };
+        let poses: Vec<Vec<[i16; 3]>> = recordings
+            .accelerometer
+            .iter()
+            .map(|pose| pose.counts.clone())
+            .collect();
+        let found =
+            ::calibrate::accelerometer(&poses, gravity).map_err(in_recording(&first.file))?;
+        let worst = found
+            .residuals_m_s2
+            .iter()
+            .fold(0.0_f64, |worst, residual| worst.max(residual.abs()));
+        let quality = [
+            ("poses", poses.len() as f64),
+            ("largest_residual_m_s2", worst),
+            ("condition", found.condition),
+        ];
+        self.report.found.accelerometer = Some(to_file(&found.sensor));
+        self.report.accelerometer = Some(CalibratedSensor::of("m/s2", &found.sensor, &quality));
+        Ok(Some(found.sensor))
+    }
+
+    fn gyroscope(&mut self) -> Result<Option<::calibrate::SensorCalibration>, Error> {
+        let recordings = self.recordings;
+        let (Some(still), Some(scale), Some(sample_time_s)) = (
+            &recordings.gyroscope,
+            recordings.gyroscope_scale_rad_s,
+            recordings.sample_time_s,
+        ) else {
+            return Ok(None);
+        };
+        let found = ::calibrate::gyroscope_rest(&still.counts, scale, sample_time_s)
+            .map_err(in_recording(&still.file))?;
+        let quality = [
+            ("noise_rad_s_rthz", found.noise_rad_s_rthz),
+            ("largest_drift_rad_s", found.drift_rad_s.amax()),
+            ("beta_rad_s", found.beta_rad_s),
+        ];
+        self.report.found.gyroscope = Some(to_file(&found.sensor));
+        self.report.found.beta_rad_s = Some(found.beta_rad_s);
+        self.report.gyroscope = Some(CalibratedSensor::of("rad/s", &found.sensor, &quality));
+        Ok(Some(found.sensor))
+    }
+
+    fn magnetometer(&mut self) -> Result<(), Error> {
+        let Some(recording) = &self.recordings.magnetometer else {
+            return Ok(());
+        };
+        let counts = &recording.counts;
+        let in_file = in_recording(&recording.file);
+        let field_ut = match self.recordings.field_ut {
+            Some(field) => field,
+            None => {
+                ::calibrate::mean_field_ut(counts, MAGNETOMETER_UT_PER_COUNT).map_err(&in_file)?
+            }
+        };
+        let found = ::calibrate::magnetometer(counts, field_ut).map_err(in_file)?;
+        let quality = [
+            ("field_ut", field_ut),
+            ("spread_before", found.spread_before),
+            ("spread_after", found.spread_after),
+            ("coverage", found.coverage),
+            ("condition", found.condition),
+        ];
+        if !found.is_covered() {
+            self.report.warnings.push(format!(
+                "the magnetometer was turned through {:.0} % of all directions only ({:.0} % are \
+                 needed): bias and scale along the missing ones are not trustworthy",
+                100.0 * found.coverage,
+                100.0 * ::calibrate::COVERAGE_MIN
+            ));
+        }
+        self.report.found.magnetometer = Some(to_file(&found.sensor));
+        self.report.magnetometer = Some(CalibratedSensor::of("µT", &found.sensor, &quality));
+        self.report.magnetometer_points = Some(MagnetometerPoints {
+            before: counts.iter().map(|sample| sample.map(f64::from)).collect(),
+            after_ut: found.points_ut.iter().map(|p| [p.x, p.y, p.z]).collect(),
+            field_ut,
+            spread_before: found.spread_before,
+            spread_after: found.spread_after,
+            coverage: found.coverage,
+        });
+        Ok(())
+    }
+
+    fn mounting(
+        &mut self,
+        accelerometer: &::calibrate::SensorCalibration,
+        gyroscope: &::calibrate::SensorCalibration,
+    ) -> Result<Option<::calibrate::Mounting>, Error> {
+        let (Some(swing), Some(hanging)) = (&self.recordings.swing, &self.recordings.hanging)
+        else {
+            return Ok(None);
+        };
+        let found = ::calibrate::mounting(
+            &swing.counts,
+            &gyroscope.line,
+            &hanging.counts,
+            accelerometer,
+        )
+        .map_err(in_recording(&swing.file))?;
+        let axis = [found.axis.x, found.axis.y, found.axis.z];
+        self.report.found.mounting = Some(MountingCalibration {
+            axis,
+            axis_std_rad: found.axis_std_rad,
+            angle_rad: found.angle_rad,
+            angle_std_rad: found.angle_std_rad,
+        });
+        self.report.mounting = Some(SensorMounting {
+            axis,
+            axis_std_rad: found.axis_std_rad,
+            angle_rad: found.angle_rad,
+            angle_std_rad: found.angle_std_rad,
+        });
+        Ok(Some(found))
+    }
+
+    fn lever_arm_of_swing(
+        &self,
+        accelerometer: &::calibrate::SensorCalibration,
+        gyroscope: &::calibrate::SensorCalibration,
+        mounting: &::calibrate::Mounting,
+    ) -> Result<Option<::calibrate::LeverArm>, Error> {
+        let recordings = self.recordings;
+        let (Some(swing), Some(swing_accelerometer), Some(hanging), Some(sample_time_s)) = (
+            &recordings.swing,
+            &recordings.swing_accelerometer,
+            &recordings.hanging,
+            recordings.sample_time_s,
+        ) else {
+            return Ok(None);
+        };
+        ::calibrate::lever_arm(
+            &swing.counts,
+            &swing_accelerometer.counts,
+            &gyroscope.line,
+            &hanging.counts,
+            accelerometer,
+            mounting,
+            sample_time_s,
+        )
+        .map(Some)
+        .map_err(in_recording(&swing.file))
+    }
+
+    /// The lever arm by the ruler, or else by the swing where that is certain enough.
+    fn lever_arm(&mut self, of_swing: Option<::calibrate::LeverArm>) {
+        let stated = self.recordings.lever_arm;
+        if stated.is_none() && of_swing.is_none() {
+            return;
+        }
+        let mut used = stated;
+        if let Some(found) = of_swing {
+            let certain = CONTRADICTION * found.gyro_scale_error_std;
+            if found.gyro_scale_error.abs() > SCALE_ERROR_MAX.max(certain) {
+                self.report.warnings.push(format!(
+                    "by the swing the rate about the pivot is {} times what gyroscope_scale says; \
+                     look up the sensor's range",
+                    significant(1.0 + found.gyro_scale_error, 3)
+                ));
+            }
+            let worst = found.position_std_m[0].max(found.position_std_m[1]);
+            match stated {
+                Some(stated) => {
+                    let contradict = (0..2).any(|axis| {
+                        let apart = found.position_m[axis] - stated.position_m[axis];
+                        let std = found.position_std_m[axis].hypot(stated.position_std_m[axis]);
+                        apart.abs() > CONTRADICTION * std
+                    });
+                    if contradict {
+                        self.report.warnings.push(
+                            "the stated lever arm contradicts the swing; the stated one is used"
+                                .to_owned(),
+                        );
+                    }
+                }
+                None if worst <= LEVER_ARM_STD_MAX_M => {
+                    used = Some(LeverArmCalibration {
+                        position_m: found.position_m,
+                        position_std_m: found.position_std_m,
+                    });
+                }
+                None => self.report.warnings.push(format!(
+                    "the swing leaves the lever arm open by {} mm and it is not used: record a \
+                     swing from 45° or more, or state lever_arm",
+                    significant(1e3 * worst, 2)
+                )),
+            }
+        }
+        self.report.found.lever_arm = used;
+        self.report.lever_arm = Some(LeverArmReport {
+            position_m: used.map(|arm| arm.position_m),
+            position_std_m: used.map(|arm| arm.position_std_m),
+            stated_m: stated.map(|arm| arm.position_m),
+            stated_std_m: stated.map(|arm| arm.position_std_m),
+            from_swing: of_swing.map(|found| LeverArmOfSwing {
+                position_m: found.position_m,
+                position_std_m: found.position_std_m,
+                gyro_scale_error: found.gyro_scale_error,
+                gyro_scale_error_std: found.gyro_scale_error_std,
+                residual_std_m_s2: found.residual_std_m_s2,
+            }),
+        });
+    }
+
+    fn lines(&mut self) -> Result<(), Error> {
+        let fit = |points: &Option<Vec<(f64, f64)>>| -> Result<Option<LineFit>, Error> {
+            points
+                .as_ref()
+                .map(|points| ::calibrate::fit_line(points))
+                .transpose()
+                .map_err(in_recording(&self.recordings.folder))
+        };
+        let wheel_speed = fit(&self.recordings.wheel_speed)?;
+        let duty = fit(&self.recordings.duty)?;
+        self.report.found.wheel_speed = wheel_speed.as_ref().map(line_to_file);
+        self.report.found.duty = duty.as_ref().map(line_to_file);
+        self.report.wheel_speed = wheel_speed.as_ref().map(CalibratedLine::of);
+        self.report.current = duty.as_ref().map(CalibratedLine::of);
+        Ok(())
+    }
+
+    fn centre_of_mass(&mut self) -> Result<(), Error> {
+        let Some(drawn) = &self.recordings.plumb_lines else {
+            return Ok(());
+        };
+        let lines: Vec<PlumbLine> = drawn
+            .lines
+            .iter()
+            .map(|[first, second]| PlumbLine {
+                first: (*first).into(),
+                second: (*second).into(),
+            })
+            .collect();
+        let found = ::calibrate::centre_of_mass(&lines, drawn.pivot_m.into(), drawn.mark_std_m)
+            .map_err(in_recording(&self.recordings.folder))?;
+        self.report.centre_of_mass = Some(PlumbedCentre {
+            position_m: [found.position_m.x, found.position_m.y],
+            pivot_to_com_m: found.pivot_to_com_m,
+            pivot_to_com_std_m: found.pivot_to_com_std_m,
+            crossing_angle_rad: found.crossing_angle_rad,
+            residuals_m: found.residuals_m,
+        });
+        Ok(())
+    }
+}
+
+/// A calibration error with the recording that it is about.
+fn in_recording(file: &Path) -> impl Fn(CalibrationError) -> Error {
+    move |source| Error::Calibrate {
+        recording: file.to_path_buf(),
+        source,
+    }
+}
+
+fn matrix(of: &::calibrate::SensorCalibration, std: bool) -> [[f64; 3]; 3] {
+    let source = if std { &of.matrix_std } else { &of.line.matrix };
+    [0, 1, 2].map(|row| [0, 1, 2].map(|column| source[(row, column)]))
+}
+
+fn to_file(sensor: &::calibrate::SensorCalibration) -> SensorCalibration {
+    SensorCalibration {
+        bias_counts: sensor.line.bias_counts.into(),
+        bias_std: sensor.bias_std.into(),
+        matrix: matrix(sensor, false),
+        matrix_std: matrix(sensor, true),
+    }
+}
+
+impl CalibratedSensor {
+    fn of(
+        unit: &str,
+        sensor: &::calibrate::SensorCalibration,
+        quality: &[(&str, f64)],
+    ) -> CalibratedSensor {
+        CalibratedSensor {
+            unit_per_count: unit.to_owned(),
+            bias_counts: sensor.line.bias_counts.into(),
+            bias_std: sensor.bias_std.into(),
+            matrix: matrix(sensor, false),
+            matrix_std: matrix(sensor, true),
+            quality: quality
+                .iter()
+                .map(|(name, value)| ((*name).to_owned(), *value))
+                .collect(),
+        }
+    }
+}
+
+fn line_to_file(line: &LineFit) -> LineCalibration {
+    LineCalibration {
+        slope: line.slope,
+        slope_std: line.slope_std,
+        offset: line.offset,
+        offset_std: line.offset_std,
+    }
+}
+
+impl CalibratedLine {
+    fn of(line: &LineFit) -> CalibratedLine {
+        CalibratedLine {
+            slope: line.slope,
+            slope_std: line.slope_std,
+            offset: line.offset,
+            offset_std: line.offset_std,
+            residual_std: line.residual_std,
+        }
+    }
+}

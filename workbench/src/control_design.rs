@@ -1,0 +1,215 @@
+//! A controller for a model: gains and everything that follows from them.
+
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+use bench_files::{DesignSection, ModelFile};
+use codegen::ModuleSpec;
+use design::{Design, DesignError, FrictionExtremes, Settings, Weights};
+use plant::{LinearModel, Linearised, Model, Smoothing};
+
+use crate::error::Error;
+use crate::module_spec::module_spec;
+use crate::session::Session;
+
+/// A model with the linear-quadratic controller that its weights ask for.
+///
+/// From here on: [`ControlDesign::report`] (poles, margins, sizing), [`ControlDesign::generate`]
+/// (the controller in fixed point), [`ControlDesign::simulate`] (the closed loop).
+#[derive(Clone, Debug)]
+pub struct ControlDesign {
+    file: ModelFile,
+    name: String,
+    wishes: DesignSection,
+    model: Model,
+    values: Vec<f64>,
+    design: Design,
+}
+
+impl Session {
+    /// Designs the controller that the model's `[design]` asks for, or the usual one where it has
+    /// none (see [`Session::usual_design`]).
+    ///
+    /// # Errors
+    /// [`Error::NoModel`]; a parameter that is missing; [`Error::Design`] where these weights give no
+    /// controller.
+    pub fn design(&self) -> Result<ControlDesign, Error> {
+        let wishes = self.required_model()?.design;
+        self.design_for(wishes.unwrap_or_else(|| self.usual_design()))
+    }
+
+    /// As [`Session::design`], with these weights, sample time and current limit.
+    ///
+    /// # Errors
+    /// As for [`Session::design`].
+    pub fn design_for(&self, wishes: DesignSection) -> Result<ControlDesign, Error> {
+        let mut file = self.required_model()?.clone().named(self.model_path());
+        file.design = Some(wishes);
+        let name = if self.bench().folder.as_os_str().is_empty() {
+            self.bench().name.clone()
+        } else {
+            name_of(self.model_path())
+        };
+        ControlDesign::new(file, name)
+    }
+}
+
+impl ControlDesign {
+    /// Reads a model.toml and designs the controller that its `[design]` asks for.
+    ///
+    /// # Errors
+    /// What is wrong with the file; [`Error::Design`] where its weights give no controller.
+    pub fn read(path: &Path) -> Result<ControlDesign, Error> {
+        ControlDesign::of(ModelFile::read(path)?)
+    }
+
+    /// Designs the controller that a model's `[design]` asks for.
+    ///
+    /// # Errors
+    /// As for [`ControlDesign::read`].
+    pub fn of(file: ModelFile) -> Result<ControlDesign, Error> {
+        let name = name_of(file.path());
+        ControlDesign::new(file, name)
+    }
+
+    fn new(file: ModelFile, name: String) -> Result<ControlDesign, Error> {
+        let wishes = file.require_design()?;
+        let model = file.model();
+        let values = file.parameter_vector()?;
+        let path = file.path().to_path_buf();
+        let iota = wishes.friction_linearisation_speed_rad_s;
+        let upright = |iota| {
+            linearise(&model, &values, iota).map_err(|reason| Error::Linearise {
+                model: path.clone(),
+                reason,
+            })
+        };
+        let linear = upright(iota)?;
+
+        let dry = model
+            .effects()
+            .iter()
+            .any(|effect| effect.info().linearised == Linearised::AsDryFriction);
+        let friction_extremes = if dry {
+            // Without a stated speed, "all of it" is the slope that the simulations have at rest.
+            let steepest = iota.unwrap_or(Smoothing::SIMULATION.body_rad_s);
+            Some(FrictionExtremes {
+                none: upright(None)?,
+                all: upright(Some(steepest))?,
+                smoothing_speed_rad_s: steepest,
+            })
+        } else {
+            None
+        };
+        let settings = Settings {
+            sample_time_s: wishes.sample_time_s,
+            weights: Weights {
+                state: wishes.state_weights.into(),
+                current: wishes.current_weight,
+            },
+            current_limit_a: wishes.current_limit_a,
+            friction_extremes,
+        };
+        let design = Design::new(&linear, &settings).map_err(|source| Error::Design {
+            model: path,
+            source,
+        })?;
+        Ok(ControlDesign {
+            file,
+            name,
+            wishes,
+            model,
+            values,
+            design,
+        })
+    }
+
+    /// A name for the model: that of its file; that of the folder where the file is a model.toml; that
+    /// of the bench where it is in memory.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The model's file.
+    pub fn file(&self) -> &ModelFile {
+        &self.file
+    }
+
+    /// What was asked for.
+    pub fn wishes(&self) -> &DesignSection {
+        &self.wishes
+    }
+
+    /// The structure of the model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Its parameter vector, SI units.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The controller, as the crate `design` has it.
+    pub fn design(&self) -> &Design {
+        &self.design
+    }
+
+    /// K of u = −K x in A/rad, A s/rad, A s/rad.
+    pub fn gains(&self) -> [f64; 3] {
+        [0, 1, 2].map(|index| self.design.gains[index])
+    }
+
+    /// What the generator is told: gains, ranges, sensors, drive.
+    ///
+    /// # Errors
+    /// [`Error::Design`]: an observer of the angle's bias that the model cannot carry.
+    pub fn module_spec(&self) -> Result<ModuleSpec, Error> {
+        module_spec(self)
+    }
+
+    /// The linear model that other parameter values give.
+    pub(crate) fn linearise(&self, values: &[f64]) -> Result<LinearModel, String> {
+        linearise(
+            &self.model,
+            values,
+            self.wishes.friction_linearisation_speed_rad_s,
+        )
+    }
+
+    pub(crate) fn path(&self) -> PathBuf {
+        self.file.path().to_path_buf()
+    }
+
+    pub(crate) fn design_error(&self, source: DesignError) -> Error {
+        Error::Design {
+            model: self.path(),
+            source,
+        }
+    }
+}
+
+/// A name for a model by its file.
+fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy());
+    let folder = || {
+        // The file need not have been written yet.
+        let whole = path.canonicalize().or_else(|_| {
+            let folder = path
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new(".")).canonicalize()?;
+            Ok::<PathBuf, std::io::Error>(folder.join("model.toml"))
+        });
+        let whole = whole.ok()?;
+        Some(whole.parent()?.file_name()?.to_string_lossy().into_owned())
+    };
+    match stem {
+        Some(stem) if stem != "model" => stem.into_owned(),
+        _ => folder().unwrap_or_else(|| "model".to_owned()),
+    }
+}
+
+fn linearise(model: &Model, values: &[f64], iota: Option<f64>) -> Result<LinearModel, String> {
+    plant::linearise(model, values, PI, iota).map_err(|error| error.to_string())
+}

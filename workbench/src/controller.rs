@@ -1,0 +1,127 @@
+//! The controller in fixed point: a `no_std` crate with its certificate.
+
+use std::path::{Path, PathBuf};
+
+use checker::certificate::Certificate;
+use codegen::{EmittedCrate, FileError};
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use crate::control_design::ControlDesign;
+use crate::error::Error;
+
+/// An emitted controller, still in memory: the result of
+/// [`ControlDesign::generate`](crate::ControlDesign::generate).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GeneratedController {
+    /// The model.
+    pub model: String,
+    /// K in A/rad, A s/rad, A s/rad.
+    pub gains: [f64; 3],
+    /// Largest current either way.
+    pub current_limit_a: f64,
+    /// Time between two commands.
+    pub sample_time_s: f64,
+    /// Time constant of the observer of the angle's bias, if the model asks for one.
+    pub bias_time_constant_s: Option<f64>,
+    /// The files of the crate, by their paths in it; certificate.json is the last.
+    #[serde(skip)]
+    emitted: Files,
+}
+
+/// The emitted files; none in a result that was read from JSON.
+#[derive(Clone, Debug, PartialEq)]
+struct Files(EmittedCrate);
+
+impl Default for Files {
+    fn default() -> Files {
+        Files(EmittedCrate { files: Vec::new() })
+    }
+}
+
+impl ControlDesign {
+    /// Emits the controller as readable `no_std` Rust in fixed point, from raw sensor counts to the
+    /// duty of the drive, with a certificate.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] where a claim could not be kept; [`Error::Design`] where the observer of
+    /// the angle's bias that is asked for does not work.
+    pub fn generate(&self) -> Result<GeneratedController, Error> {
+        let spec = self.module_spec()?;
+        let emitted = codegen::generate(&spec).map_err(|source| Error::Refused {
+            model: self.path(),
+            source: Box::new(source),
+        })?;
+        Ok(GeneratedController {
+            model: spec.model_name.clone(),
+            gains: spec.gains,
+            current_limit_a: spec.current_limit_a,
+            sample_time_s: spec.sample_time_s,
+            bias_time_constant_s: self.wishes().bias_time_constant_s,
+            emitted: Files(emitted),
+        })
+    }
+}
+
+impl GeneratedController {
+    /// Path inside the crate and text of every file; certificate.json is the last.
+    pub fn files(&self) -> impl Iterator<Item = (&str, &str)> {
+        let files = self.emitted.0.files.iter();
+        files.map(|file| (file.path.as_str(), file.contents.as_str()))
+    }
+
+    /// Writes the crate into a folder (made if missing) and returns the files that changed.
+    ///
+    /// # Errors
+    /// [`Error::EmittedFiles`]: a file in the way that this program did not write, or a folder that
+    /// cannot be written to; then everything is as it was.
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        Ok(self.emitted.0.write(folder)?)
+    }
+
+    /// The files in a folder that are missing or not what [`GeneratedController::write`] would leave
+    /// there.
+    ///
+    /// # Errors
+    /// [`Error::EmittedFiles`] if one cannot be read.
+    pub fn differing(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        match self.emitted.0.check(folder) {
+            Ok(()) => Ok(Vec::new()),
+            Err(FileError::Differs { paths }) => Ok(paths),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// The emitted source as the checker reads it.
+    pub(crate) fn module(&self, model: &Path) -> Result<checker::Module, Error> {
+        let sources: Vec<(&str, &str)> = self
+            .files()
+            .filter(|(path, _)| path.ends_with(".rs"))
+            .collect();
+        checker::Module::parse(&sources).map_err(|error| Error::Emitted {
+            model: model.to_path_buf(),
+            reason: format!("source: {error}"),
+        })
+    }
+
+    /// P of the set in which no command saturates, where the certificate states one.
+    pub(crate) fn ellipsoid(&self, model: &Path) -> Result<Option<Matrix3<f64>>, Error> {
+        let certificate = self
+            .files()
+            .find(|(path, _)| *path == "certificate.json")
+            .map(|(_, text)| Certificate::parse(text))
+            .transpose()
+            .map_err(|error| Error::Emitted {
+                model: model.to_path_buf(),
+                reason: error.to_string(),
+            })?;
+        Ok(certificate.and_then(|certificate| {
+            let rows = certificate.closed_loop?.ellipsoid;
+            // Every decimal of the certificate is a number.
+            let entry = |row: usize, column: usize| rows[row][column].to_string().parse();
+            Some(Matrix3::from_fn(|row, column| {
+                entry(row, column).unwrap_or(f64::NAN)
+            }))
+        }))
+    }
+}

@@ -1,0 +1,430 @@
+//! What can be expected of a designed controller.
+
+use bench_files::Parameter;
+use design::wheel_sizing::chart;
+use design::{
+    ChartPoint, ExtremeCheck, Margins, Pole, PoleUncertainty, Sizing, UncertainParameters,
+    UncertainPole, pole_uncertainty,
+};
+use plant::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+use serde::{Deserialize, Serialize};
+
+use crate::comparison::effect_names;
+use crate::control_design::ControlDesign;
+use crate::error::Error;
+
+/// Parameter sets drawn to see what their uncertainty does to the poles.
+const DRAWN_SETS: usize = 1000;
+/// Seed of that draw.
+const SEED: u64 = 1;
+/// Drawn sets whose poles are kept for the figure.
+const SHOWN_SETS: usize = 200;
+/// Wheels that are looked at, relative to the bench's own.
+const WHEEL_FACTORS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Top speeds of the wheel in the table of sizes.
+const TABLED_SPEEDS_RAD_S: [f64; 5] = [50.0, 100.0, 200.0, 400.0, 700.0];
+
+/// Linear model, gains, poles, margins and sizing: the result of
+/// [`ControlDesign::report`](crate::ControlDesign::report). States are (angle from upright in rad,
+/// rate in rad/s, wheel speed in rad/s), the law is u = −K x in A.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DesignReport {
+    /// The model.
+    pub model: String,
+    /// Its effects.
+    pub effects: Vec<String>,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
+    /// Time between two commands, s.
+    pub sample_time_s: f64,
+    /// Diagonal of Q.
+    pub state_weights: [f64; 3],
+    /// R.
+    pub current_weight: f64,
+    /// Largest current either way, A.
+    pub current_limit_a: f64,
+    /// ι, rad/s: Coulomb friction of the pivot enters the linear model as μ/ι; `None`: not at all.
+    pub friction_linearisation_speed_rad_s: Option<f64>,
+    /// The linear model about upright, row by row.
+    #[serde(rename = "A")]
+    pub a: [[f64; 3]; 3],
+    /// Its input.
+    #[serde(rename = "B")]
+    pub b: [f64; 3],
+    /// The same with a zero-order hold.
+    #[serde(rename = "Ad")]
+    pub ad: [[f64; 3]; 3],
+    /// Its input.
+    #[serde(rename = "Bd")]
+    pub bd: [f64; 3],
+    /// K in A/rad, A s/rad, A s/rad.
+    pub gains: [f64; 3],
+    /// Real and imaginary part, 1/s.
+    pub open_loop_poles: Vec<[f64; 2]>,
+    /// Eigenvalues of Ad − Bd K.
+    pub closed_loop_poles: Vec<[f64; 2]>,
+    /// Their continuous equivalents ln(λ)/T, 1/s.
+    pub closed_loop_poles_per_s: Vec<[f64; 2]>,
+    /// What the errors of the parameters do to the poles; `None` where the model states no errors.
+    pub pole_uncertainty: Option<PoleErrors>,
+    /// Rank of (B, AB, A²B).
+    pub controllability_rank: usize,
+    /// Its condition number.
+    pub controllability_condition: f64,
+    /// Rank with all sensors.
+    pub observability_rank: usize,
+    /// Its condition number.
+    pub observability_condition: f64,
+    /// Rank with one sensor alone, by its name.
+    pub observability_rank_of_sensor: Vec<(String, usize)>,
+    /// Its condition number.
+    pub observability_condition_of_sensor: Vec<(String, f64)>,
+    /// asin(τ u_max/G): the largest angle at which the motor can still beat gravity.
+    pub recovery_angle_rad: f64,
+    /// Relative residual of the Riccati equation.
+    pub dare_residual: f64,
+    /// What the loop bears.
+    pub margins: LoopMargins,
+    /// Steady wheel speed per rad of angle bias, rad/s per rad.
+    pub wheel_speed_per_angle_bias: f64,
+    /// The loop with none and with all of the Coulomb friction, where there is any.
+    pub friction_extremes: Option<[FrictionExtreme; 2]>,
+    /// The swing that dry friction keeps up around upright (describing function); `None` where there
+    /// is none.
+    pub hunting: Option<HuntingSwing>,
+    /// The least that brings the body up from rest at three angles.
+    pub least_pushes: Vec<LeastPush>,
+    /// What three wheels recover, by their top speed.
+    pub wheel_sizing: Vec<WheelSize>,
+    /// The same more finely, for a figure.
+    #[serde(skip)]
+    pub wheel_curves: Vec<WheelSize>,
+}
+
+/// Standard errors of the poles.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PoleErrors {
+    /// Whether the model states how the errors of its parameters hang together; else they count as
+    /// independent.
+    pub correlated: bool,
+    /// Standard deviation of the real part and of the imaginary part, 1/s.
+    pub open_loop_std: Vec<[f64; 2]>,
+    /// Likewise.
+    pub closed_loop_std_per_s: Vec<[f64; 2]>,
+    /// The parameter whose error alone moves the pole farthest; empty where none does.
+    pub open_loop_moved_most_by: Vec<String>,
+    /// Likewise.
+    pub closed_loop_moved_most_by: Vec<String>,
+    /// Parameter sets that were drawn within the errors.
+    pub drawn: usize,
+    /// Of them those that are no pendulum.
+    pub impossible: usize,
+    /// Of them those whose loop is unstable.
+    pub unstable: usize,
+    /// Largest spectral radius of them.
+    pub worst_spectral_radius: f64,
+    /// Poles of some drawn sets, 1/s.
+    #[serde(skip)]
+    pub open_loop_cloud: Vec<[f64; 2]>,
+    /// Likewise.
+    #[serde(skip)]
+    pub closed_loop_cloud: Vec<[f64; 2]>,
+}
+
+/// What a loop bears before it is unstable.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoopMargins {
+    /// Smallest factor on the gain.
+    pub least_gain_factor: f64,
+    /// Largest factor on the gain.
+    pub largest_gain_factor: f64,
+    /// Phase margin.
+    pub phase_margin_rad: f64,
+    /// Delay beyond the hold.
+    pub delay_margin_s: f64,
+    /// Least distance of the loop's frequency response from −1.
+    pub modulus_margin: f64,
+}
+
+/// The loop at one extreme of Coulomb friction.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FrictionExtreme {
+    /// "none" or "all".
+    pub coulomb_friction: String,
+    /// Real and imaginary part, 1/s.
+    pub closed_loop_poles_per_s: Vec<[f64; 2]>,
+    /// Largest |λ| of the sampled loop.
+    pub spectral_radius: f64,
+    /// Whether that is below one.
+    pub stable: bool,
+    /// `None` where the loop is unstable.
+    pub margins: Option<LoopMargins>,
+}
+
+/// A swing around upright that dry friction keeps up.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HuntingSwing {
+    /// Amplitude of the angle.
+    pub angle_rad: f64,
+    /// Amplitude of the rate.
+    pub rate_rad_s: f64,
+    /// Angular frequency.
+    pub frequency_rad_s: f64,
+}
+
+/// The least push of the wheel that brings the body up from rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeastPush {
+    /// Where the body rests, from upright.
+    pub angle_rad: f64,
+    /// What it lacks there.
+    pub energy_j: f64,
+    /// How long the current is at its limit.
+    pub duration_s: f64,
+    /// What the wheel gains.
+    pub wheel_speed_rad_s: f64,
+}
+
+/// One wheel at one top speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WheelSize {
+    /// Inertia, kg m².
+    pub wheel_inertia: f64,
+    /// The same over that of the bench's own wheel.
+    pub wheel_factor: f64,
+    /// Top speed.
+    pub wheel_speed_rad_s: f64,
+    /// Energy of the wheel at that speed.
+    pub wheel_energy_j: f64,
+    /// Largest angle at rest from which the body comes up.
+    pub recoverable_angle_rad: f64,
+    /// What the body lacks there.
+    pub recovered_energy_j: f64,
+}
+
+impl ControlDesign {
+    /// Everything that can be said of the controller without simulating it.
+    ///
+    /// # Errors
+    /// [`Error::Design`] where the numbers allow no answer.
+    pub fn report(&self) -> Result<DesignReport, Error> {
+        let in_design = |source| self.design_error(source);
+        let uncertainty = self.pole_uncertainty().map_err(in_design)?;
+        let sizing = self.sizing();
+        let wheels = WHEEL_FACTORS.map(|factor| factor * sizing.wheel_inertia);
+        let sizes = |speeds: &[f64]| -> Result<Vec<WheelSize>, Error> {
+            let points = chart(&sizing, &wheels, speeds).map_err(in_design)?;
+            let wheels = points.chunks(speeds.len()).zip(WHEEL_FACTORS);
+            Ok(wheels
+                .flat_map(|(points, factor)| points.iter().map(move |p| WheelSize::of(p, factor)))
+                .collect())
+        };
+        let fine: Vec<f64> = (1..=70).map(|step| 10.0 * f64::from(step)).collect();
+        let design = self.design();
+        let wishes = self.wishes();
+        let sensors = design.observability_of_sensor.iter();
+        Ok(DesignReport {
+            model: self.name().to_owned(),
+            effects: effect_names(self.model()),
+            parameters: self.file().parameters.clone(),
+            sample_time_s: wishes.sample_time_s,
+            state_weights: wishes.state_weights,
+            current_weight: wishes.current_weight,
+            current_limit_a: wishes.current_limit_a,
+            friction_linearisation_speed_rad_s: wishes.friction_linearisation_speed_rad_s,
+            a: matrix(|row, column| design.model.state[(row, column)]),
+            b: [0, 1, 2].map(|row| design.model.input[row]),
+            ad: matrix(|row, column| design.discrete.state[(row, column)]),
+            bd: [0, 1, 2].map(|row| design.discrete.input[row]),
+            gains: self.gains(),
+            open_loop_poles: pairs(&design.open_loop_poles),
+            closed_loop_poles: pairs(&design.closed_loop_poles),
+            closed_loop_poles_per_s: design
+                .closed_loop_poles_per_s()
+                .iter()
+                .map(|pole| [pole.re, pole.im])
+                .collect(),
+            pole_uncertainty: uncertainty
+                .map(|found| PoleErrors::of(&found, self.file().correlation.is_some())),
+            controllability_rank: design.controllability.rank,
+            controllability_condition: design.controllability.condition,
+            observability_rank: design.observability.rank,
+            observability_condition: design.observability.condition,
+            observability_rank_of_sensor: sensors
+                .clone()
+                .map(|(sensor, rank)| ((*sensor).to_owned(), rank.rank))
+                .collect(),
+            observability_condition_of_sensor: sensors
+                .map(|(sensor, rank)| ((*sensor).to_owned(), rank.condition))
+                .collect(),
+            recovery_angle_rad: design.recovery_angle_rad,
+            dare_residual: design.dare_residual(),
+            margins: LoopMargins::of(&design.margins),
+            wheel_speed_per_angle_bias: design.wheel_speed_per_angle_bias,
+            friction_extremes: design.friction.as_ref().map(|check| {
+                [("none", &check.none), ("all", &check.all)]
+                    .map(|(name, extreme)| FrictionExtreme::of(name, extreme))
+            }),
+            hunting: design
+                .friction
+                .as_ref()
+                .and_then(|check| check.hunting)
+                .map(|swing| HuntingSwing {
+                    angle_rad: swing.angle_rad,
+                    rate_rad_s: swing.rate_rad_s,
+                    frequency_rad_s: swing.frequency_rad_s,
+                }),
+            least_pushes: self.least_pushes(&sizing)?,
+            wheel_sizing: sizes(&TABLED_SPEEDS_RAD_S)?,
+            wheel_curves: sizes(&fine)?,
+        })
+    }
+
+    /// What the parameters' standard errors and their correlations do to the poles; none where the
+    /// file states no errors.
+    fn pole_uncertainty(&self) -> Result<Option<PoleUncertainty>, design::DesignError> {
+        let infos = self.model().parameters();
+        let parameters: Vec<(&str, f64, f64)> = infos
+            .iter()
+            .zip(self.values())
+            .map(|(info, &value)| {
+                let parameter = self.file().parameter(info.name);
+                let std = parameter.and_then(|parameter| parameter.std);
+                (info.name, value, std.unwrap_or(0.0))
+            })
+            .collect();
+        if parameters.iter().all(|(_, _, std)| *std == 0.0) {
+            return Ok(None);
+        }
+        pole_uncertainty(
+            &match &self.file().correlation {
+                Some(known) => {
+                    UncertainParameters::correlated(&parameters, |a, b| known.between(a, b))
+                }
+                None => UncertainParameters::independent(&parameters),
+            },
+            &|values| self.linearise(values),
+            &self.design().gains,
+            self.wishes().sample_time_s,
+            DRAWN_SETS,
+            SEED,
+        )
+        .map(Some)
+    }
+
+    fn sizing(&self) -> Sizing {
+        let values = self.values();
+        Sizing {
+            total_inertia: values[TOTAL_INERTIA],
+            wheel_inertia: values[WHEEL_INERTIA],
+            gravity_torque: values[GRAVITY_TORQUE],
+            largest_torque: values[TORQUE_CONSTANT] * self.wishes().current_limit_a,
+        }
+    }
+
+    /// What it takes to come up from rest at a third, two thirds and nine tenths of the largest angle.
+    fn least_pushes(&self, sizing: &Sizing) -> Result<Vec<LeastPush>, Error> {
+        let mut pushes = Vec::new();
+        for share in [1.0 / 3.0, 2.0 / 3.0, 0.9] {
+            let angle_rad = share * self.design().recovery_angle_rad;
+            let found = sizing.least_push(angle_rad);
+            if let Some(push) = found.map_err(|source| self.design_error(source))? {
+                pushes.push(LeastPush {
+                    angle_rad,
+                    energy_j: push.energy_j,
+                    duration_s: push.duration_s,
+                    wheel_speed_rad_s: push.wheel_speed_rad_s,
+                });
+            }
+        }
+        Ok(pushes)
+    }
+}
+
+impl PoleErrors {
+    fn of(found: &PoleUncertainty, correlated: bool) -> PoleErrors {
+        let stds = |poles: &[UncertainPole]| poles.iter().map(|p| [p.std_re, p.std_im]).collect();
+        let culprits = |poles: &[UncertainPole]| poles.iter().map(culprit).collect();
+        let cloud = |poles: &[nalgebra::Complex<f64>]| {
+            let shown = poles.iter().take(SHOWN_SETS * 3);
+            shown.map(|pole| [pole.re, pole.im]).collect()
+        };
+        PoleErrors {
+            correlated,
+            open_loop_std: stds(&found.open_loop),
+            closed_loop_std_per_s: stds(&found.closed_loop),
+            open_loop_moved_most_by: culprits(&found.open_loop),
+            closed_loop_moved_most_by: culprits(&found.closed_loop),
+            drawn: found.samples,
+            impossible: found.impossible,
+            unstable: found.unstable,
+            worst_spectral_radius: found.worst_spectral_radius,
+            open_loop_cloud: cloud(&found.open_loop_drawn),
+            closed_loop_cloud: cloud(&found.closed_loop_drawn),
+        }
+    }
+
+    /// How many of the drawn sets leave the loop stable.
+    pub fn stable(&self) -> usize {
+        self.drawn - self.unstable - self.impossible
+    }
+}
+
+/// The parameter whose standard error alone moves the pole farthest.
+fn culprit(pole: &UncertainPole) -> String {
+    pole.per_parameter
+        .iter()
+        .filter(|(_, moves)| moves.norm() > 0.0)
+        .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))
+        .map_or(String::new(), |(name, _)| name.clone())
+}
+
+impl LoopMargins {
+    fn of(margins: &Margins) -> LoopMargins {
+        LoopMargins {
+            least_gain_factor: margins.least_gain_factor,
+            largest_gain_factor: margins.largest_gain_factor,
+            phase_margin_rad: margins.phase_margin_rad,
+            delay_margin_s: margins.delay_margin_s,
+            modulus_margin: margins.modulus_margin,
+        }
+    }
+}
+
+impl FrictionExtreme {
+    fn of(name: &str, extreme: &ExtremeCheck) -> FrictionExtreme {
+        FrictionExtreme {
+            coulomb_friction: name.to_owned(),
+            closed_loop_poles_per_s: extreme
+                .closed_loop_poles_per_s
+                .iter()
+                .map(|pole| [pole.re, pole.im])
+                .collect(),
+            spectral_radius: extreme.spectral_radius,
+            stable: extreme.is_stable(),
+            margins: extreme.margins.as_ref().map(LoopMargins::of),
+        }
+    }
+}
+
+impl WheelSize {
+    fn of(point: &ChartPoint, wheel_factor: f64) -> WheelSize {
+        WheelSize {
+            wheel_inertia: point.wheel_inertia,
+            wheel_factor,
+            wheel_speed_rad_s: point.wheel_speed_rad_s,
+            wheel_energy_j: point.wheel_energy_j,
+            recoverable_angle_rad: point.recoverable_angle_rad,
+            recovered_energy_j: point.recovered_energy_j,
+        }
+    }
+}
+
+fn pairs(poles: &[Pole]) -> Vec<[f64; 2]> {
+    let poles = poles.iter();
+    poles.map(|pole| [pole.value.re, pole.value.im]).collect()
+}
+
+fn matrix(entry: impl Fn(usize, usize) -> f64) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|row| [0, 1, 2].map(|column| entry(row, column)))
+}

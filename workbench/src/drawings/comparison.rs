@@ -1,0 +1,206 @@
+//! A model beside the measurements: one figure an experiment, and the residuals in which it fails.
+
+use std::collections::BTreeSet;
+
+use identify::{Breakdown, Coordinate, Output, Quantity};
+
+use crate::comparison::{Comparison, ExperimentCurves, FailurePlace};
+use crate::error::Error;
+use crate::named::Named;
+use crate::numbers::{significant, with_prefix};
+use crate::output_file::{OutputFile, file_name};
+use crate::words::spoken;
+
+/// Most figures of broken-down residuals that are drawn.
+const MOST_BREAKDOWNS: usize = 4;
+
+impl Comparison {
+    /// Every experiment, overlay and residual on one time axis, and the residuals in which the model
+    /// fails most plainly over every coordinate.
+    ///
+    /// # Errors
+    /// [`Error::Figure`] where curves of one experiment differ in length.
+    pub fn drawings(&self) -> Result<Vec<OutputFile>, Error> {
+        let mut used = BTreeSet::new();
+        let mut files = Vec::new();
+        for experiment in &self.curves {
+            let mut name = file_name(&experiment.experiment);
+            // Two names may differ only in what a file name cannot hold.
+            while !used.insert(name.clone()) {
+                name.push_str("-2");
+            }
+            let svg = self.overlay(experiment)?;
+            files.push(OutputFile::svg(&format!("compare-{name}"), svg));
+        }
+        files.extend(self.residuals());
+        Ok(files)
+    }
+
+    fn overlay(&self, experiment: &ExperimentCurves) -> Result<String, Error> {
+        let notes: Vec<String> = experiment
+            .channels
+            .iter()
+            .map(|channel| {
+                format!(
+                    "RMSE {}, fit {} %",
+                    with_prefix(channel.rmse, channel.channel.unit()),
+                    significant(channel.fit_percent, 4)
+                )
+            })
+            .collect();
+        // Where samples are left out (pushes), the model claims nothing.
+        let models: Vec<Vec<f64>> = experiment
+            .channels
+            .iter()
+            .map(|channel| {
+                let samples = channel.simulated.iter().zip(&experiment.counts);
+                samples
+                    .map(|(model, counts)| if *counts { *model } else { f64::NAN })
+                    .collect()
+            })
+            .collect();
+        let channels: Vec<figures::Channel> = experiment
+            .channels
+            .iter()
+            .zip(&models)
+            .zip(&notes)
+            .map(|((channel, model), note)| figures::Channel {
+                quantity: figures::Quantity {
+                    name: spoken(channel.channel.name()),
+                    unit: channel.channel.unit(),
+                },
+                measurement: &channel.measured,
+                model,
+                sensor_std: channel.noise_std,
+                note,
+            })
+            .collect();
+        let pushes = self.pushes.iter();
+        let pushes: Vec<(f64, String)> = pushes
+            .filter(|push| push.experiment == experiment.experiment)
+            .map(|push| (push.time_s, with_prefix(push.impulse_nms, "N m s")))
+            .collect();
+        let markers: Vec<figures::Marker> = pushes
+            .iter()
+            .map(|(at, label)| figures::Marker { at: *at, label })
+            .collect();
+        let in_time: Vec<(&FailurePlace, String)> = self
+            .places
+            .iter()
+            .filter(|place| {
+                place.significant
+                    && place.experiment == experiment.experiment
+                    && place.coordinate == Coordinate::Time
+            })
+            .map(|place| {
+                let label = format!("{:.0} % of the error", 100.0 * place.share_of_error);
+                (place, label)
+            })
+            .collect();
+        let regions: Vec<figures::Region> = in_time
+            .iter()
+            .map(|(place, label)| figures::Region {
+                from: place.from,
+                until: place.to,
+                label,
+            })
+            .collect();
+        Ok(figures::overlay(&figures::Overlay {
+            title: &format!("{}: {}", self.bench, experiment.experiment),
+            subtitle: &format!("Model with {}", self.effects.join(", ")),
+            time_s: &experiment.time_s,
+            channels: &channels,
+            regions: &regions,
+            markers: &markers,
+            zoom_s: None,
+        })?)
+    }
+
+    /// The residuals in which the model's failure is plainest, each over every coordinate.
+    fn residuals(&self) -> Vec<OutputFile> {
+        let mut shown: Vec<(&str, &str, Quantity)> = Vec::new();
+        for place in self.places.iter().filter(|place| place.significant) {
+            let residual = (
+                place.experiment.as_str(),
+                place.channel.as_str(),
+                place.residual,
+            );
+            if !shown.contains(&residual) && shown.len() < MOST_BREAKDOWNS {
+                shown.push(residual);
+            }
+        }
+        shown
+            .into_iter()
+            .map(|(experiment, channel, quantity)| {
+                let parts: Vec<&Breakdown> = self
+                    .breakdowns
+                    .iter()
+                    .filter(|part| {
+                        part.experiment == experiment
+                            && part.channel == channel
+                            && part.quantity == quantity
+                    })
+                    .collect();
+                let what = quantity.name();
+                let name = file_name(&format!("{experiment} {channel} {what}"));
+                let svg = self.residual(experiment, channel, what, &parts);
+                OutputFile::svg(&format!("where-{name}"), svg)
+            })
+            .collect()
+    }
+
+    fn residual(
+        &self,
+        experiment: &str,
+        channel: &str,
+        what: &str,
+        parts: &[&Breakdown],
+    ) -> String {
+        let bins: Vec<Vec<figures::ResidualBin>> = parts
+            .iter()
+            .map(|part| {
+                // Bins are shared by all experiments; those that this one never visits say nothing.
+                let visited = part.bins.iter().filter(|bin| bin.count > 0.0);
+                let bins = visited.map(|bin| figures::ResidualBin {
+                    from: bin.from,
+                    until: bin.to,
+                    mean: bin.mean,
+                    mean_std: bin.mean_std,
+                    share_of_error: bin.share,
+                });
+                bins.collect()
+            })
+            .collect();
+        let panels: Vec<figures::BreakdownPanel> = parts
+            .iter()
+            .zip(&bins)
+            .map(|(part, bins)| figures::BreakdownPanel {
+                coordinate: figures::Quantity {
+                    name: spoken(part.coordinate.name()),
+                    unit: part.coordinate.unit(),
+                },
+                residual: figures::Quantity {
+                    name: "residual",
+                    unit: match part.quantity {
+                        Quantity::MissingTorque => "N m",
+                        Quantity::Output => {
+                            Output::from_name(part.channel).map_or("", Output::unit)
+                        }
+                    },
+                },
+                bins,
+                sensor_std: part.noise_std,
+                note: "",
+            })
+            .collect();
+        figures::breakdown(&figures::Breakdown {
+            title: &format!(
+                "{}: {what} in {experiment} ({})",
+                self.bench,
+                spoken(channel)
+            ),
+            subtitle: "What the model leaves unexplained, over each coordinate",
+            panels: &panels,
+        })
+    }
+}

@@ -1,0 +1,180 @@
+//! What can go wrong, from a slip in a file to a design that the numbers do not allow.
+
+use std::path::PathBuf;
+
+use calibrate::CalibrationError;
+use checker::ProveError;
+use codegen::{FileError, Refusal};
+use design::DesignError;
+use figures::FigureError;
+use identify::{Cancelled, IdentifyError};
+use simulate::SimulateError;
+
+/// Why there is no result. Messages name the file that is to be mended, where there is one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file cannot be read, or something in it is wrong; [`bench_files::Error::place`] has file,
+    /// line and column.
+    #[error(transparent)]
+    File(#[from] bench_files::Error),
+    /// The logs cannot be identified.
+    #[error("{}: {source}", bench.display())]
+    Identify {
+        /// The bench's folder, or its name where it is in memory.
+        bench: PathBuf,
+        /// Why.
+        source: IdentifyError,
+    },
+    /// The session has no model yet: it was never identified.
+    #[error("{}: there is no model yet: identify the bench first", model.display())]
+    NoModel {
+        /// Where the model would be.
+        model: PathBuf,
+        /// The bench's folder.
+        bench: PathBuf,
+    },
+    /// No effect of the library has this name.
+    #[error("there is no effect \"{name}\"")]
+    UnknownEffect {
+        /// The name.
+        name: String,
+    },
+    /// The model has the effect already.
+    #[error("{}: {effect} is not added: {reason}", model.display())]
+    EffectPresent {
+        /// The model's file.
+        model: PathBuf,
+        /// The effect.
+        effect: String,
+        /// In which form it is there.
+        reason: String,
+    },
+    /// The model does not have the effect.
+    #[error("{}: the model does not have {effect}; it has {}", model.display(), present.join(", "))]
+    EffectAbsent {
+        /// The model's file.
+        model: PathBuf,
+        /// The effect.
+        effect: String,
+        /// What it has.
+        present: Vec<String>,
+    },
+    /// A parameter of the model is in a unit that the bench as it is now does not give.
+    #[error("{}: {parameter} is in \"{found}\", but the bench as it is now gives \"{unit}\"", model.display())]
+    ParameterUnit {
+        /// The model's file.
+        model: PathBuf,
+        /// The bench's folder.
+        bench: PathBuf,
+        /// The parameter.
+        parameter: String,
+        /// Its unit in the model.
+        found: String,
+        /// The unit that the logs give.
+        unit: String,
+    },
+    /// The model lacks a parameter that the logs of this bench can show.
+    #[error("{}: lacks [parameters.{parameter}]", model.display())]
+    ParameterMissing {
+        /// The model's file.
+        model: PathBuf,
+        /// The bench's folder.
+        bench: PathBuf,
+        /// The parameter.
+        parameter: String,
+    },
+    /// The model has no parameter of this name.
+    #[error("the model has no parameter \"{name}\"; it has {}", present.join(", "))]
+    UnknownParameter {
+        /// The name.
+        name: String,
+        /// The parameters of the model.
+        present: Vec<String>,
+    },
+    /// The diagnosis has no step.
+    #[error("{}: the diagnosis has no step: nothing could be fitted", bench.display())]
+    NoStep {
+        /// The bench's folder.
+        bench: PathBuf,
+    },
+    /// The model cannot be linearised about upright.
+    #[error("{}: {reason}", model.display())]
+    Linearise {
+        /// The model's file.
+        model: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// No controller can be had from this model with these weights.
+    #[error("{}: {source}", model.display())]
+    Design {
+        /// The model's file.
+        model: PathBuf,
+        /// Why.
+        source: DesignError,
+    },
+    /// The generator refuses: a claim could not be kept.
+    #[error("{}: {source}", model.display())]
+    Refused {
+        /// The model's file.
+        model: PathBuf,
+        /// Why, and what would cure it.
+        source: Box<Refusal>,
+    },
+    /// What the generator emitted cannot be read back.
+    #[error("{}: the emitted {reason}", model.display())]
+    Emitted {
+        /// The model's file.
+        model: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A simulation gave no result.
+    #[error("{}: {source}", model.display())]
+    Simulate {
+        /// The model's file.
+        model: PathBuf,
+        /// Why.
+        source: SimulateError,
+    },
+    /// An emitted crate cannot be written or read.
+    #[error(transparent)]
+    EmittedFiles(#[from] FileError),
+    /// There is nothing to prove.
+    #[error(transparent)]
+    Prove(#[from] ProveError),
+    /// A claim fails before anything was damaged.
+    #[error("{}: the claim {claim} fails without any damage", folder.display())]
+    FailsUndamaged {
+        /// The emitted crate.
+        folder: PathBuf,
+        /// The claim.
+        claim: String,
+    },
+    /// A recording does not allow a calibration.
+    #[error("{}: {source}", recording.display())]
+    Calibrate {
+        /// The recording.
+        recording: PathBuf,
+        /// Why.
+        source: CalibrationError,
+    },
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// A table cannot be put together.
+    #[error("the table {name}: {source}")]
+    Table {
+        /// The table.
+        name: String,
+        /// Why.
+        source: csv::Error,
+    },
+    /// The session lives in memory and has no file to write its model to.
+    #[error("the bench is in memory: say where its model is to be written")]
+    NoPlace,
+    /// The caller called the work off.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

@@ -1,0 +1,120 @@
+//! A bench in hand, from its logs to a controller that is proved: identify, compare, diagnose,
+//! simulate, design, generate, prove. Begin with [`Session`].
+//!
+//! ```
+//! use workbench::{FilesInMemory, Progress, ProofSettings, Session, SimulationSettings};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // The demonstration's bench; `Session::open` takes a folder instead.
+//! let files: FilesInMemory = demo::FILES.into_iter().collect();
+//! let mut session = Session::from_files(&files)?;
+//! // Long work says what it is doing, and ends soon after `cancelled` answers true.
+//! let progress = Progress {
+//!     say: &|what| println!("{what} …"),
+//!     cancelled: &|| false,
+//! };
+//!
+//! // The base model has viscous friction alone. Where does it fail, and what does it lack?
+//! let base = session.identify(&progress)?;
+//! println!("{} fails first at {:?}", base.bench, base.places.first());
+//! let diagnosis = session.diagnose(&progress)?;
+//! println!("{}", diagnosis.sentence);
+//! assert_eq!(diagnosis.steps[1].effect.as_deref(), Some("body-coulomb-friction"));
+//! session.apply(&diagnosis);
+//!
+//! // Sliders: the same experiments with another value of a parameter.
+//! let curves = session.predictor(&progress)?.curves(&[("body_coulomb_torque", 8e-4)])?;
+//! assert_eq!(curves.len(), base.experiments.len());
+//!
+//! // The controller for other weights than the usual ones, and its closed loop.
+//! let mut wishes = session.usual_design();
+//! wishes.current_weight = 2.0;
+//! let design = session.design_for(wishes)?;
+//! let closed_loop = design.simulate(&SimulationSettings::default(), &progress)?;
+//! assert!(closed_loop.runs.iter().all(|run| !run.fell));
+//!
+//! // In fixed point, with a certificate that is checked from the emitted files alone.
+//! let controller = design.generate()?;
+//! # let folder = tempfile::tempdir()?;
+//! # let folder = folder.path();
+//! controller.write(folder)?;
+//! # // The long engines are for the command line.
+//! # let settings = ProofSettings { cases: 200, smt: false, kani: false, filter_ranges: false, filter_length: false, ..Default::default() };
+//! # let _: ProofSettings =
+//! ProofSettings::default();
+//! assert!(workbench::prove(folder, &settings, &progress)?.passed());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # What is where
+//! | from | to |
+//! |---|---|
+//! | [`Session`] | [`Comparison`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
+//! | [`Session::design`], [`ControlDesign::read`] | [`ControlDesign`] |
+//! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
+//! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
+//! | [`calibrate()`] | [`CalibrationReport`] of recordings of raw counts |
+//!
+//! Results are plain data in SI units that serialise (`serde`); what the commands write with `--json`
+//! is these data. Curves, which would make that long, are left out of it: they stand beside the
+//! numbers in the same result, and `drawings()` or `files()` make figures and tables of them, as text.
+//!
+//! Nothing here prints, reads arguments or ends the program. Files are written only by
+//! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; one in a
+//! file knows file, line and column.
+
+mod calibration;
+mod change;
+mod closed_loop;
+mod comparison;
+mod control_design;
+mod controller;
+mod design_change;
+mod design_report;
+mod diagnosis;
+mod drawings;
+mod error;
+mod measured_linearity;
+mod module_spec;
+mod named;
+pub mod numbers;
+mod output_file;
+mod per_series;
+mod proof;
+mod session;
+mod swing_decay;
+pub mod words;
+
+pub use bench_files::{
+    Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
+};
+pub use calibration::{
+    CalibratedLine, CalibratedSensor, CalibrationReport, LeverArmOfSwing, LeverArmReport,
+    MagnetometerPoints, PlumbedCentre, SensorMounting, calibrate,
+};
+pub use change::EffectChange;
+pub use closed_loop::{
+    AttractionRegion, EffectOnTransient, FilterError, FilterRun, LinearRangeReport, LoopOverlay,
+    LoopRun, OverlayStatistics, RawCountsRun, RecoveryAngles, SimulationReport, SimulationSettings,
+};
+pub use comparison::{
+    BenchNote, ChannelCurves, Comparison, ExperimentCurves, FailurePlace, LoggedExperiment,
+    PushInLog,
+};
+pub use control_design::ControlDesign;
+pub use controller::GeneratedController;
+pub use design_change::{DesignChange, DesignSummary};
+pub use design_report::{
+    DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors, WheelSize,
+};
+pub use diagnose::Verdict;
+pub use diagnosis::{AppliedDiagnosis, DiagnosisReport, DiagnosisStep, SuspectEffect};
+pub use error::Error;
+pub use identify::{Cancelled, Coordinate, Output, Progress, Quantity};
+pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
+pub use output_file::OutputFile;
+pub use per_series::{PerSeries, SeriesName};
+pub use proof::{MutationReport, Proof, ProofSettings, mutate, prove};
+pub use session::{BenchCheck, Predictor, Session};
+pub use swing_decay::{AmplitudeLaw, SwingDecay};

@@ -1,0 +1,146 @@
+//! What an emitted crate promises, checked from its files alone; and whether damage would be noticed.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use checker::ClaimResult;
+use checker::certificate::Certificate;
+use checker::mutate::{Mutant, Summary, Verdict, chosen, judged, notices, summary};
+use checker::prove::Emitted;
+use identify::Progress;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::output_file::OutputFile;
+
+pub use checker::prove::Settings as ProofSettings;
+
+/// Every claim of a certificate, each by every engine that can settle it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Proof {
+    /// The emitted crate.
+    pub folder: PathBuf,
+    /// Seed of the random runs.
+    pub seed: u64,
+    /// The claims.
+    pub claims: Vec<ClaimResult>,
+}
+
+/// Settles every claim about the emitted crate in a folder: nothing else of the project has to be
+/// there, and the generator is not trusted. Takes seconds.
+///
+/// # Errors
+/// [`Error::Prove`] where the folder holds no emitted crate; what does not hold is no error but a
+/// failed claim. [`Error::Cancelled`] if the work was called off before it began.
+pub fn prove(folder: &Path, settings: &ProofSettings, progress: &Progress) -> Result<Proof, Error> {
+    progress.check()?;
+    (progress.say)("checking the claims of the certificate");
+    Ok(Proof {
+        folder: folder.to_path_buf(),
+        seed: settings.seed,
+        claims: checker::prove::prove(folder, settings)?,
+    })
+}
+
+impl Proof {
+    /// Whether no claim fails.
+    pub fn passed(&self) -> bool {
+        checker::prove::passed(&self.claims)
+    }
+}
+
+/// What becomes of an emitted crate that is damaged in many small ways.
+#[derive(Clone, Debug, Serialize)]
+pub struct MutationReport {
+    /// The emitted crate; nothing in it is changed.
+    pub folder: PathBuf,
+    /// How many were caught, and by what.
+    pub summary: Summary,
+    /// Mutant by mutant.
+    pub verdicts: Vec<Verdict>,
+}
+
+/// Mutants that are judged between two looks at the caller's wish to stop.
+const MUTANTS_AT_A_TIME: usize = 64;
+
+/// Damages an emitted crate in every small way, or in at most `most` of each file, and says which
+/// engine of the proof notices.
+///
+/// # Errors
+/// [`Error::Prove`] where the folder holds no emitted crate; [`Error::FailsUndamaged`];
+/// [`Error::Cancelled`].
+pub fn mutate(
+    folder: &Path,
+    most: Option<usize>,
+    progress: &Progress,
+) -> Result<MutationReport, Error> {
+    let emitted = Emitted::read(folder).map_err(checker::ProveError::from)?;
+    let certificate =
+        Certificate::parse(&emitted.certificate).map_err(checker::ProveError::Certificate)?;
+    if let Some(notice) = notices(&emitted, &certificate).first() {
+        return Err(Error::FailsUndamaged {
+            folder: folder.to_path_buf(),
+            claim: notice.claim.clone(),
+        });
+    }
+    let mutants: Vec<Mutant> = chosen(&emitted, most);
+    let (count, done) = (mutants.len(), AtomicUsize::new(0));
+    let mut verdicts: Vec<Verdict> = Vec::with_capacity(count);
+    let mut waiting = mutants.into_iter();
+    loop {
+        let some: Vec<Mutant> = waiting.by_ref().take(MUTANTS_AT_A_TIME).collect();
+        if some.is_empty() {
+            break;
+        }
+        progress.check()?;
+        (progress.say)(&format!(
+            "{} of {count} mutants",
+            done.load(Ordering::Relaxed)
+        ));
+        verdicts.par_extend(some.into_par_iter().map(|mutant| {
+            let verdict = judged(&emitted, &certificate, mutant);
+            done.fetch_add(1, Ordering::Relaxed);
+            verdict
+        }));
+    }
+    Ok(MutationReport {
+        folder: folder.to_path_buf(),
+        summary: summary(&verdicts),
+        verdicts,
+    })
+}
+
+impl MutationReport {
+    /// One line for each mutant.
+    ///
+    /// # Errors
+    /// [`Error::Table`].
+    pub fn table(&self) -> Result<OutputFile, Error> {
+        let head = [
+            "file", "line", "column", "kind", "before", "after", "fate", "claim", "engine",
+            "reason",
+        ];
+        let rows = self.verdicts.iter().map(|verdict| {
+            let mutant = &verdict.mutant;
+            let (claim, engine) = verdict
+                .noticed
+                .first()
+                .map_or(("", ""), |notice| (notice.claim.as_str(), notice.engine));
+            [
+                mutant.file.as_str(),
+                &mutant.line.to_string(),
+                &mutant.column.to_string(),
+                mutant.kind,
+                &mutant.before,
+                &mutant.after,
+                verdict.fate.as_str(),
+                claim,
+                engine,
+                &verdict.reason,
+            ]
+            .map(str::to_owned)
+        });
+        OutputFile::of_records("mutants", &head, rows)
+    }
+}

@@ -1,0 +1,534 @@
+//! A session on a bench.
+
+use std::path::{Path, PathBuf};
+
+use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem};
+use design::Settings;
+use identify::{
+    Contradiction, Effort, Identification, Minimum, Progress, PushModel, Record, Setup, Trace,
+    Window,
+};
+use plant::{EffectId, Model};
+use serde::{Deserialize, Serialize};
+
+use crate::change::EffectChange;
+use crate::comparison::{
+    BenchNote, Compared, Comparison, ExperimentCurves, LoggedExperiment, correlation_of,
+    effect_names, notes, parameters_of, with_model,
+};
+use crate::error::Error;
+
+/// A bench with its measurements, and the model that is being made of it.
+///
+/// A session begins with the model that lies beside the bench, or with none. What it does changes
+/// the model in memory; [`Session::save_model`] writes it.
+#[derive(Clone, Debug)]
+pub struct Session {
+    bench: Bench,
+    setup: Setup,
+    /// Where the model was read from, or would be written.
+    model_path: PathBuf,
+    /// Whether the bench lies on the disk.
+    on_disk: bool,
+    model: Option<ModelFile>,
+    /// The fit from which `model` comes, where it was made in this session.
+    fitted: Option<Identification>,
+}
+
+/// What is known of the data before anything is concluded from them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BenchCheck {
+    /// The bench.
+    pub bench: String,
+    /// The experiments as they were read.
+    pub experiments: Vec<LoggedExperiment>,
+    /// What reading the files has shown.
+    pub notes: Vec<BenchNote>,
+    /// Experiments and direct measurements that cannot all be right; sentences.
+    pub contradictions: Vec<String>,
+}
+
+impl Session {
+    /// Opens a bench: its folder, or its bench.toml. The model is `model.toml` beside it.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with a file; [`Error::Identify`] if no experiment can be used.
+    pub fn open(path: &Path) -> Result<Session, Error> {
+        Session::open_with_model(path, None)
+    }
+
+    /// As [`Session::open`], with the model in another place.
+    ///
+    /// # Errors
+    /// As for [`Session::open`].
+    pub fn open_with_model(path: &Path, model: Option<&Path>) -> Result<Session, Error> {
+        let bench = Bench::load(path)?;
+        let model_path = match model {
+            Some(path) => path.to_path_buf(),
+            None => bench.folder.join("model.toml"),
+        };
+        let mut session = Session::new(bench, model_path, true)?;
+        session.model = match ModelFile::read(&session.model_path) {
+            Ok(model) => Some(model),
+            Err(error) if matches!(error.problem(), Problem::NotFound) => None,
+            Err(error) => return Err(error.into()),
+        };
+        Ok(session)
+    }
+
+    /// A bench whose files are in memory: `bench.toml`, the logs that it names and, where there is
+    /// one, `model.toml`.
+    ///
+    /// # Errors
+    /// As for [`Session::open`].
+    pub fn from_files(files: &FilesInMemory) -> Result<Session, Error> {
+        let mut session = Session::from_bench(Bench::from_files(files)?)?;
+        if files.contains("model.toml") {
+            session.model = Some(ModelFile::from_files(files)?);
+        }
+        Ok(session)
+    }
+
+    /// A bench that was put together by the caller.
+    ///
+    /// # Errors
+    /// [`Error::Identify`] if no experiment can be used.
+    pub fn from_bench(bench: Bench) -> Result<Session, Error> {
+        Session::new(bench, PathBuf::from("model.toml"), false)
+    }
+
+    fn new(bench: Bench, model_path: PathBuf, on_disk: bool) -> Result<Session, Error> {
+        let setup = Setup::new(&bench).map_err(|source| Error::Identify {
+            bench: place_of(&bench),
+            source,
+        })?;
+        Ok(Session {
+            bench,
+            setup,
+            model_path,
+            on_disk,
+            model: None,
+            fitted: None,
+        })
+    }
+
+    /// The measurements.
+    pub fn bench(&self) -> &Bench {
+        &self.bench
+    }
+
+    /// The measurements as fits see them: for those who go beyond the session.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// The model as it is now; `None` before the first identification.
+    pub fn model(&self) -> Option<&ModelFile> {
+        self.model.as_ref()
+    }
+
+    /// Where [`Session::save_model`] writes; `model.toml` for a bench in memory.
+    pub fn model_path(&self) -> &Path {
+        &self.model_path
+    }
+
+    /// Puts another model in the place of the session's.
+    pub fn set_model(&mut self, model: ModelFile) {
+        self.model = Some(model);
+        self.fitted = None;
+    }
+
+    /// Writes the model to where it was read from, as a whole or not at all; nothing where there is
+    /// no model.
+    ///
+    /// # Errors
+    /// [`Error::NoPlace`] for a bench in memory; a place that cannot be written to.
+    pub fn save_model(&self) -> Result<(), Error> {
+        let Some(model) = &self.model else {
+            return Ok(());
+        };
+        if !self.on_disk {
+            return Err(Error::NoPlace);
+        }
+        if let Some(folder) = self.model_path.parent() {
+            // What goes wrong here is said by the write, which then fails too.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        Ok(model.write(&self.model_path)?)
+    }
+
+    /// What is known of the data: how the files were read, and what in them cannot all be right. The
+    /// latter takes a fit of the model (of the base model where there is none yet).
+    ///
+    /// # Errors
+    /// As for [`Session::identify`].
+    pub fn check(&self, progress: &Progress) -> Result<BenchCheck, Error> {
+        let found = self.fit(&self.structure(), progress)?;
+        (progress.say)("looking for contradictions");
+        let minimum = &found.fit.minimum;
+        let contradictions = identify::contradictions(
+            &self.setup,
+            &found.fit.model,
+            &minimum.values,
+            &minimum.windows,
+            &[],
+        );
+        Ok(BenchCheck {
+            bench: self.bench.name.clone(),
+            experiments: self
+                .setup
+                .records
+                .iter()
+                .map(LoggedExperiment::of)
+                .collect(),
+            notes: notes(&self.bench),
+            contradictions: contradictions.iter().map(Contradiction::sentence).collect(),
+        })
+    }
+
+    /// Fits the base model and the effects that the session's model has to all experiments.
+    ///
+    /// # Errors
+    /// [`Error::Identify`] where no start leads to a finite simulation; [`Error::Cancelled`].
+    pub fn identify(&mut self, progress: &Progress) -> Result<Comparison, Error> {
+        self.identify_as(&self.structure(), progress)
+    }
+
+    /// As [`Session::identify`], of the base model alone: viscous friction and nothing else.
+    ///
+    /// # Errors
+    /// As for [`Session::identify`].
+    pub fn identify_base(&mut self, progress: &Progress) -> Result<Comparison, Error> {
+        self.identify_as(&Model::base(), progress)
+    }
+
+    fn identify_as(&mut self, model: &Model, progress: &Progress) -> Result<Comparison, Error> {
+        let found = self.fit(model, progress)?;
+        let comparison = self.comparison_of(&found);
+        progress.check()?;
+        self.adopt(found);
+        Ok(comparison)
+    }
+
+    /// The model as it is beside every experiment: only the start of each log (its angle, its speed)
+    /// is fitted, for no log says where it began.
+    ///
+    /// # Errors
+    /// [`Error::NoModel`]; a parameter that is missing or in another unit; [`Error::Cancelled`].
+    pub fn compare(&self, progress: &Progress) -> Result<Comparison, Error> {
+        let file = self.required_model()?;
+        let started = self.started(progress)?;
+        let (model, minimum) = (&started.model, &started.minimum);
+        let push_model = PushModel::of(model, &minimum.values);
+        let records = started.setup.all_records();
+        let traces = started.traces(&minimum.values);
+        let pushes: Vec<_> = records
+            .iter()
+            .map(|record| identify::find_pushes(record, &push_model))
+            .collect();
+        progress.check()?;
+        (progress.say)("looking for contradictions");
+        let statements =
+            identify::contradictions(&self.setup, model, &minimum.values, &minimum.windows, &[]);
+        progress.check()?;
+        let compared = Compared {
+            model,
+            values: &minimum.values,
+            windows: &minimum.windows,
+            traces: &traces,
+            pushes: &pushes,
+        };
+        Ok(Comparison::new(
+            &self.bench,
+            &self.setup,
+            self.model_path.clone(),
+            &compared,
+            file.parameters.clone(),
+            file.correlation.clone(),
+            statements.iter().map(Contradiction::sentence).collect(),
+        ))
+    }
+
+    /// The experiments for sliders: the starts of all logs are fitted once to the model as it is;
+    /// each [`Predictor::curves`] then simulates them with other values of its parameters.
+    ///
+    /// # Errors
+    /// As for [`Session::compare`].
+    pub fn predictor(&self, progress: &Progress) -> Result<Predictor, Error> {
+        self.started(progress).map(Predictor)
+    }
+
+    /// Puts an effect into the model and fits it anew.
+    ///
+    /// # Errors
+    /// [`Error::UnknownEffect`], [`Error::EffectPresent`]; those of [`Session::identify`].
+    pub fn add_effect(&mut self, name: &str, progress: &Progress) -> Result<EffectChange, Error> {
+        let before = self.structure();
+        let effect = EffectId::from_name(name).ok_or_else(|| Error::UnknownEffect {
+            name: name.to_owned(),
+        })?;
+        let after = before.with(effect);
+        if after == before {
+            let mut effects = before.effects().iter();
+            let larger = effects.find(|present| present.info().replaces.contains(&effect.name()));
+            return Err(Error::EffectPresent {
+                model: self.model_path.clone(),
+                effect: effect.name().to_owned(),
+                reason: match larger {
+                    Some(larger) => format!("{} contains it already", larger.name()),
+                    None => "the model has it already".to_owned(),
+                },
+            });
+        }
+        self.change(&before, &after, progress)
+    }
+
+    /// Takes an effect out of the model and fits it anew.
+    ///
+    /// # Errors
+    /// [`Error::NoModel`], [`Error::EffectAbsent`]; those of [`Session::identify`].
+    pub fn remove_effect(
+        &mut self,
+        name: &str,
+        progress: &Progress,
+    ) -> Result<EffectChange, Error> {
+        let before = self.required_model()?.model();
+        match EffectId::from_name(name).filter(|effect| before.has(*effect)) {
+            Some(effect) => self.change(&before, &before.without(effect), progress),
+            None => Err(Error::EffectAbsent {
+                model: self.model_path.clone(),
+                effect: name.to_owned(),
+                present: effect_names(&before),
+            }),
+        }
+    }
+
+    fn change(
+        &mut self,
+        before: &Model,
+        after: &Model,
+        progress: &Progress,
+    ) -> Result<EffectChange, Error> {
+        let old = self.fit(before, progress)?;
+        let old = self.comparison_of(&old);
+        let new = self.identify_as(after, progress)?;
+        Ok(EffectChange {
+            after: new,
+            effects_before: old.effects,
+            rmse_before: old.rmse,
+            fit_percent_before: old.fit_percent,
+        })
+    }
+
+    /// The effects of the model as it is; the base model where there is none.
+    fn structure(&self) -> Model {
+        self.model
+            .as_ref()
+            .map_or_else(Model::base, ModelFile::model)
+    }
+
+    pub(crate) fn required_model(&self) -> Result<&ModelFile, Error> {
+        self.model.as_ref().ok_or_else(|| Error::NoModel {
+            model: self.model_path.clone(),
+            bench: place_of(&self.bench),
+        })
+    }
+
+    /// The bench's folder, or its name where it is in memory.
+    pub(crate) fn place(&self) -> PathBuf {
+        place_of(&self.bench)
+    }
+
+    /// Fits `model` to all experiments, unless this session has done so last.
+    pub(crate) fn fit(&self, model: &Model, progress: &Progress) -> Result<Identification, Error> {
+        if let Some(found) = self
+            .fitted
+            .as_ref()
+            .filter(|found| found.fit.model == *model)
+        {
+            return Ok(found.clone());
+        }
+        progress.check()?;
+        (progress.say)("fitting the model to all experiments");
+        let found =
+            identify::identify(&self.setup, model, None).map_err(|source| Error::Identify {
+                bench: self.place(),
+                source,
+            })?;
+        progress.check()?;
+        Ok(found)
+    }
+
+    pub(crate) fn comparison_of(&self, found: &Identification) -> Comparison {
+        let path = self.model_path.clone();
+        Comparison::of_identification(&self.bench, &self.setup, path, found)
+    }
+
+    /// Makes a fit the session's model.
+    pub(crate) fn adopt(&mut self, found: Identification) {
+        let fit = &found.fit;
+        let parameters = parameters_of(&self.setup, fit);
+        let file = with_model(
+            self.file_or_new(),
+            &fit.model,
+            parameters,
+            correlation_of(fit),
+        );
+        self.model = Some(file);
+        self.fitted = Some(found);
+    }
+
+    /// The model's file as it is, or a new one, with a design in it.
+    pub(crate) fn file_or_new(&self) -> ModelFile {
+        let mut file = self
+            .model
+            .clone()
+            .unwrap_or_default()
+            .named(&self.model_path);
+        file.design.get_or_insert_with(|| self.usual_design());
+        file
+    }
+
+    /// What a design is asked for unless the model says otherwise: the weights and the sample time of
+    /// the thesis (1 ms, whatever rate the measured logs had), with the current limit of the bench's
+    /// own controller where it has one.
+    pub fn usual_design(&self) -> DesignSection {
+        let controller = self.bench.controller;
+        let usual = Settings::usual(controller.map(|own| own.current_limit_a));
+        DesignSection {
+            sample_time_s: usual.sample_time_s,
+            state_weights: usual.weights.state.into(),
+            current_weight: usual.weights.current,
+            current_limit_a: usual.current_limit_a,
+            friction_linearisation_speed_rad_s: None,
+            bias_time_constant_s: None,
+        }
+    }
+
+    /// The starts of all logs, fitted to the model as it is.
+    fn started(&self, progress: &Progress) -> Result<Started, Error> {
+        let file = self.required_model()?;
+        let values = self.parameter_values(file)?;
+        let model = file.model();
+        let setup = self.setup.suited_to(&model).into_owned();
+        let records = setup.all_records();
+        progress.check()?;
+        (progress.say)("simulating all experiments");
+        let windows = records
+            .iter()
+            .map(|record| identify::final_windows(record, &values))
+            .collect();
+        let minimum = identify::refit(&records, &model, values, windows, &[], Effort::FULL);
+        progress.check()?;
+        Ok(Started {
+            setup,
+            model,
+            minimum,
+        })
+    }
+
+    /// The parameter vector of the file. What no log of this bench can show may be missing in it.
+    fn parameter_values(&self, file: &ModelFile) -> Result<Vec<f64>, Error> {
+        let setup = &self.setup;
+        let model = file.model();
+        let free = setup.free(&model);
+        let mut values = setup.start_values(&model);
+        for (position, info) in model.parameters().iter().enumerate() {
+            match file.parameter(info.name) {
+                Some(parameter) => {
+                    let unit = setup.unit(&model, position);
+                    if parameter.is_per_inertia() != unit.ends_with("per kg m2") {
+                        return Err(Error::ParameterUnit {
+                            model: file.path().to_path_buf(),
+                            bench: self.place(),
+                            parameter: info.name.to_owned(),
+                            found: parameter.unit.clone(),
+                            unit,
+                        });
+                    }
+                    values[position] = parameter.value;
+                }
+                None if free.contains(&position) => {
+                    return Err(Error::ParameterMissing {
+                        model: file.path().to_path_buf(),
+                        bench: self.place(),
+                        parameter: info.name.to_owned(),
+                    });
+                }
+                None => {}
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// A model whose logs have their starts.
+#[derive(Clone, Debug)]
+struct Started {
+    /// The bench as the model is compared with it.
+    setup: Setup,
+    model: Model,
+    minimum: Minimum,
+}
+
+impl Started {
+    fn traces(&self, values: &[f64]) -> Vec<Vec<Trace>> {
+        let traces = |(record, windows): (&Record, &Vec<Window>)| {
+            identify::traces(record, windows, &self.model, values)
+        };
+        let records = self.setup.records.iter();
+        records.zip(&self.minimum.windows).map(traces).collect()
+    }
+}
+
+/// The experiments of a bench, ready to be simulated with other values of the model's parameters.
+#[derive(Clone, Debug)]
+pub struct Predictor(Started);
+
+impl Predictor {
+    /// The parameters of the model by name, with the values that they have in it; SI units, or per
+    /// unit of inertia where the bench gives no more.
+    pub fn parameters(&self) -> Vec<(String, f64)> {
+        let infos = self.0.model.parameters();
+        let values = &self.0.minimum.values;
+        infos
+            .iter()
+            .zip(values)
+            .map(|(info, value)| (info.name.to_owned(), *value))
+            .collect()
+    }
+
+    /// Simulates every experiment from its start, with these parameters changed. With none it gives
+    /// the curves of [`Session::compare`].
+    ///
+    /// # Errors
+    /// [`Error::UnknownParameter`].
+    pub fn curves(&self, changes: &[(&str, f64)]) -> Result<Vec<ExperimentCurves>, Error> {
+        let mut values = self.0.minimum.values.clone();
+        for (name, value) in changes {
+            let position = self.0.model.position_of(name).ok_or_else(|| {
+                let infos = self.0.model.parameters();
+                Error::UnknownParameter {
+                    name: (*name).to_owned(),
+                    present: infos.iter().map(|info| info.name.to_owned()).collect(),
+                }
+            })?;
+            values[position] = *value;
+        }
+        let traces = self.0.traces(&values);
+        let records = self.0.setup.records.iter();
+        Ok(records
+            .zip(&traces)
+            .map(|(record, traces)| ExperimentCurves::new(record, traces))
+            .collect())
+    }
+}
+
+/// How errors name a bench: its folder, or its name where it is in memory.
+fn place_of(bench: &Bench) -> PathBuf {
+    if bench.folder.as_os_str().is_empty() {
+        PathBuf::from(&bench.name)
+    } else {
+        bench.folder.clone()
+    }
+}

@@ -1,0 +1,103 @@
+//! How the free swings of a bench die out, measured and by the model.
+
+use identify::{AtAmplitude, Decay, DecayLaw, Record, Trace};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// A free swing that is long enough to show its decay. What is measured comes from the samples
+/// alone, without any model.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SwingDecay {
+    /// The experiment.
+    pub experiment: String,
+    /// The laws for the amplitude that were fitted, the best first.
+    pub laws: Vec<AmplitudeLaw>,
+    /// Change of the small-swing period from the largest to the smallest amplitude, %.
+    pub period_drift_percent: f64,
+    /// Its standard error.
+    pub period_drift_percent_std: f64,
+    /// The measured curves over the amplitude.
+    #[serde(skip)]
+    pub measured: Option<Decay>,
+    /// The same of the model's simulation, where it can be had.
+    #[serde(skip)]
+    pub simulated: Option<Decay>,
+}
+
+/// A law dA/dt = −(C + V A + Q A²) for the amplitude A of a swing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AmplitudeLaw {
+    /// C, rad/s: dry friction. `None` for a term that the law does not have, here and below.
+    pub dry: Option<f64>,
+    /// Standard error of C.
+    pub dry_std: Option<f64>,
+    /// V, 1/s: viscous friction.
+    pub viscous: Option<f64>,
+    /// Standard error of V.
+    pub viscous_std: Option<f64>,
+    /// Q, 1/(rad s): drag.
+    pub quadratic: Option<f64>,
+    /// Standard error of Q.
+    pub quadratic_std: Option<f64>,
+    /// What the law leaves of the amplitude, root mean square, as a share of it.
+    pub relative_rms: f64,
+}
+
+/// A curve over the amplitude: amplitudes in rad, and the values there.
+pub(crate) type OverAmplitude = (Vec<f64>, Vec<f64>);
+
+/// The free swings that are long enough to show a decay.
+pub(crate) fn swing_decays(records: &[Record], traces: &[Vec<Trace>]) -> Vec<SwingDecay> {
+    records
+        .par_iter()
+        .zip(traces)
+        .filter_map(|(record, traces)| {
+            let measured = identify::decay(record)?;
+            let mut simulated = record.clone();
+            for (channel, trace) in simulated.channels.iter_mut().zip(traces) {
+                channel.samples.clone_from(&trace.predicted);
+            }
+            Some(SwingDecay {
+                experiment: record.name.clone(),
+                laws: measured.laws.iter().map(AmplitudeLaw::of).collect(),
+                period_drift_percent: measured.period_drift_percent.value,
+                period_drift_percent_std: measured.period_drift_percent.std,
+                measured: Some(measured),
+                simulated: identify::decay(&simulated),
+            })
+        })
+        .collect()
+}
+
+impl AmplitudeLaw {
+    fn of(law: &DecayLaw) -> AmplitudeLaw {
+        let value = |index: usize| law.has[index].then_some(law.coefficients[index].value);
+        let std = |index: usize| law.has[index].then_some(law.coefficients[index].std);
+        AmplitudeLaw {
+            dry: value(0),
+            dry_std: std(0),
+            viscous: value(1),
+            viscous_std: std(1),
+            quadratic: value(2),
+            quadratic_std: std(2),
+            relative_rms: law.relative_rms,
+        }
+    }
+
+    /// The terms that the law has: symbol, unit, value, standard error.
+    pub fn terms(&self) -> Vec<(&'static str, &'static str, f64, Option<f64>)> {
+        [
+            ("C", "rad/s", self.dry, self.dry_std),
+            ("V", "1/s", self.viscous, self.viscous_std),
+            ("Q", "1/(rad s)", self.quadratic, self.quadratic_std),
+        ]
+        .into_iter()
+        .filter_map(|(symbol, unit, value, std)| Some((symbol, unit, value?, std)))
+        .collect()
+    }
+}
+
+/// Amplitudes and values.
+pub(crate) fn over_amplitude(series: &[AtAmplitude]) -> OverAmplitude {
+    series.iter().map(|at| (at.amplitude_rad, at.value)).unzip()
+}

@@ -1,0 +1,8 @@
+//! The library from outside: a session on the bench of the demonstration.
+
+mod bench;
+mod calling_off;
+mod controller;
+mod results;
+mod session;
+mod sliders;

@@ -1,0 +1,103 @@
+//! Opening, fitting, adding and removing.
+
+use std::fs;
+
+use workbench::{Error, FilesInMemory, Output, Session};
+
+use crate::bench::{files, session, silent};
+
+#[test]
+fn memory_and_folder_give_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files() {
+        fs::write(folder.path().join(name), text).expect("written");
+    }
+    let mut on_disk = Session::open(folder.path()).expect("a bench");
+    let mut in_memory = session();
+    let of_disk = on_disk.identify(&silent()).expect("a fit");
+    let of_memory = in_memory.identify(&silent()).expect("a fit");
+    assert_eq!(of_disk.parameters, of_memory.parameters);
+    assert_eq!(of_disk.rmse, of_memory.rmse);
+    assert_eq!(of_disk.places, of_memory.places);
+    assert_eq!(on_disk.model(), in_memory.model());
+
+    on_disk.save_model().expect("a folder that can be written");
+    let again = Session::open(folder.path()).expect("the bench again");
+    assert_eq!(again.model(), on_disk.model(), "the file says the same");
+    assert!(matches!(in_memory.save_model(), Err(Error::NoPlace)));
+    // A model among the files in memory is read too.
+    let model = on_disk.model().expect("a model").to_toml();
+    let mut all: FilesInMemory = files().into_iter().collect();
+    all.insert("model.toml", model);
+    let with_model = Session::from_files(&all).expect("a bench");
+    assert_eq!(with_model.model(), on_disk.model());
+}
+
+#[test]
+fn what_is_added_and_removed_again_leaves_the_parameters_as_they_were() {
+    let mut session = session();
+    let before = session.identify(&silent()).expect("a fit");
+    let added = session
+        .add_effect("body-coulomb-friction", &silent())
+        .expect("a fit with dry friction");
+    assert_eq!(added.rmse_before, before.rmse);
+    let angle =
+        |numbers: &workbench::PerSeries| numbers.get("swing", Output::Angle).expect("an angle");
+    assert!(angle(&added.after.rmse) < 0.1 * angle(&added.rmse_before));
+    let torque = added.after.parameter("body_coulomb_torque");
+    let torque = torque.expect("the effect's parameter");
+    let std = torque.std.expect("a standard error");
+    assert!(
+        (torque.value - demo::COULOMB_TORQUE_NM).abs() < 4.0 * std,
+        "{torque:?}"
+    );
+
+    let removed = session
+        .remove_effect("body-coulomb-friction", &silent())
+        .expect("a fit without");
+    assert_eq!(removed.after.parameters, before.parameters);
+    assert_eq!(removed.after.correlation, before.correlation);
+    assert_eq!(removed.after.effects, before.effects);
+}
+
+#[test]
+fn what_cannot_be_is_said_with_its_place() {
+    let mut session = session();
+    assert!(matches!(
+        session.compare(&silent()),
+        Err(Error::NoModel { .. })
+    ));
+    assert!(matches!(
+        session.add_effect("nonsense", &silent()),
+        Err(Error::UnknownEffect { .. })
+    ));
+    assert!(matches!(
+        session.add_effect("body-viscous-friction", &silent()),
+        Err(Error::EffectPresent { .. })
+    ));
+    session.identify(&silent()).expect("a fit");
+    assert!(matches!(
+        session.remove_effect("wheel-cogging", &silent()),
+        Err(Error::EffectAbsent { .. })
+    ));
+
+    let mut broken: FilesInMemory = files().into_iter().collect();
+    broken.insert("spin-up-0.4A.csv", "time_s,wheel_speed_rad_s\n0,1\n0.1,x\n");
+    let Err(Error::File(error)) = Session::from_files(&broken) else {
+        panic!("a letter is no number");
+    };
+    assert_eq!(error.place().line, Some(3));
+    assert_eq!(error.place().column.as_deref(), Some("wheel_speed_rad_s"));
+}
+
+#[test]
+fn a_check_names_the_experiments_and_finds_no_contradiction() {
+    let check = session().check(&silent()).expect("a check");
+    let names: Vec<&str> = check
+        .experiments
+        .iter()
+        .map(|one| one.name.as_str())
+        .collect();
+    assert_eq!(names, ["spin-up", "swing"]);
+    assert_eq!(check.contradictions, Vec::<String>::new());
+}
