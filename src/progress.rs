@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use identify::Progress;
+use workbench::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Runs `work` under a spinner that says what the work says. It shows only on a terminal and is gone

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use identify::Progress;
+use workbench::Progress;
 use plant::EffectId;
 use workbench::{EffectChange, Error, Session};
 
