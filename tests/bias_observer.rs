@@ -3,10 +3,11 @@
 
 mod emitted;
 
+use checker::Module;
 use checker::certificate::Certificate;
-use checker::control_law::ControlLaw;
+use checker::claims::control_law::ControlLaw;
+use checker::claims::{bias_observer_stable, certificate_consistent, hardware_words};
 use checker::prove::Emitted;
-use checker::{Module, bias_observer, consistency, hardware};
 use serde_json::Value;
 
 /// The module of the thesis bench with an observer of 1 s.
@@ -39,9 +40,9 @@ fn rejection(emitted: &Emitted, constants: &str, certificate: &Value) -> Option<
         Err(error) => return Some(error.to_string()),
     };
     let law = ControlLaw::read(&module).expect("a law");
-    consistency::check(&certificate, &module, &law, &files)
-        .and_then(|()| hardware::check(&certificate, &module, &law))
-        .and_then(|()| bias_observer::check_loop(&certificate, &module, &law).map(drop))
+    certificate_consistent::check(&certificate, &module, &law, &files)
+        .and_then(|()| hardware_words::check(&certificate, &module, &law))
+        .and_then(|()| bias_observer_stable::check_loop(&certificate, &module, &law).map(drop))
         .err()
 }
 

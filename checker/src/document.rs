@@ -1,9 +1,9 @@
 //! CLAIMS.md: what is promised, by what it is settled, and where each constant comes from.
 
-use crate::certificate::Certificate;
-use crate::claims::CLAIMS;
-use crate::module::Module;
-use crate::prove::ClaimResult;
+use crate::certificate::claims::CLAIMS;
+use crate::certificate::reader::Certificate;
+use crate::language::module::Module;
+use crate::prove::results::ClaimResult;
 
 /// The text of CLAIMS.md for one emitted crate. `results` tells which engines settle a claim; times
 /// and outcomes, which differ from machine to machine, are not in the text.

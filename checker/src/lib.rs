@@ -32,37 +32,17 @@
 
 #![warn(missing_docs)]
 
-pub mod attraction;
-pub mod bias_observer;
 pub mod certificate;
 pub mod claims;
-pub mod closed_loop;
-pub mod consistency;
-pub mod contract;
-pub mod control_law;
 pub mod document;
-pub mod enclosure;
+pub mod domains;
 pub mod exact;
-pub mod filter;
-pub mod forms;
-pub mod hardware;
-pub mod interpret;
-pub mod intervals;
 pub mod language;
-pub mod length;
-pub mod lower;
-pub mod module;
 pub mod mutate;
-pub mod polynomial;
 pub mod program;
 pub mod prove;
-pub mod reference;
-pub mod smt;
-pub mod source;
-pub mod stability;
-pub mod words;
 
-pub use interpret::{Machine, Trap};
-pub use module::{Module, ReadError};
+pub use domains::machine::{Machine, Trap};
+pub use language::module::{Module, ReadError};
+pub use program::place::{Place, SourceError};
 pub use prove::{ClaimResult, Outcome, ProveError, Settings};
-pub use source::{Place, SourceError};

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use checker::certificate::Certificate;
-use checker::control_law::ControlLaw;
-use checker::reference::Random;
-use checker::{Module, attraction, closed_loop};
+use checker::Module;
+use checker::certificate::reader::Certificate;
+use checker::claims::control_law::ControlLaw;
+use checker::claims::random::Random;
+use checker::claims::{closed_loop_for_all_time, region_of_attraction};
 use num_traits::ToPrimitive;
 
 type V = [f64; 3];
@@ -18,10 +19,13 @@ fn read() -> (Certificate, ControlLaw) {
     (certificate, law)
 }
 
-fn region(certificate: &Certificate, law: &ControlLaw) -> Result<attraction::Attraction, String> {
+fn region(
+    certificate: &Certificate,
+    law: &ControlLaw,
+) -> Result<region_of_attraction::Attraction, String> {
     let stated = certificate.closed_loop.as_ref().unwrap();
-    let bounds = closed_loop::check(certificate, stated, law).unwrap();
-    attraction::check(certificate, stated, &bounds, law)
+    let bounds = closed_loop_for_all_time::check(certificate, stated, law).unwrap();
+    region_of_attraction::check(certificate, stated, &bounds, law)
 }
 
 /// Points all over the unit sphere (Fibonacci's spiral).

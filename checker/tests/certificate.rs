@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use checker::certificate::Certificate;
-use checker::control_law::ControlLaw;
+use checker::certificate::reader::Certificate;
+use checker::claims::control_law::ControlLaw;
+use checker::claims::{certificate_consistent, closed_loop_for_all_time, hardware_words};
 use checker::prove::{Emitted, settle};
-use checker::{Module, Outcome, Settings, closed_loop, consistency, hardware};
+use checker::{Module, Outcome, Settings};
 use serde_json::Value;
 
 const SETTINGS: Settings = Settings {
@@ -104,9 +105,9 @@ fn rejection(emitted: &Emitted, module: &Module, text: &str) -> Option<String> {
         .collect();
     files.push("Cargo.toml".to_owned());
     let stated = certificate.closed_loop.as_ref()?;
-    let quick = consistency::check(&certificate, module, &law, &files)
-        .and_then(|()| hardware::check(&certificate, module, &law))
-        .and_then(|()| closed_loop::check(&certificate, stated, &law).map(|_| ()));
+    let quick = certificate_consistent::check(&certificate, module, &law, &files)
+        .and_then(|()| hardware_words::check(&certificate, module, &law))
+        .and_then(|()| closed_loop_for_all_time::check(&certificate, stated, &law).map(|_| ()));
     if let Err(why) = quick {
         return Some(why);
     }

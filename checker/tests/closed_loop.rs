@@ -5,9 +5,10 @@
 
 use std::path::Path;
 
-use checker::certificate::Certificate;
-use checker::control_law::ControlLaw;
-use checker::{Machine, Module, closed_loop};
+use checker::certificate::reader::Certificate;
+use checker::claims::closed_loop_for_all_time;
+use checker::claims::control_law::ControlLaw;
+use checker::{Machine, Module};
 use num_traits::ToPrimitive;
 use proptest::prelude::*;
 
@@ -30,7 +31,7 @@ fn bench() -> Bench {
     let module = Module::read(folder).unwrap();
     let certificate = Certificate::read(folder).unwrap();
     let law = ControlLaw::read(&module).unwrap();
-    let (exact, quantised) = closed_loop::loops(&certificate, &law);
+    let (exact, quantised) = closed_loop_for_all_time::loops(&certificate, &law);
     let stated = certificate.closed_loop.as_ref().unwrap();
     let number = |value: &num_rational::BigRational| value.to_f64().unwrap();
     Bench {
@@ -108,7 +109,7 @@ fn attacked(bench: &Bench, c: V, noise: f64, k: usize) -> f64 {
 fn the_bound_is_reached_within_15_percent_and_never_passed() {
     let bench = bench();
     let stated = bench.certificate.closed_loop.as_ref().unwrap();
-    let bounds = closed_loop::check(&bench.certificate, stated, &bench.law).unwrap();
+    let bounds = closed_loop_for_all_time::check(&bench.certificate, stated, &bench.law).unwrap();
     for case in &bounds.cases {
         let noise = case.perturbation.to_f64().unwrap();
         let rows = [

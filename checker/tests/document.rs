@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use checker::certificate::Certificate;
+use checker::certificate::reader::Certificate;
 use checker::document::claims;
 use checker::prove::prove;
 use checker::{Module, Settings};

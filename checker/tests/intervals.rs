@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use checker::intervals::{Interval, every_bit_pattern, ranges};
-use checker::program::Program;
+use checker::domains::intervals::{Interval, every_bit_pattern, ranges};
+use checker::program::steps::Program;
 use checker::{Machine, Module};
 use proptest::prelude::*;
 use proptest::test_runner::TestRng;

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use checker::length::{Lengths, check};
-use checker::{Machine, Module, filter};
+use checker::claims::filter_length::check::{Lengths, check};
+use checker::claims::primitives;
+use checker::{Machine, Module};
 use num_rational::BigRational;
 use proptest::prelude::*;
 
 fn sources() -> Vec<(String, String)> {
-    checker::module::sources(Path::new("../generated")).unwrap()
+    checker::language::module::sources(Path::new("../generated")).unwrap()
 }
 
 fn module(sources: &[(String, String)]) -> Module {
@@ -20,7 +21,7 @@ fn module(sources: &[(String, String)]) -> Module {
 }
 
 fn lengths(module: &Module) -> Result<Lengths, String> {
-    check(module, &filter::proved(&filter::primitives(module)))
+    check(module, &primitives::proved(&primitives::primitives(module)))
 }
 
 /// 1 + `distance`, which is a double and so exact.
@@ -160,7 +161,7 @@ fn damage_is_refused() {
         ),
     ];
     // The contracts of the primitives stand as they were; the length is to notice by itself.
-    let contracts = filter::proved(&filter::primitives(&module(&sources())));
+    let contracts = primitives::proved(&primitives::primitives(&module(&sources())));
     for (file, from, to) in cases {
         let mut sources = sources();
         let (_, text) = sources.iter_mut().find(|(path, _)| path == file).unwrap();

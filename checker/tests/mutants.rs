@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use checker::Module;
-use checker::certificate::Certificate;
+use checker::certificate::reader::Certificate;
+use checker::domains::smt::{self, Answer};
 use checker::mutate::{applied, chosen, judged, mutants, notices, summary};
 use checker::prove::Emitted;
-use checker::smt::{self, Answer};
 
 #[test]
 fn most_damages_are_noticed_and_survivors_are_listed() {

@@ -1,6 +1,6 @@
 //! Whatever is not in the language is refused with its place.
 
-use checker::certificate::Certificate;
+use checker::certificate::reader::Certificate;
 use checker::prove::{Emitted, settle};
 use checker::{Machine, Module, Outcome, Settings};
 

@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use checker::Module;
-use checker::certificate::{Certificate, Decimal};
-use checker::control_law::ControlLaw;
-use checker::exact::decimal;
-use checker::stability::{RegionFailure, check_region, check_sampling, check_stable};
+use checker::certificate::reader::{Certificate, Decimal};
+use checker::claims::closed_loop_stable::check_stable;
+use checker::claims::control_law::ControlLaw;
+use checker::claims::sampling::check_sampling;
+use checker::claims::stable_for_parameters::{RegionFailure, check_region};
+use checker::exact::rational::decimal;
 use num_traits::ToPrimitive;
 use proptest::prelude::*;
 

@@ -1,12 +1,9 @@
-//! A model that was tried: which effects it adds, how it was fitted, what it leaves.
-
-use std::sync::OnceLock;
+//! A model that was tried: which effects it adds, how it was fitted, what it leaves. Plain data.
 
 use identify::{Minimum, Record, Setup, Trace, traces};
 use plant::{EffectId, Model};
 
-use crate::imperfection::{Imperfection, imperfection};
-use crate::search::remainders;
+use crate::remainder::remainders;
 
 /// A fitted model with what is left of every series.
 #[derive(Clone, Debug)]
@@ -19,13 +16,13 @@ pub struct Candidate {
     pub minimum: Minimum,
     /// For every record and channel, model against measurement.
     pub traces: Vec<Vec<Trace>>,
+    /// For every record and channel, the structured remainder in units of its noise (0 where not significant).
+    pub remainders: Vec<Vec<f64>>,
     /// The same model fitted in windows of a few periods, each with a start of its own, where the
     /// free run drifts away from the logs: what the model lacks cannot add up there.
     pub windowed: Option<Minimum>,
     /// Number of free parameters that do not lie on a bound.
     pub parameters: usize,
-    imperfection: OnceLock<Imperfection>,
-    remainders: OnceLock<Vec<Vec<f64>>>,
 }
 
 impl Candidate {
@@ -38,12 +35,11 @@ impl Candidate {
         minimum: Minimum,
         windowed: Option<Minimum>,
     ) -> Candidate {
-        let traces = records
+        let traces: Vec<Vec<Trace>> = records
             .iter()
             .zip(&minimum.windows)
             .map(|(record, windows)| traces(record, windows, &model, &minimum.values))
             .collect();
-
         let parameters = setup
             .free(&model)
             .len()
@@ -52,23 +48,11 @@ impl Candidate {
             added,
             model,
             minimum,
+            remainders: remainders(records, &traces),
             traces,
             windowed,
             parameters,
-            imperfection: OnceLock::new(),
-            remainders: OnceLock::new(),
         }
-    }
-
-    /// As [`imperfection()`], computed once.
-    pub fn imperfection(&self, setup: &Setup, records: &[&Record]) -> &Imperfection {
-        self.imperfection
-            .get_or_init(|| imperfection(setup, records, self))
-    }
-
-    /// As [`remainders()`], computed once.
-    pub fn remainders(&self, records: &[&Record]) -> &[Vec<f64>] {
-        self.remainders.get_or_init(|| remainders(records, self))
     }
 
     /// The fit on which further effects are scored: in short windows where there is one.
@@ -83,6 +67,15 @@ impl Candidate {
             .flatten()
             .map(|trace| trace.rmse)
             .collect()
+    }
+
+    /// The largest structured remainder over all series, in units of noise.
+    pub fn largest_remainder(&self) -> f64 {
+        self.remainders
+            .iter()
+            .flatten()
+            .copied()
+            .fold(0.0, f64::max)
     }
 
     /// The added effects as a set, in the order of the library.
@@ -109,4 +102,16 @@ fn replaced(effect: EffectId, model: &Model) -> bool {
         .effects()
         .iter()
         .any(|present| present.info().replaces.contains(&effect.name()))
+}
+
+/// The effects in words.
+pub fn names(effects: &[EffectId]) -> String {
+    if effects.is_empty() {
+        return "the model as it is".to_owned();
+    }
+    effects
+        .iter()
+        .map(|effect| effect.name())
+        .collect::<Vec<_>>()
+        .join(" + ")
 }

@@ -10,23 +10,18 @@
 //! criterion of Chen & Chen, Biometrika 95 (2008)). Without it, the best of many pairs would beat the
 //! one true effect by luck.
 
-use identify::{Record, effective_samples, period_s};
-use plant::Kind;
+use identify::{Record, effective_samples};
+use plant::{Kind, period_s};
 
+use crate::applicable::applicable;
+use crate::bench::Bench;
 use crate::candidate::Candidate;
-
-/// Difference of the logarithm of the evidence beyond which one model is preferred to another:
-/// odds of 20 to one, "strong" in the scale of Kass & Raftery (JASA 90 (1995)). Below it they tie.
-pub const TIE: f64 = 3.0;
-
-/// A misfit of an oscillation is a slow error of its amplitude and phase: two numbers. What causes
-/// it on a real bench (play, dust, a zero that creeps) is taken to renew itself every three
-/// periods, so that a log is worth at least one value for each one and a half of them.
-const PERIODS_PER_VALUE: f64 = 1.5;
+use crate::remainder::{noise, residual};
 
 /// The effective sample size of every series, in the order of [`Candidate::rmse`]: from the
-/// autocorrelation of what the best model leaves, but not below [`PERIODS_PER_VALUE`].
-pub fn effective(records: &[&Record], best: &Candidate) -> Vec<f64> {
+/// autocorrelation of what the best model leaves, but not below one value
+/// for so many periods of an oscillation (see [`crate::Thresholds::periods_per_value`]).
+fn effective(records: &[&Record], best: &Candidate, periods_per_value: f64) -> Vec<f64> {
     let period_s = period_s(&best.minimum.values);
     records
         .iter()
@@ -34,7 +29,7 @@ pub fn effective(records: &[&Record], best: &Candidate) -> Vec<f64> {
         .flat_map(|(record, traces)| {
             let least = match (record.kind, record.time_s.first(), record.time_s.last()) {
                 (Kind::FreeSwing | Kind::Driven, Some(first), Some(last)) => {
-                    (last - first) / (PERIODS_PER_VALUE * period_s)
+                    (last - first) / (periods_per_value * period_s)
                 }
                 _ => 1.0,
             };
@@ -51,31 +46,17 @@ pub fn effective(records: &[&Record], best: &Candidate) -> Vec<f64> {
         .collect()
 }
 
-/// Measured minus predicted, NaN where either is missing.
-pub fn residual(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
-    measured
-        .iter()
-        .zip(predicted)
-        .map(|(measured, predicted)| measured - predicted)
-        .collect()
-}
-
 /// Logarithm of the evidence for a model, up to a constant that all models of the same records
 /// share. `noise` is the standard deviation of each series' sensor: errors below it are not
 /// rewarded. `suspects` is the number of effects from which the candidate's were chosen.
-pub fn log_evidence(
-    candidate: &Candidate,
-    effective: &[f64],
-    noise: &[f64],
-    suspects: usize,
-) -> f64 {
+fn log_evidence(candidate: &Candidate, effective: &[f64], noise: &[f64], suspects: usize) -> f64 {
     let rmse = candidate.rmse();
     log_evidence_of(&rmse, candidate, effective, noise, suspects)
 }
 
 /// As [`log_evidence`], with `rmse` in the place of the candidate's own errors where they are smaller: they lack
 /// what is known not to be the fault of its effects. Without that no series is better than with `best`.
-pub fn log_evidence_beyond(
+fn log_evidence_beyond(
     candidate: &Candidate,
     rmse: &[f64],
     best: &Candidate,
@@ -120,4 +101,36 @@ fn log_choices(suspects: usize, chosen: usize) -> f64 {
     (0..chosen.min(suspects))
         .map(|index| ((suspects - index) as f64 / (index + 1) as f64).ln())
         .sum()
+}
+
+/// The evidence for every candidate, with the effective sample sizes that the best of them leaves.
+pub fn evidences(bench: &Bench, pool: &[Candidate]) -> Vec<f64> {
+    evidences_beyond(bench, pool, &|_| None)
+}
+
+/// As [`evidences`], with errors from which is taken what is `excused`.
+pub fn evidences_beyond(
+    bench: &Bench,
+    pool: &[Candidate],
+    excused: &dyn Fn(&Candidate) -> Option<Vec<f64>>,
+) -> Vec<f64> {
+    let best = pool
+        .iter()
+        .min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost));
+    let Some(best) = best else { return vec![] };
+    let effective = effective(&bench.records, best, bench.thresholds.periods_per_value);
+    let noise = noise(&bench.records);
+    let suspects = bench
+        .suspects
+        .iter()
+        .filter(|&&effect| applicable(bench.setup, effect))
+        .count();
+    pool.iter()
+        .map(|candidate| match excused(candidate) {
+            Some(excused) => {
+                log_evidence_beyond(candidate, &excused, best, &effective, &noise, suspects)
+            }
+            None => log_evidence(candidate, &effective, &noise, suspects),
+        })
+        .collect()
 }

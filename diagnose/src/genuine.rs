@@ -1,32 +1,30 @@
 //! How probable an effect is beside something that no effect accounts for.
 
-/// The largest trace that is thought of beforehand, in units of noise, for [`genuine`].
-const LARGEST_TRACE: f64 = 1e3;
-
-/// How much more probable it is beforehand that what is unknown acts alone than that a library effect acts
-/// beside it: two causes at once are rarer than one. A judgement, of the order that the exam's draw
-/// bears out, in which nine of ten benches with a remainder hide nothing else.
-const ALONE_TO_BESIDE: f64 = 9.0;
+use crate::thresholds::Thresholds;
 
 /// The probability that effects which take the share `s` of the misfit, while something that no effect
 /// accounts for remains, are really there.
 ///
 /// Either an unknown cause acts alone, looks a little like everything, and lends them any share; or they
-/// act beside it. Two independent traces that are log-uniform from the noise to [`LARGEST_TRACE`] times
+/// act beside it. Two independent traces that are log-uniform from the noise to [`Thresholds::largest_trace`] times
 /// the noise have a logit ln(s/(1 − s)) = 2 (ln a − ln b) whose density is nearly 1/(2 L) about zero,
-/// L = ln `LARGEST_TRACE`, so that s has the density 1/(2 L s (1 − s)). Beforehand the odds are
-/// [`ALONE_TO_BESIDE`]. The result is lowered by the factor s, which
+/// L its logarithm, so that s has the density 1/(2 L s (1 − s)). Beforehand the odds are
+/// [`Thresholds::alone_to_beside`]. The result is lowered by the factor s, which
 /// is caution and no part of this: the density rises towards s = 0 as well, and what takes next to nothing
 /// has no claim to being there.
-pub fn genuine(s: f64) -> f64 {
+pub fn genuine(s: f64, thresholds: &Thresholds) -> f64 {
     let s = s.clamp(1e-9, 1.0 - 1e-9);
-    let density = 1.0 / (2.0 * LARGEST_TRACE.ln() * s * (1.0 - s));
-    density / (ALONE_TO_BESIDE + density) * s
+    let density = 1.0 / (2.0 * thresholds.largest_trace.ln() * s * (1.0 - s));
+    density / (thresholds.alone_to_beside + density) * s
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ALONE_TO_BESIDE, genuine};
+    use super::Thresholds;
+
+    fn genuine(s: f64) -> f64 {
+        super::genuine(s, &Thresholds::default())
+    }
 
     #[test]
     fn what_takes_more_of_the_misfit_is_more_probably_there() {
@@ -58,7 +56,8 @@ mod tests {
         // About one half, where the density of the logit is nearly constant.
         for index in [4, 5] {
             let share = (index as f64 + 0.5) / 10.0;
-            let drawn = beside[index] / (beside[index] + ALONE_TO_BESIDE * alone[index]);
+            let drawn = beside[index]
+                / (beside[index] + Thresholds::default().alone_to_beside * alone[index]);
             let found = genuine(share) / share;
             assert!((found - drawn).abs() < 0.02, "{share}: {drawn} {found}");
         }

@@ -5,11 +5,15 @@
 //! size is what would remain if the measurements were those of this very model with a joint that
 //! sticks: they are computed, the model is fitted to them, and the error of the fit is taken.
 
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use identify::{Effort, Record, Setup, Trace, refit, stuck, traces};
 
+use plant::EffectId;
+
 use crate::candidate::Candidate;
-use crate::evidence::residual;
-use crate::search::remainder;
+use crate::remainder::{remainder, residual};
 
 /// What the smoothed sign of dry friction alone would leave.
 #[derive(Clone, Debug)]
@@ -25,6 +29,35 @@ pub struct Imperfection {
     pub remainders_without: Vec<Vec<f64>>,
 }
 
+/// A fit among all that a search makes of one bench: its set of effects, and its cost to the last bit.
+type Key = (Vec<EffectId>, u64);
+
+/// The imperfections that a search has worked out: each takes a fit, and is asked for several times.
+#[derive(Debug, Default)]
+pub struct Imperfections {
+    found: Mutex<HashMap<Key, Arc<Imperfection>>>,
+}
+
+impl Imperfections {
+    /// As [`imperfection()`], computed once for each fit of the bench.
+    pub fn of(
+        &self,
+        setup: &Setup,
+        records: &[&Record],
+        candidate: &Candidate,
+    ) -> Arc<Imperfection> {
+        let key = (candidate.set(), candidate.minimum.cost.to_bits());
+        // What a thread that panicked has left is whole: entries are put in at once.
+        let found = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = found().get(&key) {
+            return known.clone();
+        }
+        // Not under the lock: two threads at worst work out the same.
+        let new = Arc::new(imperfection(setup, records, candidate));
+        found().entry(key).or_insert(new).clone()
+    }
+}
+
 /// What the smoothed sign of dry friction alone would leave of a candidate.
 pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -> Imperfection {
     let (model, minimum) = (&candidate.model, &candidate.minimum);
@@ -33,7 +66,7 @@ pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -
         return Imperfection {
             rms_over_noise: vec![0.0; rmse_without.len()],
             rmse_without,
-            remainders_without: candidate.remainders(records).to_vec(),
+            remainders_without: candidate.remainders.clone(),
         };
     }
     let sticking: Vec<Record> = records

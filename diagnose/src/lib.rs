@@ -1,39 +1,72 @@
 //! Which physical effect does a model lack?
 //!
+//! A file imports only from those above it.
+//!
 //! | file | job |
 //! |---|---|
-//! | `candidate` | a model that was tried |
-//! | `suspects` | the score test of every effect, and the refit of those that promise something |
+//! | `thresholds` | the numbers that decide verdicts, and where each comes from |
+//! | `economy` | the numbers that only save time |
+//! | `remainder` | what a model leaves of every series, in units of its noise |
+//! | `candidate` | a model that was tried: plain data |
 //! | `imperfection` | what the smoothed sign of dry friction alone leaves |
+//! | `bench` | what a search works on, and what it keeps of it |
+//! | `shown` | whether a sensor would show what one candidate adds to another |
+//! | `applicable` | which effects are suspects at all |
 //! | `evidence` | how strongly the measurements speak for one model against another |
+//! | `score` | the score test: what every suspect promises, and from where it may be fitted |
+//! | `trial` | the fits of single effects on top of a candidate |
+//! | `round` | one round of trials |
+//! | `pool` | what was tried, and what follows from it without another fit: merging, ties, the simplest |
 //! | `search` | the search for the set of effects that explains the measurements |
+//! | `short_windows` | whether driven logs must be read in short windows |
+//! | `thinned` | logs that are read more sparsely than they were recorded |
+//! | `path` | the way to the chosen candidate, one effect a step |
+//! | `ranking` | the effects that could be missing, by probability |
+//! | `genuine` | how probable an effect is beside something unknown |
+//! | `verdict` | the verdict that the findings come to |
 //! | `validation` | how well a model predicts an experiment that its fit has not seen |
 //! | `next_experiment` | the experiment that would separate explanations which tie |
-//! | `hidden_cogging` | whether driven logs must be read in short windows |
-//! | `genuine` | how probable an effect is beside something unknown |
-//! | `diagnosis` | the verdict, and what it rests on |
-//! | `exam/` | benches with a hidden effect, and how the verdicts on them are marked |
+//! | `report` | steps and suspects, as they are reported |
+//! | `diagnosis` | from the logs to the verdict |
 
+mod applicable;
+mod bench;
 mod candidate;
 mod diagnosis;
+mod economy;
 mod evidence;
-pub mod exam;
 mod genuine;
-mod hidden_cogging;
+#[cfg(test)]
+mod hand_made;
 mod imperfection;
 mod next_experiment;
+mod path;
+mod pool;
+mod ranking;
+mod remainder;
+mod report;
+mod round;
+mod score;
 mod search;
-mod suspects;
+mod short_windows;
+mod shown;
+mod thinned;
+mod thresholds;
+mod trial;
 mod validation;
+mod verdict;
 
-pub use candidate::Candidate;
-pub use diagnosis::{Diagnosis, Options, Step, Suspect, Verdict, diagnose, diagnose_with};
-pub use evidence::{TIE, effective, log_evidence, residual};
-pub use imperfection::Imperfection;
+pub use applicable::applicable;
+pub use bench::{Bench, IsCancelled};
+pub use candidate::{Candidate, names};
+pub use diagnosis::{Options, diagnose, diagnose_with};
+pub use imperfection::{Imperfection, Imperfections, imperfection};
 pub use next_experiment::propose;
-pub use search::{
-    LEAST_TRACE, LEAST_TRACE_BESIDE, REMAINS, Search, largest_remainder, largest_trace, names,
-    noise, prepared, remainders, search, shows,
-};
-pub use suspects::{Bench, Round, applicable, try_all, without};
-pub use validation::{HeldOut, held_out, mean_fit_percent};
+pub use pool::Search;
+pub use report::{Diagnosis, Step, Suspect};
+pub use round::{Round, try_all};
+pub use search::{prepared, search};
+pub use shown::largest_trace;
+pub use thresholds::Thresholds;
+pub use validation::{HeldOut, mean_fit_percent};
+pub use verdict::Verdict;

@@ -13,7 +13,7 @@ use identify::{
 };
 use plant::Model;
 
-use crate::suspects::Bench;
+use crate::bench::Bench;
 
 /// A parameter counts as determined by the other experiments if they hold at least this share of
 /// the information on it.

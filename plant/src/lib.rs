@@ -8,9 +8,12 @@
 //! |---|---|
 //! | `scalar` | numbers with and without derivatives |
 //! | `effect` | what an effect is |
+//! | `hiding` | how the exam hides an effect |
+//! | `external` | effects that come while the program runs |
 //! | `effects/` | the library, one file an effect |
 //! | `model` | which effects a model has; the layout of its parameter vector |
-//! | `plant` | the motion and its integration |
+//! | `plant/` | the motion: right-hand side, assembly, motor chain, integrator |
+//! | `reading` | what the sensors say |
 //! | `input` | the recorded current as a function of time |
 //! | `linear` | the linear model about upright |
 //! | `experiment` | the kinds of experiment |
@@ -18,22 +21,28 @@
 mod effect;
 mod effects;
 mod experiment;
+mod external;
+mod hiding;
 mod input;
 mod linear;
 mod model;
 mod plant;
+mod reading;
 mod scalar;
 
 pub use effect::{
-    Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Reading, Role,
-    Smoothing,
+    Driving, Effect, EffectInfo, Instant, Linearised, Memory, ParameterInfo, RateFault, Ripple,
+    Role, Smoothing, StartFrom, Timing,
 };
 pub use effects::EffectId;
 pub use experiment::Kind;
+pub use external::{Definition, External, ExternalEffect, ExternalError, Partials};
+pub use hiding::{Hiding, HidingPlace};
 pub use input::{Hold, Input};
 pub use linear::{LinearModel, LinearisationError, linearise};
 pub use model::{
-    BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
+    BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
 pub use plant::{Current, Drive, Plant, State};
+pub use reading::{Output, Reading};
 pub use scalar::{Dual, Scalar};

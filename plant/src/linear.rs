@@ -100,29 +100,25 @@ pub fn linearise(
 /// The part of a model that its linear model carries, with the parameters that belong to it.
 fn kept(model: &Model, values: &[f64], keep_dry_friction: bool) -> (Model, Vec<f64>) {
     let mut effects = vec![];
-    let mut dry_torque = None;
     for &effect in model.effects() {
-        match effect.info().linearised {
+        let info = effect.info();
+        match info.linearised {
             Linearised::Exactly => effects.push(effect),
-            Linearised::AsDryFriction => {
-                // Every dry friction has the sliding torque μ as its first parameter.
-                dry_torque = model.position(effect).map(|at| values[at]);
+            Linearised::AsDryFriction if keep_dry_friction => {
+                // Of a refinement the friction that it refines, with which it shares a parameter.
+                let simpler = info
+                    .replaces
+                    .iter()
+                    .find_map(|name| EffectId::from_name(name));
+                effects.push(simpler.unwrap_or(effect));
             }
-            Linearised::LeftOut => {}
+            Linearised::AsDryFriction | Linearised::LeftOut => {}
         }
     }
-    if keep_dry_friction && dry_torque.is_some() {
-        effects.push(EffectId::BodyCoulombFriction);
-    }
     let kept = Model::with_effects(&effects);
-    let values = kept
-        .parameters()
-        .iter()
-        .map(|info| match (info.name, dry_torque) {
-            ("body_coulomb_torque", Some(torque)) => torque,
-            (name, _) => model.position_of(name).map_or(0.0, |at| values[at]),
-        })
-        .collect();
+    let infos = kept.parameters();
+    let of_whole = |name: &str| model.position_of(name).map_or(0.0, |at| values[at]);
+    let values = infos.iter().map(|info| of_whole(info.name)).collect();
     (kept, values)
 }
 
@@ -130,7 +126,7 @@ fn kept(model: &Model, values: &[f64], keep_dry_friction: bool) -> (Model, Vec<f
 mod tests {
     use super::*;
 
-    /// The parameter set behind matrix 4.4 of the thesis (physics.md), with r_b such that
+    /// The parameter set behind matrix 4.4 of the thesis, with r_b such that
     /// r_b + μ/ι = 5.31781e-3 N m s/rad.
     const IOTA_RAD_S: f64 = 0.0846768;
     const MU: f64 = 4.485e-4;

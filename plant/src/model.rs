@@ -1,7 +1,9 @@
 //! The structure of a model: the base parameters and the effects that it has.
 
+use std::ops::Range;
+
 use crate::EffectId;
-use crate::effect::ParameterInfo;
+use crate::effect::{EffectInfo, ParameterInfo};
 
 /// Position of Θ in a parameter vector.
 pub const TOTAL_INERTIA: usize = 0;
@@ -55,6 +57,13 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
         is_whole: false,
     },
 ];
+
+/// The period of small oscillations about hanging in s, 2π √(Θ/G), from a parameter vector; that of parameters
+/// without meaning is bounded.
+pub fn period_s(values: &[f64]) -> f64 {
+    let square = (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA]).abs();
+    std::f64::consts::TAU / square.sqrt().max(1e-3)
+}
 
 /// Which effects a model has. The parameter vector that goes with it holds the base parameters
 /// followed by those of each effect, in this order; the functions here are the only place that
@@ -153,16 +162,37 @@ impl Model {
         BASE_PARAMETERS.len() + own
     }
 
+    /// Every effect with the range of its parameters in the parameter vector.
+    pub fn ranges(&self) -> impl Iterator<Item = (EffectId, Range<usize>)> {
+        let mut end = BASE_PARAMETERS.len();
+        self.effects.iter().map(move |&effect| {
+            let start = end;
+            end += effect.info().parameters.len();
+            (effect, start..end)
+        })
+    }
+
+    /// The range of the parameters of `effect` in the parameter vector, if the model has it.
+    pub fn range_of(&self, effect: EffectId) -> Option<Range<usize>> {
+        let mut ranges = self.ranges();
+        ranges.find_map(|(present, own)| (present == effect).then_some(own))
+    }
+
     /// Where the parameters of `effect` start in the parameter vector, if the model has it.
     pub fn position(&self, effect: EffectId) -> Option<usize> {
-        let mut position = BASE_PARAMETERS.len();
-        for &present in &self.effects {
-            if present == effect {
-                return Some(position);
-            }
-            position += present.info().parameters.len();
-        }
-        None
+        self.range_of(effect).map(|own| own.start)
+    }
+
+    /// The effect to which the parameter at this position belongs; `None` for a base parameter.
+    pub fn effect_at(&self, position: usize) -> Option<EffectId> {
+        let mut ranges = self.ranges();
+        ranges.find_map(|(effect, own)| own.contains(&position).then_some(effect))
+    }
+
+    /// The first effect whose description fulfils a condition, and where its parameters start.
+    pub fn find(&self, holds: impl Fn(&EffectInfo) -> bool) -> Option<(EffectId, usize)> {
+        let mut ranges = self.ranges();
+        ranges.find_map(|(effect, own)| holds(effect.info()).then_some((effect, own.start)))
     }
 
     /// The position of the parameter with this name, if the model has it.
@@ -206,7 +236,6 @@ mod tests {
             let info = effect.info();
             assert_eq!(EffectId::from_name(info.name), Some(effect));
             assert!(!info.shows_in.is_empty() && !info.starts.is_empty());
-            assert!(info.parameters.len() <= crate::effect::MAX_PARAMETERS);
             for start in info.starts.iter().chain(info.absent.iter()) {
                 assert_eq!(start.len(), info.parameters.len(), "{}", info.name);
             }

@@ -2,8 +2,7 @@
 //! free swing: low-pass the rate and integrate it, complementary filter, Madgwick's filter. All are
 //! fed the same raw counts.
 
-use crate::SimulateError;
-use crate::error::check_positive;
+use crate::error::{SimulateError, check_positive};
 use crate::raw_counts::RawSensors;
 use attitude::{
     AttitudeSpec, Complementary, LowPassIntegrator, RawFilter, pivot_angle_of_gravity, wrap_angle,

@@ -5,9 +5,8 @@
 //! command saturates. Beyond that it is tried: starts all over the boundary, each run until it is well
 //! inside the set from which return is proved, or the body has fallen.
 
-use crate::SimulateError;
 use crate::closed_loop::ClosedLoop;
-use crate::error::check_positive;
+use crate::error::{SimulateError, check_positive};
 use crate::law::Law;
 use crate::recovery::decided_after_s;
 use crate::scenario::Scale;

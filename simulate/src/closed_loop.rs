@@ -5,8 +5,7 @@
 //! model's effect `input-delay`) postpones that change to any instant, also between samples: the
 //! step is then split there.
 
-use crate::SimulateError;
-use crate::error::check_positive;
+use crate::error::{SimulateError, check_positive};
 use crate::law::{Law, LawFailure, Measured};
 use crate::motion::Motion;
 use crate::push::{Push, torque_at};

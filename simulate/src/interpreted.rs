@@ -2,8 +2,7 @@
 //! `generate` and `simulate`, and every overflow is found.
 
 use crate::law::{Law, LawFailure, Measured, WordFormats, WordLaw};
-use checker::language::Type;
-use checker::program::Program;
+use checker::program::{Program, Type};
 use checker::{Machine, Module};
 
 /// The function `control` of an emitted crate.

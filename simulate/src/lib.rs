@@ -3,7 +3,7 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | [`law`] | control laws: exact, emitted, with bias observer; all behind one trait |
+//! | [`law`] | control laws: exact, in fixed-point words, with bias observer; all behind one trait |
 //! | [`interpreted`] | the emitted law of any model, run from its source |
 //! | [`sensors`] | what the controller is told |
 //! | [`push`] | pushes on the body |
@@ -42,13 +42,11 @@ pub use attraction::{Attraction, region_of_attraction};
 pub use closed_loop::{Actuator, ClosedLoop, Deviation, Trace};
 pub use error::SimulateError;
 pub use interpreted::InterpretedLaw;
-pub use law::{
-    BiasObservingLaw, CompiledLaw, ExactLaw, Law, LawFailure, Measured, WordFormats, WordLaw,
-};
+pub use law::{BiasObservingLaw, ExactLaw, Law, LawFailure, Measured, WordFormats, WordLaw};
 pub use motion::{LinearMotion, Motion};
 pub use overlay::{Overlay, overlay};
 pub use push::Push;
-pub use raw_counts::{InterpretedController, RawController, RawLoop, RawSensors};
+pub use raw_counts::{InterpretedController, RawController, RawLoop, RawSample, RawSensors};
 pub use recovery::{Recovery, largest_recoverable_angle};
 pub use scenario::Scenario;
 pub use sensors::{Sensor, Sensors};

@@ -4,8 +4,8 @@
 //! run with the pushes that were found in it. Between pushes the bench and the simulation each
 //! follow their own noise, so there the curves do not coincide; their spread is what compares.
 
-use crate::SimulateError;
 use crate::closed_loop::{ClosedLoop, Trace};
+use crate::error::SimulateError;
 use crate::law::Law;
 use plant::State;
 use std::f64::consts::PI;

@@ -1,9 +1,8 @@
 //! The largest angle from which the loop recovers, by bisection, beside the largest angle at which
 //! any law could: asin(τ u_max/G).
 
-use crate::SimulateError;
 use crate::closed_loop::{ClosedLoop, at_rest};
-use crate::error::check_positive;
+use crate::error::{SimulateError, check_positive};
 use crate::law::Law;
 use crate::scenario::Scale;
 

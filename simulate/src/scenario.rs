@@ -6,9 +6,8 @@
 //! that the current allows, asin(T/G); a push lasts about half a radian of the fall, 1/ω with
 //! ω² = G/(Θ − j_w), and is a share of the motor's torque T.
 
-use crate::SimulateError;
 use crate::closed_loop::{ClosedLoop, Trace, at_rest};
-use crate::error::check_positive;
+use crate::error::{SimulateError, check_positive};
 use crate::law::Law;
 use crate::push::Push;
 use plant::State;

@@ -4,8 +4,8 @@
 //! [`effects_on_transient`] repeats a transient with every effect alone and with all together, and
 //! counts.
 
-use crate::SimulateError;
 use crate::closed_loop::{ClosedLoop, Trace};
+use crate::error::SimulateError;
 use crate::law::Law;
 use crate::motion::Motion;
 use crate::scenario::Scenario;

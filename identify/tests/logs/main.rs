@@ -5,6 +5,7 @@ mod breakdown;
 mod contradiction;
 mod correlation;
 mod other_rig;
+mod outside;
 mod real;
 mod recovery;
 mod simulated;

@@ -1,6 +1,7 @@
 //! The supply cannot drive the full current into a fast motor.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::effect::{Driving, Effect, EffectInfo, Instant, ParameterInfo, Role, StartFrom};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// |i| ≤ (V − k_e |φ̇|)/R where current and speed have one sign, k_e = τ
@@ -12,7 +13,7 @@ impl Effect for BackEmfLimit {
         name: "back-emf-limit",
         equation: "|i| ≤ (V − k_e |φ̇|)/R where current and speed have one sign, k_e = τ",
         meaning: "the back-EMF of the motor uses up the supply voltage",
-        source: "contract",
+        source: "Krishnan, Electric Motor Drives (2001), ch. 9, voltage limit of a brushless motor",
         fingerprint: "a spin-up bends over at a high speed and ends at a speed that does not depend on the current",
         role: Role::Motor,
         parameters: &[ParameterInfo {
@@ -37,17 +38,28 @@ impl Effect for BackEmfLimit {
         }],
         starts: &[&[12.0, 2.0], &[12.0, 8.0], &[16.0, 2.0], &[16.0, 8.0], &[20.0, 3.0], &[24.0, 2.0], &[24.0, 8.0], &[30.0, 10.0]],
         absent: Some(&[1e12, 1.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        is_electrical: true,
+        is_limit: true,
+        start_from: StartFrom::Driving(supplies),
+        hiding: Some(Hiding {
+            // The limit sets in at the share 1/(1 + s) of the highest speed at the highest current.
+            parameters: |s, bench| {
+                let (current_a, speed) = (bench.top_current_a, bench.top_wheel_speed_rad_s);
+                let torque_constant = bench.torque_constant;
+                let resistance = bench.between(0.3, 3.0) * torque_constant * speed / current_a.max(1e-9);
+                let reached = speed / (1.0 + s);
+                vec![resistance * current_a + torque_constant * reached, resistance]
+            },
+            first_guess: 0.1,
+            beyond_plausible: false,
+        }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
     fn current<S: Scalar>(
-        p: &[S; MAX_PARAMETERS],
+        p: &[S],
         current_a: S,
         at: &Instant<S>,
         torque_constant: S,
@@ -68,4 +80,28 @@ impl Effect for BackEmfLimit {
             limit
         }
     }
+}
+
+/// Resistances of a winding in Ohm from which the limit of a supply may be fitted.
+const RESISTANCES_OHM: [f64; 3] = [1.0, 3.0, 10.0];
+/// Shares of the driven samples for which a supply suffices from which its fit may start.
+const SUFFICES: [f64; 2] = [0.8, 0.97];
+
+/// Supplies (V and Ohm) that hold in a part of what the logs asked for and not in the rest: quantiles of
+/// R |i| + k_e |φ̇| over the samples in which the motor drives the wheel. A supply that is never reached leaves
+/// no trace, and one that is always reached is a motor without current.
+fn supplies(driving: &Driving) -> Vec<Vec<f64>> {
+    let mut starts = vec![];
+    for resistance in RESISTANCES_OHM.map(|resistance| resistance * driving.ohm) {
+        let asked = driving.samples.iter();
+        let mut asked_v: Vec<f64> = asked
+            .map(|(speed, current)| resistance * current + driving.torque_constant * speed)
+            .collect();
+        asked_v.sort_by(f64::total_cmp);
+        for share in SUFFICES {
+            let at = (share * asked_v.len() as f64) as usize;
+            starts.extend(asked_v.get(at).map(|voltage| vec![*voltage, resistance]));
+        }
+    }
+    starts
 }

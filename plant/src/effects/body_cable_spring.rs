@@ -1,6 +1,7 @@
 //! A cable that pulls the body like a spring.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// κ (α − α₀)
@@ -12,7 +13,7 @@ impl Effect for BodyCableSpring {
         name: "body-cable-spring",
         equation: "κ (α − α₀)",
         meaning: "the supply or sensor cable bends as the body turns",
-        source: "contract",
+        source: "Landau & Lifshitz, Mechanics (3rd ed. 1976), § 21, a linear restoring torque",
         fingerprint: "the rest position and the balance point are shifted, and the period changes",
         role: Role::Body,
         parameters: &[ParameterInfo {
@@ -37,16 +38,16 @@ impl Effect for BodyCableSpring {
         }],
         starts: &[&[1e-3, 0.0], &[1e-3, 1.0], &[1e-3, -1.0]],
         absent: Some(&[0.0, 0.0]),
-        replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
-        has_kink: false,
         product: Some((0, 1)),
-        limit: None,
         linearised: Linearised::Exactly,
+        angle_power: Some(1),
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.gravity_torque * s, bench.second], first_guess: 1e-2, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
         p[0] * (at.angle_rad - p[1])
     }
 }

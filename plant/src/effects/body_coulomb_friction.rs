@@ -1,6 +1,7 @@
 //! Coulomb (dry) friction of the pivot.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// μ tanh(α̇/v₀)
@@ -27,16 +28,15 @@ impl Effect for BodyCoulombFriction {
         }],
         starts: &[&[1e-4]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
-        product: None,
-        limit: None,
         linearised: Linearised::AsDryFriction,
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.gravity_torque * s], first_guess: 1e-3, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
         p[0] * (at.rate_rad_s * (1.0 / v0.body_rad_s)).tanh()
     }
 }

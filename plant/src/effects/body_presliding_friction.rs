@@ -4,7 +4,8 @@
 //! direction F → s μ + (F − s μ) exp(−σ |Δ|/μ), s = sign(Δ). The model uses this exact solution,
 //! so that a stiff contact needs no smaller time step.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, Memory, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// Ḟ = σ α̇ (1 − sign(α̇) F/μ)
@@ -44,18 +45,26 @@ impl Effect for BodyPreslidingFriction {
         replaces: &["body-coulomb-friction"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
-        product: None,
-        limit: None,
         linearised: Linearised::AsDryFriction,
+        memory: Some(Memory { level: 0, stiffness: 1 }),
+        hiding: Some(Hiding {
+            parameters: |s, bench| {
+                let distance_rad = bench.between(3e-3, 0.05);
+                vec![bench.gravity_torque * s, bench.gravity_torque * s / distance_rad]
+            },
+            first_guess: 1e-3,
+            beyond_plausible: false,
+        }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(_p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(_p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
         at.memory
     }
 
     #[inline(always)]
-    fn remember<S: Scalar>(p: &[S; MAX_PARAMETERS], memory: S, displacement_rad: S) -> S {
+    fn remember<S: Scalar>(p: &[S], memory: S, displacement_rad: S) -> S {
         let limit = if displacement_rad.value() < 0.0 { -p[0] } else { p[0] };
         // A vanishing μ leaves no contact at all; the guard keeps the exponent finite.
         let relaxed = if p[0].value() <= 0.0 {

@@ -1,6 +1,7 @@
 //! Quadratic (air) drag of the body.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// c α̇ |α̇|
@@ -27,16 +28,14 @@ impl Effect for BodyQuadraticDrag {
         }],
         starts: &[&[1e-5]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
         linearised: Linearised::Exactly,
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.total_inertia * s], first_guess: 1e-2, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
         p[0] * at.rate_rad_s * at.rate_rad_s.abs()
     }
 }

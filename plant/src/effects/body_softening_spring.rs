@@ -1,6 +1,7 @@
 //! A spring that softens with the angle.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// −κ₃ α³
@@ -12,7 +13,7 @@ impl Effect for BodySofteningSpring {
         name: "body-softening-spring",
         equation: "−κ₃ α³",
         meaning: "a suspension or cable whose stiffness falls with deflection",
-        source: "contract",
+        source: "Landau & Lifshitz, Mechanics (3rd ed. 1976), § 28, the cubic term of the restoring torque",
         fingerprint: "the period grows with the amplitude by more than a pendulum allows",
         role: Role::Body,
         parameters: &[ParameterInfo {
@@ -27,16 +28,14 @@ impl Effect for BodySofteningSpring {
         }],
         starts: &[&[1e-3]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        angle_power: Some(3),
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.gravity_torque * s], first_guess: 1e-2, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
         -(p[0] * at.angle_rad * at.angle_rad * at.angle_rad)
     }
 }

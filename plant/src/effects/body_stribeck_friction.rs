@@ -1,6 +1,7 @@
 //! Stribeck friction of the pivot: more friction at low speed than at high speed.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// (μ + (μ_s − μ) exp(−(α̇/v_s)²)) tanh(α̇/v₀)
@@ -51,13 +52,21 @@ impl Effect for BodyStribeckFriction {
         replaces: &["body-coulomb-friction"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
-        product: None,
         limit: Some((1, 0)),
         linearised: Linearised::AsDryFriction,
+        hiding: Some(Hiding {
+            parameters: |s, bench| {
+                let ratio = 2.0 + bench.second;
+                vec![bench.gravity_torque * s, bench.gravity_torque * s * ratio, bench.between(0.05, 1.0)]
+            },
+            first_guess: 1e-3,
+            beyond_plausible: false,
+        }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
         let ratio = at.rate_rad_s / p[2];
         let level = p[0] + (p[1] - p[0]) * (-(ratio * ratio)).exp();
         level * (at.rate_rad_s * (1.0 / v0.body_rad_s)).tanh()

@@ -1,6 +1,7 @@
 //! A constant current that nobody asked for.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// torque = τ (i + i₀)
@@ -12,7 +13,7 @@ impl Effect for CurrentOffset {
         name: "current-offset",
         equation: "torque = τ (i + i₀)",
         meaning: "offset of the analogue set point of the drive",
-        source: "contract",
+        source: "Horowitz & Hill, The Art of Electronics (3rd ed. 2015), ch. 4, offset of an amplifier",
         fingerprint: "the wheel creeps at zero command; forward and reversed runs are not mirror images",
         role: Role::Motor,
         parameters: &[ParameterInfo {
@@ -27,17 +28,14 @@ impl Effect for CurrentOffset {
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.side * bench.top_current_a * s], first_guess: 1e-2, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
     fn current<S: Scalar>(
-        p: &[S; MAX_PARAMETERS],
+        p: &[S],
         current_a: S,
         _at: &Instant<S>,
         _torque_constant: S,

@@ -1,7 +1,8 @@
 //! A scale error of the rate sensor.
 
-use crate::effect::{Effect, EffectInfo, Linearised, MAX_PARAMETERS, ParameterInfo, Reading, Role};
-use crate::{Kind, Scalar};
+use crate::effect::{Effect, EffectInfo, ParameterInfo, RateFault, Role};
+use crate::hiding::Hiding;
+use crate::{Kind, Output, Reading, Scalar};
 
 /// measured rate = (1 + s) α̇
 #[derive(Clone, Copy, Debug)]
@@ -27,16 +28,15 @@ impl Effect for GyroScale {
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        senses: Some(Output::Rate),
+        rate_fault: Some(RateFault::Scale),
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.side * s], first_guess: 1e-2, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn distort<S: Scalar>(p: &[S; MAX_PARAMETERS], reading: &mut Reading<S>) {
+    fn distort<S: Scalar>(p: &[S], reading: &mut Reading<S>) {
         reading.rate_rad_s = reading.rate_rad_s * (p[0] + 1.0);
     }
 }

@@ -1,6 +1,7 @@
 //! The current comes later than its command.
 
-use crate::effect::{Effect, EffectInfo, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// i(t) = u(t − δ)
@@ -12,7 +13,7 @@ impl Effect for InputDelay {
         name: "input-delay",
         equation: "i(t) = u(t − δ)",
         meaning: "computing time, bus and PWM period",
-        source: "contract",
+        source: "Åström & Wittenmark, Computer-Controlled Systems (3rd ed. 1997), ch. 2, systems with time delay",
         fingerprint: "while balancing, the response to the command is shifted in time; the loop rings",
         role: Role::Motor,
         parameters: &[ParameterInfo {
@@ -27,16 +28,15 @@ impl Effect for InputDelay {
         }],
         starts: &[&[1e-3], &[1e-2]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::Balance, Kind::Driven, Kind::SpinUp],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        timing: Some(Timing::Delay),
+        is_electrical: true,
+        hiding: Some(Hiding { parameters: |s, _| vec![s], first_guess: 5e-3, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn delay_s<S: Scalar>(p: &[S; MAX_PARAMETERS]) -> Option<S> {
+    fn delay_s<S: Scalar>(p: &[S]) -> Option<S> {
         Some(p[0])
     }
 }

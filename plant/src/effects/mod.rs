@@ -1,7 +1,8 @@
 //! The library of effects: one file each, and the list of them.
 
-use crate::Scalar;
-use crate::effect::{Effect, EffectInfo, Instant, MAX_PARAMETERS, Reading, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Smoothing};
+use crate::external::External;
+use crate::{Reading, Scalar};
 
 /// Declares the modules and the enum that stands for them. The order of the list is the order in
 /// which terms are evaluated (it matters in the motor chain and for the sensors) and reported.
@@ -9,17 +10,20 @@ macro_rules! effects {
     ($($module:ident :: $effect:ident),* $(,)?) => {
         $(mod $module;)*
 
-        /// An effect of the library.
+        /// An effect: one of the library, or one that came while the program runs.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum EffectId {
             $(
                 #[doc = concat!("See the file `effects/", stringify!($module), ".rs`.")]
                 $effect,
             )*
+            /// One that came while the program runs ([`EffectId::external`]).
+            External(External),
         }
 
         impl EffectId {
-            /// Every effect, in the order in which terms are evaluated.
+            /// Every effect of the library, in the order in which terms are evaluated.
+            // An external effect comes after all of them.
             pub const ALL: &'static [EffectId] = &[$(EffectId::$effect),*];
 
             /// The description of the effect.
@@ -29,43 +33,62 @@ macro_rules! effects {
                         const INFO: EffectInfo = <$module::$effect as Effect>::INFO;
                         &INFO
                     })*
+                    EffectId::External(external) => external.info(),
                 }
             }
 
             /// [`Effect::torque`].
             #[inline(always)]
-            pub(crate) fn torque<S: Scalar>(self, p: &[S; MAX_PARAMETERS], at: &Instant<S>, v0: &Smoothing) -> S {
-                match self { $(EffectId::$effect => $module::$effect::torque(p, at, v0),)* }
+            pub fn torque<S: Scalar>(self, p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
+                match self {
+                    $(EffectId::$effect => $module::$effect::torque(p, at, v0),)*
+                    EffectId::External(external) => external.torque(p, at, v0),
+                }
             }
 
             /// [`Effect::remember`].
             #[inline(always)]
-            pub(crate) fn remember<S: Scalar>(self, p: &[S; MAX_PARAMETERS], memory: S, displacement_rad: S) -> S {
-                match self { $(EffectId::$effect => $module::$effect::remember(p, memory, displacement_rad),)* }
+            pub(crate) fn remember<S: Scalar>(self, p: &[S], memory: S, displacement_rad: S) -> S {
+                match self {
+                    $(EffectId::$effect => $module::$effect::remember(p, memory, displacement_rad),)*
+                    EffectId::External(_) => memory,
+                }
             }
 
             /// [`Effect::current`].
             #[inline(always)]
-            pub(crate) fn current<S: Scalar>(self, p: &[S; MAX_PARAMETERS], current_a: S, at: &Instant<S>, torque_constant: S) -> S {
-                match self { $(EffectId::$effect => $module::$effect::current(p, current_a, at, torque_constant),)* }
+            pub fn current<S: Scalar>(self, p: &[S], current_a: S, at: &Instant<S>, torque_constant: S) -> S {
+                match self {
+                    $(EffectId::$effect => $module::$effect::current(p, current_a, at, torque_constant),)*
+                    EffectId::External(external) => external.current(p, current_a, at, torque_constant),
+                }
             }
 
             /// [`Effect::lag_s`].
             #[inline(always)]
-            pub(crate) fn lag_s<S: Scalar>(self, p: &[S; MAX_PARAMETERS]) -> Option<S> {
-                match self { $(EffectId::$effect => $module::$effect::lag_s(p),)* }
+            pub(crate) fn lag_s<S: Scalar>(self, p: &[S]) -> Option<S> {
+                match self {
+                    $(EffectId::$effect => $module::$effect::lag_s(p),)*
+                    EffectId::External(_) => None,
+                }
             }
 
             /// [`Effect::delay_s`].
             #[inline(always)]
-            pub(crate) fn delay_s<S: Scalar>(self, p: &[S; MAX_PARAMETERS]) -> Option<S> {
-                match self { $(EffectId::$effect => $module::$effect::delay_s(p),)* }
+            pub(crate) fn delay_s<S: Scalar>(self, p: &[S]) -> Option<S> {
+                match self {
+                    $(EffectId::$effect => $module::$effect::delay_s(p),)*
+                    EffectId::External(_) => None,
+                }
             }
 
             /// [`Effect::distort`].
             #[inline(always)]
-            pub(crate) fn distort<S: Scalar>(self, p: &[S; MAX_PARAMETERS], reading: &mut Reading<S>) {
-                match self { $(EffectId::$effect => $module::$effect::distort(p, reading),)* }
+            pub fn distort<S: Scalar>(self, p: &[S], reading: &mut Reading<S>) {
+                match self {
+                    $(EffectId::$effect => $module::$effect::distort(p, reading),)*
+                    EffectId::External(external) => external.distort(p, reading),
+                }
             }
         }
     };
@@ -95,7 +118,7 @@ effects! {
 }
 
 impl EffectId {
-    /// The effect with this name in the contract, if the library has it.
+    /// The effect of the library with this name, if it has one.
     pub fn from_name(name: &str) -> Option<EffectId> {
         EffectId::ALL
             .iter()
@@ -103,8 +126,27 @@ impl EffectId {
             .find(|effect| effect.info().name == name)
     }
 
-    /// The name in the contract.
+    /// The name in model.toml, on the command line and in every report.
     pub fn name(self) -> &'static str {
         self.info().name
+    }
+
+    /// Whether a limit is reached: the stage of the motor with these parameters changes this current in A at
+    /// this wheel speed in rad/s. `torque_constant` in N m/A.
+    pub fn is_reached(
+        self,
+        p: &[f64],
+        current_a: f64,
+        wheel_speed_rad_s: f64,
+        torque_constant: f64,
+    ) -> bool {
+        let at = Instant {
+            angle_rad: 0.0,
+            rate_rad_s: 0.0,
+            wheel_angle_rad: 0.0,
+            wheel_speed_rad_s,
+            memory: 0.0,
+        };
+        self.current(p, current_a, &at, torque_constant) != current_a
     }
 }

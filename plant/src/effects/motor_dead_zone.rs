@@ -1,6 +1,7 @@
 //! Small currents give no torque.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// torque = τ sign(i) max(|i| − d, 0)
@@ -12,7 +13,7 @@ impl Effect for MotorDeadZone {
         name: "motor-dead-zone",
         equation: "torque = τ sign(i) max(|i| − d, 0)",
         meaning: "dead band of the drive",
-        source: "contract",
+        source: "Khalil, Nonlinear Systems (3rd ed. 2002), ch. 1, common nonlinearities: dead zone",
         fingerprint: "the acceleration is short by the same amount at every current, and a coasting wheel knows nothing of it",
         role: Role::Motor,
         parameters: &[ParameterInfo {
@@ -27,17 +28,14 @@ impl Effect for MotorDeadZone {
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.top_current_a * s], first_guess: 1e-2, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
     fn current<S: Scalar>(
-        p: &[S; MAX_PARAMETERS],
+        p: &[S],
         current_a: S,
         _at: &Instant<S>,
         _torque_constant: S,

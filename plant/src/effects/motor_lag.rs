@@ -1,6 +1,7 @@
 //! The current follows its command with a lag.
 
-use crate::effect::{Effect, EffectInfo, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// T di/dt = u − i
@@ -12,7 +13,7 @@ impl Effect for MotorLag {
         name: "motor-lag",
         equation: "T di/dt = u − i",
         meaning: "winding inductance and the bandwidth of the current drive",
-        source: "contract",
+        source: "Franklin, Powell & Emami-Naeini, Feedback Control of Dynamic Systems, ch. 2, armature circuit of a motor",
         fingerprint: "after a step of the command the acceleration rises gradually; while balancing, the loop rings",
         role: Role::Motor,
         parameters: &[ParameterInfo {
@@ -27,16 +28,15 @@ impl Effect for MotorLag {
         }],
         starts: &[&[1e-3], &[2e-2]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        timing: Some(Timing::Lag),
+        is_electrical: true,
+        hiding: Some(Hiding { parameters: |s, _| vec![s], first_guess: 5e-3, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn lag_s<S: Scalar>(p: &[S; MAX_PARAMETERS]) -> Option<S> {
+    fn lag_s<S: Scalar>(p: &[S]) -> Option<S> {
         Some(p[0])
     }
 }

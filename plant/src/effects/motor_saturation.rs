@@ -1,6 +1,7 @@
 //! The torque of the motor flattens at large current.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role};
+use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// torque = τ i / √(1 + (i/i_s)²)
@@ -12,7 +13,7 @@ impl Effect for MotorSaturation {
         name: "motor-saturation",
         equation: "torque = τ i / √(1 + (i/i_s)²)",
         meaning: "the iron of the motor saturates",
-        source: "contract",
+        source: "saturation of the iron: Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 2; the shape of the knee is a choice",
         fingerprint: "twice the current gives less than twice the acceleration of the wheel",
         role: Role::Motor,
         parameters: &[ParameterInfo {
@@ -27,17 +28,19 @@ impl Effect for MotorSaturation {
         }],
         starts: &[&[10.0], &[2.0]],
         absent: Some(&[1e9]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        hiding: Some(Hiding {
+            // To lowest order the torque is short by (i/i_s)²/2; the knee goes with the currents of the bench.
+            parameters: |s, bench| vec![bench.top_current_a / s.sqrt()],
+            first_guess: 0.05,
+            beyond_plausible: true,
+        }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
     fn current<S: Scalar>(
-        p: &[S; MAX_PARAMETERS],
+        p: &[S],
         current_a: S,
         _at: &Instant<S>,
         _torque_constant: S,

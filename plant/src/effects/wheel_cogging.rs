@@ -1,6 +1,7 @@
 //! Cogging of the motor.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Ripple, Role, Smoothing, StartFrom};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// a sin(n φ + ψ)
@@ -47,16 +48,24 @@ impl Effect for WheelCogging {
         }],
         starts: &[&[1e-4, 1.0, 0.0]],
         absent: Some(&[0.0, 1.0, 0.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        uses_wheel_angle: true,
+        ripple: Some(Ripple { amplitude: 0, order: 1, phase: 2 }),
+        start_from: StartFrom::Ripple,
+        hiding: Some(Hiding {
+            parameters: |s, bench| {
+                const ORDERS: [f64; 10] = [1.0, 2.0, 4.0, 6.0, 7.0, 8.0, 12.0, 16.0, 24.0, 36.0];
+                let order = ORDERS[(bench.shape * ORDERS.len() as f64) as usize];
+                vec![bench.top_torque() * s, order, std::f64::consts::PI * bench.second]
+            },
+            first_guess: 0.05,
+            beyond_plausible: false,
+        }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
         p[0] * (p[1] * at.wheel_angle_rad + p[2]).sin()
     }
 }

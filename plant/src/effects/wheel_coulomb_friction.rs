@@ -1,6 +1,7 @@
 //! Coulomb (dry) friction of the wheel.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// μ_w tanh(φ̇/v₀)
@@ -27,16 +28,14 @@ impl Effect for WheelCoulombFriction {
         }],
         starts: &[&[1e-4]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: true,
-        product: None,
-        limit: None,
-        linearised: Linearised::LeftOut,
+        hiding: Some(Hiding { parameters: |s, bench| vec![bench.top_torque() * s], first_guess: 1e-2, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
         p[0] * (at.wheel_speed_rad_s * (1.0 / v0.wheel_rad_s)).tanh()
     }
 }

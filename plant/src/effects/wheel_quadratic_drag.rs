@@ -1,6 +1,7 @@
 //! Quadratic (air) drag of the wheel.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
+use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// c_w φ̇ |φ̇|
@@ -27,16 +28,21 @@ impl Effect for WheelQuadraticDrag {
         }],
         starts: &[&[1e-8]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
         linearised: Linearised::Exactly,
+        hiding: Some(Hiding {
+            parameters: |s, bench| {
+                let speed = bench.top_wheel_speed_rad_s;
+                vec![bench.top_torque() / (speed * speed) * s]
+            },
+            first_guess: 1e-2,
+            beyond_plausible: false,
+        }),
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
         p[0] * at.wheel_speed_rad_s * at.wheel_speed_rad_s.abs()
     }
 }

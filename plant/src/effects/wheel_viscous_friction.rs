@@ -1,6 +1,6 @@
 //! Viscous friction of the wheel: part of the base model.
 
-use crate::effect::{Effect, EffectInfo, Instant, Linearised, MAX_PARAMETERS, ParameterInfo, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing, StartFrom};
 use crate::{Kind, Scalar};
 
 /// r_w φ̇
@@ -27,16 +27,14 @@ impl Effect for WheelViscousFriction {
         }],
         starts: &[&[2e-5]],
         absent: Some(&[0.0]),
-        replaces: &[],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
-        has_kink: false,
-        product: None,
-        limit: None,
         linearised: Linearised::Exactly,
+        start_from: StartFrom::Damping,
+        ..EffectInfo::PLAIN
     };
 
     #[inline(always)]
-    fn torque<S: Scalar>(p: &[S; MAX_PARAMETERS], at: &Instant<S>, _v0: &Smoothing) -> S {
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
         p[0] * at.wheel_speed_rad_s
     }
 }

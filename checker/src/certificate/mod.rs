@@ -1,0 +1,6 @@
+//! `certificate.json`: what it holds, and what may be claimed.
+
+pub mod claims;
+pub mod reader;
+
+pub use reader::{Certificate, CertificateError};

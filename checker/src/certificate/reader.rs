@@ -1,0 +1,344 @@
+//! `certificate.json`, read strictly: every field must be there and none more.
+
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use num_rational::BigRational;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error as _};
+
+use crate::exact::matrices::{Matrix, Vector};
+use crate::exact::rational::decimal;
+
+/// A decimal number as written, with its exact value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decimal {
+    /// As written.
+    pub text: String,
+    /// Exactly.
+    pub value: BigRational,
+}
+
+impl<'de> Deserialize<'de> for Decimal {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        match decimal(&text) {
+            Some(value) => Ok(Decimal { text, value }),
+            None => Err(D::Error::custom(format!("`{text}` is no decimal number"))),
+        }
+    }
+}
+
+impl fmt::Display for Decimal {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.text)
+    }
+}
+
+/// A field that may be null but must be there.
+fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    Option::deserialize(deserializer)
+}
+
+/// The whole certificate.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certificate {
+    /// Mark of the generator.
+    pub generator: String,
+    /// Layout of this file.
+    pub format_version: u32,
+    /// Name of the model.
+    pub model: String,
+    /// Emitted files.
+    pub files: Vec<String>,
+    /// Time between two commands (s).
+    pub sample_time_s: Decimal,
+    /// Identified parameters.
+    pub parameters: Vec<Parameter>,
+    /// Weights of the design.
+    pub weights: Weights,
+    /// Linear model.
+    pub plant: Plant,
+    /// K of u = −K x.
+    pub gains: [Decimal; 3],
+    /// The current drive.
+    pub drive: Drive,
+    /// Arguments of `control`.
+    pub inputs: [Input; 3],
+    /// Result of `control`.
+    pub output: Output,
+    /// Constants of the source: three gains and the limit.
+    pub constants: [Constant; 4],
+    /// Bounds of one step.
+    pub bounds: Bounds,
+    /// What is claimed.
+    pub claims: Vec<Claim>,
+    /// The observer of the angle's bias; null where the module has none.
+    #[serde(deserialize_with = "stated")]
+    pub bias_observer: Option<BiasObserver>,
+    /// Bounds of the closed loop for all time; null where there are none.
+    #[serde(deserialize_with = "stated")]
+    pub closed_loop: Option<ClosedLoop>,
+}
+
+/// A parameter of the model.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Value in `unit`.
+    pub value: Decimal,
+    /// Standard error; null where none is known, but never left out.
+    #[serde(deserialize_with = "stated")]
+    pub std: Option<Decimal>,
+    /// Unit.
+    pub unit: String,
+}
+
+/// Diagonal of Q, and R.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// Of the states.
+    pub state: [Decimal; 3],
+    /// Of the current.
+    pub current: Decimal,
+}
+
+/// The linear model, continuous and sampled.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "PascalCase")]
+pub struct Plant {
+    /// A.
+    pub a: [[Decimal; 3]; 3],
+    /// B.
+    pub b: [Decimal; 3],
+    /// Ad.
+    pub ad: [[Decimal; 3]; 3],
+    /// Bd.
+    pub bd: [Decimal; 3],
+}
+
+/// The drive.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// Current at full duty (A).
+    #[serde(rename = "current_range_A")]
+    pub current_range_a: Decimal,
+    /// Duty at zero current.
+    pub duty_zero: u16,
+    /// Duty at full current.
+    pub duty_max: u16,
+}
+
+/// An argument of `control`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// Name.
+    pub argument: String,
+    /// Alias.
+    #[serde(rename = "type")]
+    pub type_name: String,
+    /// Type of the crate `fixed`.
+    pub fixed: String,
+    /// Fraction bits.
+    pub fraction_bits: u32,
+    /// Largest magnitude on the bench.
+    pub range: Decimal,
+    /// Unit.
+    pub unit: String,
+}
+
+/// The result of `control`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// Alias.
+    #[serde(rename = "type")]
+    pub type_name: String,
+    /// Type of the crate `fixed`.
+    pub fixed: String,
+    /// Fraction bits.
+    pub fraction_bits: u32,
+    /// Unit.
+    pub unit: String,
+}
+
+/// A constant of the source.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Constant {
+    /// Name.
+    pub name: String,
+    /// File.
+    pub file: String,
+    /// Line.
+    pub line: usize,
+    /// Number of the certificate that it was made from.
+    pub from: String,
+    /// Real number.
+    pub real: Decimal,
+    /// Word.
+    pub raw: i64,
+    /// Fraction bits of the word.
+    pub fraction_bits: u32,
+    /// Unit.
+    pub unit: String,
+    /// Claims that depend on it.
+    pub claims: Vec<String>,
+}
+
+/// Bounds of one step.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bounds {
+    /// Fraction bits of each product.
+    pub product_fraction_bits: u32,
+    /// Bits that the rounding removes.
+    pub shift: u32,
+    /// Against the quantised gains (A).
+    #[serde(rename = "rounding_A")]
+    pub rounding: Decimal,
+    /// Against the real gains (A).
+    #[serde(rename = "real_gains_A")]
+    pub real_gains: Decimal,
+    /// Of rounding a real state (A).
+    #[serde(rename = "state_rounding_A")]
+    pub state_rounding: Decimal,
+}
+
+/// Observer of the angle's bias; see [`crate::claims::bias_observer_stable`] for its equations.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BiasObserver {
+    /// λ, without unit.
+    pub decay: Decimal,
+    /// ℓ, rad per unit of each state.
+    pub direct: [Decimal; 3],
+    /// f, rad per unit of each state.
+    pub from_states: [Decimal; 3],
+    /// g (rad/A).
+    pub from_current: Decimal,
+    /// Largest estimate (rad).
+    pub limit_rad: Decimal,
+}
+
+/// A claim.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claim {
+    /// Identifier.
+    pub id: String,
+    /// One sentence.
+    pub statement: String,
+    /// For which inputs.
+    pub domain: String,
+    /// Bound, where it has one (A).
+    #[serde(rename = "bound_A", default)]
+    pub bound: Option<Decimal>,
+}
+
+/// Bounds of the closed loop for all time; see [`crate::claims::closed_loop_for_all_time`] for what they mean.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClosedLoop {
+    /// P of the invariant set xᵀ P x ≤ 1.
+    pub ellipsoid: [[Decimal; 3]; 3],
+    /// γ: the loop maps the set into γ times itself.
+    pub contraction: Decimal,
+    /// Largest magnitude of each state in the set, rounded up.
+    pub extents: [Decimal; 3],
+    /// Largest |K x| in the set, rounded up (A).
+    #[serde(rename = "command_A")]
+    pub command: Decimal,
+    /// One count of the sensors: rad, rad/s, rad/s.
+    pub sensor_steps: [Decimal; 3],
+    /// Share of the set that the perturbations need, at most 1, rounded up.
+    pub perturbation_share: Decimal,
+    /// Number of terms that are added up; the rest is bounded by a geometric series.
+    pub terms: u32,
+    /// The bound of that rest for the current, for a perturbation of 1 A (A), rounded up.
+    #[serde(rename = "rest_A")]
+    pub rest: Decimal,
+    /// Perturbations and what they lead to: by words, by sensors.
+    pub cases: [ClosedLoopCase; 2],
+}
+
+/// One kind of perturbation.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClosedLoopCase {
+    /// `words` or `sensors`.
+    pub name: String,
+    /// Largest perturbation of the command in one step (A), rounded up.
+    #[serde(rename = "perturbation_A")]
+    pub perturbation: Decimal,
+    /// Largest difference between the two loops at any time: rad, rad/s, rad/s, rounded up.
+    pub states: [Decimal; 3],
+    /// The same of K x (A), rounded up.
+    #[serde(rename = "command_A")]
+    pub command: Decimal,
+}
+
+/// Why a certificate could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum CertificateError {
+    /// The operating system said no.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// Not JSON, or not of this layout.
+    #[error("certificate.json:{}:{}: {source}", source.line(), source.column())]
+    Json {
+        /// What the reader said.
+        #[from]
+        source: serde_json::Error,
+    },
+}
+
+impl Certificate {
+    /// Reads the text of a certificate.
+    ///
+    /// # Errors
+    /// [`CertificateError::Json`] with line and column.
+    pub fn parse(text: &str) -> Result<Certificate, CertificateError> {
+        Ok(serde_json::from_str(text)?)
+    }
+
+    /// Reads `certificate.json` in `directory`.
+    ///
+    /// # Errors
+    /// [`CertificateError`].
+    pub fn read(directory: &Path) -> Result<Certificate, CertificateError> {
+        let path = directory.join("certificate.json");
+        let text =
+            fs::read_to_string(&path).map_err(|source| CertificateError::Io { path, source })?;
+        Certificate::parse(&text)
+    }
+
+    /// A constant by name.
+    pub fn constant(&self, name: &str) -> Option<&Constant> {
+        self.constants.iter().find(|constant| constant.name == name)
+    }
+}
+
+/// Values of a matrix.
+pub fn matrix(entries: &[[Decimal; 3]; 3]) -> Matrix {
+    [0, 1, 2].map(|i| vector(&entries[i]))
+}
+
+/// Values of a vector.
+pub fn vector(entries: &[Decimal; 3]) -> Vector {
+    [0, 1, 2].map(|i| entries[i].value.clone())
+}

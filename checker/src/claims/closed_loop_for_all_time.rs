@@ -1,0 +1,474 @@
+//! The closed loop for all time, from the decimals of the certificate, in exact arithmetic.
+//!
+//! Two loops start at the same state x₀. One is the linear model under u = −K x in real numbers,
+//! x̄⁺ = F x̄ with F = Ad − Bd K. The other is driven by the emitted law, whose gains are N (≈ −K),
+//! which sees the state off by δ, |δᵢ| ≤ hᵢ (rounding to words, or to counts and words), and rounds
+//! its sum by ρ, |ρ| ≤ half a unit:
+//!
+//! u = N (x + δ) + ρ,   x⁺ = F̂ x + Bd v,   F̂ = Ad + Bd N,   v = N δ + ρ,   |v| ≤ V = Σ|Nᵢ| hᵢ + ½ unit.
+//!
+//! **Invariant set.** E = {x: xᵀ P x ≤ 1}, with ‖x‖² = xᵀ P x. If γ² P − Fᵀ P F and γ² P − F̂ᵀ P F̂ are
+//! positive definite and ‖Bd‖ V ≤ 1 − γ, both loops stay in E. In E, |N x| ≤ √(N P⁻¹ Nᵀ); if that
+//! and V stay below the limit, no command saturates, and if √(P⁻¹)ᵢᵢ + hᵢ stays within the range of
+//! the words, no input does.
+//!
+//! **Difference.** While both stay in E, x_k = F̂ᵏ x₀ + Σ F̂ʲ Bd v and x̄_k = Fᵏ x₀. For a row C the
+//! difference e = x − x̄ obeys, with ‖r‖* = √(r P⁻¹ rᵀ),
+//!
+//! |C e_k| ≤ V S_k + G_k,   S_k = Σ_{j<k} |C F̂ʲ Bd|,   G_k = ‖C F̂ᵏ − C Fᵏ‖*,
+//!
+//! and some perturbations |v| ≤ V with some x₀ in E reach it: signs that fit make the sum, and the
+//! x₀ at which E touches the plane with normal C (F̂ᵏ − Fᵏ) makes G_k. So the largest over k is not
+//! only a bound, it is the worst case. From k = n on, S and G are bounded by
+//! S_n + ‖C‖* ‖Bd‖ γⁿ/(1 − γ) and 2 ‖C‖* γⁿ.
+//!
+//! **Rounding of this computation.** C F̂ᵏ and C Fᵏ are kept in units of 2⁻¹⁹² and rounded down in
+//! every step. Such an error of at most one unit in each entry has ‖·‖* ≤ 2⁻¹⁹² √(Σ|P⁻¹ᵢⱼ|) and shrinks
+//! by γ in each later step, so that all of them together are bounded by a geometric series, which
+//! is added.
+
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+
+use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
+use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::outcome::Outcome;
+use crate::exact::matrices::{
+    Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
+};
+use crate::exact::rational::{half, integer, power_of_two, root_above, rounded_up};
+
+/// Bits after the point of the powers of F.
+const BITS: usize = 192;
+
+/// What the states are called.
+const STATES: [&str; 3] = ["angle", "rate", "wheel speed"];
+
+/// Stated bounds may be rounded up by this share, not more.
+fn slack() -> BigRational {
+    BigRational::new(1.into(), 1_000_000_000.into())
+}
+
+/// What holds of the closed loop, all rounded up where not exact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedLoopBounds {
+    /// Largest magnitudes of the states in E.
+    pub extents: Vector,
+    /// Largest |K x| in E (A).
+    pub command: BigRational,
+    /// ‖Bd‖ V/(1 − γ) for the largest V: at most 1.
+    pub perturbation_share: BigRational,
+    /// Bound of the terms that are not added up, for the current and V = 1 A.
+    pub rest: BigRational,
+    /// For each case of the certificate.
+    pub cases: Vec<CaseBounds>,
+}
+
+/// What one kind of perturbation does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseBounds {
+    /// Its name.
+    pub name: String,
+    /// hᵢ.
+    pub half_steps: Vector,
+    /// V (A).
+    pub perturbation: BigRational,
+    /// Of each state.
+    pub states: Vector,
+    /// Of K x (A).
+    pub command: BigRational,
+}
+
+/// The linear loop with real gains, F, and the one with the emitted gains, F̂.
+pub fn loops(certificate: &Certificate, law: &ControlLaw) -> (Matrix, Matrix) {
+    let ad = matrix(&certificate.plant.ad);
+    let bd = vector(&certificate.plant.bd);
+    let k = vector(&certificate.gains);
+    let with = |gains: &Vector| -> Matrix {
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| &ad[i][j] + &bd[i] * &gains[j]))
+    };
+    let minus_k = k.map(|gain| -gain);
+    (with(&minus_k), with(&law.gains))
+}
+
+/// What comes of the claim, and the bounds if it holds.
+pub fn by_exact_arithmetic(
+    certificate: &Certificate,
+    law: &ControlLaw,
+) -> (Outcome, Option<ClosedLoopBounds>) {
+    let Some(stated) = &certificate.closed_loop else {
+        let why = "the certificate states none: no set was found that the perturbations cannot leave, or the module has an observer of the angle's bias, which the bound does not include";
+        return (Outcome::NotRun(why.to_owned()), None);
+    };
+    match check(certificate, stated, law) {
+        Ok(bounds) => {
+            let parts: Vec<_> = bounds
+                .cases
+                .iter()
+                .map(|case| {
+                    format!(
+                        "{}: {} rad, {} rad/s, {} rad/s, {} A",
+                        case.name,
+                        rounded_up(&case.states[0], 3),
+                        rounded_up(&case.states[1], 3),
+                        rounded_up(&case.states[2], 3),
+                        rounded_up(&case.command, 3)
+                    )
+                })
+                .collect();
+            (Outcome::Proved(parts.join("; ")), Some(bounds))
+        }
+        Err(why) => (Outcome::Failed(why), None),
+    }
+}
+
+/// Checks the closed-loop part of the certificate.
+///
+/// # Errors
+/// A sentence that names what does not hold.
+pub fn check(
+    certificate: &Certificate,
+    stated: &ClosedLoop,
+    law: &ControlLaw,
+) -> Result<ClosedLoopBounds, String> {
+    let bounds = bounds(certificate, stated, law)?;
+    is_as_stated("the rest of the sum", &bounds.rest, &stated.rest.value)?;
+    for (found, stated) in bounds.cases.iter().zip(&stated.cases) {
+        let of = |what: &str| format!("{what} for {}", found.name);
+        for (index, name) in STATES.iter().enumerate() {
+            is_as_stated(
+                &of(&format!("the bound of the {name}")),
+                &found.states[index],
+                &stated.states[index].value,
+            )?;
+        }
+        is_as_stated(
+            &of("the bound of the command"),
+            &found.command,
+            &stated.command.value,
+        )?;
+    }
+    Ok(bounds)
+}
+
+/// A stated bound is not below the true one, and above it by no more than its last digits.
+pub(crate) fn is_as_stated(
+    what: &str,
+    found: &BigRational,
+    stated: &BigRational,
+) -> Result<(), String> {
+    if stated < found {
+        return Err(format!(
+            "{what} is stated as {}, but is {}",
+            rounded_up(stated, 12),
+            rounded_up(found, 12)
+        ));
+    }
+    if *stated > found * (BigRational::one() + slack()) {
+        return Err(format!(
+            "{what} is stated as {}, which is more than the {} that follows",
+            rounded_up(stated, 12),
+            rounded_up(found, 12)
+        ));
+    }
+    Ok(())
+}
+
+fn bounds(
+    certificate: &Certificate,
+    stated: &ClosedLoop,
+    law: &ControlLaw,
+) -> Result<ClosedLoopBounds, String> {
+    let (exact, quantised) = loops(certificate, law);
+    let bd = vector(&certificate.plant.bd);
+    let k = vector(&certificate.gains);
+    let p = matrix(&stated.ellipsoid);
+    let gamma = &stated.contraction.value;
+    let one = BigRational::one();
+
+    for (i, row) in p.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            if *entry != p[j][i] {
+                return Err("the matrix of the ellipsoid is not symmetric".to_owned());
+            }
+        }
+    }
+    if !is_positive_definite(&p) {
+        return Err("the matrix of the ellipsoid is not positive definite".to_owned());
+    }
+    if !gamma.is_positive() || *gamma >= one {
+        return Err(format!(
+            "the contraction {} is not between 0 and 1",
+            stated.contraction
+        ));
+    }
+    for (name, matrix) in [("real", &exact), ("emitted", &quantised)] {
+        let image = product(&transposed(matrix), &product(&p, matrix));
+        let margin: Matrix =
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| gamma * gamma * &p[i][j] - &image[i][j]));
+        if !is_positive_definite(&margin) {
+            return Err(format!(
+                "the loop with the {name} gains does not map the ellipsoid into {} times itself",
+                stated.contraction
+            ));
+        }
+    }
+
+    // A positive definite matrix has an inverse, and its quadratic forms have roots.
+    let inverse = inverse(&p).ok_or("the matrix of the ellipsoid is singular")?;
+    let root = |value: &BigRational| root_above(value).ok_or("a negative square");
+    let reach = |row: &Vector| root(&quadratic(&inverse, row));
+    let input_norm = root(&quadratic(&p, &bd))?;
+    let mut rows: Vec<Vector> = Vec::new();
+    for i in 0..3 {
+        let mut row = [0, 1, 2].map(|_| BigRational::zero());
+        row[i] = one.clone();
+        rows.push(row);
+    }
+    rows.push(k.clone());
+
+    let half_unit = law.unit() * half();
+    let command = reach(&k)?;
+    let emitted_command = reach(&law.gains)?;
+    if command > certificate.constants[3].real.value {
+        return Err("the real law saturates within the invariant set".to_owned());
+    }
+    let extents = [reach(&rows[0])?, reach(&rows[1])?, reach(&rows[2])?];
+    // What is cheap to check comes before what takes long to add up.
+    for (index, name) in STATES.iter().enumerate() {
+        is_as_stated(
+            &format!("the extent of the invariant set along the {name}"),
+            &extents[index],
+            &stated.extents[index].value,
+        )?;
+    }
+    is_as_stated(
+        "the largest command in the invariant set",
+        &command,
+        &stated.command.value,
+    )?;
+    let names: Vec<&str> = stated.cases.iter().map(|case| case.name.as_str()).collect();
+    if names != ["words", "sensors"] {
+        return Err(format!(
+            "the cases are {names:?}; they are to be words and sensors"
+        ));
+    }
+    let words = law.half_words();
+    let sensors: Vector =
+        [0, 1, 2].map(|i| &words[i] + stated.sensor_steps[i].value.abs() * half());
+
+    let mut noises = Vec::new();
+    let mut largest_share = BigRational::zero();
+    for (name, half_steps) in names.iter().zip([words, sensors]) {
+        let mut noise = half_unit.clone();
+        for (gain, step) in law.gains.iter().zip(&half_steps) {
+            noise += gain.abs() * step;
+        }
+        let share = &input_norm * &noise / (&one - gamma);
+        if share > one {
+            return Err(format!(
+                "perturbations by {name} may leave the invariant set: they need {} of it",
+                rounded_up(&share, 3)
+            ));
+        }
+        largest_share = largest_share.max(share);
+        if &emitted_command + &noise > law.limit {
+            return Err(format!(
+                "the emitted law may saturate within the invariant set ({name})"
+            ));
+        }
+        for index in 0..3 {
+            let largest_word =
+                integer(i32::MAX.into()) * power_of_two(-exponent(law.state_bits[index]));
+            let reached = &extents[index] + &half_steps[index];
+            if reached > largest_word || reached > certificate.inputs[index].range.value {
+                return Err(format!(
+                    "the invariant set reaches beyond the range of `{}` ({name})",
+                    certificate.inputs[index].argument
+                ));
+            }
+        }
+        noises.push((*name, half_steps, noise));
+    }
+
+    is_as_stated(
+        "the share of the perturbations",
+        &largest_share,
+        &stated.perturbation_share.value,
+    )?;
+    for ((_, _, noise), case) in noises.iter().zip(&stated.cases) {
+        is_as_stated(
+            &format!("the perturbation for {}", case.name),
+            noise,
+            &case.perturbation.value,
+        )?;
+    }
+
+    let levels: Vec<BigRational> = noises.iter().map(|(_, _, noise)| noise.clone()).collect();
+    let response = Response {
+        exact: &exact,
+        quantised: &quantised,
+        bd: &bd,
+        inverse: &inverse,
+        input_norm,
+        gamma,
+        terms: stated.terms,
+    };
+    let mut worst = Vec::new();
+    let mut rest = BigRational::zero();
+    for row in &rows {
+        let (of_row, rest_of_row) = response.worst(row, &levels)?;
+        worst.push(of_row);
+        rest = rest_of_row;
+    }
+    let cases = noises
+        .into_iter()
+        .enumerate()
+        .map(|(case, (name, half_steps, perturbation))| CaseBounds {
+            name: name.to_owned(),
+            half_steps,
+            perturbation,
+            states: [0, 1, 2].map(|i| worst[i][case].clone()),
+            command: worst[3][case].clone(),
+        })
+        .collect();
+    Ok(ClosedLoopBounds {
+        extents,
+        command,
+        perturbation_share: largest_share,
+        rest,
+        cases,
+    })
+}
+
+/// What the two loops need for the worst difference of one row.
+struct Response<'a> {
+    exact: &'a Matrix,
+    quantised: &'a Matrix,
+    bd: &'a Vector,
+    inverse: &'a Matrix,
+    input_norm: BigRational,
+    gamma: &'a BigRational,
+    terms: u32,
+}
+
+/// Entries as integers over one denominator.
+fn over_one(entries: &[BigRational]) -> (Vec<BigInt>, BigInt) {
+    let mut common = BigInt::one();
+    for entry in entries {
+        common = common.lcm(entry.denom());
+    }
+    let whole = entries
+        .iter()
+        .map(|entry| entry.numer() * (&common / entry.denom()))
+        .collect();
+    (whole, common)
+}
+
+/// A matrix as integers over one denominator.
+struct Scaled {
+    /// Row by row.
+    entries: Vec<BigInt>,
+    denominator: BigInt,
+}
+
+impl Scaled {
+    fn new(matrix: &Matrix) -> Self {
+        let entries: Vec<BigRational> = matrix.iter().flatten().cloned().collect();
+        let (entries, denominator) = over_one(&entries);
+        Scaled {
+            entries,
+            denominator,
+        }
+    }
+
+    /// row · matrix, rounded down.
+    fn left(&self, row: &[BigInt; 3]) -> [BigInt; 3] {
+        [0, 1, 2].map(|j| {
+            let sum: BigInt = (0..3).map(|i| &row[i] * &self.entries[3 * i + j]).sum();
+            sum.div_floor(&self.denominator)
+        })
+    }
+
+    /// row · matrix · rowᵀ times the denominator.
+    fn quadratic(&self, row: &[BigInt; 3]) -> BigInt {
+        let mut sum = BigInt::zero();
+        for i in 0..3 {
+            for j in 0..3 {
+                sum += &row[i] * &self.entries[3 * i + j] * &row[j];
+            }
+        }
+        sum
+    }
+}
+
+impl Response<'_> {
+    /// The largest of V S_k + G_k over all k, for each V; and the bound of what S has beyond the
+    /// terms that are added up.
+    fn worst(
+        &self,
+        row: &Vector,
+        noises: &[BigRational],
+    ) -> Result<(Vec<BigRational>, BigRational), String> {
+        if self.terms == 0 || self.terms > 1_000_000 {
+            return Err(format!(
+                "{} terms; between 1 and 1000000 are added up",
+                self.terms
+            ));
+        }
+        let unit = power_of_two(-(i32::try_from(BITS).unwrap_or(0)));
+        let one = BigRational::one();
+        let root =
+            |value: &BigRational| root_above(value).ok_or_else(|| "a negative square".to_owned());
+        let scaled_unit = |value: &BigRational| (value / &unit).ceil().to_integer();
+
+        // ‖·‖* of what rounding has done to a row, at any time.
+        let entries: BigRational = self.inverse.iter().flatten().map(Signed::abs).sum();
+        let row_error = &unit * root(&entries)? * (&one + &one / (&one - self.gamma));
+        let sum_error = scaled_unit(&(&row_error * &self.input_norm)) + 1;
+        let difference_error = scaled_unit(&(&row_error * integer(2))) + 1;
+
+        let (exact, quantised) = (Scaled::new(self.exact), Scaled::new(self.quantised));
+        let inverse = Scaled::new(self.inverse);
+        let (input, input_denominator) = over_one(self.bd);
+        let levels: Vec<BigInt> = noises.iter().map(scaled_unit).collect();
+
+        let start: [BigInt; 3] = [0, 1, 2].map(|i| (&row[i] / &unit).floor().to_integer());
+        let (mut with_exact, mut with_quantised) = (start.clone(), start);
+        let mut sum = BigInt::zero();
+        let mut worst = vec![BigInt::zero(); levels.len()];
+        let mut power = BigInt::one() << BITS;
+        let gamma = scaled_unit(self.gamma);
+        for _ in 0..self.terms {
+            let response: BigInt = (0..3).map(|i| &with_quantised[i] * &input[i]).sum();
+            sum += response.abs().div_ceil(&input_denominator) + &sum_error;
+            with_exact = exact.left(&with_exact);
+            with_quantised = quantised.left(&with_quantised);
+            let difference = [0, 1, 2].map(|i| &with_quantised[i] - &with_exact[i]);
+            let square = inverse
+                .quadratic(&difference)
+                .div_ceil(&inverse.denominator);
+            let gain = square.sqrt() + 1 + &difference_error;
+            for (level, worst) in levels.iter().zip(&mut worst) {
+                let total = ((level * &sum) >> BITS) + 1 + &gain;
+                if total > *worst {
+                    *worst = total;
+                }
+            }
+            power = ((power * &gamma) >> BITS) + 1;
+        }
+        let power = BigRational::from(power) * &unit;
+        let reach = root(&quadratic(self.inverse, row))?;
+        let rest = &reach * &self.input_norm * &power / (&one - self.gamma);
+        let sum = BigRational::from(sum) * &unit + &rest;
+        let late_gain = reach * integer(2) * power;
+        let worst = worst
+            .into_iter()
+            .zip(noises)
+            .map(|(worst, noise)| (BigRational::from(worst) * &unit).max(noise * &sum + &late_gain))
+            .collect();
+        Ok((worst, rest))
+    }
+}

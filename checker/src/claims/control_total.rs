@@ -1,0 +1,32 @@
+//! Claim `control-total`: no operation of `control` leaves its type, and the command lies within the
+//! limit.
+
+use crate::claims::control_law::{ControlLaw, LawError};
+use crate::claims::outcome::Outcome;
+use crate::domains::smt::{Answer, Question, TIMEOUT_MS, answered};
+use crate::program::steps::Program;
+
+/// What reading the law has shown of it.
+pub fn by_intervals(law: &Result<ControlLaw, LawError>) -> Outcome {
+    match law {
+        Err(error @ (LawError::Finding(_) | LawError::BeyondLimit(..) | LawError::Missing)) => {
+            Outcome::Failed(error.to_string())
+        }
+        _ => Outcome::Proved("no operation leaves its type".to_owned()),
+    }
+}
+
+/// The question to z3.
+pub fn by_smt(program: &Program, limit: i128) -> Answer {
+    let ask = || {
+        let mut question = Question::new(TIMEOUT_MS)?;
+        let arguments = question.arguments(program, "x")?;
+        let results = question.results(program, &arguments)?;
+        let within = question.within(results[0], -limit, limit);
+        let mut all = question.sound.clone();
+        all.push(within);
+        let wanted = question.context.and_many(all);
+        question.ask(wanted)
+    };
+    answered(ask())
+}

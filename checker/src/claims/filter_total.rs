@@ -1,0 +1,127 @@
+//! Claim `filter-total`: no overflow for any reading, and an invariant that every step of the
+//! attitude filter keeps.
+//!
+//! The steps are analysed with the calls of proved primitives ([`crate::claims::primitives`])
+//! replaced by their contracts: what they are given must lie in the stated ranges, and nothing but
+//! the stated ranges is known of their results.
+
+use std::collections::HashMap;
+
+use crate::domains::intervals::{Interval, every_bit_pattern, ranges};
+use crate::language::module::Module;
+use crate::program::contract::Contract;
+use crate::program::steps::Program;
+
+/// The invariant of the words of a state: the quaternion's components and the rates within the
+/// limits that the source states, everything else of any value.
+pub(crate) struct Invariant {
+    pub(crate) component: i128,
+    pub(crate) rate: i128,
+}
+
+impl Invariant {
+    pub(crate) fn read(module: &Module) -> Result<Invariant, String> {
+        let limit = |file: &str, name: &str| match module.constant(file, name) {
+            Some([word]) if *word > 0 => Ok(*word),
+            _ => Err(format!(
+                "the source has no positive constant {file}::{name}"
+            )),
+        };
+        Ok(Invariant {
+            component: limit("madgwick", "COMPONENT_MAX")?,
+            rate: limit("calibration", "CALIBRATED_MAX")?,
+        })
+    }
+
+    fn of(&self, name: &str) -> Option<Interval> {
+        if name.contains(".quaternion[") {
+            Some(Interval::new(-self.component, self.component))
+        } else if name.ends_with("state.rate") || name.ends_with("state.slow_rate") {
+            Some(Interval::new(-self.rate, self.rate))
+        } else {
+            None
+        }
+    }
+
+    fn arguments(&self, program: &Program) -> Vec<Interval> {
+        let mut domain = every_bit_pattern(program);
+        for (interval, name) in domain.iter_mut().zip(&program.inputs) {
+            if let Some(narrow) = self.of(name) {
+                *interval = narrow;
+            }
+        }
+        domain
+    }
+
+    /// Whether the words of a state that a step leaves keep the invariant; the state's words come
+    /// last among the results and first among the arguments.
+    pub(crate) fn is_kept(&self, program: &Program, results: &[Interval]) -> Result<(), String> {
+        let names: Vec<&String> = program
+            .inputs
+            .iter()
+            .filter(|name| name.starts_with("self."))
+            .collect();
+        let state = &results[results.len().saturating_sub(names.len())..];
+        for (name, found) in names.iter().zip(state) {
+            if let Some(wanted) = self.of(name)
+                && !found.is_within(wanted)
+            {
+                return Err(format!(
+                    "`{}` may leave {name} in [{}, {}], the invariant is [{}, {}]",
+                    program.name, found.low, found.high, wanted.low, wanted.high
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The invariant holds at the start, and alignment and both steps keep it for every
+/// reading, without overflow.
+///
+/// # Errors
+/// A sentence with the place in the source.
+pub fn check(module: &Module, contracts: &HashMap<usize, Contract>) -> Result<(), String> {
+    let invariant = Invariant::read(module)?;
+    let start = analysed(module, contracts, "Attitude::new", &invariant, &[])?;
+    let names = module
+        .function("Attitude::update_imu")
+        .ok_or("there is no Attitude::update_imu")?;
+    invariant.is_kept(names, &start)?;
+    for name in [
+        "Attitude::align",
+        "Attitude::update_imu",
+        "Attitude::update_marg",
+    ] {
+        let results = analysed(module, contracts, name, &invariant, &[])?;
+        let program = module
+            .function(name)
+            .ok_or_else(|| format!("there is no {name}"))?;
+        invariant.is_kept(program, &results)?;
+    }
+    for name in ["Attitude::quaternion", "Attitude::angle", "Attitude::rate"] {
+        analysed(module, contracts, name, &invariant, &[])?;
+    }
+    Ok(())
+}
+
+/// Ranges of the results of `name` for a state in the invariant and any readings.
+pub(crate) fn analysed(
+    module: &Module,
+    contracts: &HashMap<usize, Contract>,
+    name: &str,
+    invariant: &Invariant,
+    fixed: &[(usize, Interval)],
+) -> Result<Vec<Interval>, String> {
+    let number = module
+        .function_number(name)
+        .ok_or_else(|| format!("there is no {name}"))?;
+    let program = module
+        .function_with_contracts(number, contracts)
+        .map_err(|error| error.to_string())?;
+    let mut domain = invariant.arguments(&program);
+    for (word, interval) in fixed {
+        domain[*word] = *interval;
+    }
+    ranges(&program, &domain).map_err(|finding| finding.to_string())
+}

@@ -1,0 +1,41 @@
+//! One file or folder a claim: how it is settled, by each engine that can.
+//!
+//! | file | claim, or what several use |
+//! |---|---|
+//! | [`source_understood`], [`certificate_consistent`], [`hardware_words`] | the claims of that name |
+//! | [`control_total`], [`control_accurate`], [`control_accurate_real_gains`], [`control_monotone`] | of the control law |
+//! | [`primitives`], [`filter_total`], [`filter_length`], [`filter_accurate`], [`filter_exact`] | of the attitude filter |
+//! | [`step_total`] | of the full step |
+//! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
+//! | [`control_law`] | the law that the source implements |
+//! | [`sampling`] | the sampled model against the continuous one |
+//! | [`bias_observer_numbers`], [`bias_observer_words`] | the observer of the angle's bias |
+//! | [`named_words`], [`functions`], [`random`] | words and functions by name, random numbers |
+//! | [`outcome`] | what comes of a claim, and the engines |
+
+pub mod bias_observer_numbers;
+pub mod bias_observer_stable;
+pub mod bias_observer_words;
+pub mod certificate_consistent;
+pub mod closed_loop_for_all_time;
+pub mod closed_loop_stable;
+pub mod control_accurate;
+pub mod control_accurate_real_gains;
+pub mod control_law;
+pub mod control_monotone;
+pub mod control_total;
+pub mod filter_accurate;
+pub mod filter_exact;
+pub mod filter_length;
+pub mod filter_total;
+pub mod functions;
+pub mod hardware_words;
+pub mod named_words;
+pub mod outcome;
+pub mod primitives;
+pub mod random;
+pub mod region_of_attraction;
+pub mod sampling;
+pub mod source_understood;
+pub mod stable_for_parameters;
+pub mod step_total;

@@ -1,0 +1,222 @@
+//! A region of attraction of the pendulum itself, whose gravity is a sine, in exact arithmetic.
+//!
+//! Of [`crate::claims::closed_loop_for_all_time`] this uses the set E = {x: ‖x‖ ≤ 1}, ‖x‖² = xᵀ P x, which the linear loop maps
+//! into γ times itself, and in which no command saturates whatever the perturbations |v| ≤ V.
+//!
+//! **Gravity.** With g = G/(Θ − j_w), e = (0, 1, −1) and A of the linear model the pendulum obeys
+//! ẋ = A x + B u + e g (sin α − α), so that after one sample
+//!
+//! x⁺ = F̂ x + Bd v + d,   d = ∫₀ᵀ exp(A (T − s)) e g (sin α(s) − α(s)) ds,   |sin α − α| ≤ |α|³/6.
+//!
+//! **Between samples.** Let ‖x‖ = r at the sample, r₀ ≤ r ≤ 1. As long as |α| ≤ r a, |α̇| ≤ r b and
+//! |φ̇| ≤ r c, the speeds change by no more than the model's rows say, with |u| ≤ r (√(N P⁻¹ Nᵀ) + V/r₀). If
+//! a, b, c are such that the three then cannot be reached within one sample, they never are.
+//!
+//! **Decrease.** ‖exp(A τ) e‖ ≤ q for 0 ≤ τ ≤ T, with q from the series of the entries' magnitudes. Then
+//! ‖d‖ ≤ r³ κ, κ = T g q a³/6, and
+//!
+//! ‖x⁺‖ ≤ γ r + κ r³ + p,   p = ‖Bd‖ V.
+//!
+//! Where the right side is below r for r = r₁ and for r = r₀ it is so between, because it is convex in r:
+//! every start with ‖x‖ ≤ r₁ stays there and comes to ‖x‖ < r₀, where it stays for the same reason.
+
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+
+use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
+use crate::claims::closed_loop_for_all_time::ClosedLoopBounds;
+use crate::claims::control_law::ControlLaw;
+use crate::claims::outcome::Outcome;
+use crate::exact::matrices::{Matrix, Vector, dot, inverse, quadratic};
+use crate::exact::rational::{half, integer, power, root_above, rounded_up};
+
+/// Shares of the set that are tried, in parts of its size.
+const PARTS: i128 = 64;
+/// Rounds in which the bounds between samples are enlarged.
+const ROUNDS: usize = 40;
+/// Terms of the series for q.
+const TERMS: i128 = 24;
+
+/// What is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attraction {
+    /// r₁: size of the region, E having 1.
+    pub outer: BigRational,
+    /// r₀: size of the set to which everything comes.
+    pub inner: BigRational,
+    /// Largest angle, rate and wheel speed of the region (rad, rad/s, rad/s).
+    pub extents: Vector,
+}
+
+/// The numbers of one module.
+struct Loop {
+    t: BigRational,
+    gravity: BigRational,
+    a: Matrix,
+    b: Vector,
+    extents: Vector,
+    command: BigRational,
+    perturbation: BigRational,
+    gamma: BigRational,
+    pushed: BigRational,
+    q: BigRational,
+}
+
+/// What comes of the claim, with the bounds of `closed-loop-for-all-time` if they hold.
+pub fn by_exact_arithmetic(
+    certificate: &Certificate,
+    bounds: Option<&ClosedLoopBounds>,
+    law: &ControlLaw,
+) -> Outcome {
+    let (Some(stated), Some(bounds)) = (&certificate.closed_loop, bounds) else {
+        return Outcome::NotRun("it needs closed-loop-for-all-time".to_owned());
+    };
+    match check(certificate, stated, bounds, law) {
+        Ok(region) => Outcome::Proved(format!(
+            "from {} of the ellipsoid (up to {} rad, {} rad/s, {} rad/s) into {} of it",
+            rounded_up(&region.outer, 3),
+            rounded_up(&region.extents[0], 3),
+            rounded_up(&region.extents[1], 3),
+            rounded_up(&region.extents[2], 3),
+            rounded_up(&region.inner, 3)
+        )),
+        Err(why) => Outcome::NotRun(why),
+    }
+}
+
+/// Finds the largest region that the argument above shows, and the smallest set to which it comes.
+///
+/// # Errors
+/// A sentence that says what is missing, or that nothing could be shown.
+pub fn check(
+    certificate: &Certificate,
+    stated: &ClosedLoop,
+    bounds: &ClosedLoopBounds,
+    law: &ControlLaw,
+) -> Result<Attraction, String> {
+    let parameter = |name: &str| {
+        let found = certificate.parameters.iter().find(|p| p.name == name);
+        found
+            .map(|p| p.value.value.clone())
+            .ok_or_else(|| format!("the certificate does not state the parameter {name}"))
+    };
+    let carried = parameter("total_inertia")? - parameter("wheel_inertia")?;
+    if !carried.is_positive() {
+        return Err("total_inertia - wheel_inertia is not positive".to_owned());
+    }
+    let gravity = parameter("gravity_torque")? / carried;
+    if !gravity.is_positive() {
+        return Err("the gravity torque is not positive".to_owned());
+    }
+    let p = matrix(&stated.ellipsoid);
+    let root = |value: &BigRational| root_above(value).ok_or("a negative square");
+    let t = certificate.sample_time_s.value.clone();
+    let a = matrix(&certificate.plant.a);
+    let inverse = inverse(&p).ok_or("the matrix of the ellipsoid is singular")?;
+    let one = BigRational::one();
+    let all = Loop {
+        q: largest_response(&a, &t, &p)?,
+        gravity,
+        b: vector(&certificate.plant.b),
+        extents: bounds.extents.clone(),
+        command: root(&quadratic(&inverse, &law.gains))?,
+        perturbation: bounds
+            .cases
+            .iter()
+            .map(|case| case.perturbation.clone())
+            .max()
+            .ok_or("no perturbations are stated")?,
+        pushed: &bounds.perturbation_share * (&one - &stated.contraction.value),
+        gamma: stated.contraction.value.clone(),
+        a,
+        t,
+    };
+    let share = |part: i128| integer(part) / integer(PARTS);
+    // The smallest inner set for the largest outer one.
+    for outer in (1..=PARTS).rev().map(share) {
+        let inner = (1..PARTS)
+            .map(share)
+            .take_while(|inner| *inner < outer)
+            .find(|inner| all.decreases(inner, inner) && all.decreases(inner, &outer));
+        if let Some(inner) = inner {
+            return Ok(Attraction {
+                extents: all.extents.map(|extent| extent * &outer),
+                outer,
+                inner,
+            });
+        }
+    }
+    Err("gravity as a sine could take the loop out of every share of its invariant set".to_owned())
+}
+
+impl Loop {
+    /// Whether γ r + κ r³ + p < r at this r, for κ with r₀ = `inner`.
+    fn decreases(&self, inner: &BigRational, r: &BigRational) -> bool {
+        let Some(angle) = self.largest_angle(inner) else {
+            return false;
+        };
+        let cube = &angle * &angle * &angle / integer(6);
+        let kappa = &self.t * &self.gravity * &self.q * cube;
+        &self.gamma * r + kappa * r * r * r + &self.pushed < *r
+    }
+
+    /// The bound a of |α|/r between samples; `None` if it does not settle.
+    fn largest_angle(&self, inner: &BigRational) -> Option<BigRational> {
+        let current = &self.command + &self.perturbation / inner;
+        let mut bounds = self.extents.clone();
+        for _ in 0..ROUNDS {
+            let reached = self.reached(&bounds, &current);
+            if reached.iter().zip(&bounds).all(|(new, old)| new < old) {
+                return Some(bounds[0].clone());
+            }
+            // A little more than was reached, in few digits.
+            bounds = reached.map(|value| {
+                let scaled = value * power(10, 9) * (integer(1) + power(10, -6));
+                scaled.ceil() / power(10, 9)
+            });
+        }
+        None
+    }
+
+    /// How far angle, rate and wheel speed come within one sample while they keep to `bounds`.
+    fn reached(&self, bounds: &Vector, current: &BigRational) -> Vector {
+        // sin α − α adds to the angle's share at most g α²/6 times α.
+        let sine = &self.gravity * &bounds[0] * &bounds[0] / integer(6);
+        [0, 1, 2].map(|i| {
+            let row = self.a[i].clone().map(|entry| entry.abs());
+            let mut change = dot(&row, bounds) + self.b[i].abs() * current;
+            if i > 0 {
+                change += &sine * &bounds[0];
+            }
+            &self.extents[i] + &self.t * change
+        })
+    }
+}
+
+/// q ≥ ‖exp(A τ) e‖ for 0 ≤ τ ≤ T.
+fn largest_response(a: &Matrix, t: &BigRational, p: &Matrix) -> Result<BigRational, String> {
+    let scaled: Matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[i][j].abs() * t));
+    let sums = scaled.each_ref().map(|row| row.iter().sum::<BigRational>());
+    let norm = sums.iter().max().cloned().unwrap_or_default();
+    if norm > half() {
+        return Err("the sample time is too long for the bound: |A| T is above 1/2".to_owned());
+    }
+    let e: Vector = [0, 1, -1].map(integer);
+    let mut term: Vector = [0, 1, 1].map(integer);
+    let mut change: Vector = [0, 1, 2].map(|_| BigRational::zero());
+    let mut left = BigRational::one();
+    for k in 1..=TERMS {
+        term = [0, 1, 2].map(|i| dot(&scaled[i], &term) / integer(k));
+        left = left * &norm / integer(k);
+        for (sum, entry) in change.iter_mut().zip(&term) {
+            *sum += entry;
+        }
+    }
+    // The terms that are left are at most this one and its halves.
+    let root = |value: &BigRational| root_above(value).ok_or("a negative square".to_owned());
+    let mut q = root(&quadratic(p, &e))?;
+    for (i, change) in change.iter().enumerate() {
+        q += (change + &left) * root(&p[i][i])?;
+    }
+    Ok(q)
+}

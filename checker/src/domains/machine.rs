@@ -1,0 +1,185 @@
+//! One integer for each word: runs a function, with every overflow found.
+
+use crate::domains::walk::{ContractedCall, Domain, Side, Sides, Site, start, walk};
+use crate::program::place::Place;
+use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::types::Integer;
+
+/// What stops a run: arithmetic that leaves its type, a cast that loses bits, an assertion.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {message}")]
+pub struct Trap {
+    /// Where.
+    pub place: Place,
+    /// What happened.
+    pub message: String,
+}
+
+/// Runs one function many times without allocating anew.
+#[derive(Clone, Debug)]
+pub struct Machine<'a> {
+    program: &'a Program,
+    words: Vec<i128>,
+    results: Vec<i128>,
+}
+
+impl<'a> Machine<'a> {
+    /// A machine for `program`.
+    pub fn new(program: &'a Program) -> Self {
+        Machine {
+            program,
+            words: start(&mut Integers, program, []),
+            results: vec![0; program.results.len()],
+        }
+    }
+
+    /// Calls the function: words of the arguments in, words of the result (and of `&mut`
+    /// arguments) out. Booleans are 0 and 1; fixed-point numbers are their bits.
+    ///
+    /// # Errors
+    /// [`Trap`] where the compiled code would overflow or panic, where a cast loses bits, and
+    /// where `arguments` are not words of the argument types.
+    pub fn call(&mut self, arguments: &[i128]) -> Result<&[i128], Trap> {
+        let program = self.program;
+        let refused = |message: String| Trap {
+            place: program.places[0].clone(),
+            message,
+        };
+        if arguments.len() != program.arguments.len() {
+            return Err(refused(format!(
+                "{} takes {} words, not {}",
+                program.name,
+                program.arguments.len(),
+                arguments.len()
+            )));
+        }
+        for (index, (slot, value)) in program.arguments.iter().zip(arguments).enumerate() {
+            if !program.argument_types[index].holds(*value) {
+                return Err(refused(format!("{value} is no {}", program.inputs[index])));
+            }
+            self.words[*slot] = *value;
+        }
+        walk(&mut Integers, program, &mut self.words)?;
+        for (result, slot) in self.results.iter_mut().zip(&program.results) {
+            *result = self.words[*slot];
+        }
+        Ok(&self.results)
+    }
+}
+
+/// The integers themselves.
+struct Integers;
+
+fn trap<T>(site: &Site<i128>, message: String) -> Result<T, Trap> {
+    Err(Trap {
+        place: site.place(),
+        message,
+    })
+}
+
+impl Domain for Integers {
+    type Word = i128;
+    type Stop = Trap;
+
+    fn initial(&mut self, _slot: Slot, constant: Option<i128>) -> i128 {
+        constant.unwrap_or(0)
+    }
+
+    fn arithmetic(
+        &mut self,
+        site: &Site<i128>,
+        _to: Slot,
+        operation: Arithmetic,
+        (a, b): (Slot, Slot),
+        type_: Integer,
+    ) -> Result<i128, Trap> {
+        let (a, b) = (*site.word(a), *site.word(b));
+        match operation.apply(a, b, type_.bits) {
+            Some(value) if type_.holds(value) => Ok(value),
+            _ => trap(
+                site,
+                format!("{} of {a} and {b} overflows", operation.name()),
+            ),
+        }
+    }
+
+    fn comparison(
+        &mut self,
+        site: &Site<i128>,
+        _to: Slot,
+        comparison: Comparison,
+        (a, b): (Slot, Slot),
+    ) -> Result<i128, Trap> {
+        let (a, b) = (site.word(a), site.word(b));
+        Ok(i128::from(match comparison {
+            Comparison::Less => a < b,
+            Comparison::LessEqual => a <= b,
+            Comparison::Equal => a == b,
+            Comparison::NotEqual => a != b,
+        }))
+    }
+
+    fn negation(&mut self, site: &Site<i128>, _to: Slot, operand: Slot) -> Result<i128, Trap> {
+        Ok(1 - site.word(operand))
+    }
+
+    fn cast(&mut self, site: &Site<i128>, operand: Slot, type_: Integer) -> Result<i128, Trap> {
+        let value = *site.word(operand);
+        if type_.holds(value) {
+            Ok(value)
+        } else {
+            trap(site, format!("the cast of {value} loses bits"))
+        }
+    }
+
+    fn clamp(
+        &mut self,
+        site: &Site<i128>,
+        _to: Slot,
+        operand: Slot,
+        (low, high): (Slot, Slot),
+    ) -> Result<i128, Trap> {
+        let (low, high) = (*site.word(low), *site.word(high));
+        if low > high {
+            return trap(site, format!("clamp to [{low}, {high}], which is empty"));
+        }
+        Ok((*site.word(operand)).clamp(low, high))
+    }
+
+    fn assertion(&mut self, site: &Site<i128>, condition: Slot, message: &str) -> Result<(), Trap> {
+        if *site.word(condition) == 0 {
+            return trap(site, format!("assertion: {message}"));
+        }
+        Ok(())
+    }
+
+    fn call(&mut self, site: &Site<i128>, call: ContractedCall) -> Result<Vec<i128>, Trap> {
+        trap(
+            site,
+            format!(
+                "{} stands for its contract only and cannot run",
+                call.function
+            ),
+        )
+    }
+
+    fn sides(&self, condition: &i128) -> Sides {
+        Sides::One(*condition != 0)
+    }
+
+    // One side is walked; this is what joining both would mean.
+    fn join(
+        &mut self,
+        site: &Site<i128>,
+        condition: Slot,
+        _joins: &[Join],
+        [then, otherwise]: [Side<i128>; 2],
+    ) -> Result<Vec<i128>, Trap> {
+        let taken = if *site.word(condition) != 0 {
+            then
+        } else {
+            otherwise
+        };
+        Ok(taken.words)
+    }
+}

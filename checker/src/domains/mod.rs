@@ -1,0 +1,16 @@
+//! The number domains in which a program is computed.
+//!
+//! | file | a word is |
+//! |---|---|
+//! | [`machine`] | one integer; every overflow is found |
+//! | [`intervals`] | all integers between two |
+//! | [`linear_forms`] | a linear form of the arguments, with an error |
+//! | [`polynomials`] | a polynomial of symbols, with a remainder |
+//! | [`smt`] | a term of SMT-LIB |
+
+pub mod intervals;
+pub mod linear_forms;
+pub mod machine;
+pub mod polynomials;
+pub mod smt;
+pub mod walk;

@@ -1,0 +1,5 @@
+//! Exact arithmetic: rational numbers, matrices of them, and real numbers rounded outward.
+
+pub mod enclosure;
+pub mod matrices;
+pub mod rational;

@@ -1,0 +1,114 @@
+//! An emitted crate as text: everything that is looked at.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::language::module::{Module, ReadError, sources};
+use crate::program::place::SourceError;
+
+/// Why a folder could not be read as an emitted crate.
+#[derive(Debug, thiserror::Error)]
+pub enum EmittedError {
+    /// The folder cannot be read.
+    #[error("{0}")]
+    Read(ReadError),
+    /// A file of every emitted crate is not there.
+    #[error("{} is no emitted crate: there is no {missing} in it; flywheel generate writes one", folder.display())]
+    NoCrate {
+        /// The folder.
+        folder: PathBuf,
+        /// What is missing.
+        missing: &'static str,
+    },
+    /// A file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// An emitted crate as text: everything that is looked at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Emitted {
+    /// `src/*.rs`, by path.
+    pub sources: Vec<(String, String)>,
+    /// `Cargo.toml`.
+    pub cargo: String,
+    /// `certificate.json`.
+    pub certificate: String,
+    /// What else lies there that would be compiled or run with the crate.
+    pub strays: Vec<String>,
+}
+
+impl Emitted {
+    /// Reads an emitted crate; nothing else of the project has to be there.
+    ///
+    /// # Errors
+    /// [`EmittedError`] with the file.
+    pub fn read(directory: &Path) -> Result<Emitted, EmittedError> {
+        let text = |name: &'static str| {
+            let path = directory.join(name);
+            fs::read_to_string(&path).map_err(|source| {
+                if source.kind() == std::io::ErrorKind::NotFound && directory.is_dir() {
+                    let folder = directory.to_owned();
+                    let missing = name;
+                    return EmittedError::NoCrate { folder, missing };
+                }
+                EmittedError::Io { path, source }
+            })
+        };
+        Ok(Emitted {
+            certificate: text("certificate.json")?,
+            cargo: text("Cargo.toml")?,
+            sources: sources(directory).map_err(EmittedError::Read)?,
+            strays: strays(directory)?,
+        })
+    }
+
+    /// The sources, read and resolved.
+    ///
+    /// # Errors
+    /// [`SourceError`].
+    pub fn module(&self) -> Result<Module, SourceError> {
+        let borrowed: Vec<_> = self
+            .sources
+            .iter()
+            .map(|(path, text)| (path.as_str(), text.as_str()))
+            .collect();
+        Module::parse(&borrowed)
+    }
+
+    /// Names of all files but the certificate.
+    pub fn files(&self) -> Vec<String> {
+        let sources = self.sources.iter().map(|(path, _)| path.clone());
+        sources.chain(["Cargo.toml".to_owned()]).collect()
+    }
+}
+
+/// Files that Cargo would pick up beside the sources, and whatever in `src` is no file of Rust.
+fn strays(directory: &Path) -> Result<Vec<String>, EmittedError> {
+    let picked_up = ["build.rs", ".cargo"];
+    let mut strays: Vec<String> = picked_up
+        .into_iter()
+        .filter(|name| directory.join(name).exists())
+        .map(str::to_owned)
+        .collect();
+    let path = directory.join("src");
+    let io = |source| EmittedError::Io {
+        path: path.clone(),
+        source,
+    };
+    for entry in fs::read_dir(&path).map_err(io)? {
+        let entry = entry.map_err(io)?;
+        let is_source = entry.path().extension().is_some_and(|e| e == "rs")
+            && entry.file_type().map_err(io)?.is_file();
+        if !is_source {
+            strays.push(format!("src/{}", entry.file_name().to_string_lossy()));
+        }
+    }
+    strays.sort();
+    Ok(strays)
+}

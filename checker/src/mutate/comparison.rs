@@ -1,0 +1,156 @@
+//! A function before and after a damage: whether the two are the same.
+
+use crate::claims::filter_exact::draw::Draw;
+use crate::domains::machine::Machine;
+use crate::domains::smt::{self, Answer};
+use crate::language::contracts::stated;
+use crate::language::emitted::Emitted;
+use crate::language::module::Module;
+use crate::mutate::mutants::Mutant;
+use crate::mutate::tokens::tokens;
+use crate::program::steps::Program;
+
+/// How alike two versions are that no engine tells apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Likeness {
+    /// z3 proves that they return the same words.
+    Proved,
+    /// A random sample shows no difference.
+    Sampled,
+}
+
+/// Seed of the random sample.
+const SEED: u64 = 1;
+
+/// Runs of one function before and after the damage.
+const COMPARISONS: usize = 20_000;
+
+/// Runs without an overflow before the damage that are enough to say something.
+const ENOUGH: usize = 500;
+
+/// How far up from the damaged function its callers are compared.
+const MOST_CALLERS_UP: usize = 3;
+
+/// The function with the damage against what it was before, for arguments within its contract:
+/// first in runs that favour the places where pieces meet (numbers that stand in the function,
+/// their neighbours, powers of two, ends of ranges), then, where these show no difference, by z3
+/// for all arguments. Where the function differs, its callers are compared, who may never call it
+/// with the arguments that make the difference. `None` where a difference remains, or nothing can be
+/// compared.
+pub(crate) fn compared(
+    emitted: &Emitted,
+    damaged: &Emitted,
+    mutant: &Mutant,
+) -> Option<(Likeness, String)> {
+    let (before, after) = (emitted.module().ok()?, damaged.module().ok()?);
+    let number = function_at(&before, &mutant.file, mutant.line)?;
+    alike(&before, &after, number, MOST_CALLERS_UP)
+}
+
+/// The function that stands at a line: the last that begins at or above it.
+fn function_at(module: &Module, file: &str, line: usize) -> Option<usize> {
+    let functions = &module.declarations().functions;
+    (0..functions.len())
+        .filter(|&number| {
+            let place = &functions[number].place;
+            *place.file == *file && place.line <= line
+        })
+        .max_by_key(|&number| functions[number].place.line)
+}
+
+/// The functions in whose text the name of function `number` stands.
+fn callers(module: &Module, number: usize) -> Vec<usize> {
+    let name = &module.declarations().functions[number].name;
+    let name = name.rsplit("::").next().unwrap_or(name);
+    let mut found: Vec<usize> = module
+        .texts()
+        .iter()
+        .flat_map(|(file, text)| {
+            tokens(text)
+                .into_iter()
+                .filter(|token| token.text == name)
+                .filter_map(|token| function_at(module, file, token.line))
+                .collect::<Vec<_>>()
+        })
+        .filter(|&caller| caller != number)
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+fn alike(before: &Module, after: &Module, number: usize, up: usize) -> Option<(Likeness, String)> {
+    let function = &before.declarations().functions[number];
+    let (old, new) = (before.program(number)?, after.program(number)?);
+    let contract = stated(before, number).unwrap_or_default();
+    let ranges: Vec<(i128, i128)> = old
+        .argument_types
+        .iter()
+        .enumerate()
+        .map(|(word, type_)| {
+            let required = contract.requires.iter().filter(|range| range.word == word);
+            required.fold(type_.range(), |(low, high), range| {
+                (low.max(range.low), high.min(range.high))
+            })
+        })
+        .collect();
+    let name = &function.name;
+    match runs_alike(old, new, &ranges) {
+        Some(_) if smt::is_available() && smt::same(old, new, &ranges) == Answer::Proved => {
+            let text = format!("`{name}` returns the same words for all arguments (z3)");
+            Some((Likeness::Proved, text))
+        }
+        Some(runs) if runs >= ENOUGH => {
+            let text = format!("`{name}`: no difference found in {runs} runs aimed at its numbers");
+            Some((Likeness::Sampled, text))
+        }
+        Some(_) => None,
+        None if up == 0 => None,
+        None => {
+            let callers = callers(before, number);
+            let mut all = (Likeness::Proved, Vec::new());
+            for &caller in &callers {
+                let (likeness, text) = alike(before, after, caller, up - 1)?;
+                if likeness != Likeness::Proved {
+                    all.0 = likeness;
+                }
+                if !all.1.contains(&text) {
+                    all.1.push(text);
+                }
+            }
+            (!callers.is_empty()).then(|| {
+                let text = format!(
+                    "`{name}` differs for arguments that its callers do not pass: {}",
+                    all.1.join("; ")
+                );
+                (all.0, text)
+            })
+        }
+    }
+}
+
+/// In how many random runs two versions of a function return the same words; `None` where one does
+/// not.
+fn runs_alike(old: &Program, new: &Program, ranges: &[(i128, i128)]) -> Option<usize> {
+    let constants = old.initial.iter().zip(&old.is_constant);
+    let corners: Vec<i128> = constants
+        .filter_map(|(word, is_constant)| is_constant.then_some(*word))
+        .collect();
+    let mut draw = Draw::new(SEED);
+    let (mut old, mut new) = (Machine::new(old), Machine::new(new));
+    let mut runs = 0;
+    for _ in 0..COMPARISONS {
+        let arguments: Vec<i128> = ranges
+            .iter()
+            .map(|&(low, high)| draw.at_corners(low, high, &corners))
+            .collect();
+        let Ok(wanted) = old.call(&arguments) else {
+            continue;
+        };
+        if wanted != new.call(&arguments).ok()? {
+            return None;
+        }
+        runs += 1;
+    }
+    Some(runs)
+}

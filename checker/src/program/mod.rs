@@ -1,0 +1,12 @@
+//! What is computed in: words with their types, the steps of a resolved function, and the promises
+//! that functions make each other.
+
+pub mod contract;
+pub mod place;
+pub mod steps;
+pub mod types;
+
+pub use contract::{Contract, Range};
+pub use place::{Place, SourceError};
+pub use steps::{Action, Arithmetic, Comparison, Program, Slot, Step};
+pub use types::{Integer, Type};

@@ -1,0 +1,14 @@
+//! Every claim by every engine.
+
+pub mod kani;
+pub mod results;
+pub mod run;
+pub mod settings;
+pub mod settle;
+
+pub use crate::claims::outcome::Outcome;
+pub use crate::language::emitted::{Emitted, EmittedError};
+pub use results::{ClaimResult, passed};
+pub use run::{ProveError, prove};
+pub use settings::Settings;
+pub use settle::settle;

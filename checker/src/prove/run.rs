@@ -1,0 +1,34 @@
+//! All claims about an emitted crate in a folder, each by every engine that can settle it.
+
+use std::path::Path;
+
+use crate::certificate::reader::{Certificate, CertificateError};
+use crate::language::emitted::{Emitted, EmittedError};
+use crate::prove::kani::kani;
+use crate::prove::results::ClaimResult;
+use crate::prove::settings::Settings;
+use crate::prove::settle::settle;
+
+/// Why there is nothing to prove.
+#[derive(Debug, thiserror::Error)]
+pub enum ProveError {
+    /// The folder holds no emitted crate, or cannot be read.
+    #[error("{0}")]
+    Emitted(#[from] EmittedError),
+    /// The certificate cannot be read.
+    #[error("{0}")]
+    Certificate(#[from] CertificateError),
+}
+
+/// Settles every claim about the crate in `directory`.
+///
+/// # Errors
+/// [`ProveError`] where the folder holds no emitted crate. Source or numbers that do not hold up
+/// are no error but a failed claim.
+pub fn prove(directory: &Path, settings: &Settings) -> Result<Vec<ClaimResult>, ProveError> {
+    let emitted = Emitted::read(directory)?;
+    let certificate = Certificate::parse(&emitted.certificate)?;
+    let mut results = settle(&emitted, &certificate, settings);
+    results.extend(kani(directory, settings));
+    Ok(results)
+}

@@ -1,0 +1,207 @@
+//! The claims, in the order in which they are shown, each by its engines.
+
+use std::time::Instant;
+
+use crate::certificate::reader::Certificate;
+use crate::claims::control_law::ControlLaw;
+use crate::claims::outcome::{EXACT, INTERVALS, Outcome, RANDOM, READER, SMT};
+use crate::claims::{
+    bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_stable,
+    control_accurate, control_accurate_real_gains, control_monotone, control_total,
+    filter_accurate, filter_exact, filter_length, filter_total, hardware_words, primitives,
+    region_of_attraction, source_understood, stable_for_parameters, step_total,
+};
+use crate::domains::smt::{self, Answer};
+use crate::language::emitted::Emitted;
+use crate::language::module::Module;
+use crate::prove::results::{ClaimResult, Table};
+use crate::prove::settings::Settings;
+
+/// Settles every claim but those that need Kani.
+pub fn settle(
+    emitted: &Emitted,
+    certificate: &Certificate,
+    settings: &Settings,
+) -> Vec<ClaimResult> {
+    let mut table = Table(Vec::new());
+    let start = Instant::now();
+    let module = match emitted.module() {
+        Ok(module) => module,
+        Err(error) => {
+            let outcome = Outcome::Failed(error.to_string());
+            let seconds = start.elapsed().as_secs_f64();
+            table.row("source-understood", READER, outcome, seconds);
+            return table.0;
+        }
+    };
+    let understood = source_understood::by_reading(emitted, &module);
+    let seconds = start.elapsed().as_secs_f64();
+    table.row("source-understood", READER, understood, seconds);
+
+    let start = Instant::now();
+    let law = ControlLaw::read(&module);
+    let seconds = start.elapsed().as_secs_f64();
+    let total = control_total::by_intervals(&law);
+    table.row("control-total", INTERVALS, total, seconds);
+    let law = match law {
+        Ok(law) => law,
+        Err(error) => {
+            let outcome = Outcome::Failed(error.to_string());
+            table.row("control-accurate", INTERVALS, outcome, seconds);
+            return table.0;
+        }
+    };
+    control_claims(&mut table, &module, certificate, &law, settings);
+    if settings.filter_ranges {
+        range_claims(&mut table, &module, certificate, settings);
+    }
+    random_runs(&mut table, &module, certificate, settings);
+    table.add("certificate-consistent", EXACT, || {
+        let files = emitted.files();
+        let checked = certificate_consistent::check(certificate, &module, &law, &files);
+        Outcome::proved(checked.map(|()| "every field".to_owned()))
+    });
+    table.add("hardware-words", EXACT, || {
+        let checked = hardware_words::check(certificate, &module, &law);
+        Outcome::proved(checked.map(|()| "every word".to_owned()))
+    });
+    loop_claims(&mut table, &module, certificate, &law, settings);
+    table.0
+}
+
+fn control_claims(
+    table: &mut Table,
+    module: &Module,
+    certificate: &Certificate,
+    law: &ControlLaw,
+    settings: &Settings,
+) {
+    table.add("control-accurate", INTERVALS, || {
+        control_accurate::by_intervals(certificate, law)
+    });
+    table.add("control-accurate-real-gains", EXACT, || {
+        control_accurate_real_gains::by_exact_arithmetic(certificate, law)
+    });
+    table.add(
+        "control-monotone",
+        INTERVALS,
+        control_monotone::by_intervals,
+    );
+    table.add("control-accurate", RANDOM, || {
+        let (cases, seed) = (settings.cases, settings.seed);
+        let runs = control_accurate::by_random_runs(module, certificate, cases, seed);
+        Outcome::tested(runs)
+    });
+
+    let Some(program) = module.function("control") else {
+        return;
+    };
+    let is_available = settings.smt && smt::is_available();
+    let mut ask = |id: &str, question: &dyn Fn() -> Answer| {
+        table.add(id, SMT, || {
+            if !is_available {
+                let why = if settings.smt {
+                    "z3 is not installed"
+                } else {
+                    "switched off"
+                };
+                return Outcome::NotRun(why.to_owned());
+            }
+            match question() {
+                Answer::Proved => Outcome::Proved("no counterexample".to_owned()),
+                Answer::Refuted(model) => Outcome::Failed(format!("counterexample: {model}")),
+                Answer::Unknown(why) => Outcome::NotRun(why),
+            }
+        });
+    };
+    let limit = match module.constant("control", "CURRENT_LIMIT") {
+        Some([word]) => *word,
+        _ => 0,
+    };
+    ask("control-total", &|| control_total::by_smt(program, limit));
+    ask("control-accurate", &|| {
+        control_accurate::by_smt(program, certificate)
+    });
+    ask("control-monotone", &|| {
+        control_monotone::by_smt(program, certificate)
+    });
+}
+
+/// What is shown of the filter for every word.
+fn range_claims(
+    table: &mut Table,
+    module: &Module,
+    certificate: &Certificate,
+    settings: &Settings,
+) {
+    let start = Instant::now();
+    let found = primitives::primitives(module);
+    let contracts = primitives::proved(&found);
+    let outcome = primitives::by_intervals(&found);
+    let seconds = start.elapsed().as_secs_f64();
+    table.row("primitives", INTERVALS, outcome, seconds);
+    table.add("filter-total", INTERVALS, || {
+        let checked = filter_total::check(module, &contracts);
+        Outcome::proved(checked.map(|()| "the invariant is kept".to_owned()))
+    });
+    if settings.filter_length {
+        table.add("filter-length", EXACT, || {
+            filter_length::check::by_exact_arithmetic(module, &contracts)
+        });
+    }
+    table.add("step-total", INTERVALS, || {
+        step_total::ranges::by_intervals(module, certificate, &contracts)
+    });
+}
+
+fn random_runs(table: &mut Table, module: &Module, certificate: &Certificate, settings: &Settings) {
+    let (cases, seed) = ((settings.cases / 10).max(1), settings.seed);
+    table.add("filter-accurate", RANDOM, || {
+        Outcome::tested(filter_accurate::runs::run(module, cases, seed))
+    });
+    table.add("filter-exact", RANDOM, || {
+        Outcome::tested(filter_exact::runs::run(module, cases, seed))
+    });
+    table.add("step-total", RANDOM, || {
+        let runs = step_total::runs::step(module, certificate, cases, seed);
+        Outcome::tested(runs.and_then(|runs| {
+            let more = step_total::runs::bias_observer(module, cases, seed)?;
+            let parts = step_total::composition::composition(module, cases, seed)?;
+            Ok(runs + more + parts)
+        }))
+    });
+    table.add("primitives", RANDOM, || {
+        Outcome::tested(primitives::by_random_runs(module, cases, seed))
+    });
+}
+
+fn loop_claims(
+    table: &mut Table,
+    module: &Module,
+    certificate: &Certificate,
+    law: &ControlLaw,
+    settings: &Settings,
+) {
+    table.add("closed-loop-stable", EXACT, || {
+        let checked = closed_loop_stable::check_stable(certificate, law);
+        Outcome::proved(checked.map(|()| "Hurwitz' criterion".to_owned()))
+    });
+    table.add("bias-observer-stable", EXACT, || {
+        bias_observer_stable::by_exact_arithmetic(certificate, module, law)
+    });
+    let mut bounds = None;
+    table.add("closed-loop-for-all-time", EXACT, || {
+        if !settings.closed_loop {
+            return Outcome::NotRun("switched off".to_owned());
+        }
+        let (outcome, found) = closed_loop_for_all_time::by_exact_arithmetic(certificate, law);
+        bounds = found;
+        outcome
+    });
+    table.add("region-of-attraction", EXACT, || {
+        region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law)
+    });
+    table.add("stable-for-parameters", EXACT, || {
+        stable_for_parameters::by_exact_arithmetic(certificate, law)
+    });
+}

@@ -1,0 +1,49 @@
+//! What a model leaves of every series, in units of the series' noise.
+
+use identify::{Channel, Record, Trace, structure, without_rounding};
+
+/// The noise of every series, record by record and channel by channel.
+pub fn noise(records: &[&Record]) -> Vec<f64> {
+    records
+        .iter()
+        .flat_map(|record| record.channels.iter().map(|channel| channel.noise_std))
+        .collect()
+}
+
+/// Measured minus predicted, NaN where either is missing.
+pub fn residual(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
+    measured
+        .iter()
+        .zip(predicted)
+        .map(|(measured, predicted)| measured - predicted)
+        .collect()
+}
+
+/// The structured remainder of a channel beside what is predicted, in units of its noise (0 where not
+/// significant).
+pub fn remainder(channel: &Channel, predicted: &[f64], weight: &[f64]) -> f64 {
+    let left = match channel.quantum {
+        Some(quantum) => without_rounding(&channel.samples, predicted, channel.noise_std, quantum),
+        None => residual(&channel.samples, predicted),
+    };
+    let found = structure(&left, channel.noise_std, weight);
+    if found.is_significant() {
+        found.rms_over_noise
+    } else {
+        0.0
+    }
+}
+
+/// As [`remainder`], for every record and channel.
+pub fn remainders(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<Vec<f64>> {
+    records
+        .iter()
+        .zip(traces)
+        .map(|(record, traces)| {
+            let channels = record.channels.iter().zip(traces);
+            channels
+                .map(|(channel, trace)| remainder(channel, &trace.predicted, &record.weight))
+                .collect()
+        })
+        .collect()
+}

@@ -1,0 +1,180 @@
+//! One round of trials: a score test for every suspect, and a fit of those that promise something.
+
+use identify::{Cancelled, KnownPromise, Unknowns, acts, promise, ratios};
+use plant::{EffectId, StartFrom};
+use rayon::prelude::*;
+
+use crate::applicable::{applicable, completes_series};
+use crate::bench::Bench;
+use crate::candidate::Candidate;
+use crate::economy::{LARGE_ZERO_RAD, LEAST_SHARE, MOST_FITS, SIMPLER_SHARE};
+use crate::score::{Start, absent_starts, is_scored_where_absent, starts, zero_start};
+use crate::trial::{Goal, added, fit_all_roughly, fit_all_wholly, is_refinement};
+
+/// How a round of trials is carried out.
+pub struct Round<'a> {
+    /// Most suspects that are fitted.
+    pub most: usize,
+    /// Sets of effects that need no fit any more.
+    pub is_fitted: &'a (dyn Fn(&[EffectId]) -> bool + Sync),
+    /// A candidate that leaves nothing, where there is one: what is found competes with it.
+    pub leader: Option<&'a Candidate>,
+    /// Only effects that act in experiments in which something remains.
+    pub only_where_something_remains: bool,
+}
+
+/// Tries every applicable effect on top of `from`: a score test for all, a full refit for those
+/// that promise something and whose set of effects is not fitted yet.
+///
+/// # Errors
+/// [`Cancelled`] if the work is called off.
+pub fn try_all(
+    bench: &Bench,
+    from: &Candidate,
+    round: &Round,
+) -> Result<Vec<Candidate>, Cancelled> {
+    bench.check()?;
+    let thresholds = bench.thresholds;
+    let shows_where_something_remains = |effect: EffectId| {
+        let remainders = bench.records.iter().zip(&from.remainders);
+        remainders
+            .filter(|(record, _)| acts(effect, record.kind))
+            .any(|(_, remainders)| {
+                remainders
+                    .iter()
+                    .any(|&left| left >= thresholds.least_trace)
+            })
+    };
+    let suspects: Vec<EffectId> = bench
+        .suspects
+        .iter()
+        .copied()
+        .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))
+        .filter(|&effect| !completes_series(&from.model, effect))
+        .filter(|&effect| {
+            !round.only_where_something_remains || shows_where_something_remains(effect)
+        })
+        .collect();
+    let fitted = |effect: EffectId| {
+        let mut set = added(from, &from.model.with(effect), effect);
+        set.sort();
+        (round.is_fitted)(&set)
+    };
+    // What refines another suspect is tried on top of that one's fit, far from which it says nothing.
+    let (refinements, suspects): (Vec<EffectId>, Vec<EffectId>) =
+        suspects.iter().partition(|&&effect| {
+            let replaces = effect.info().replaces;
+            let is_first = |simpler: &&EffectId| replaces.contains(&simpler.name());
+            suspects
+                .iter()
+                .filter(is_first)
+                .any(|&simpler| !fitted(simpler))
+        });
+    let point = from.point();
+    let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);
+    // A cable is moved along with the effect, so that every effect needs a simulation of its own.
+    let has_product = |one: &EffectId| one.info().product.is_some();
+    let has_cable = from.model.effects().iter().any(has_product);
+    let (absent, others): (Vec<EffectId>, Vec<EffectId>) = suspects
+        .into_iter()
+        .partition(|&effect| is_scored_where_absent(effect) && !has_cable);
+    let unknowns = Unknowns::new(&from.model, &bench.setup.free(&from.model));
+    let known = KnownPromise {
+        model: &from.model,
+        values: &point.values,
+        unknowns: &unknowns,
+        promise: &promise(
+            &bench.records,
+            &from.model,
+            &point.values,
+            &point.windows,
+            &unknowns,
+            None,
+        ),
+        leaves_no_trace: &|_| false,
+    };
+    let (scored, others) = rayon::join(
+        || absent_starts(bench, from, point, known, &absent),
+        || -> Vec<Vec<Start>> {
+            others
+                .par_iter()
+                .map(|&effect| starts(bench, &from.minimum, point, known, effect))
+                .collect()
+        },
+    );
+    let mut screened: Vec<(f64, Vec<Start>)> = scored
+        .into_iter()
+        .map(|start| {
+            let is_zero = matches!(start.effect.info().start_from, StartFrom::AngleZero);
+            let zero = (is_zero && angle_zero_rad.abs() > LARGE_ZERO_RAD)
+                .then(|| zero_start(bench, point, &start, angle_zero_rad));
+            [start].into_iter().chain(zero).collect()
+        })
+        .chain(others)
+        .map(|starts| {
+            let best = starts
+                .iter()
+                .map(|start| start.promised_cost)
+                .fold(f64::INFINITY, f64::min);
+            (point.cost - best, starts)
+        })
+        .collect();
+    // Where an effect and one that contains it are both suspects and promise about the same, the
+    // simpler one goes first: the larger one is tried on top of it in the next round.
+    let gains: Vec<(EffectId, f64)> = screened
+        .iter()
+        .filter_map(|(gain, starts)| Some((starts.first()?.effect, *gain)))
+        .collect();
+    screened.retain(|(own, starts)| {
+        starts.first().is_some_and(|start| {
+            !start.effect.info().replaces.iter().any(|contained| {
+                gains.iter().any(|(effect, gain)| {
+                    effect.name() == *contained
+                        && *gain > thresholds.least_gain
+                        && *gain > SIMPLER_SHARE * own
+                })
+            })
+        })
+    });
+    // What the model misses, in χ² beyond the noise, in the experiments in which an effect acts.
+    let missed = |effect: EffectId| -> f64 {
+        let records = bench.records.iter().zip(&known.promise.records);
+        records
+            .filter(|(record, _)| acts(effect, record.kind))
+            .map(|(record, share)| (share.cost - record.observations() as f64).max(0.0))
+            .sum()
+    };
+    screened.retain(|(gain, starts)| {
+        let least = |start: &Start| thresholds.least_part * missed(start.effect);
+        starts.first().is_some_and(|start| *gain >= least(start))
+    });
+    screened.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // A refinement that is fitted already takes the place of a term, and is no measure for what may act
+    // beside that term.
+    let is_fitted = |starts: &[Start]| starts.first().is_some_and(|start| fitted(start.effect));
+    screened.retain(|(_, starts)| {
+        let is_refinement = starts
+            .first()
+            .is_some_and(|start| added(from, &start.model, start.effect).len() == from.added.len());
+        !(is_refinement && is_fitted(starts))
+    });
+    let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);
+    let mut chosen = screened;
+    chosen.retain(|(gain, _)| *gain > bench.least_gain.max(LEAST_SHARE * best_gain));
+    chosen.truncate(round.most.min(MOST_FITS));
+    chosen.retain(|(_, starts)| !is_fitted(starts));
+    // What is simple comes first: it is fitted fast, and what it reaches need not be reached again.
+    chosen.sort_by_key(|(_, starts)| starts.first().is_some_and(is_refinement));
+    let goal = round
+        .leader
+        .map_or(Goal::ANY, |leader| Goal::beside(from, leader));
+    let chosen = chosen.into_iter().map(|(_, starts)| starts).collect();
+    let least_gain =
+        |effect: EffectId| bench.least_gain.max(thresholds.least_part * missed(effect));
+    let refinements: Vec<EffectId> = refinements
+        .into_iter()
+        .filter(|&effect| !fitted(effect))
+        .collect();
+    let roughs = fit_all_roughly(bench, from, chosen, &refinements, &least_gain, goal)?;
+    fit_all_wholly(bench, from, roughs, goal)
+}

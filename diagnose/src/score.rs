@@ -1,0 +1,283 @@
+//! The score test: what each suspect promises, and from where it may be fitted.
+
+use identify::{
+    KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, Unknowns, Window, carry_over,
+    cogging_start, guessed, promise, settled,
+};
+use plant::{EffectId, Model, Role, StartFrom};
+use rayon::prelude::*;
+
+use crate::applicable::refines;
+use crate::bench::Bench;
+use crate::candidate::Candidate;
+use crate::economy::MOST_LOCALS;
+
+/// A start from which an effect may be fitted.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The effect.
+    pub effect: EffectId,
+    /// The model with it.
+    pub model: Model,
+    /// Values of all its parameters.
+    pub values: Vec<f64>,
+    /// Cost that one full step from here promises, in the windows of the score test.
+    pub promised_cost: f64,
+    /// The windows of the score test where they do not start as those of the fitted model.
+    pub windows: Option<Vec<Vec<Window>>>,
+}
+
+/// Whether an effect is scored where it is absent: it is linear in its one amplitude there, and takes
+/// no other effect's place.
+pub fn is_scored_where_absent(effect: EffectId) -> bool {
+    let info = effect.info();
+    info.absent.is_some()
+        && info.starts.len() == 1
+        && info.parameters.len() == 1
+        && info.replaces.is_empty()
+}
+
+/// The starts of effects that are scored where they are absent. The motion there is that of the fitted
+/// model, so that one simulation carries the sensitivities of many of them: the score of each is that
+/// of the model in which the amplitudes of the others stay at zero.
+pub fn absent_starts(
+    bench: &Bench,
+    from: &Candidate,
+    point: &Minimum,
+    known: KnownPromise,
+    effects: &[EffectId],
+) -> Vec<Start> {
+    let (setup, records) = (bench.setup, &bench.records);
+    let room = MAX_UNKNOWNS
+        .saturating_sub(setup.free(&from.model).len() + MOST_LOCALS)
+        .max(1);
+    let with = |model: &Model, values: &[f64], effect: EffectId| {
+        let larger = model.with(effect);
+        let mut start = vec![0.0; larger.parameter_count()];
+        if let (Some(at), Some([absent])) = (larger.position(effect), effect.info().absent) {
+            start[at] = *absent;
+        }
+        let values = carry_over(model, values, &larger, &start);
+        (larger, values)
+    };
+    effects
+        .par_chunks(room)
+        .flat_map(|group| {
+            let (mut model, mut values) = (from.model.clone(), point.values.clone());
+            for &effect in group {
+                (model, values) = with(&model, &values, effect);
+            }
+            let unknowns = Unknowns::new(&model, &setup.free(&model));
+            let windows = &point.windows;
+            let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
+            let own: Vec<Option<usize>> = group.iter().map(|&e| model.position(e)).collect();
+            group
+                .iter()
+                .map(|&effect| {
+                    let moves: Vec<bool> = unknowns
+                        .free
+                        .iter()
+                        .map(|&at| model.position(effect) == Some(at) || !own.contains(&Some(at)))
+                        .collect();
+                    let promised_cost = promise.step(&values, &unknowns, &moves).cost;
+                    let (model, values) = with(&from.model, &point.values, effect);
+                    Start {
+                        effect,
+                        model,
+                        values,
+                        promised_cost,
+                        windows: None,
+                    }
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// The starts of an effect on top of the model of `known`, fitted over the `whole` logs and, in the windows of
+/// the score test, to `point`.
+pub fn starts(
+    bench: &Bench,
+    whole: &Minimum,
+    point: &Minimum,
+    known: KnownPromise,
+    effect: EffectId,
+) -> Vec<Start> {
+    let (setup, records) = (bench.setup, &bench.records);
+    let model = known.model.with(effect);
+    let Some(at) = model.position(effect) else {
+        return vec![];
+    };
+    let base = [0, 1, 2, 3].map(|position| point.values[position]);
+    let info = effect.info();
+    let mut parameter_sets = setup.starts(records, effect, &base);
+    if let (Some(absent), true) = (info.absent, is_scored_where_absent(effect)) {
+        parameter_sets = vec![absent.to_vec()];
+    }
+    if let Some((amplitude, _)) = info.product {
+        for set in &mut parameter_sets {
+            set[amplitude] = HARDLY_THERE * base[plant::GRAVITY_TORQUE];
+        }
+    }
+    let mut needs_settling = false;
+    if matches!(info.start_from, StartFrom::Ripple) {
+        let start = cogging_start(records, known.model, whole);
+        let missed = point.cost - bench.noise_cost();
+        let least = bench.thresholds.least_gain;
+        needs_settling = start
+            .as_ref()
+            .is_some_and(|start| start.gain > least.max(bench.thresholds.least_part * missed));
+        parameter_sets = start.map(|start| start.parameters).into_iter().collect();
+    }
+    let torque_constant = base[plant::TORQUE_CONSTANT];
+    if info.is_limit {
+        parameter_sets.retain(|set| is_reached(effect, records, set, torque_constant));
+    }
+    // On top of the effect that it refines, a shape is of use if it takes something of the misfit as it
+    // stands, the rest of the parameters adapted to it. What a step promises that changes the shape as well
+    // is no measure far from the fit. The last shape is nearest to what is refined, and may still change.
+    let is_taking_over = refines(effect, known.model);
+    let own = at..at + info.parameters.len();
+    let last = parameter_sets.len().saturating_sub(1);
+    parameter_sets
+        .into_iter()
+        .enumerate()
+        .filter_map(|(index, chosen)| {
+            let mut start = vec![0.0; model.parameter_count()];
+            start[at..at + chosen.len()].copy_from_slice(&chosen);
+            let mut values = carry_over(known.model, &point.values, &model, &start);
+            // What refines another effect starts as that effect: what it promises is then what its own
+            // part would add to a motion that is fitted already.
+            if let (Some((one, other)), true) = (info.limit, is_taking_over) {
+                values[at + one] = values[at + other];
+            }
+            let unknowns = Unknowns::new(&model, &setup.free(&model));
+            // Windows that start on the wrong side of a tooth would promise nothing.
+            let windows = if needs_settling {
+                &settled(records, &model, &values, point.windows.clone())
+            } else {
+                &point.windows
+            };
+            // A limit that is not reached in a record leaves no trace there.
+            let leaves_no_trace = |record: &Record| {
+                info.is_limit && !is_reached(effect, &[record], &chosen, torque_constant)
+            };
+            let known = KnownPromise {
+                leaves_no_trace: &leaves_no_trace,
+                ..known
+            };
+            let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
+            let all = vec![true; unknowns.free.len()];
+            let promised_cost = promise.step(&values, &unknowns, &all).cost;
+            if is_taking_over && index < last {
+                let infos = model.parameters();
+                let moves: Vec<bool> = unknowns
+                    .free
+                    .iter()
+                    .map(|&at| !(own.contains(&at) && infos[at].logarithmic))
+                    .collect();
+                let held_cost = promise.step(&values, &unknowns, &moves).cost;
+                if point.cost - held_cost < bench.least_gain {
+                    return None;
+                }
+            }
+            Some(Start {
+                effect,
+                model: model.clone(),
+                values,
+                promised_cost,
+                windows: None,
+            })
+        })
+        .collect()
+}
+
+/// The start of an effect that shifts the angle's zero, at the zero that the free swings themselves show, with the inertia,
+/// gravity and friction that they show around it.
+pub fn zero_start(bench: &Bench, point: &Minimum, absent: &Start, angle_zero_rad: f64) -> Start {
+    let model = absent.model.clone();
+    let shown = bench.setup.start_values(&model);
+    let mut values = absent.values.clone();
+    values[..plant::BASE_PARAMETERS.len()].copy_from_slice(&shown[..plant::BASE_PARAMETERS.len()]);
+    for &effect in model.effects() {
+        let info = effect.info();
+        let Some(at) = model.position(effect) else {
+            continue;
+        };
+        match info.start_from {
+            StartFrom::AngleZero => values[at] = angle_zero_rad,
+            StartFrom::Damping if info.role == Role::Body => values[at] = shown[at],
+            _ => {}
+        }
+    }
+    let unknowns = Unknowns::new(&model, &bench.setup.free(&model));
+    let all = vec![true; unknowns.free.len()];
+    // The body starts as the samples show, less the zero.
+    let mut windows = vec![];
+    for (record, fitted) in bench.records.iter().zip(&point.windows) {
+        windows.push(guessed(record, &values, fitted));
+    }
+    for (record, windows) in bench.records.iter().zip(&mut windows) {
+        let locals = Local::of(record);
+        if let Some(at) = locals.iter().position(|&local| local == Local::Angle) {
+            for window in windows {
+                window.locals[at] -= angle_zero_rad;
+            }
+        }
+    }
+    let promise = promise(&bench.records, &model, &values, &windows, &unknowns, None);
+    Start {
+        effect: absent.effect,
+        promised_cost: promise.step(&values, &unknowns, &all).cost,
+        model,
+        values,
+        windows: Some(windows),
+    }
+}
+
+/// Whether any record reaches a limit with these parameters; where none does, the limit leaves no trace.
+fn is_reached(effect: EffectId, records: &[&Record], p: &[f64], torque_constant: f64) -> bool {
+    records.iter().any(|record| {
+        record.channel(Output::WheelSpeed).is_some_and(|channel| {
+            let mut at = channel.samples.iter().zip(&record.current_a);
+            at.any(|(speed, current)| effect.is_reached(p, *current, *speed, torque_constant))
+        })
+    })
+}
+
+/// Amplitude, in gravity torques, at which the promise of a term is computed that is linear in its amplitude and
+/// in a product with it (a hardly stretched cable): at nothing the product would not show, and here the
+/// phase of a hundred swings changes by less than a thousandth of a radian.
+const HARDLY_THERE: f64 = 1e-6;
+
+/// The starts of a refinement on top of a model and its `fit` in the windows of the score test, which has what
+/// it refines.
+pub fn refined_starts(
+    bench: &Bench,
+    whole: &Minimum,
+    (model, fit): (&Model, &Minimum),
+    effect: EffectId,
+) -> Vec<Start> {
+    let unknowns = Unknowns::new(model, &bench.setup.free(model));
+    let promise = promise(
+        &bench.records,
+        model,
+        &fit.values,
+        &fit.windows,
+        &unknowns,
+        None,
+    );
+    let known = KnownPromise {
+        model,
+        values: &fit.values,
+        unknowns: &unknowns,
+        promise: &promise,
+        leaves_no_trace: &|_| false,
+    };
+    let mut starts = starts(bench, whole, fit, known, effect);
+    for start in &mut starts {
+        start.windows = Some(fit.windows.clone());
+    }
+    starts.retain(|start| fit.cost - start.promised_cost >= bench.least_gain);
+    starts
+}

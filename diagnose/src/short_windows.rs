@@ -1,0 +1,40 @@
+//! Whether a driven log must be read in short windows, because a ripple over the wheel's angle has made it
+//! unpredictable in one piece (see [`Setup::in_windows`]).
+
+use identify::{Effort, Setup, carry_over, extend, joined, refit};
+use plant::EffectId;
+
+use crate::candidate::Candidate;
+use crate::thresholds::Thresholds;
+
+/// Whether a ripple takes most of what `best` misses without it, where driven logs are compared over short
+/// windows.
+pub fn shows_in_short_windows(
+    cut: &Setup,
+    best: &Candidate,
+    suspects: &[EffectId],
+    thresholds: &Thresholds,
+) -> bool {
+    let mut ripples: Vec<EffectId> = suspects.to_vec();
+    ripples.extend(best.model.effects());
+    ripples.retain(|effect| effect.info().ripple.is_some());
+    ripples.sort();
+    ripples.dedup();
+    let mut ripples = ripples.into_iter();
+    ripples.any(|ripple| takes_most(cut, best, ripple, thresholds))
+}
+
+fn takes_most(cut: &Setup, best: &Candidate, ripple: EffectId, thresholds: &Thresholds) -> bool {
+    let records = cut.all_records();
+    let plain = best.model.without(ripple);
+    let start = vec![0.0; plain.parameter_count()];
+    let values = carry_over(&best.model, &best.minimum.values, &plain, &start);
+    let windows = joined(&records, &values, &best.minimum.windows);
+    let free = cut.free(&plain);
+    let without = refit(&records, &plain, values, windows, &free, Effort::FULL);
+    let with = extend(cut, &records, &plain, &without, &plain.with(ripple));
+    let observations: usize = records.iter().map(|record| record.observations()).sum();
+    let missed = without.cost - observations as f64;
+    let least = thresholds.least_gain.max(thresholds.cogging_share * missed);
+    without.cost - with.cost > least
+}

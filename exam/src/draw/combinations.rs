@@ -1,0 +1,410 @@
+//! What no small combination of suspects can take of a trace.
+//!
+//! The base model has been refitted to the logs without noise; what it leaves is the trace of the hidden term.
+//! Every suspect, in several shapes, every free parameter of the base model and every start of a window
+//! makes a trace of its own beside it, found by the exam's own simulator as the difference of two motions.
+//! The part of the hidden term's trace that is orthogonal to all of them at once (linear least squares)
+//! cannot be taken by any combination of them that is small enough to be linear. No fit of the diagnosis is
+//! asked, so that its failures cannot choose its questions. As many suspects as there are at once take more
+//! than the four that a diagnosis adds at most, which makes the rule strict towards outsiders.
+
+use std::ops::Range;
+
+use identify::{Local, Record, Setup};
+use nalgebra::{DMatrix, DVector};
+use plant::{EffectId, HidingPlace, Model, Output};
+use rayon::prelude::*;
+
+use super::size::BaseFit;
+use crate::bench_plan::replay;
+use crate::true_motion::Beginning;
+use crate::truth::{Hidden, Truth};
+
+/// Shapes of every suspect (see [`HidingPlace::shape`] and [`HidingPlace::second`]); those that make no
+/// difference to an effect are counted once.
+const SHAPES: [f64; 4] = [0.05, 0.35, 0.65, 0.95];
+/// See [`SHAPES`]. Of a phase they are a quarter turn apart.
+const SECONDS: [f64; 2] = [0.0, 0.5];
+/// Relative change of a base parameter, and change of a start in units of noise, whose trace is found.
+const STEP: f64 = 1e-3;
+/// A trace of a suspect is found at about this size, in units of noise: that of what is hidden.
+const SIZE: f64 = 3.0;
+/// Directions in which the traces together have less than this share of their squares are rounding.
+const RANK: f64 = 1e-9;
+
+/// A part of a log with a start of its own.
+struct Segment<'a> {
+    record: &'a Record,
+    samples: Range<usize>,
+    from: Beginning,
+    /// Index of the record's first series.
+    first_series: usize,
+}
+
+/// The samples of a segment that count.
+struct Rows {
+    /// Channel and sample of each.
+    places: Vec<(usize, usize)>,
+    /// Of the trace, in units of noise.
+    values: DVector<f64>,
+}
+
+impl Segment<'_> {
+    /// The motion of these true parameters and terms.
+    fn motion(&self, truth: &Truth, from: &Beginning) -> Vec<[f64; 3]> {
+        let log = (
+            self.record.time_s.as_slice(),
+            self.record.current_a.as_slice(),
+        );
+        replay(truth, self.record.kind, log, self.samples.clone(), from)
+    }
+
+    /// The difference of two motions in units of noise, at the samples that count.
+    fn difference(&self, rows: &Rows, one: &[[f64; 3]], other: &[[f64; 3]]) -> DVector<f64> {
+        let at = rows.places.iter().map(|&(channel, sample)| {
+            let channel = &self.record.channels[channel];
+            let (k, output) = (sample - self.samples.start, channel.output as usize);
+            (one[k][output] - other[k][output]) / channel.noise_std
+        });
+        DVector::from_iterator(rows.places.len(), at)
+    }
+}
+
+/// The parts of all logs, beginning as the base fit says.
+fn segments<'a>(records: &[&'a Record], fit: &BaseFit) -> Vec<Segment<'a>> {
+    let mut segments = vec![];
+    let mut first_series = 0;
+    for (&record, windows) in records.iter().zip(&fit.minimum.windows) {
+        let locals = Local::of(record);
+        for window in windows {
+            let first = window.samples.start;
+            let local = |wanted: Local| {
+                let at = locals.iter().position(|&local| local == wanted);
+                at.and_then(|at| window.locals.get(at).copied())
+            };
+            segments.push(Segment {
+                record,
+                samples: window.samples.clone(),
+                from: Beginning {
+                    time_s: record.time_s[first],
+                    angle_rad: local(Local::Angle).unwrap_or(0.0),
+                    rate_rad_s: local(Local::Rate).unwrap_or(0.0),
+                    wheel_angle_rad: record.wheel_angle_before(first),
+                    wheel_speed_rad_s: local(Local::WheelSpeed).unwrap_or(0.0),
+                    current_a: match first {
+                        0 => 0.0,
+                        _ => record.current_a[first - 1],
+                    },
+                },
+                first_series,
+            });
+        }
+        first_series += record.channels.len();
+    }
+    segments
+}
+
+/// What the base fit leaves of a segment.
+fn left(segment: &Segment, traces: &[identify::Trace]) -> Rows {
+    let record = segment.record;
+    let mut places = vec![];
+    let mut values = vec![];
+    for (index, (channel, trace)) in record.channels.iter().zip(traces).enumerate() {
+        for sample in segment.samples.clone() {
+            let left = (channel.samples[sample] - trace.predicted[sample]) / channel.noise_std;
+            if left.is_finite() && record.weight[sample] > 0.0 {
+                places.push((index, sample));
+                values.push(left);
+            }
+        }
+    }
+    Rows {
+        places,
+        values: DVector::from_vec(values),
+    }
+}
+
+/// Every suspect in every shape that makes a difference, as a function of its amplitude.
+fn terms(suspects: &[EffectId], place: &HidingPlace) -> Vec<(EffectId, HidingPlace)> {
+    let mut terms = vec![];
+    for &effect in suspects {
+        let info = effect.info();
+        let mut seen: Vec<Vec<f64>> = vec![];
+        for shape in SHAPES {
+            for second in SECONDS {
+                let place = HidingPlace {
+                    shape,
+                    second,
+                    ..*place
+                };
+                let parameters = info.hidden(info.first_guess(), &place);
+                if !seen.contains(&parameters) {
+                    seen.push(parameters);
+                    terms.push((effect, place));
+                }
+            }
+        }
+    }
+    terms
+}
+
+/// What is left of the trace of what hides in logs without noise by every small combination of the suspects,
+/// of the base parameters and of the starts: the root mean square of the worst series, in units of its noise.
+/// `None` where the motion leaves the finite numbers.
+pub fn left_by_combinations(
+    clean: &Setup,
+    fit: &BaseFit,
+    suspects: &[EffectId],
+    place: &HidingPlace,
+) -> Option<f64> {
+    let records = clean.all_records();
+    let model = Model::base();
+    let values = &fit.minimum.values;
+    let truth_of = |values: &[f64]| Truth {
+        base: [values[0], values[1], values[2], values[3]],
+        body_viscous: values[4],
+        wheel_viscous: values[5],
+        hidden: vec![],
+    };
+    let truth = truth_of(values);
+    let segments = segments(&records, fit);
+    let all_traces: Vec<&[identify::Trace]> = records
+        .iter()
+        .zip(&fit.minimum.windows)
+        .zip(&fit.traces)
+        .flat_map(|((_, windows), traces)| windows.iter().map(move |_| traces.as_slice()))
+        .collect();
+    let mut rows: Vec<Rows> = segments
+        .iter()
+        .zip(all_traces)
+        .map(|(segment, traces)| left(segment, traces))
+        .collect();
+    let plain: Vec<Vec<[f64; 3]>> = segments
+        .par_iter()
+        .map(|segment| segment.motion(&truth, &segment.from))
+        .collect();
+    // The trace of other parameters or terms, segment by segment.
+    let trace = |truth: &Truth| -> Vec<DVector<f64>> {
+        segments
+            .iter()
+            .zip(&rows)
+            .zip(&plain)
+            .map(|((segment, rows), plain)| {
+                let motion = segment.motion(truth, &segment.from);
+                segment.difference(rows, &motion, plain)
+            })
+            .collect()
+    };
+    let mut varied: Vec<Vec<DVector<f64>>> = clean
+        .free(&model)
+        .into_par_iter()
+        .map(|position| {
+            let mut values = values.clone();
+            values[position] *= 1.0 + STEP;
+            trace(&truth_of(&values))
+        })
+        .collect();
+    varied.par_extend(
+        terms(suspects, place)
+            .into_par_iter()
+            .map(|(effect, place)| {
+                let with = |amplitude: f64| {
+                    let parameters = effect.info().hidden(amplitude, &place);
+                    trace(&truth.with(vec![Hidden::Library(effect, parameters)]))
+                };
+                let guess = effect.info().first_guess();
+                let first = with(guess);
+                let size = worst(&segments, &rows, &first);
+                if size > 0.0 && size.is_finite() {
+                    with(guess * (SIZE / size).clamp(1e-3, 1e3))
+                } else {
+                    first
+                }
+            }),
+    );
+    // What goes where it means nothing is no direction.
+    varied.retain(|trace| {
+        let sum: f64 = trace.iter().map(DVector::norm_squared).sum();
+        sum > 0.0 && sum.is_finite()
+    });
+    // Every start is free: what it can do is taken out of all traces of its segment.
+    for (index, segment) in segments.iter().enumerate() {
+        let starts: Vec<DVector<f64>> = start_steps(segment)
+            .into_iter()
+            .map(|from| {
+                let motion = segment.motion(&truth, &from);
+                segment.difference(&rows[index], &motion, &plain[index])
+            })
+            .collect();
+        let Some(basis) = orthonormal(&starts) else {
+            continue;
+        };
+        let without = |trace: &mut DVector<f64>| *trace -= &basis * (basis.transpose() * &*trace);
+        without(&mut rows[index].values);
+        for trace in &mut varied {
+            without(&mut trace[index]);
+        }
+    }
+    // Linear least squares over all segments, by the normal equations of traces of unit length.
+    for trace in &mut varied {
+        let norm = trace.iter().map(DVector::norm_squared).sum::<f64>().sqrt();
+        for part in trace.iter_mut() {
+            *part /= norm.max(f64::MIN_POSITIVE);
+        }
+    }
+    let dot = |a: &[DVector<f64>], b: &[DVector<f64>]| -> f64 {
+        a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+    };
+    let hidden: Vec<DVector<f64>> = rows.iter().map(|rows| rows.values.clone()).collect();
+    let count = varied.len();
+    let normal = DMatrix::from_fn(count, count, |i, j| dot(&varied[i], &varied[j]));
+    let right = DVector::from_iterator(count, varied.iter().map(|trace| dot(trace, &hidden)));
+    if !normal
+        .iter()
+        .chain(right.iter())
+        .all(|value| value.is_finite())
+    {
+        return None;
+    }
+    let taken = normal.svd(true, true).solve(&right, RANK).ok()?;
+    let left: Vec<DVector<f64>> = hidden
+        .iter()
+        .enumerate()
+        .map(|(index, hidden)| {
+            let mut left = hidden.clone();
+            for (trace, share) in varied.iter().zip(taken.iter()) {
+                left -= &trace[index] * *share;
+            }
+            left
+        })
+        .collect();
+    Some(worst(&segments, &rows, &left))
+}
+
+/// The beginnings of a segment with one of its unknowns moved each.
+fn start_steps(segment: &Segment) -> Vec<Beginning> {
+    let noise = |output: Output| {
+        let channel = segment.record.channel(output);
+        STEP * channel.map_or(1.0, |channel| channel.noise_std)
+    };
+    let from = segment.from;
+    Local::of(segment.record)
+        .into_iter()
+        .filter_map(|local| match local {
+            Local::Angle => Some(Beginning {
+                angle_rad: from.angle_rad + noise(Output::Angle),
+                ..from
+            }),
+            Local::Rate => Some(Beginning {
+                rate_rad_s: from.rate_rad_s + noise(Output::Rate),
+                ..from
+            }),
+            Local::WheelSpeed => Some(Beginning {
+                wheel_speed_rad_s: from.wheel_speed_rad_s + noise(Output::WheelSpeed),
+                ..from
+            }),
+            // The exam's logs have a recorded current and whole angles; the others act with an effect alone.
+            _ => None,
+        })
+        .collect()
+}
+
+/// An orthonormal basis of what these span; `None` if they span nothing.
+fn orthonormal(columns: &[DVector<f64>]) -> Option<DMatrix<f64>> {
+    let columns: Vec<DVector<f64>> = columns
+        .iter()
+        .filter(|column| column.norm() > 0.0 && column.norm().is_finite())
+        .map(|column| column / column.norm())
+        .collect();
+    if columns.is_empty() {
+        return None;
+    }
+    Some(DMatrix::from_columns(&columns).qr().q())
+}
+
+/// The largest root mean square of a trace over all series.
+fn worst(segments: &[Segment], rows: &[Rows], trace: &[DVector<f64>]) -> f64 {
+    let series = segments
+        .iter()
+        .map(|segment| segment.first_series + segment.record.channels.len())
+        .max();
+    let mut sums = vec![(0.0, 0usize); series.unwrap_or(0)];
+    for ((segment, rows), trace) in segments.iter().zip(rows).zip(trace) {
+        for (&(channel, _), value) in rows.places.iter().zip(trace.iter()) {
+            let sum = &mut sums[segment.first_series + channel];
+            *sum = (sum.0 + value * value, sum.1 + 1);
+        }
+    }
+    sums.into_iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(sum, count)| (sum / count as f64).sqrt())
+        .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::experiments::Choice;
+    use super::super::question::effects;
+    use super::super::shape::place;
+    use super::super::size::{base_fit, make, worst};
+    use super::*;
+    use crate::bench_plan::{Driving, ExperimentPlan, SensorNoise};
+    use crate::truth::Outsider;
+    use plant::Kind;
+
+    /// A bench with two free swings, what its base fit leaves, and what is left of that beside these suspects.
+    fn left(hidden: Hidden, suspects: &[EffectId]) -> (f64, f64) {
+        let truth = Truth {
+            base: [2.30344e-3, 1.36125e-4, 0.245158, 0.0335],
+            body_viscous: 2.12e-5,
+            wheel_viscous: 1.75204e-5,
+            hidden: vec![hidden],
+        };
+        let swing = |angle_rad: f64| ExperimentPlan {
+            name: format!("free swing {angle_rad} rad"),
+            kind: Kind::FreeSwing,
+            angle_rad,
+            wheel_speed_rad_s: 0.0,
+            driving: Driving::None,
+            duration_s: 12.0,
+            sample_s: 0.005,
+        };
+        let choice = Choice {
+            plans: vec![swing(0.9), swing(0.3)],
+            has_rate: true,
+            known: [None, None, Some(truth.base[2]), None],
+            top: (1.0, 500.0),
+        };
+        let noise = SensorNoise {
+            std: [1e-3, 5e-3, 0.5],
+        };
+        let made = make(&truth, &choice, &noise, 1).expect("logs");
+        let fit = base_fit(&made.clean, &truth).expect("a fit");
+        let size = worst(&made.clean.all_records(), &fit.traces);
+        let place = place(&truth, choice.top);
+        let left = left_by_combinations(&made.clean, &fit, suspects, &place).expect("finite");
+        (size, left)
+    }
+
+    #[test]
+    fn a_suspect_takes_its_own_trace() {
+        let drag = EffectId::BodyQuadraticDrag;
+        let hidden = || Hidden::Library(drag, vec![2e-4]);
+        let (size, with) = left(hidden(), &[drag]);
+        assert!(size > 3.0, "{size}");
+        // What is not linear in a trace of this size remains.
+        assert!(with < 0.1 * size, "{with} of {size}");
+        // What has nothing to do with it takes nothing.
+        let (_, beside) = left(hidden(), &[EffectId::GyroBias]);
+        assert!(beside > 0.9 * size, "{beside} of {size}");
+    }
+
+    #[test]
+    fn more_suspects_leave_less() {
+        let magnet = || Hidden::Outsider(Outsider::MagnetNearAnAngle, [8e-3, 0.15, 0.05]);
+        let (size, none) = left(magnet(), &[]);
+        assert!((none - size).abs() < 0.05 * size, "{none} of {size}");
+        let (_, all) = left(magnet(), &effects());
+        assert!(all < none && all > 0.02 * size, "{all} of {size}");
+    }
+}

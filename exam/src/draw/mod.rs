@@ -1,0 +1,156 @@
+//! The draw: which bench a seed stands for.
+//!
+//! Forty seeds make a round. In every round each effect of the library is hidden once
+//! alone and once in one of nine pairs, each of the eight outsiders is hidden once, one effect of
+//! the library is hidden and taken out of the suspects, and four benches hide nothing. Everything
+//! else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and the diagnosis is
+//! never asked.
+//!
+//! The size of a hidden term is log-uniform from 1 to 30: the root mean square of what is left of
+//! its trace, after the base model is refitted, in the channel that it hits worst, in units of that
+//! channel's noise. An outsider counts only if three times the noise is left that no small combination of
+//! what the suspects do can take (`combinations`), and is drawn again until it does (its size from 3 to 30).
+//!
+//! | file | job |
+//! |---|---|
+//! | `dice` | draws that every file needs |
+//! | `question` | what a seed asks |
+//! | `experiments` | the pendulum, its sensors, its experiments |
+//! | `shape` | the shape of a hidden term |
+//! | `size` | the logs, and the amplitude of a size |
+//! | `combinations` | what no small combination of suspects can take of a trace |
+
+mod combinations;
+mod dice;
+mod experiments;
+mod question;
+mod shape;
+mod size;
+
+use identify::Setup;
+use plant::{EffectId, Output, Role};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+pub use question::{Question, ROUND, effects, question};
+
+use self::combinations::left_by_combinations;
+use self::dice::log_uniform;
+use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
+use self::shape::{Shape, is_plausible, place, shape_of_effect, shape_of_outsider};
+use self::size::{base_fit, make, sized};
+use crate::bench_plan::SensorNoise;
+use crate::truth::{StatedTorque, Truth};
+
+/// An outsider counts if this is left, in units of noise, by every small combination of suspects.
+pub const LEFT_BY_SUSPECTS: f64 = 3.0;
+/// Sizes that are drawn, in units of noise.
+pub const SIZES: (f64, f64) = (1.0, 30.0);
+/// Times that a bench is drawn again if its hidden terms cannot have the size that was drawn, or an
+/// outsider does not count.
+const REDRAWS: u64 = 20;
+
+/// A bench with its answer.
+#[derive(Clone, Debug)]
+pub struct ExamBench {
+    /// The seed.
+    pub seed: u64,
+    /// What is asked.
+    pub question: Question,
+    /// The truth.
+    pub truth: Truth,
+    /// The logs, ready for the fit.
+    pub setup: Setup,
+    /// Size of each hidden term alone, in units of noise.
+    pub sizes: Vec<f64>,
+    /// Noise of the sensors.
+    pub noise: SensorNoise,
+    /// The suspects.
+    pub suspects: Vec<EffectId>,
+}
+
+/// The bench of a seed; `None` if no draw gave hidden terms of the size that was wanted.
+pub fn draw(seed: u64) -> Option<ExamBench> {
+    let question = question(seed);
+    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), None))
+}
+
+/// A bench in which an effect hides alone that is no part of this program; it is a suspect beside those of the library.
+/// The exam needs its equation a second time. `None` if no draw of this seed has the size that was wanted.
+pub fn draw_stated(seed: u64, effect: EffectId, torque: &StatedTorque) -> Option<ExamBench> {
+    let question = Question::One(effect);
+    (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), Some(torque)))
+}
+
+/// What the experiments of a question must have.
+fn needs(question: &Question) -> Needs {
+    let hidden = question.hidden();
+    let any = |holds: fn(EffectId) -> bool| hidden.iter().any(|&effect| holds(effect));
+    Needs {
+        rate: any(|effect| effect.info().senses == Some(Output::Rate)),
+        motor: any(|effect| matches!(effect.info().role, Role::Wheel | Role::Motor))
+            || matches!(question, Question::Outside(outsider) if outsider.needs_a_motor()),
+    }
+}
+
+fn attempt_draw(
+    seed: u64,
+    attempt: u64,
+    question: Question,
+    stated: Option<&StatedTorque>,
+) -> Option<ExamBench> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1009).wrapping_add(attempt));
+    let base = draw_truth(&mut rng);
+    let noise = draw_noise(&mut rng);
+    let choice = draw_experiments(&mut rng, &base, needs(&question));
+    let place = place(&base, choice.top);
+    let shapes: Vec<Shape> = match &question {
+        Question::Outside(outsider) => vec![shape_of_outsider(&mut rng, *outsider, &base)],
+        _ => question
+            .hidden()
+            .iter()
+            .map(|&effect| shape_of_effect(&mut rng, effect, &place, stated))
+            .collect(),
+    };
+    let (smallest, largest) = SIZES;
+    let smallest = if question.is_outside() {
+        LEFT_BY_SUSPECTS
+    } else {
+        smallest
+    };
+    let mut terms = vec![];
+    let mut sizes = vec![];
+    for shape in &shapes {
+        let wanted = log_uniform(&mut rng, smallest, largest);
+        let (term, size) = sized(&base, &choice, &noise, seed, shape, wanted)?;
+        if !is_plausible(&term) {
+            return None;
+        }
+        terms.push(term);
+        sizes.push(size);
+    }
+    let truth = base.with(terms);
+    let made = make(&truth, &choice, &noise, seed)?;
+    let mut suspects = effects();
+    if stated.is_some() {
+        suspects.extend(question.hidden());
+    }
+    if let Question::Withheld(effect) = &question {
+        suspects.retain(|suspect| suspect != effect);
+    }
+    if question.is_outside() {
+        let fit = base_fit(&made.clean, &truth)?;
+        if left_by_combinations(&made.clean, &fit, &suspects, &place)? < LEFT_BY_SUSPECTS {
+            return None;
+        }
+    }
+    Some(ExamBench {
+        seed,
+        question,
+        truth,
+        setup: made.noisy,
+        sizes,
+        noise,
+        suspects,
+    })
+}

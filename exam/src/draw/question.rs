@@ -1,0 +1,99 @@
+//! Which question a seed asks.
+
+use plant::{EffectId, Model};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::truth::Outsider;
+
+/// Seeds in a round.
+pub const ROUND: u64 = 40;
+
+/// What kind of question a bench asks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// Nothing is hidden.
+    Nothing,
+    /// One effect.
+    One(EffectId),
+    /// Two effects.
+    Two(EffectId, EffectId),
+    /// A term of nobody's library.
+    Outside(Outsider),
+    /// An effect of the library that is no suspect.
+    Withheld(EffectId),
+}
+
+impl Question {
+    /// The effects of the library that hide.
+    pub fn hidden(&self) -> Vec<EffectId> {
+        match self {
+            Question::Nothing | Question::Outside(_) => vec![],
+            Question::One(effect) | Question::Withheld(effect) => vec![*effect],
+            Question::Two(a, b) => vec![*a, *b],
+        }
+    }
+
+    /// Whether something hides that no suspect accounts for.
+    pub fn is_outside(&self) -> bool {
+        matches!(self, Question::Outside(_) | Question::Withheld(_))
+    }
+
+    /// What hides, in words, one entry a term.
+    pub fn truth(&self) -> Vec<String> {
+        match self {
+            Question::Nothing => vec!["nothing".to_owned()],
+            Question::One(effect) => vec![effect.name().to_owned()],
+            Question::Two(a, b) => vec![a.name().to_owned(), b.name().to_owned()],
+            Question::Outside(outsider) => vec![outsider.name().to_owned()],
+            Question::Withheld(effect) => vec![format!("withheld {}", effect.name())],
+        }
+    }
+}
+
+/// The effects that may hide: all of the library but the two of the base model.
+pub fn effects() -> Vec<EffectId> {
+    EffectId::ALL
+        .iter()
+        .copied()
+        .filter(|&effect| !Model::base().has(effect))
+        .collect()
+}
+
+/// Two effects can hide together if neither replaces the other.
+fn go_together(a: EffectId, b: EffectId) -> bool {
+    let model = Model::base().with(a).with(b);
+    model.has(a) && model.has(b)
+}
+
+/// The question of a seed.
+pub fn question(seed: u64) -> Question {
+    let effects = effects();
+    let slot = (seed % ROUND) as usize;
+    let mut rng = ChaCha8Rng::seed_from_u64(0x0b5e_55ed ^ (seed / ROUND));
+    if let Some(&effect) = effects.get(slot) {
+        return Question::One(effect);
+    }
+    let slot = slot - effects.len();
+    if let Some(&outsider) = Outsider::ALL.get(slot) {
+        return Question::Outside(outsider);
+    }
+    match slot - Outsider::ALL.len() {
+        0 => Question::Withheld(effects[(seed / ROUND) as usize % effects.len()]),
+        1..=4 => Question::Nothing,
+        pair => {
+            // The matching of the round: shuffled until every pair can hide together.
+            let mut order = effects;
+            loop {
+                for last in (1..order.len()).rev() {
+                    order.swap(last, rng.random_range(0..=last));
+                }
+                if order.chunks(2).all(|two| go_together(two[0], two[1])) {
+                    break;
+                }
+            }
+            let at = 2 * ((pair - 5) % (order.len() / 2));
+            Question::Two(order[at], order[at + 1])
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The shape of a hidden term, whose amplitude is still open.
+
+use std::f64::consts::TAU;
+
+use plant::{EffectId, HidingPlace};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::dice::sign;
+use crate::truth::{Hidden, Outsider, StatedTorque, Truth};
+
+/// A hidden term whose amplitude is still open.
+pub struct Shape {
+    /// The term for an amplitude.
+    pub make: Box<dyn Fn(f64) -> Hidden + Send + Sync>,
+    /// A first guess for the amplitude.
+    pub guess: f64,
+}
+
+/// The bench as effects look at it that are hidden there; their shape is drawn apart.
+pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) -> HidingPlace {
+    let [
+        total_inertia,
+        wheel_inertia,
+        gravity_torque,
+        torque_constant,
+    ] = truth.base;
+    HidingPlace {
+        total_inertia,
+        wheel_inertia,
+        gravity_torque,
+        torque_constant,
+        top_current_a,
+        top_wheel_speed_rad_s,
+        side: 1.0,
+        shape: 0.0,
+        second: 0.0,
+    }
+}
+
+/// An effect with a drawn shape; one that is no part of this program with its equation.
+pub fn shape_of_effect(
+    rng: &mut ChaCha8Rng,
+    effect: EffectId,
+    place: &HidingPlace,
+    stated: Option<&StatedTorque>,
+) -> Shape {
+    let stated = stated.cloned();
+    let place = HidingPlace {
+        side: sign(rng),
+        shape: rng.random_range(0.0..1.0),
+        second: rng.random_range(-1.0..1.0),
+        ..*place
+    };
+    Shape {
+        make: Box::new(move |s| {
+            let parameters = effect.info().hidden(s, &place);
+            match &stated {
+                Some(torque) => Hidden::Stated(effect, parameters, torque.clone()),
+                None => Hidden::Library(effect, parameters),
+            }
+        }),
+        guess: effect.info().first_guess(),
+    }
+}
+
+/// An outsider with a drawn shape.
+pub fn shape_of_outsider(rng: &mut ChaCha8Rng, outsider: Outsider, truth: &Truth) -> Shape {
+    let gravity = truth.base[2];
+    let uniform = |rng: &mut ChaCha8Rng, low: f64, high: f64| rng.random_range(low..high);
+    let (factor, p1, p2, guess) = match outsider {
+        Outsider::MagnetNearAnAngle => {
+            let place = sign(rng) * uniform(rng, 0.05, 0.3);
+            (gravity, place, uniform(rng, 0.03, 0.08), 1e-2)
+        }
+        Outsider::FrictionThatGrows => (gravity, 0.0, 0.0, 1e-2),
+        Outsider::RubbingBeyondAnAngle => (gravity, uniform(rng, 0.1, 0.3), 0.0, 1e-2),
+        Outsider::VibrationOfTheBase => (
+            gravity,
+            TAU * uniform(rng, 2.5, 7.0),
+            uniform(rng, 0.0, TAU),
+            1e-2,
+        ),
+        Outsider::SoftStop => (gravity, uniform(rng, 0.1, 0.3), 0.0, 1e-2),
+        Outsider::WheelDragThatGrows => (truth.wheel_viscous, 0.0, 0.0, 0.1),
+        Outsider::SupplyThatSags => (1.0, uniform(rng, 0.5, 2.0), 0.0, 1e-2),
+        Outsider::UnevenEncoder => (1.0, uniform(rng, 0.0, TAU), 0.0, 1e-3),
+    };
+    Shape {
+        make: Box::new(move |s| Hidden::Outsider(outsider, [factor * s, p1, p2])),
+        guess,
+    }
+}
+
+/// Whether the numbers of a library effect lie where its description says that they lie on benches
+/// of this size.
+pub fn is_plausible(hidden: &Hidden) -> bool {
+    let Some((effect, p)) = hidden.effect() else {
+        return true;
+    };
+    let info = effect.info();
+    !info.hides_within_plausible()
+        || info.parameters.iter().zip(p).all(|(info, value)| {
+            let (low, high) = info.plausible;
+            // The size that is drawn decides how small an amplitude is.
+            value.abs() <= high.abs().max(low.abs())
+        })
+}

@@ -1,0 +1,303 @@
+//! How one verdict is marked.
+//!
+//! What the logs can decide is worked out by refitting: the true set of effects, started at the true
+//! parameters, against every rival that the suspects offer in its place. A rival's distance is the
+//! difference of χ² plus ln n for every parameter that it has more (Schwarz 1978). Sets at nearly
+//! the same distance tie, and then "ambiguous" is the right answer; a simpler set that is no worse
+//! is as right as the truth.
+
+use std::borrow::Cow;
+
+use diagnose::{Diagnosis, Options, Verdict, diagnose_with};
+use identify::{Cancelled, Effort, Fit, IdentifyError, Progress, Setup, identify, joined, refit};
+use plant::{EffectId, Model};
+
+use crate::answer::Answer;
+use crate::rivals::{CLOSE, EQUAL, Rival, rivals};
+
+/// A missed effect whose trace is at least this, in units of noise, makes "nothing missing" and
+/// "explained" wrong and not only blind.
+pub const PLAIN: f64 = 3.0;
+
+/// What a verdict is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Right: the true effects, "nothing missing" where nothing is, "ambiguous" where the logs
+    /// leave a tie, "unexplained" for an outsider.
+    Right,
+    /// Less was said than the logs allow, but nothing wrong: "ambiguous" with the truth among the
+    /// sets, or the true effects and "unexplained".
+    Cautious,
+    /// A tie was decided, by luck rightly.
+    Lucky,
+    /// Not confident, and the truth is not among what was named.
+    Astray,
+    /// An effect with a small trace was not seen.
+    Missed,
+    /// Nothing is hidden, and an effect was named or structure reported.
+    FalseAlarm,
+    /// A wrong confident verdict.
+    Wrong,
+}
+
+impl Mark {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Mark::Right => "right",
+            Mark::Cautious => "cautious",
+            Mark::Lucky => "lucky",
+            Mark::Astray => "astray",
+            Mark::Missed => "missed",
+            Mark::FalseAlarm => "false-alarm",
+            Mark::Wrong => "wrong",
+        }
+    }
+}
+
+/// An added parameter against its true value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interval {
+    /// The parameter.
+    pub name: &'static str,
+    /// Its true value, SI.
+    pub truth: f64,
+    /// The fit's value, SI.
+    pub value: f64,
+    /// The fit's standard error, SI.
+    pub std: f64,
+}
+
+impl Interval {
+    /// Whether the 95 % interval holds the truth.
+    pub fn covers(&self) -> bool {
+        (self.value - self.truth).abs() <= 1.959_964 * self.std
+    }
+}
+
+/// A marked verdict.
+#[derive(Clone, Debug)]
+pub struct Paper {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The effects of its last step.
+    pub named: Vec<EffectId>,
+    /// All suspects with their probabilities, most probable first.
+    pub suspects: Vec<(EffectId, f64)>,
+    /// The sets that it says tie.
+    pub ambiguous_between: Vec<Vec<EffectId>>,
+    /// What remains, in units of noise.
+    pub remainder: f64,
+    /// The mark.
+    pub mark: Mark,
+    /// Effects that count as true: the hidden ones, and those of simpler sets that are no worse.
+    pub accepted: Vec<EffectId>,
+    /// The sets that tie with the truth, with their distance.
+    pub ties: Vec<(Vec<EffectId>, f64)>,
+    /// For each hidden effect its trace beside the others, in units of noise.
+    pub shown: Vec<f64>,
+    /// Added parameters against the truth, where the effects named are the true ones.
+    pub intervals: Vec<Interval>,
+    /// Time that the verdict took, identification included, s.
+    pub seconds: f64,
+}
+
+/// A bench could not be marked.
+#[derive(Debug, thiserror::Error)]
+pub enum MarkError {
+    /// It cannot be identified.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// The work was called off.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Lets the diagnosis answer a bench, and marks it.
+///
+/// # Errors
+/// [`MarkError`] if the bench cannot be identified, or the work is called off.
+pub fn mark(
+    setup: &Setup,
+    answer: &Answer,
+    suspects: &[EffectId],
+    progress: &Progress,
+) -> Result<Paper, MarkError> {
+    let started = std::time::Instant::now();
+    let base = Model::base();
+    let found = identify(setup, &base, None)?;
+    let mut minimum = found.fit.minimum.clone();
+    let options = Options {
+        suspects,
+        ..Options::default()
+    };
+    let diagnosis = diagnose_with(setup, &base, found.fit.minimum, &options, progress)?;
+    let seconds = started.elapsed().as_secs_f64();
+    // What the logs can decide is worked out without the pushes that the diagnosis leaves out, too.
+    let cleared = setup.with_more_pushes(&base, &minimum.values);
+    if let Some(cleared) = &cleared {
+        minimum = refit(
+            &cleared.all_records(),
+            &base,
+            minimum.values,
+            minimum.windows,
+            &cleared.free(&base),
+            Effort::FULL,
+        );
+    }
+    let setup = cleared.as_ref().unwrap_or(setup);
+    let truth = answer.effects.iter();
+    let truth = truth.fold(Model::base(), |model, &effect| model.with(effect));
+    let suited = setup.suited_to(&truth);
+    if let Cow::Owned(cut) = &suited {
+        let records = cut.all_records();
+        let windows = joined(&records, &minimum.values, &minimum.windows);
+        let free = cut.free(&base);
+        minimum = refit(
+            &records,
+            &base,
+            minimum.values,
+            windows,
+            &free,
+            Effort::FULL,
+        );
+    }
+    let setup = suited.as_ref();
+    let (rivals, shown) = if answer.effects.is_empty() || answer.outside {
+        (vec![], vec![])
+    } else {
+        rivals(setup, &minimum, answer, suspects, progress)?
+    };
+    Ok(marked(setup, answer, diagnosis, rivals, shown, seconds))
+}
+
+fn marked(
+    setup: &Setup,
+    answer: &Answer,
+    diagnosis: Diagnosis,
+    rivals: Vec<Rival>,
+    shown: Vec<f64>,
+    seconds: f64,
+) -> Paper {
+    let mut named: Vec<EffectId> = match diagnosis.last() {
+        Some(step) => step.candidate.set(),
+        None => vec![],
+    };
+    named.sort();
+    let is_accepted = |set: &[EffectId]| {
+        set == answer.effects
+            || rivals
+                .iter()
+                .any(|rival| rival.simpler && rival.distance < EQUAL && rival.set == set)
+    };
+    let tie = |limit: f64| {
+        rivals
+            .iter()
+            .any(|rival| rival.distance < limit && !is_accepted(&rival.set))
+    };
+    let listed = diagnosis
+        .ambiguous_between
+        .iter()
+        .any(|set| is_accepted(set));
+    let is_subset =
+        |small: &[EffectId], large: &[EffectId]| small.iter().all(|effect| large.contains(effect));
+    // A limit of the true effect (dry friction for presliding) is the truth but for what it lacks.
+    let is_limit = rivals
+        .iter()
+        .any(|rival| rival.set == named && rival.lacks.is_some_and(|lacks| lacks < PLAIN));
+    let missed_is_plain = answer
+        .effects
+        .iter()
+        .zip(&shown)
+        .any(|(effect, shown)| !named.contains(effect) && *shown >= PLAIN);
+    let mark = match diagnosis.verdict {
+        Verdict::Unexplained if answer.outside => Mark::Right,
+        Verdict::Ambiguous if answer.outside => Mark::Astray,
+        _ if answer.outside => Mark::Wrong,
+        Verdict::NothingMissing if answer.effects.is_empty() => Mark::Right,
+        _ if answer.effects.is_empty() => Mark::FalseAlarm,
+        Verdict::NothingMissing if missed_is_plain => Mark::Wrong,
+        Verdict::NothingMissing => Mark::Missed,
+        Verdict::Explained if is_accepted(&named) && named != answer.effects => Mark::Right,
+        Verdict::Explained if named == answer.effects && tie(EQUAL) => Mark::Lucky,
+        Verdict::Explained if named == answer.effects => Mark::Right,
+        Verdict::Explained
+            if is_limit || (is_subset(&named, &answer.effects) && !missed_is_plain) =>
+        {
+            Mark::Missed
+        }
+        Verdict::Explained => Mark::Wrong,
+        Verdict::Ambiguous if listed && tie(CLOSE) => Mark::Right,
+        Verdict::Ambiguous if listed => Mark::Cautious,
+        Verdict::Unexplained if is_accepted(&named) => Mark::Cautious,
+        Verdict::Ambiguous | Verdict::Unexplained => Mark::Astray,
+    };
+    let mut accepted = answer.effects.clone();
+    for rival in &rivals {
+        if is_accepted(&rival.set) {
+            accepted.extend(&rival.set);
+        }
+    }
+    accepted.sort();
+    accepted.dedup();
+    let intervals = match diagnosis.last() {
+        Some(step) if named == answer.effects => intervals(setup, &step.fit, answer),
+        _ => vec![],
+    };
+    Paper {
+        verdict: diagnosis.verdict,
+        named,
+        suspects: diagnosis
+            .suspects
+            .iter()
+            .map(|suspect| (suspect.effect, suspect.probability))
+            .collect(),
+        ambiguous_between: diagnosis.ambiguous_between.clone(),
+        remainder: diagnosis.remainder,
+        mark,
+        accepted,
+        ties: rivals
+            .into_iter()
+            .filter(|rival| rival.distance < CLOSE)
+            .map(|rival| (rival.set, rival.distance))
+            .collect(),
+        shown,
+        intervals,
+        seconds,
+    }
+}
+
+fn intervals(setup: &Setup, fit: &Fit, answer: &Answer) -> Vec<Interval> {
+    let mut found = vec![];
+    for effect in &answer.effects {
+        for (index, info) in effect.info().parameters.iter().enumerate() {
+            let Some(position) = fit.model.position_of(info.name) else {
+                continue;
+            };
+            // Per unit of inertia there is no true value to compare with.
+            if setup.unit(&fit.model, position) != info.unit {
+                continue;
+            }
+            let truth = answer.parameters.iter().find(|(name, _)| name == info.name);
+            let (Some((_, truth)), Some(std)) = (truth, fit.std(position)) else {
+                continue;
+            };
+            let mut value = fit.values[position];
+            if effect
+                .info()
+                .ripple
+                .is_some_and(|ripple| ripple.phase == index)
+            {
+                let turn = std::f64::consts::TAU;
+                value -= turn * ((value - truth) / turn).round();
+            }
+            found.push(Interval {
+                name: info.name,
+                truth: *truth,
+                value,
+                std,
+            });
+        }
+    }
+    found
+}

@@ -1,0 +1,160 @@
+//! The rivals of the truth: what else the logs allow, worked out by refitting.
+
+use std::sync::Arc;
+
+use diagnose::{Bench, Candidate, Round, Thresholds, largest_trace, prepared, try_all};
+use identify::{
+    Cancelled, Effort, Minimum, Progress, Setup, final_windows, fit_from_scratch, refit,
+};
+use plant::{EffectId, Model};
+
+use crate::answer::Answer;
+
+/// A rival at less than this distance cannot be told from the truth (odds of 4 to one at most):
+/// a confident answer is luck.
+pub const EQUAL: f64 = 3.0;
+/// Up to this distance (odds of 400 to one) "ambiguous" is as right as the truth.
+pub const CLOSE: f64 = 12.0;
+/// χ² for each observation beyond which the fit of the true set has not found its minimum.
+const BAD: f64 = 1.3;
+
+/// A set of effects that was refitted beside the truth.
+pub struct Rival {
+    /// The set.
+    pub set: Vec<EffectId>,
+    /// Difference of χ² from the truth, and ln n for every parameter that it has more.
+    pub distance: f64,
+    /// It has fewer parameters than the truth.
+    pub simpler: bool,
+    /// The truth contains it, and shows this trace beyond it in units of noise.
+    pub lacks: Option<f64>,
+}
+
+/// The true set fitted, started at what is known of its parameters.
+pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answer) -> Candidate {
+    let records = setup.all_records();
+    let model = effects
+        .iter()
+        .fold(Model::base(), |model, &effect| model.with(effect));
+    let mut values = setup.start_values(&model);
+    for (position, info) in model.parameters().iter().enumerate() {
+        let known = answer.parameters.iter().find(|(name, _)| name == info.name);
+        if let Some((_, value)) = known {
+            values[position] = *value;
+        } else if let Some(at) = Model::base().position_of(info.name) {
+            values[position] = base.values[at];
+        }
+    }
+    for (value, known) in values.iter_mut().zip(setup.known) {
+        *value = known.unwrap_or(*value);
+    }
+    let free = setup.free(&model);
+    // The starts of the logs are guessed once from the samples, once taken from the base fit; the
+    // better end counts. Where both ends are bad, the schedule from short windows finds a better one.
+    let guessed = records
+        .iter()
+        .map(|record| final_windows(record, &values))
+        .collect();
+    let minimum = [guessed, base.windows.clone()]
+        .into_iter()
+        .map(|windows| {
+            refit(
+                &records,
+                &model,
+                values.clone(),
+                windows,
+                &free,
+                Effort::FULL,
+            )
+        })
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .unwrap_or_else(|| base.clone());
+    let observations: usize = records.iter().map(|record| record.observations()).sum();
+    let minimum = if minimum.cost > BAD * observations as f64 {
+        let again = fit_from_scratch(&records, &model, values, &free);
+        if again.cost < minimum.cost {
+            again
+        } else {
+            minimum
+        }
+    } else {
+        minimum
+    };
+    Candidate::new(setup, &records, effects.to_vec(), model, minimum, None)
+}
+
+/// All sets that could stand in the place of the true one, by distance, and the true one's traces.
+///
+/// # Errors
+/// [`Cancelled`] if the work is called off.
+pub fn rivals(
+    setup: &Setup,
+    base: &Minimum,
+    answer: &Answer,
+    suspects: &[EffectId],
+    progress: &Progress,
+) -> Result<(Vec<Rival>, Vec<f64>), Cancelled> {
+    let thresholds = Thresholds::default();
+    let records = setup.all_records();
+    let truth = fitted(setup, base, &answer.effects, answer);
+    let observations: usize = records.iter().map(|record| record.observations()).sum();
+    let each = (observations.max(2) as f64).ln();
+    let mut candidates: Vec<Candidate> = vec![];
+    let mut shown = vec![];
+    let start = Candidate::new(setup, &records, vec![], Model::base(), base.clone(), None);
+    candidates.push(start.clone());
+    let mut froms = vec![start];
+    for effect in &answer.effects {
+        let mut rest = answer.effects.clone();
+        rest.retain(|other| other != effect);
+        if rest.is_empty() {
+            shown.push(largest_trace(&records, &froms[0], &truth));
+        } else {
+            let without = fitted(setup, base, &rest, answer);
+            shown.push(largest_trace(&records, &without, &truth));
+            candidates.push(without.clone());
+            froms.push(without);
+        }
+    }
+    for from in froms {
+        let whole = Bench::whole(
+            setup,
+            suspects,
+            &thresholds,
+            progress.cancelled,
+            Arc::default(),
+        );
+        let (bench, from) = prepared(&whole, from)?;
+        let round = Round {
+            most: usize::MAX,
+            is_fitted: &|_| false,
+            leader: None,
+            only_where_something_remains: false,
+        };
+        candidates.extend(try_all(&bench, &from, &round)?);
+    }
+    let mut rivals: Vec<Rival> = vec![];
+    for candidate in candidates {
+        let set = candidate.set();
+        // A larger set that holds the truth is no rival: parsimony decides.
+        if set == answer.effects || candidate.strictly_contains(&truth) {
+            continue;
+        }
+        let more = candidate.parameters as f64 - truth.parameters as f64;
+        let distance = candidate.minimum.cost - truth.minimum.cost + each * more;
+        let lacks = truth
+            .strictly_contains(&candidate)
+            .then(|| largest_trace(&records, &candidate, &truth));
+        let counts = distance < CLOSE || lacks.is_some();
+        if counts && !rivals.iter().any(|rival| rival.set == set) {
+            rivals.push(Rival {
+                set,
+                distance,
+                simpler: candidate.parameters < truth.parameters,
+                lacks,
+            });
+        }
+    }
+    rivals.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    Ok((rivals, shown))
+}

@@ -1,0 +1,141 @@
+//! An exam over seeds, or over benches that lie in a folder with their truth.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use bench_files::Bench;
+use identify::{IdentifyError, Progress, Setup};
+use plant::EffectId;
+use rayon::prelude::*;
+use serde::Deserialize;
+
+use crate::answer::{Answer, UnknownEffect};
+use crate::draw::draw;
+use crate::marking::{MarkError, mark};
+use crate::marks::Entry;
+
+/// A bench of a folder could not be marked.
+#[derive(Debug, thiserror::Error)]
+pub enum SitError {
+    /// A file or folder cannot be read.
+    #[error("{file}: {error}", file = .0.display(), error = .1)]
+    Read(PathBuf, std::io::Error),
+    /// A truth.json does not read as one; the message ends with line and column.
+    #[error("{file}: {error}", file = .0.display(), error = .1)]
+    Truth(PathBuf, serde_json::Error),
+    /// A truth.json names an effect that nobody has.
+    #[error("{file}: {error}", file = .0.display(), error = .1)]
+    Effect(PathBuf, UnknownEffect),
+    /// There is no bench with its truth.
+    #[error("{}: there is no bench with a truth.json: neither here nor one folder below", .0.display())]
+    NoBench(PathBuf),
+    /// A bench cannot be read.
+    #[error(transparent)]
+    Bench(#[from] bench_files::Error),
+    /// The logs of a bench cannot be fitted.
+    #[error("{file}: {error}", file = .0.display(), error = .1)]
+    Logs(PathBuf, IdentifyError),
+    /// A bench cannot be identified.
+    #[error("{file}: {error}", file = .0.display(), error = .1)]
+    Mark(PathBuf, MarkError),
+}
+
+/// The marked benches of some seeds.
+#[derive(Clone, Debug)]
+pub struct Sitting {
+    /// The benches, in the order of their seeds.
+    pub entries: Vec<Entry>,
+    /// Seeds that have no bench whose hidden term counts.
+    pub void: Vec<u64>,
+}
+
+/// Draws the bench of a seed and marks the verdict on it. `None` if the seed has no bench whose
+/// hidden term counts.
+pub fn sit(seed: u64) -> Option<Entry> {
+    let bench = draw(seed)?;
+    let answer = Answer::of(&bench);
+    let paper = mark(&bench.setup, &answer, &bench.suspects, &Progress::silent()).ok()?;
+    let truth = bench.question.truth();
+    Some(Entry {
+        sizes: bench.sizes,
+        noise: bench.noise.std.to_vec(),
+        ..Entry::new(format!("seed {seed}"), truth, answer, &bench.setup, paper)
+    })
+}
+
+/// Sits the exam of these seeds, several at a time. `done` is told after each.
+pub fn sit_seeds(seeds: Range<u64>, done: &(dyn Fn() + Sync)) -> Sitting {
+    let results: Vec<(u64, Option<Entry>)> = seeds
+        .into_par_iter()
+        .map(|seed| {
+            let entry = sit(seed);
+            done();
+            (seed, entry)
+        })
+        .collect();
+    let is_void = |(seed, entry): &(u64, Option<Entry>)| entry.is_none().then_some(*seed);
+    Sitting {
+        void: results.iter().filter_map(is_void).collect(),
+        entries: results.into_iter().filter_map(|(_, entry)| entry).collect(),
+    }
+}
+
+/// The folders of the benches that lie in `folder`: itself if it holds a truth.json, else its sub-folders that
+/// do, by name.
+///
+/// # Errors
+/// [`SitError::Read`] if it cannot be listed, [`SitError::NoBench`] if there is none.
+pub fn benches_in(folder: &Path) -> Result<Vec<PathBuf>, SitError> {
+    if folder.join("truth.json").is_file() {
+        return Ok(vec![folder.to_owned()]);
+    }
+    let failed = |error| SitError::Read(folder.to_owned(), error);
+    let mut benches = vec![];
+    for item in std::fs::read_dir(folder).map_err(failed)? {
+        let path = item.map_err(failed)?.path();
+        if path.join("truth.json").is_file() {
+            benches.push(path);
+        }
+    }
+    if benches.is_empty() {
+        return Err(SitError::NoBench(folder.to_owned()));
+    }
+    benches.sort();
+    Ok(benches)
+}
+
+/// The truth of a bench as it lies beside its logs in truth.json.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TruthFile {
+    effects: Vec<String>,
+    #[serde(default)]
+    parameters: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Marks the verdict on the bench of a folder with a truth.json.
+///
+/// # Errors
+/// [`SitError`] if the folder cannot be read or the bench not be identified.
+pub fn sit_folder(path: &Path) -> Result<Entry, SitError> {
+    let file = path.join("truth.json");
+    let source =
+        std::fs::read_to_string(&file).map_err(|error| SitError::Read(file.clone(), error))?;
+    let truth: TruthFile =
+        serde_json::from_str(&source).map_err(|error| SitError::Truth(file.clone(), error))?;
+    let known =
+        |(name, value): (&String, &serde_json::Value)| Some((name.clone(), value.as_f64()?));
+    let parameters = truth.parameters.iter().filter_map(known).collect();
+    let answer = Answer::from_names(&truth.effects, parameters)
+        .map_err(|error| SitError::Effect(file.clone(), error))?;
+    let bench = Bench::load(path)?;
+    let setup = Setup::new(&bench).map_err(|error| SitError::Logs(path.to_owned(), error))?;
+    let paper = mark(&setup, &answer, EffectId::ALL, &Progress::silent())
+        .map_err(|error| SitError::Mark(path.to_owned(), error))?;
+    let truth = if truth.effects.is_empty() {
+        vec!["nothing".to_owned()]
+    } else {
+        truth.effects
+    };
+    Ok(Entry::new(bench.name, truth, answer, &setup, paper))
+}

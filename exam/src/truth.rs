@@ -1,0 +1,171 @@
+//! What hides in a bench: effects of the library and terms that nobody's library has.
+
+use std::fmt;
+use std::sync::Arc;
+
+use plant::EffectId;
+
+/// A physical term that no library knows. `p` are its numbers as [`Outsider::meaning`] lists them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Outsider {
+    /// See [`Outsider::meaning`].
+    MagnetNearAnAngle,
+    /// See [`Outsider::meaning`].
+    FrictionThatGrows,
+    /// See [`Outsider::meaning`].
+    RubbingBeyondAnAngle,
+    /// See [`Outsider::meaning`].
+    VibrationOfTheBase,
+    /// See [`Outsider::meaning`].
+    SoftStop,
+    /// See [`Outsider::meaning`].
+    WheelDragThatGrows,
+    /// See [`Outsider::meaning`].
+    SupplyThatSags,
+    /// See [`Outsider::meaning`].
+    UnevenEncoder,
+}
+
+impl Outsider {
+    /// All of them.
+    pub const ALL: [Outsider; 8] = [
+        Outsider::MagnetNearAnAngle,
+        Outsider::FrictionThatGrows,
+        Outsider::RubbingBeyondAnAngle,
+        Outsider::VibrationOfTheBase,
+        Outsider::SoftStop,
+        Outsider::WheelDragThatGrows,
+        Outsider::SupplyThatSags,
+        Outsider::UnevenEncoder,
+    ];
+
+    /// Short name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outsider::MagnetNearAnAngle => "magnet-near-an-angle",
+            Outsider::FrictionThatGrows => "friction-that-grows",
+            Outsider::RubbingBeyondAnAngle => "rubbing-beyond-an-angle",
+            Outsider::VibrationOfTheBase => "vibration-of-the-base",
+            Outsider::SoftStop => "soft-stop",
+            Outsider::WheelDragThatGrows => "wheel-drag-that-grows",
+            Outsider::SupplyThatSags => "supply-that-sags",
+            Outsider::UnevenEncoder => "uneven-encoder",
+        }
+    }
+
+    /// Whether it acts on the wheel or its motor, so that only experiments with a motor show it.
+    pub fn needs_a_motor(self) -> bool {
+        matches!(
+            self,
+            Outsider::WheelDragThatGrows | Outsider::SupplyThatSags
+        )
+    }
+
+    /// The term, with p₀ its amplitude and p₁, p₂ its shape; t counts from the start of a log.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Outsider::MagnetNearAnAngle => "torque p0 z exp(−z²) on the body, z = (α − p1)/p2",
+            Outsider::FrictionThatGrows => "dry friction p0 t/20 s of the body",
+            Outsider::RubbingBeyondAnAngle => "dry friction p0 of the body where p1 < |α| < π/2",
+            Outsider::VibrationOfTheBase => "torque p0 sin(p1 t + p2) cos α on the body",
+            Outsider::SoftStop => "torque −p0 (α − p1) on the body where p1 < α < π/2",
+            Outsider::WheelDragThatGrows => "torque −p0 φ̇ t/10 s on the wheel",
+            Outsider::SupplyThatSags => "torque of the motor times 1 − p0 (1 − exp(−t/p1))",
+            Outsider::UnevenEncoder => "measured angle + p0 sin(8 α + p1)",
+        }
+    }
+}
+
+/// Where and when the torque of a term is asked for, true values.
+#[derive(Clone, Copy, Debug)]
+pub struct TrueInstant {
+    /// Since the start of the log, s.
+    pub time_s: f64,
+    /// Body angle, rad.
+    pub angle_rad: f64,
+    /// Body rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Wheel angle relative to the body since the start of the log, rad.
+    pub wheel_angle_rad: f64,
+    /// Wheel speed relative to the body, rad/s.
+    pub wheel_speed_rad_s: f64,
+}
+
+/// A torque in N m against the motion, of the parameters and the instant.
+pub type Torque = dyn Fn(&[f64], &TrueInstant) -> f64 + Send + Sync;
+
+/// The torque of an effect that this simulator does not know by itself (a user's, or one of a test), stated a second time
+/// for it: the exam never asks the plant for an equation.
+#[derive(Clone)]
+pub struct StatedTorque {
+    /// The body's if true, otherwise the wheel's.
+    pub on_body: bool,
+    /// The torque against the motion of that joint; smooth in the motion.
+    pub torque: Arc<Torque>,
+}
+
+impl fmt::Debug for StatedTorque {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let joint = if self.on_body { "body" } else { "wheel" };
+        write!(formatter, "a torque on the {joint}")
+    }
+}
+
+impl PartialEq for StatedTorque {
+    /// The very same function.
+    fn eq(&self, other: &StatedTorque) -> bool {
+        self.on_body == other.on_body && Arc::ptr_eq(&self.torque, &other.torque)
+    }
+}
+
+/// A hidden term with its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hidden {
+    /// An effect of the library with its parameters in SI, in the order of its description.
+    Library(EffectId, Vec<f64>),
+    /// An effect that is no part of this program, likewise, with its equation for the exam.
+    Stated(EffectId, Vec<f64>, StatedTorque),
+    /// A term of nobody's library.
+    Outsider(Outsider, [f64; 3]),
+}
+
+impl Hidden {
+    /// The name of the effect or outsider.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Hidden::Library(effect, _) | Hidden::Stated(effect, ..) => effect.name(),
+            Hidden::Outsider(outsider, _) => outsider.name(),
+        }
+    }
+
+    /// The effect with its parameters, where it is one that can be a suspect.
+    pub fn effect(&self) -> Option<(EffectId, &[f64])> {
+        match self {
+            Hidden::Library(effect, p) | Hidden::Stated(effect, p, _) => Some((*effect, p)),
+            Hidden::Outsider(..) => None,
+        }
+    }
+}
+
+/// The true pendulum: base parameters in SI and what is hidden.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Θ, j_w, G, τ.
+    pub base: [f64; 4],
+    /// r_b in N m s/rad.
+    pub body_viscous: f64,
+    /// r_w in N m s/rad.
+    pub wheel_viscous: f64,
+    /// The hidden terms.
+    pub hidden: Vec<Hidden>,
+}
+
+impl Truth {
+    /// The same pendulum with other hidden terms.
+    pub fn with(&self, hidden: Vec<Hidden>) -> Truth {
+        Truth {
+            hidden,
+            ..self.clone()
+        }
+    }
+}

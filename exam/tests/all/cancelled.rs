@@ -1,0 +1,53 @@
+//! A diagnosis that is called off.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use diagnose::{Options, diagnose_with};
+use exam::draw;
+use identify::{Cancelled, Progress, identify};
+use plant::Model;
+
+/// Wherever it is called off, it ends before the next fit: it asks no more than once for each of the fits that were
+/// under way at the same time, and says nothing more.
+#[test]
+fn a_diagnosis_ends_soon_after_it_is_called_off() {
+    let bench = draw(5).expect("a bench");
+    let (setup, base) = (&bench.setup, Model::base());
+    let fitted = identify(setup, &base, None).expect("a fit").fit.minimum;
+    let run = |calls: usize| {
+        let (asked, late) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let said_late = Cell::new(0);
+        let say = |_: &str| {
+            if late.load(Ordering::SeqCst) > 0 {
+                said_late.set(said_late.get() + 1);
+            }
+        };
+        let cancelled = || {
+            let is_off = asked.fetch_add(1, Ordering::SeqCst) >= calls;
+            late.fetch_add(usize::from(is_off), Ordering::SeqCst);
+            is_off
+        };
+        let progress = Progress {
+            say: &say,
+            cancelled: &cancelled,
+        };
+        let found = diagnose_with(setup, &base, fitted.clone(), &Options::default(), &progress);
+        let late = late.into_inner();
+        (
+            found.map(|found| found.verdict),
+            asked.into_inner(),
+            late,
+            said_late.get(),
+        )
+    };
+    let (whole, asked, late, _) = run(usize::MAX);
+    assert!(whole.is_ok() && late == 0);
+    assert!(asked > 10, "{asked}");
+    for calls in [0, 1, asked / 2, asked - 1] {
+        let (found, _, late, said_late) = run(calls);
+        assert_eq!(found, Err(Cancelled), "after {calls} of {asked}");
+        assert!(late <= 8, "asked {late} times more after {calls}");
+        assert_eq!(said_late, 0);
+    }
+}

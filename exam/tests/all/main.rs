@@ -1,0 +1,7 @@
+//! The exam examined, and the diagnosis by the exam's benches.
+
+mod cancelled;
+mod cogging;
+mod examined;
+mod external;
+mod imperfection;

@@ -1,0 +1,8 @@
+//! A whole bench as the fits take it: what is known, what is free, in which units.
+
+mod error;
+mod parameters;
+mod setup;
+
+pub use error::IdentifyError;
+pub use setup::Setup;

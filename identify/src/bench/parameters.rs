@@ -1,0 +1,137 @@
+//! The parameters of a model on a bench: which are free, in which unit, and where a fit of them starts.
+
+use plant::{
+    BASE_PARAMETERS, Driving, EffectId, GRAVITY_TORQUE, Kind, Model, Role, StartFrom,
+    TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
+};
+
+use super::setup::Setup;
+use crate::fit::{base_values, driving_samples, ratios};
+use crate::records::Record;
+
+impl Setup {
+    /// The positions of the parameter vector that a fit of `model` moves: everything that is not
+    /// known or a whole number and that some experiment can show.
+    pub fn free(&self, model: &Model) -> Vec<usize> {
+        let (body, wheel) = self.moved();
+        let infos = model.parameters();
+        (0..infos.len())
+            .filter(|&position| {
+                let shown = match position {
+                    TOTAL_INERTIA | GRAVITY_TORQUE => body,
+                    WHEEL_INERTIA => wheel,
+                    TORQUE_CONSTANT => {
+                        wheel
+                            && self.records.iter().any(|record| {
+                                record.kind != Kind::FreeSwing && !record.current_a.is_empty()
+                            })
+                    }
+                    _ => {
+                        let effect = model.effect_at(position);
+                        match effect.map(|effect| effect.info().role) {
+                            Some(Role::Wheel | Role::Motor) => wheel,
+                            _ => body,
+                        }
+                    }
+                };
+                let given = self.known.get(position).is_some_and(Option::is_some);
+                shown && !given && !infos[position].is_whole
+            })
+            .collect()
+    }
+
+    /// The unit of a parameter of `model` as the bench allows it: "… per kg m2" where the scale of
+    /// its torques is not known.
+    pub fn unit(&self, model: &Model, position: usize) -> String {
+        let info = model.parameters()[position];
+        let is_wheel = match position {
+            TOTAL_INERTIA | GRAVITY_TORQUE => false,
+            WHEEL_INERTIA | TORQUE_CONSTANT => true,
+            _ => model
+                .effect_at(position)
+                .is_some_and(|effect| matches!(effect.info().role, Role::Wheel | Role::Motor)),
+        };
+        let known = if is_wheel {
+            self.wheel_scale_known
+        } else {
+            self.body_scale_known
+        };
+        if info.is_torque && !known {
+            format!("{} per kg m2", info.unit)
+        } else {
+            info.unit.to_owned()
+        }
+    }
+
+    /// A parameter vector for `model` from which a fit can start: base parameters from the samples,
+    /// effects at the first of their stated starts.
+    pub fn start_values(&self, model: &Model) -> Vec<f64> {
+        let (base, body_friction, wheel_friction) =
+            base_values(&ratios(&self.all_records()), &self.known);
+        let mut values = base.to_vec();
+        // The stated starts are torques of a bench of Θ ≈ 2e-3 kg m².
+        for &effect in model.effects() {
+            match (effect.info().start_from, effect.info().role) {
+                (StartFrom::Damping, Role::Wheel) => values.push(wheel_friction),
+                (StartFrom::Damping, _) => values.push(body_friction),
+                _ => values.extend(self.scaled(effect, effect.info().starts[0], &base)),
+            }
+        }
+        values
+    }
+
+    /// Parameters from which the fit of an effect may start on this bench, beside base parameters `base`:
+    /// those that it states, and those that the logs suggest.
+    pub fn starts(
+        &self,
+        records: &[&Record],
+        effect: EffectId,
+        base: &[f64; BASE_PARAMETERS.len()],
+    ) -> Vec<Vec<f64>> {
+        let stated = effect.info().starts.iter();
+        let mut starts: Vec<Vec<f64>> = stated
+            .map(|start| self.scaled(effect, start, base))
+            .collect();
+        if let StartFrom::Driving(of) = effect.info().start_from {
+            starts.extend(of(&Driving {
+                samples: driving_samples(records),
+                torque_constant: base[TORQUE_CONSTANT],
+                ohm: self.scale(Role::Motor, base),
+            }));
+        }
+        starts
+    }
+
+    /// A stated start, what it has of torques scaled to the size of the bench.
+    fn scaled(
+        &self,
+        effect: EffectId,
+        start: &[f64],
+        base: &[f64; BASE_PARAMETERS.len()],
+    ) -> Vec<f64> {
+        let info = effect.info();
+        let scale = self.scale(info.role, base);
+        let parameters = info.parameters.iter().zip(start);
+        parameters
+            .map(|(info, value)| {
+                if info.is_torque {
+                    value * scale
+                } else {
+                    *value
+                }
+            })
+            .collect()
+    }
+
+    /// The size of the bench against the one for which the library states its starts, Θ = 2.3e-3 and
+    /// j_w = 1.4e-4 kg m² (thesis). What a motor is supplied with does not grow with the wheel, but stands per
+    /// unit of inertia where the torque constant, which is its back-EMF, does.
+    fn scale(&self, role: Role, base: &[f64; BASE_PARAMETERS.len()]) -> f64 {
+        match role {
+            Role::Body => base[TOTAL_INERTIA] / 2.3e-3,
+            Role::Motor if self.wheel_scale_known => 1.0,
+            Role::Wheel | Role::Motor => base[WHEEL_INERTIA] / 1.4e-4,
+            Role::Sensor => 1.0,
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! A bench prepared for fits: its records without pushes, what is known of it, and how it is looked at.
+
+use std::borrow::Cow;
+
+use bench_files::{Bench, Known};
+use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+use rayon::prelude::*;
+
+use super::error::IdentifyError;
+use crate::fit::{base_values, ratios};
+use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
+use crate::residuals::{PushModel, find_disturbances, leave_out};
+
+/// A bench prepared for fits: its records, and which parameters are given.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The experiments, in the order of bench.toml.
+    pub records: Vec<Record>,
+    /// Values of the base parameters (positions 0 to 3) that are known or fix the scale.
+    pub known: [Option<f64>; 4],
+    /// Whether torques of the body are known in N m; else they are per unit of Θ.
+    pub body_scale_known: bool,
+    /// Whether torques of the wheel are known in N m; else they are per unit of j_w.
+    pub wheel_scale_known: bool,
+    /// Whether an experiment moves body and wheel together, so that they share one scale.
+    pub coupled: bool,
+    /// Masses and lengths, for the inertia of the body alone.
+    pub masses: Known,
+}
+
+impl Setup {
+    /// Prepares a bench that was loaded from disk.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoExperiments`] if nothing in it can be used.
+    pub fn new(bench: &Bench) -> Result<Setup, IdentifyError> {
+        let records: Vec<Record> = bench
+            .experiments
+            .par_iter()
+            .map(Record::from_experiment)
+            .filter(|record| !record.channels.is_empty() && !record.is_empty())
+            .collect();
+        let mut known = [None; 4];
+        known[TOTAL_INERTIA] = bench.known.total_inertia;
+        known[WHEEL_INERTIA] = bench.known.wheel_inertia;
+        known[GRAVITY_TORQUE] = bench.known.gravity_torque().ok();
+        known[TORQUE_CONSTANT] = bench.known.torque_constant;
+        Setup::from_records(records, known, bench.known)
+    }
+
+    /// Prepares records with what is known of the base parameters.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoExperiments`] if there is no record.
+    pub fn from_records(
+        records: Vec<Record>,
+        known: [Option<f64>; 4],
+        masses: Known,
+    ) -> Result<Setup, IdentifyError> {
+        if records.is_empty() {
+            return Err(IdentifyError::NoExperiments);
+        }
+        let coupled = records.iter().any(|record| {
+            matches!(record.kind, Kind::Balance | Kind::Driven)
+                && !matches!(record.current, RecordedCurrent::Unknown)
+        });
+        let body = known[TOTAL_INERTIA].is_some() || known[GRAVITY_TORQUE].is_some();
+        let recorded = records.iter().any(|record| {
+            record.kind != Kind::FreeSwing && !matches!(record.current, RecordedCurrent::Unknown)
+        });
+        let wheel =
+            known[WHEEL_INERTIA].is_some() || (known[TORQUE_CONSTANT].is_some() && recorded);
+        let (body, wheel) = if coupled {
+            (body || wheel, body || wheel)
+        } else {
+            (body, wheel)
+        };
+        let mut known = known;
+        if !body {
+            known[TOTAL_INERTIA] = Some(1.0);
+        }
+        if !wheel && !coupled {
+            known[WHEEL_INERTIA] = Some(1.0);
+        }
+        let mut records = records;
+        // Pushes spoil the first guess and the guess decides what is a push: twice around is enough,
+        // since a push is a matter of factors and the guess one of percents.
+        for _ in 0..2 {
+            let all: Vec<&Record> = records.iter().collect();
+            let (base, body_friction, wheel_friction) = base_values(&ratios(&all), &known);
+            let model = PushModel {
+                base,
+                body_friction,
+                wheel_friction,
+            };
+            for record in &mut records {
+                let pushes = find_disturbances(record, &model);
+                leave_out(record, &pushes, BALANCE_WINDOW_S);
+            }
+        }
+        Ok(Setup {
+            records,
+            known,
+            body_scale_known: body,
+            wheel_scale_known: wheel,
+            coupled,
+            masses,
+        })
+    }
+
+    /// The records as the fits take them.
+    pub fn all_records(&self) -> Vec<&Record> {
+        self.records.iter().collect()
+    }
+
+    /// The same bench without the pushes that a fitted model finds besides those that the first
+    /// guess of its parameters found; `None` if there are no others.
+    pub fn with_more_pushes(&self, model: &Model, values: &[f64]) -> Option<Setup> {
+        let push_model = PushModel::of(model, values);
+        let mut again = self.clone();
+        let mut changed = false;
+        for record in &mut again.records {
+            let before = record.weight.clone();
+            let pushes = find_disturbances(record, &push_model);
+            leave_out(record, &pushes, BALANCE_WINDOW_S);
+            for (weight, before) in record.weight.iter_mut().zip(before) {
+                changed |= *weight < before;
+                *weight = weight.min(before);
+            }
+        }
+        changed.then_some(again)
+    }
+
+    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`]; `None` where none would change.
+    ///
+    /// The teeth of a motor make a long run of the wheel depend on every standstill in between: at the
+    /// crest of a tooth it may turn back or pass, by less than any sensor shows. A free run then says
+    /// nothing about the model, as in a balance log.
+    pub fn in_windows(&self) -> Option<Setup> {
+        let mut cut = self.clone();
+        let mut changed = false;
+        for record in &mut cut.records {
+            let is_cut = record.kind == Kind::Driven
+                && record.channel(Output::WheelSpeed).is_some()
+                && record.window_s > BALANCE_WINDOW_S;
+            if is_cut {
+                record.window_s = BALANCE_WINDOW_S;
+                changed = true;
+            }
+        }
+        changed.then_some(cut)
+    }
+
+    /// The bench as a model can be compared with it: [`Setup::in_windows`] for one with cogging.
+    pub fn suited_to(&self, model: &Model) -> Cow<'_, Setup> {
+        let cut = if model.find(|info| info.ripple.is_some()).is_some() {
+            self.in_windows()
+        } else {
+            None
+        };
+        cut.map_or(Cow::Borrowed(self), Cow::Owned)
+    }
+
+    /// The same bench with its logs thinned to about `per_period` samples in a period of the pendulum, where
+    /// a current acts to twice as many, and for each record the step by which it was thinned. A swing
+    /// that is sampled a thousand times in a period says no more about the shape of a missing effect than one
+    /// that is sampled a hundred times. Of the current every sample counts.
+    ///
+    /// The period is that of the samples: a model that lacks something need not have it.
+    pub fn thinned(&self, per_period: f64) -> (Setup, Vec<usize>) {
+        let period_s = plant::period_s(&self.start_values(&Model::base()));
+        let mut thin = self.clone();
+        let steps: Vec<usize> = self
+            .records
+            .iter()
+            .map(|record| {
+                let (Some(first), Some(last)) = (record.time_s.first(), record.time_s.last())
+                else {
+                    return 1;
+                };
+                let interval_s = (last - first) / record.len().max(2) as f64;
+                let wanted_s = match record.kind {
+                    Kind::FreeSwing => period_s / per_period,
+                    _ => 0.5 * period_s / per_period,
+                };
+                ((wanted_s / interval_s).floor() as usize).max(1)
+            })
+            .collect();
+        for (record, &step) in thin.records.iter_mut().zip(&steps) {
+            if step > 1 {
+                *record = record.thinned(step);
+            }
+        }
+        (thin, steps)
+    }
+
+    /// Whether any experiment moves the body, and whether any moves the wheel.
+    pub fn moved(&self) -> (bool, bool) {
+        let body = self.records.iter().any(|record| {
+            record.kind != Kind::SpinUp
+                && (record.channel(Output::Angle).is_some()
+                    || record.channel(Output::Rate).is_some())
+        });
+        let wheel = self.records.iter().any(|record| {
+            record.kind == Kind::SpinUp
+                || (record.kind != Kind::FreeSwing
+                    && (record.channel(Output::WheelSpeed).is_some() || body))
+        });
+        (body, wheel)
+    }
+}

@@ -1,0 +1,58 @@
+//! The inertia of the body alone, by masses and lengths, and whether it is possible.
+
+use plant::{BASE_PARAMETERS, TOTAL_INERTIA, WHEEL_INERTIA};
+
+use super::contradiction::sigmas_for;
+use super::estimate::Fit;
+use crate::bench::Setup;
+
+/// The inertia of the body about its own centre of mass, j_b = Θ − j_w − k² m_w − l² m_b in kg m²,
+/// with its standard error from those of Θ and j_w; masses and lengths count as exact. `None` unless
+/// all of them are known and both inertias are in kg m².
+pub fn body_inertia(setup: &Setup, fit: &Fit) -> Option<(f64, Option<f64>)> {
+    let masses = &setup.masses;
+    let (body, wheel) = setup.moved();
+    let is_told = |position: usize, moved: bool| setup.known[position].is_some() || moved;
+    if !setup.body_scale_known
+        || !(setup.wheel_scale_known || setup.coupled)
+        || !is_told(TOTAL_INERTIA, body)
+        || !is_told(WHEEL_INERTIA, wheel)
+    {
+        return None;
+    }
+    let steiner = masses.pivot_to_wheel?.powi(2) * masses.wheel_mass?
+        + masses.pivot_to_com?.powi(2) * masses.body_mass?;
+    let value = fit.values[TOTAL_INERTIA] - fit.values[WHEEL_INERTIA] - steiner;
+    let at = |position| fit.unknowns.free.iter().position(|&free| free == position);
+    let entry = |row: Option<usize>, column: Option<usize>| match (&fit.covariance, row, column) {
+        (Some(covariance), Some(row), Some(column)) => covariance[(row, column)],
+        _ => 0.0,
+    };
+    let (total, wheel) = (at(TOTAL_INERTIA), at(WHEEL_INERTIA));
+    let variance = entry(total, total) + entry(wheel, wheel) - 2.0 * entry(total, wheel);
+    Some((value, (variance > 0.0).then(|| variance.sqrt())))
+}
+
+/// What masses and lengths say against the inertia that was found, in a sentence; `None` where they
+/// agree or not all is known.
+pub fn body_inertia_contradiction(setup: &Setup, fit: &Fit) -> Option<String> {
+    let (value, std) = body_inertia(setup, fit)?;
+    let spread = std.unwrap_or(0.0);
+    let name = BASE_PARAMETERS[TOTAL_INERTIA].name;
+    if value + sigmas_for(1) * spread <= 0.0 {
+        return Some(format!(
+            "contradiction: masses and lengths of [known] alone make more inertia than {name} = \
+             {:.4e} kg m2: body_inertia would be {value:.2e} ± {spread:.0e} kg m2, and no body has a \
+             negative one",
+            fit.values[TOTAL_INERTIA]
+        ));
+    }
+    let given = setup.masses.body_inertia?;
+    let sigmas = (given - value).abs() / std?;
+    (sigmas > sigmas_for(1)).then(|| {
+        format!(
+            "contradiction: [known] says body_inertia = {given:.4e} kg m2, the logs with masses and \
+             lengths {value:.4e} ± {spread:.1e} ({sigmas:.1} standard errors)"
+        )
+    })
+}

@@ -1,0 +1,447 @@
+//! Experiments, or values of `[known]`, that contradict each other.
+//!
+//! A fit of everything together averages over logs that disagree. So each record is asked what it
+//! would rather have, and each known what the logs would rather have.
+//!
+//! Let Hᵣ and gᵣ be the information and the gradient of record r at the common parameters (the
+//! windows' starts eliminated), H and g their sums. A parameter j that record r may have for itself,
+//! θⱼ + δ, or a known j that becomes free by δ, is one more unknown with
+//!
+//! ```text
+//! h = Hᵣ eⱼ (or H eⱼ),   S = hⱼ − hᵀH⁻¹h,   δ = (gᵣⱼ − hᵀH⁻¹g)/S
+//! ```
+//!
+//! (h and g over the unknowns that are free anyway), one Newton step from the common fit. δ is a sum
+//! of the records' gradients, δ = Σₛ wₛᵀgₛ, and has the variance Σₛ wₛᵀMₛwₛ, with Mₛ the covariance
+//! of a gradient under correlated residuals ([`super::covariance`]). The residuals are those that
+//! record s has left at its own best parameters, else a contradiction would hide in the noise that it
+//! makes itself. δ/σ is standard normal where nothing contradicts (a Wald test of homogeneity;
+//! Morelli & Klein, J. Aircraft 34 (1997), for σ).
+//!
+//! The largest significant contradiction is reported, and then lifted: the record is left out, or the
+//! known made free. Then the rest is asked again, so that one wrong record is reported once and not
+//! with every parameter and every record that it disagrees with.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use plant::{Model, TOTAL_INERTIA, WHEEL_INERTIA};
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::covariance::{gradient_error, pseudo_inverse};
+use crate::bench::Setup;
+use crate::fit::{RecordPromise, Unknowns, Window, promise};
+use crate::records::Record;
+
+/// Probability that a bench without any contradiction has one reported, over all its tests.
+const FALSE_ALARM: f64 = 1e-3;
+/// Share of an unknown's information that must be left once the others may adapt. Less is rounding:
+/// nothing else determines the unknown, so nothing can contradict it.
+const DETERMINED: f64 = 1e-8;
+/// Most contradictions that one bench is asked for: one wrong log and one wrong known. More than that
+/// is the work of an effect that the model lacks, which every sentence names as the other cause.
+const MOST: usize = 2;
+
+/// One of the two sides of a contradiction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// Who says so, such as `experiment "coast-down"` or `[known]`.
+    pub who: String,
+    /// The value of the parameter that it wants.
+    pub value: f64,
+    /// Its standard error; `None` for a value that was given.
+    pub std: Option<f64>,
+}
+
+/// Two sides that cannot both be right about a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contradiction {
+    /// The parameter's name.
+    pub parameter: &'static str,
+    /// Its unit, as the bench allows it.
+    pub unit: String,
+    /// The side that stands alone: one experiment, or `[known]`.
+    pub one: Side,
+    /// What the others say.
+    pub other: Side,
+    /// Their difference in standard errors of the difference.
+    pub sigmas: f64,
+    /// Other values of `[known]` that would lift the contradiction as well if they were different:
+    /// name, given value, wanted value, its standard error.
+    pub instead: Vec<(&'static str, f64, f64, f64)>,
+}
+
+impl Contradiction {
+    /// The contradiction in one sentence.
+    pub fn sentence(&self) -> String {
+        let side = |side: &Side| match side.std {
+            Some(std) => format!("{:.4e} ± {std:.1e}", side.value),
+            None => format!("{:.4e}", side.value),
+        };
+        let head = format!(
+            "contradiction: {} says {} = {} {}, {} {} ({:.1} standard errors, {:.2} % apart)",
+            self.one.who,
+            self.parameter,
+            side(&self.one),
+            self.unit,
+            self.other.who,
+            side(&self.other),
+            self.sigmas,
+            100.0 * (self.one.value / self.other.value - 1.0).abs()
+        );
+        if self.one.std.is_some() {
+            return format!(
+                "{head}; one of the two is wrong, or the model lacks an effect that acts \
+                 differently in them; the fit lies in between and is no average to trust"
+            );
+        }
+        let instead: String = self
+            .instead
+            .iter()
+            .map(|(name, given, wanted, std)| {
+                format!(
+                    "; or it is {name}, given as {given:.4e}, wanted as {wanted:.4e} ± {std:.1e}"
+                )
+            })
+            .collect();
+        format!("{head}{instead}; the fit kept the values of [known], or the model lacks an effect")
+    }
+}
+
+/// What the records say at the common parameters, about the free parameters and the knowns.
+struct Statistics<'a> {
+    records: Vec<&'a Record>,
+    unknowns: Unknowns,
+    values: Vec<f64>,
+    names: Vec<&'static str>,
+    units: Vec<String>,
+    /// For each record, information and gradient.
+    promised: Vec<RecordPromise>,
+    /// Covariance of each gradient.
+    scatter: Vec<DMatrix<f64>>,
+}
+
+/// A possible contradiction that was looked at.
+struct Candidate {
+    unknown: usize,
+    /// The record that may differ; `None` where a known is made free.
+    record: Option<usize>,
+    /// δ and its standard error, in the fit's coordinates.
+    change: f64,
+    std: f64,
+    /// For the others: the step of the shared parameter and its standard error.
+    shared: (f64, f64),
+    /// For the one: the same.
+    own: (f64, f64),
+}
+
+impl Candidate {
+    fn sigmas(&self) -> f64 {
+        (self.change / self.std).abs()
+    }
+}
+
+/// The contradictions of a bench at the parameters `values` of `model`, the largest first. `windows`
+/// are those of the fit; `held` names the positions of parameters that lie on a bound.
+pub fn contradictions(
+    setup: &Setup,
+    model: &Model,
+    values: &[f64],
+    windows: &[Vec<Window>],
+    held: &[usize],
+) -> Vec<Contradiction> {
+    let free = setup.free(model);
+    let knowns: Vec<usize> = (0..setup.known.len())
+        .filter(|&position| setup.known[position].is_some() && is_measured(setup, position))
+        .collect();
+    let mut positions: Vec<usize> = free
+        .iter()
+        .chain(&knowns)
+        .copied()
+        .filter(|position| !held.contains(position))
+        .collect();
+    positions.sort_unstable();
+    let mut active: Vec<bool> = positions
+        .iter()
+        .map(|position| free.contains(position))
+        .collect();
+    let statistics = Statistics::new(setup, model, values, windows, &positions);
+    let mut kept = vec![true; statistics.records.len()];
+    let mut threshold = None;
+    let mut found = vec![];
+    while found.len() < MOST {
+        let candidates = statistics.candidates(&active, &kept);
+        // Bonferroni over the tests of the whole bench.
+        let threshold = *threshold.get_or_insert_with(|| sigmas_for(candidates.len()));
+        let Some(best) = candidates
+            .iter()
+            .filter(|candidate| candidate.sigmas() > threshold)
+            .max_by(|a, b| a.sigmas().total_cmp(&b.sigmas()))
+        else {
+            break;
+        };
+        found.push(statistics.contradiction(best, &candidates, threshold, &kept));
+        match best.record {
+            Some(record) => kept[record] = false,
+            None => active[best.unknown] = true,
+        }
+    }
+    found
+}
+
+/// Whether a base parameter's value was measured, and not set to 1 to fix the scale.
+fn is_measured(setup: &Setup, position: usize) -> bool {
+    match position {
+        TOTAL_INERTIA => setup.body_scale_known,
+        WHEEL_INERTIA => setup.wheel_scale_known || setup.coupled,
+        _ => true,
+    }
+}
+
+/// The number of standard errors that one of `tests` normal variables exceeds with probability
+/// [`FALSE_ALARM`].
+pub(super) fn sigmas_for(tests: usize) -> f64 {
+    let tail = FALSE_ALARM / (2.0 * tests.max(1) as f64);
+    -Normal::standard().inverse_cdf(tail)
+}
+
+impl<'a> Statistics<'a> {
+    fn new(
+        setup: &'a Setup,
+        model: &Model,
+        values: &[f64],
+        windows: &[Vec<Window>],
+        positions: &[usize],
+    ) -> Statistics<'a> {
+        let unknowns = Unknowns::new(model, positions);
+        let records = setup.all_records();
+        let at = promise(&records, model, values, windows, &unknowns, None).records;
+        let infos = model.parameters();
+        let scatter = records
+            .par_iter()
+            .zip(windows)
+            .zip(&at)
+            .map(|((record, windows), at)| {
+                let own = shortest_solution(&at.information, &at.gradient);
+                gradient_error(record, windows, model, values, &unknowns, &own).covariance()
+            })
+            .collect();
+        Statistics {
+            records,
+            unknowns,
+            values: values.to_vec(),
+            names: positions.iter().map(|&at| infos[at].name).collect(),
+            units: positions.iter().map(|&at| setup.unit(model, at)).collect(),
+            promised: at,
+            scatter,
+        }
+    }
+
+    /// Every test that can be made with the records that are kept.
+    fn candidates(&self, active: &[bool], kept: &[bool]) -> Vec<Candidate> {
+        let count = active.len();
+        let mut information = DMatrix::zeros(count, count);
+        let mut gradient = DVector::zeros(count);
+        for (record, _) in kept.iter().enumerate().filter(|(_, kept)| **kept) {
+            information += &self.promised[record].information;
+            gradient += &self.promised[record].gradient;
+        }
+        let passive: Vec<bool> = active.iter().map(|active| !active).collect();
+        let Some(inverse) = pseudo_inverse(&information, &passive) else {
+            return vec![];
+        };
+        let mut candidates = vec![];
+        for (unknown, &is_active) in active.iter().enumerate() {
+            if !is_active {
+                candidates.extend(self.test(
+                    unknown,
+                    None,
+                    &information,
+                    &gradient,
+                    &inverse,
+                    kept,
+                ));
+                continue;
+            }
+            let told: Vec<usize> = (0..kept.len())
+                .filter(|&record| kept[record] && self.tells(record, unknown))
+                .collect();
+            if told.len() < 2 {
+                continue;
+            }
+            for record in told {
+                let (own, right) = (
+                    &self.promised[record].information,
+                    &self.promised[record].gradient,
+                );
+                candidates.extend(self.test(unknown, Some(record), own, right, &inverse, kept));
+            }
+        }
+        candidates
+    }
+
+    fn tells(&self, record: usize, unknown: usize) -> bool {
+        self.promised[record].information[(unknown, unknown)] > 0.0
+    }
+
+    /// Frees `unknown` for `record` alone, or for all where it is a known; `information` and
+    /// `gradient` are those of whoever gets it free, `inverse` is H⁻¹ of the common fit.
+    fn test(
+        &self,
+        unknown: usize,
+        record: Option<usize>,
+        information: &DMatrix<f64>,
+        gradient: &DVector<f64>,
+        inverse: &DMatrix<f64>,
+        kept: &[bool],
+    ) -> Option<Candidate> {
+        let count = gradient.len();
+        // H⁻¹ has zero rows for what is not free, so that whole vectors can be used.
+        let solved = inverse * information.column(unknown);
+        let whole = information[(unknown, unknown)];
+        let left = whole - information.column(unknown).dot(&solved);
+        if !left.is_finite() || left <= DETERMINED * whole {
+            return None;
+        }
+        let one = DVector::from_fn(count, |row, _| f64::from(u8::from(row == unknown)));
+        let shared_row = inverse * &one;
+        let records = || (0..kept.len()).filter(|&other| kept[other]);
+        // Weights of each record's gradient in δ, and in the step of the shared parameter.
+        let in_change = |other: usize| {
+            let direct = record.is_none_or(|record| record == other);
+            let direct = if direct { &one * 1.0 } else { &one * 0.0 };
+            (direct - &solved) / left
+        };
+        let in_shared = |other: usize| &shared_row - in_change(other) * solved[unknown];
+        let in_own = |other: usize| in_shared(other) + in_change(other);
+        let sum = |weights: &dyn Fn(usize) -> DVector<f64>| -> (f64, f64) {
+            records().fold((0.0, 0.0), |(value, variance), other| {
+                let weights = weights(other);
+                (
+                    value + weights.dot(&self.promised[other].gradient),
+                    variance + weights.dot(&(&self.scatter[other] * &weights)),
+                )
+            })
+        };
+        let (change, variance) = sum(&in_change);
+        let with_std = |(value, variance): (f64, f64)| (value, variance.max(0.0).sqrt());
+        let (shared, own) = (sum(&in_shared), sum(&in_own));
+        // A side without variance is one that nothing but rounding determines.
+        let is_told = record.is_none() || (shared.1 > 0.0 && own.1 > 0.0);
+        (is_told && variance > 0.0 && change.is_finite()).then(|| Candidate {
+            unknown,
+            record,
+            change,
+            std: variance.sqrt(),
+            shared: with_std(shared),
+            own: with_std(own),
+        })
+    }
+
+    /// The parameter's value after a step in the fit's coordinates, with its standard error.
+    fn value(&self, unknown: usize, (step, std): (f64, f64)) -> (f64, f64) {
+        let value = self.values[self.unknowns.free[unknown]];
+        if self.unknowns.logarithmic[unknown] {
+            let moved = value * step.exp();
+            (moved, std * moved)
+        } else {
+            (value + step, std)
+        }
+    }
+
+    fn contradiction(
+        &self,
+        best: &Candidate,
+        candidates: &[Candidate],
+        threshold: f64,
+        kept: &[bool],
+    ) -> Contradiction {
+        let unknown = best.unknown;
+        let given = |unknown: usize| self.values[self.unknowns.free[unknown]];
+        let (one, other, instead) = match best.record {
+            Some(record) => {
+                let others: Vec<&str> = (0..kept.len())
+                    .filter(|&at| at != record && kept[at] && self.tells(at, unknown))
+                    .map(|at| self.records[at].name.as_str())
+                    .collect();
+                let who = match others[..] {
+                    [only] => format!("experiment \"{only}\""),
+                    [first, second] => format!("experiments \"{first}\" and \"{second}\""),
+                    _ => format!("the other {} experiments", others.len()),
+                };
+                let (own, own_std) = self.value(unknown, best.own);
+                let (shared, shared_std) = self.value(unknown, best.shared);
+                let one = Side {
+                    who: format!("experiment \"{}\"", self.records[record].name),
+                    value: own,
+                    std: Some(own_std),
+                };
+                let other = Side {
+                    who,
+                    value: shared,
+                    std: Some(shared_std),
+                };
+                (one, other, vec![])
+            }
+            None => {
+                let (wanted, std) = self.value(unknown, (best.change, best.std));
+                let instead = candidates
+                    .iter()
+                    .filter(|other| {
+                        other.record.is_none()
+                            && other.unknown != unknown
+                            && other.sigmas() > threshold
+                    })
+                    .map(|other| {
+                        let (wanted, std) = self.value(other.unknown, (other.change, other.std));
+                        (self.names[other.unknown], given(other.unknown), wanted, std)
+                    })
+                    .collect();
+                let one = Side {
+                    who: "[known]".to_owned(),
+                    value: given(unknown),
+                    std: None,
+                };
+                let other = Side {
+                    who: "the logs with the rest of [known]".to_owned(),
+                    value: wanted,
+                    std: Some(std),
+                };
+                (one, other, instead)
+            }
+        };
+        Contradiction {
+            parameter: self.names[unknown],
+            unit: self.units[unknown].clone(),
+            one,
+            other,
+            sigmas: best.sigmas(),
+            instead,
+        }
+    }
+}
+
+/// The shortest x (each unknown in units of its own information) that minimises |H x − g|: what a
+/// record does not tell stays where it is.
+fn shortest_solution(information: &DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
+    let scale = information.diagonal().map(|value| {
+        if value > 0.0 {
+            value.sqrt().recip()
+        } else {
+            0.0
+        }
+    });
+    let scaled = DMatrix::from_fn(gradient.len(), gradient.len(), |row, column| {
+        information[(row, column)] * scale[row] * scale[column]
+    });
+    let eigen = SymmetricEigen::new(scaled);
+    let right = eigen.eigenvectors.transpose() * gradient.component_mul(&scale);
+    let along = DVector::from_fn(right.len(), |row, _| {
+        let value = eigen.eigenvalues[row];
+        if value > DETERMINED {
+            right[row] / value
+        } else {
+            0.0
+        }
+    });
+    (eigen.eigenvectors * along).component_mul(&scale)
+}

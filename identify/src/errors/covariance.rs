@@ -1,0 +1,313 @@
+//! Standard errors that account for correlated residuals.
+//!
+//! The textbook covariance H⁻¹ holds if the residuals are white with the stated noise. Residuals of
+//! a fit that misses something are correlated over hundreds of samples. With s the sensitivities of
+//! one observation (the windows' starts eliminated) and R the autocovariance of the residuals,
+//!
+//!   cov θ = H⁻¹ ( Σᵢⱼ sᵢ R(i−j) sⱼᵀ ) H⁻¹
+//!
+//! (Morelli & Klein, J. Aircraft 34 (1997), eq. 21). The double sum is evaluated in the frequency
+//! domain: ∫ S(f) s(f) s(f)ᴴ df, with S a smoothed periodogram of the residual.
+//!
+//! The recorded current has noise of its own, which the wheel integrates to a random walk and which swings
+//! the body. The fit takes that for motion, so that it is hardly seen in the residual; it enters as a
+//! second term. An error δi of the current over the interval after a sample moves the state at the next one by
+//! ∂x/∂i δi, which the motion carries to every later sample, and with it the gradient: both are exact
+//! derivatives of the model's own steps, with all of its effects, the chain of the motor and the sensors
+//! among them ([`crate::transition`]). A delay moves all errors by the same time, which changes nothing
+//! but at the ends of a window. While balancing the current answers to the noise of the sensors; that part of
+//! it flows, and what the column adds cannot be told from it: nothing is added there.
+//!
+//! A real joint sticks, the model's dry friction passes through zero over the speed v₀. What that does
+//! to the outputs is taken as one standard error of them, common to all logs: v₀ is a parameter that
+//! is considered and not estimated (Schmidt 1966; Bierman 1977, chapter VIII).
+
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix6xX};
+use plant::{Kind, Model, Smoothing};
+use rayon::prelude::*;
+
+use super::spectral::correlated_sum;
+use crate::fit::{
+    Observation, Unknowns, Window, normal_observed, relevant, simulate_smoothed, transitions,
+};
+use crate::records::{Record, input_noise_std};
+
+/// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
+/// logarithm), from the final windows of a fit; `None` where the information is singular.
+/// `held` marks unknowns that lie on a bound: they count as given.
+pub fn covariance(
+    records: &[&Record],
+    windows: &[Vec<Window>],
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    information: &DMatrix<f64>,
+    held: &[bool],
+) -> Option<DMatrix<f64>> {
+    let count = unknowns.free.len();
+    let nowhere = DVector::zeros(count);
+    let mut middle = DMatrix::zeros(count, count);
+    let mut stick = DVector::zeros(count);
+    let errors: Vec<GradientError> = records
+        .par_iter()
+        .zip(windows)
+        .map(|(record, windows)| gradient_error(record, windows, model, values, unknowns, &nowhere))
+        .collect();
+    for error in errors {
+        middle += error.noise;
+        stick += error.stick;
+    }
+    middle += &stick * stick.transpose();
+    let inverse = pseudo_inverse(information, held)?;
+    Some(&inverse * middle * &inverse)
+}
+
+/// H⁻¹ over the unknowns that are not held and have a trace; zero rows for the others.
+pub fn pseudo_inverse(information: &DMatrix<f64>, held: &[bool]) -> Option<DMatrix<f64>> {
+    let count = information.nrows();
+    let kept: Vec<usize> = (0..count)
+        .filter(|&index| !held[index] && information[(index, index)] > 0.0)
+        .collect();
+    let scale: Vec<f64> = kept
+        .iter()
+        .map(|&index| 1.0 / information[(index, index)].sqrt())
+        .collect();
+    let scaled = DMatrix::from_fn(kept.len(), kept.len(), |row, column| {
+        information[(kept[row], kept[column])] * scale[row] * scale[column]
+    });
+    let inverse = Cholesky::new(scaled)?.inverse();
+    let mut full = DMatrix::zeros(count, count);
+    for (row, &to_row) in kept.iter().enumerate() {
+        for (column, &to_column) in kept.iter().enumerate() {
+            full[(to_row, to_column)] = inverse[(row, column)] * scale[row] * scale[column];
+        }
+    }
+    Some(full)
+}
+
+/// How far one record's gradient can be from that of a perfect measurement and a perfect model.
+#[derive(Clone, Debug)]
+pub struct GradientError {
+    /// Covariance by the noise of the sensors and of the recorded current.
+    pub noise: DMatrix<f64>,
+    /// What a joint that sticks would change.
+    pub stick: DVector<f64>,
+}
+
+impl GradientError {
+    /// Both together, for this record alone.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        &self.noise + &self.stick * self.stick.transpose()
+    }
+}
+
+/// One record's share of the middle sum Σᵢⱼ sᵢ R(i−j) sⱼᵀ, with R of
+/// the residual that is left once the free parameters have taken `step` (in the fit's coordinates;
+/// to first order). A record that is to be compared with others takes its own step, so that its
+/// disagreement with them does not count as its noise.
+pub fn gradient_error(
+    record: &Record,
+    windows: &[Window],
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    step: &DVector<f64>,
+) -> GradientError {
+    let count = unknowns.free.len();
+    let mut middle = DMatrix::zeros(count, count);
+    let mut stick = DVector::zeros(count);
+    let globals = relevant(record, model, unknowns);
+    let n = record.len();
+    let p = globals.len();
+    if p == 0 {
+        return GradientError {
+            noise: middle,
+            stick,
+        };
+    }
+    let own_step = DVector::from_fn(p, |row, _| step[globals[row]]);
+    let channels = record.channels.len();
+    let mut residuals = vec![vec![0.0; n]; channels];
+    let mut sensitivities = vec![vec![vec![0.0; n]; p]; channels];
+    let mut counts = vec![0usize; channels];
+    let mut locals_total = 0;
+    let projected: Vec<Vec<Projected>> = windows
+        .par_iter()
+        .map(|window| project(record, window, model, values, unknowns, &globals))
+        .collect();
+    for (window, observations) in windows.iter().zip(projected) {
+        locals_total += window.locals.len();
+        for one in observations {
+            counts[one.channel] += 1;
+            let mut residual = one.residual;
+            for (index, series) in sensitivities[one.channel].iter_mut().enumerate() {
+                series[one.sample] = one.sensitivity[index];
+                residual -= one.sensitivity[index] * own_step[index];
+            }
+            residuals[one.channel][one.sample] = residual;
+        }
+    }
+    for window in windows {
+        let walk = input_walk(record, window, model, values, &sensitivities);
+        for (row, &to_row) in globals.iter().enumerate() {
+            for (column, &to_column) in globals.iter().enumerate() {
+                middle[(to_row, to_column)] += walk[(row, column)];
+            }
+        }
+    }
+    if globals
+        .iter()
+        .any(|&global| is_dry_friction(model, unknowns.free[global]))
+    {
+        let changes = stuck(record, windows, model, values);
+        for (row, &to_row) in globals.iter().enumerate() {
+            for (changes, sensitivities) in changes.iter().zip(&sensitivities) {
+                let both = changes.iter().zip(&sensitivities[row]);
+                stick[to_row] += both.map(|(change, s)| change * s).sum::<f64>();
+            }
+        }
+    }
+    let total: usize = counts.iter().sum();
+    // Unbiased variance: the fitted unknowns took their share of the residual.
+    let freedom = total as f64 / total.saturating_sub(p + locals_total).max(1) as f64;
+    for channel in 0..channels {
+        if counts[channel] > 0 {
+            let spectra = correlated_sum(
+                &residuals[channel],
+                &sensitivities[channel],
+                counts[channel],
+            );
+            for (row, &to_row) in globals.iter().enumerate() {
+                for (column, &to_column) in globals.iter().enumerate() {
+                    middle[(to_row, to_column)] += spectra[(row, column)] * freedom;
+                }
+            }
+        }
+    }
+    GradientError {
+        noise: middle,
+        stick,
+    }
+}
+
+/// An observation once the start of its window may adapt.
+struct Projected {
+    sample: usize,
+    channel: usize,
+    residual: f64,
+    /// s̃ = s_g − Hgl Hll⁻¹ s_l, for each parameter that shows in the record.
+    sensitivity: Vec<f64>,
+}
+
+fn project(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+) -> Vec<Projected> {
+    let p = globals.len();
+    let mut observations: Vec<Projected> = vec![];
+    let keep = &mut |observation: Observation| {
+        if observation.residual.is_finite() {
+            observations.push(Projected {
+                sample: observation.sample,
+                channel: observation.channel,
+                residual: observation.residual,
+                sensitivity: observation.sensitivity.to_vec(),
+            });
+        }
+    };
+    let system = normal_observed(record, window, model, values, unknowns, globals, keep);
+    let l = system.locals.len();
+    let mut own = system.hessian.view((p, p), (l, l)).into_owned();
+    for index in 0..l {
+        own[(index, index)] = own[(index, index)].max(1e-300) * (1.0 + 1e-12);
+    }
+    let coupling = system.hessian.view((p, 0), (l, p)).into_owned();
+    let projection = Cholesky::new(own).map(|cholesky| cholesky.solve(&coupling));
+    for observation in &mut observations {
+        let of_locals = observation.sensitivity.split_off(p);
+        if let Some(projection) = &projection {
+            for (index, sensitivity) in observation.sensitivity.iter_mut().enumerate() {
+                let column = projection.column(index);
+                let taken_up: f64 = column.iter().zip(&of_locals).map(|(a, b)| a * b).sum();
+                *sensitivity -= taken_up;
+            }
+        }
+    }
+    observations
+}
+
+/// Whether a position of the parameter vector belongs to a dry friction whose sign is smoothed.
+fn is_dry_friction(model: &Model, position: usize) -> bool {
+    model
+        .effect_at(position)
+        .is_some_and(|effect| effect.info().has_kink)
+}
+
+/// Share of the smoothing speed at which dry friction is that of a joint that sticks.
+const STICKS: f64 = 0.1;
+
+/// What a joint that sticks would change in every output of a model with dry friction, sample by
+/// sample in units of the channel's noise: the same motion with a sign that is ten times as sharp.
+pub fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Vec<f64>> {
+    let v0 = Smoothing::SIMULATION;
+    let sticks = Smoothing {
+        body_rad_s: v0.body_rad_s * STICKS,
+        wheel_rad_s: v0.wheel_rad_s * STICKS,
+    };
+    let mut changes = vec![vec![0.0; record.len()]; record.channels.len()];
+    for (smoothing, factor) in [(sticks, 1.0), (v0, -1.0)] {
+        for window in windows {
+            simulate_smoothed(record, window, model, values, smoothing, |k, reading, _| {
+                for (series, channel) in changes.iter_mut().zip(&record.channels) {
+                    let change = factor * channel.output.of(reading) / channel.noise_std;
+                    if change.is_finite() {
+                        series[k] += change;
+                    }
+                }
+            });
+        }
+    }
+    changes
+}
+
+/// Covariance that the noise of the recorded current gives the gradient of one window. `sensitivities`
+/// is for each channel and parameter the normalised series over the record.
+fn input_walk(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    sensitivities: &[Vec<Vec<f64>>],
+) -> DMatrix<f64> {
+    let p = sensitivities.first().map_or(0, Vec::len);
+    let mut walk = DMatrix::zeros(p, p);
+    let noise_a = match record.kind {
+        Kind::SpinUp | Kind::Driven => input_noise_std(&record.current_a),
+        Kind::FreeSwing | Kind::Balance => 0.0,
+    };
+    if noise_a == 0.0 {
+        return walk;
+    }
+    let transitions = transitions(record, window, model, values);
+    // Sum over all later samples of the sensitivity times what is left there of a change of the state.
+    let mut later = Matrix6xX::<f64>::zeros(p);
+    for (k, transition) in window.samples.clone().zip(&transitions).rev() {
+        for (channel, series) in record.channels.iter().zip(sensitivities) {
+            let shows = &transition.shown[channel.output as usize];
+            for (index, series) in series.iter().enumerate() {
+                let weight = series[k + 1] / channel.noise_std;
+                later.column_mut(index).axpy(weight, shows, 1.0);
+            }
+        }
+        let moved = later.tr_mul(&transition.input) * noise_a;
+        walk += &moved * moved.transpose();
+        if transition.state.iter().all(|entry| entry.is_finite()) {
+            later = transition.state.tr_mul(&later);
+        }
+    }
+    walk
+}

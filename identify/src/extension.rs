@@ -1,0 +1,94 @@
+//! From the minimum of a model to that of a larger one.
+
+use plant::{EffectId, Model, StartFrom};
+
+use crate::bench::Setup;
+use crate::fit::{Effort, Minimum, cogging_start, refit};
+use crate::records::Record;
+
+/// Parameter values of `model` that continue those of `from`: shared parameters keep their values,
+/// an effect that replaces another takes over what it shares with it, the rest starts as given.
+pub fn carry_over(from: &Model, values: &[f64], model: &Model, start: &[f64]) -> Vec<f64> {
+    model
+        .parameters()
+        .iter()
+        .enumerate()
+        .map(|(position, info)| match from.position_of(info.name) {
+            Some(at) => values[at],
+            None => start[position],
+        })
+        .collect()
+}
+
+/// Fits `model` from a minimum of the smaller model `from`, trying every stated start of the
+/// effects that are new, and keeps the best.
+pub fn extend(
+    setup: &Setup,
+    records: &[&Record],
+    from: &Model,
+    minimum: &Minimum,
+    model: &Model,
+) -> Minimum {
+    let free = setup.free(model);
+    let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
+    let starts = |effect: EffectId| -> Vec<Vec<f64>> {
+        match effect.info().start_from {
+            StartFrom::Ripple => cogging_start(records, from, minimum)
+                .map(|start| start.parameters_of(effect))
+                .into_iter()
+                .collect(),
+            _ => setup.starts(records, effect, &base),
+        }
+    };
+    let new: Vec<EffectId> = model
+        .effects()
+        .iter()
+        .copied()
+        .filter(|&effect| !from.has(effect))
+        .collect();
+    let starts: Vec<(EffectId, Vec<Vec<f64>>)> = new
+        .into_iter()
+        .map(|effect| (effect, starts(effect)))
+        .collect();
+    let tries = starts.iter().map(|(_, starts)| starts.len()).max();
+    let tries = tries.unwrap_or(1).max(1);
+    let mut best: Option<Minimum> = None;
+    for attempt in 0..tries {
+        let mut start = vec![0.0; model.parameter_count()];
+        for (effect, starts) in &starts {
+            let at = model.position(*effect).unwrap_or(0);
+            if let Some(chosen) = starts.get(attempt).or(starts.last()) {
+                start[at..at + chosen.len()].copy_from_slice(chosen);
+            }
+        }
+        let values = carry_over(from, &minimum.values, model, &start);
+        let effort = if tries == 1 {
+            Effort::FULL
+        } else {
+            Effort::ROUGH
+        };
+        let candidate = refit(
+            records,
+            model,
+            values,
+            minimum.windows.clone(),
+            &free,
+            effort,
+        );
+        if best.as_ref().is_none_or(|best| candidate.cost < best.cost) {
+            best = Some(candidate);
+        }
+    }
+    match best {
+        Some(best) if tries > 1 => refit(
+            records,
+            model,
+            best.values,
+            best.windows,
+            &free,
+            Effort::FULL,
+        ),
+        Some(best) => best,
+        None => minimum.clone(),
+    }
+}

@@ -1,0 +1,62 @@
+//! Model against measurement, channel by channel.
+
+use plant::Model;
+
+use super::simulation::simulate;
+use super::unknowns::Window;
+use crate::records::{Channel, Output, Record};
+
+/// Model against measurement, for one channel of one record.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Which output.
+    pub output: Output,
+    /// The model's output at every sample, SI.
+    pub predicted: Vec<f64>,
+    /// Root mean square of measured − predicted over the samples that count.
+    pub rmse: f64,
+    /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖).
+    pub fit_percent: f64,
+}
+
+impl Trace {
+    /// Compares a channel with what is predicted of it, at the samples whose weight is not 0.
+    pub fn new(channel: &Channel, predicted: Vec<f64>, weight: &[f64]) -> Trace {
+        let counted: Vec<(f64, f64)> = channel
+            .samples
+            .iter()
+            .zip(&predicted)
+            .zip(weight)
+            .filter(|((y, model), weight)| y.is_finite() && model.is_finite() && **weight > 0.0)
+            .map(|((y, model), _)| (*y, *model))
+            .collect();
+        let n = counted.len().max(1) as f64;
+        let mean = counted.iter().map(|(y, _)| y).sum::<f64>() / n;
+        let error: f64 = counted.iter().map(|(y, model)| (y - model).powi(2)).sum();
+        let spread: f64 = counted.iter().map(|(y, _)| (y - mean).powi(2)).sum();
+        Trace {
+            output: channel.output,
+            predicted,
+            rmse: (error / n).sqrt(),
+            fit_percent: 100.0 * (1.0 - (error / spread.max(1e-300)).sqrt()),
+        }
+    }
+}
+
+/// Simulates the windows of a record and compares every channel.
+pub fn traces(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Trace> {
+    let mut predicted = vec![vec![f64::NAN; record.len()]; record.channels.len()];
+    for window in windows {
+        simulate(record, window, model, values, |k, reading, _| {
+            for (series, channel) in predicted.iter_mut().zip(&record.channels) {
+                series[k] = channel.output.of(reading);
+            }
+        });
+    }
+    record
+        .channels
+        .iter()
+        .zip(predicted)
+        .map(|(channel, predicted)| Trace::new(channel, predicted, &record.weight))
+        .collect()
+}

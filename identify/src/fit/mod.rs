@@ -1,0 +1,44 @@
+//! From records and a model to the minimum of the misfit.
+//!
+//! | file | job |
+//! |---|---|
+//! | `start` | a first guess of the base parameters, straight from the samples |
+//! | `unknowns` | shared parameters, and the unknowns of a window |
+//! | `simulation` | one window simulated |
+//! | `sensitivity` | the same with exact derivatives, summed into normal equations |
+//! | `normal_equations` | all windows together, their own unknowns eliminated |
+//! | `solver`, `effort` | Levenberg–Marquardt on them, and when it ends |
+//! | `score_test` | what one step promises, without taking it |
+//! | `transition` | the motion from sample to sample, linearised |
+//! | `windows` | where windows begin, and their starts |
+//! | `comparison` | model against measurement |
+//! | `cogging` | where a fit of cogging may start |
+//! | `schedule` | the growing windows of a fit from a plain start |
+
+mod cogging;
+mod comparison;
+mod effort;
+mod normal_equations;
+mod schedule;
+mod score_test;
+mod sensitivity;
+mod simulation;
+mod solver;
+mod start;
+mod transition;
+mod unknowns;
+mod windows;
+
+pub use cogging::{CoggingStart, cogging_start, settled};
+pub use comparison::{Trace, traces};
+pub use effort::{Effort, Outcome};
+pub use schedule::{fit_from_scratch, fit_windowed, refit};
+pub use score_test::{KnownPromise, Promise, PromisedStep, RecordPromise, promise};
+pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_observed};
+pub use simulation::{simulate, simulate_smoothed};
+pub use solver::{Minimum, cost, minimise};
+pub(crate) use start::driving_samples;
+pub use start::{Ratios, base_values, ratios};
+pub(crate) use transition::transitions;
+pub use unknowns::{Local, Unknowns, Window, acts, relevant};
+pub use windows::{final_windows, guessed, joined};

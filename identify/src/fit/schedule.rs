@@ -1,0 +1,175 @@
+//! A fit from a plain start to the minimum.
+//!
+//! A free run over a hundred periods has a cost with a local minimum for every period by which the
+//! phase may slip. The fit therefore begins with windows of two periods, each with a start of its
+//! own (multiple shooting; Bock 1983), whose cost is nearly quadratic, and lengthens the windows
+//! until one of them spans the log.
+
+use plant::{Kind, Model, Timing, period_s};
+
+use super::cogging::settled;
+use super::effort::Effort;
+use super::score_test::promise;
+use super::solver::{Minimum, minimise};
+use super::unknowns::{Unknowns, Window};
+use super::windows::{final_windows, windows};
+use crate::records::{Record, RecordedCurrent};
+
+/// Factor by which windows grow from one stage to the next.
+const WINDOW_GROWTH: f64 = 4.0;
+/// Periods in the first windows.
+const FIRST_PERIODS: f64 = 2.0;
+
+/// Fits from a plain start: the schedule of growing windows.
+pub fn fit_from_scratch(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    free: &[usize],
+) -> Minimum {
+    let unknowns = Unknowns::new(model, free);
+    let longest_s = records
+        .iter()
+        .map(|record| match record.kind {
+            // A spin-up is nearly linear in everything and needs no schedule.
+            Kind::SpinUp | Kind::Balance => 0.0,
+            Kind::FreeSwing | Kind::Driven => {
+                let span_s =
+                    record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
+                span_s.min(record.window_s)
+            }
+        })
+        .fold(0.0, f64::max);
+    let mut window_s = FIRST_PERIODS * period_s(&values);
+    let mut values = values;
+    let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
+    loop {
+        let last = window_s >= longest_s;
+        let length_s = if last { f64::INFINITY } else { window_s };
+        current = records
+            .iter()
+            .zip(&current)
+            .map(|(record, before)| match record.kind {
+                Kind::SpinUp => windows(record, &values, f64::INFINITY, before),
+                _ => windows(record, &values, length_s, before),
+            })
+            .collect();
+        let effort = if last { Effort::FULL } else { Effort::ROUGH };
+        let minimum = minimise(records, model, values, current, &unknowns, effort);
+        if last {
+            return over_samples(records, model, minimum, &unknowns, effort);
+        }
+        values = minimum.values;
+        current = minimum.windows;
+        window_s *= WINDOW_GROWTH;
+    }
+}
+
+/// Fits with windows of `window_s` seconds (where the kind allows a choice), each with a start of
+/// its own. The cost is then nearly quadratic, whatever the model lacks.
+pub fn fit_windowed(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    free: &[usize],
+    window_s: f64,
+    effort: Effort,
+) -> Minimum {
+    let windows = records
+        .iter()
+        .map(|record| match record.kind {
+            Kind::SpinUp => final_windows(record, &values),
+            _ => windows(record, &values, window_s, &[]),
+        })
+        .collect();
+    refit(records, model, values, windows, free, effort)
+}
+
+/// Fits again from a good start: parameters and windows of a neighbouring fit.
+pub fn refit(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    windows: Vec<Vec<Window>>,
+    free: &[usize],
+    effort: Effort,
+) -> Minimum {
+    let windows = settled(records, model, &values, windows);
+    let unknowns = Unknowns::new(model, free);
+    let minimum = minimise(records, model, values, windows, &unknowns, effort);
+    over_samples(records, model, minimum, &unknowns, effort)
+}
+
+/// What the delay of the next sample must promise, in χ², for a fit to start there.
+const WORTH_A_SAMPLE: f64 = 1.0;
+/// Evaluations that show whether it keeps that: from the middle of an interval the cost is nearly quadratic.
+const LOOK_AT_A_SAMPLE: usize = 3;
+
+/// Takes a delay on from sample to sample of the command while that lowers the cost.
+///
+/// A held command that is late by a part of a sample is a mean of itself, late by one sample more and by one
+/// less. Where noise has a share in it (a controller passes that of its sensors on), the mean has less of it,
+/// and the cost a minimum between any two samples.
+fn over_samples(
+    records: &[&Record],
+    model: &Model,
+    found: Minimum,
+    unknowns: &Unknowns,
+    effort: Effort,
+) -> Minimum {
+    let delay = model.find(|info| info.timing == Some(Timing::Delay));
+    let (Some((effect, at)), Some(sample_s)) = (
+        delay.filter(|(_, at)| unknowns.free.contains(at)),
+        shortest_sample_s(records),
+    ) else {
+        return found;
+    };
+    let all = vec![true; unknowns.free.len()];
+    let look = Effort {
+        evaluations: LOOK_AT_A_SAMPLE,
+        ..Effort::ROUGH
+    };
+    let mut best = found;
+    let mut has_moved = false;
+    for direction in [1.0, -1.0] {
+        loop {
+            let middle = (best.values[at] / sample_s).floor() + 0.5;
+            let next_s = (middle + direction) * sample_s;
+            let (low, high) = effect.info().parameters[0].bounds;
+            if next_s < low || next_s > high || !best.cost.is_finite() {
+                break;
+            }
+            let mut values = best.values.clone();
+            values[at] = next_s;
+            let promise = promise(records, model, &values, &best.windows, unknowns, None);
+            let goal = best.cost - WORTH_A_SAMPLE;
+            if promise.step(&values, unknowns, &all).cost > goal {
+                break;
+            }
+            let windows = best.windows.clone();
+            let next = minimise(records, model, values, windows, unknowns, look);
+            if next.cost > goal {
+                break;
+            }
+            best = next;
+            has_moved = true;
+        }
+        // What lies behind was worse.
+        if has_moved {
+            break;
+        }
+    }
+    if has_moved {
+        best = minimise(records, model, best.values, best.windows, unknowns, effort);
+    }
+    best
+}
+
+/// The shortest time for which a recorded command is held, in s; `None` where none is.
+fn shortest_sample_s(records: &[&Record]) -> Option<f64> {
+    let held = records.iter().filter_map(|record| match &record.current {
+        RecordedCurrent::Known(input) if record.kind != Kind::FreeSwing => input.held_s(),
+        _ => None,
+    });
+    held.min_by(f64::total_cmp)
+}

@@ -1,0 +1,398 @@
+//! One window of a log: simulated with exact derivatives, compared, summed into normal equations.
+
+use nalgebra::{DMatrix, DVector};
+use plant::{Dual, Kind, Model, Scalar, Smoothing};
+
+use super::simulation::{current_of, plant_of, simulate, start_state, with_memory};
+use super::unknowns::{Local, Unknowns, Window};
+use crate::records::Record;
+
+/// Normal equations of one window: (Hgg Hgl; Hlg Hll) and right-hand sides, for the unknowns in the
+/// order globals, acting locals. Residuals are divided by the noise of their channel.
+#[derive(Clone, Debug)]
+pub struct WindowNormal {
+    /// Sum over the samples of sensitivity times its transpose, (p+l)×(p+l).
+    pub hessian: DMatrix<f64>,
+    /// Sum of sensitivity times residual, p+l.
+    pub gradient: DVector<f64>,
+    /// Sum of squared residuals; infinite if the simulation left the finite numbers.
+    pub cost: f64,
+    /// Which of the window's unknowns act, as indices into [`Window::locals`].
+    pub locals: Vec<usize>,
+}
+
+/// What carries derivatives in the simulation of a window, in this order.
+struct Lanes<'a> {
+    /// Indices into the unknowns.
+    globals: &'a [usize],
+    /// The unknowns of the window on which the motion of the model depends, as indices into
+    /// [`Window::locals`].
+    locals: Vec<usize>,
+}
+
+impl Lanes<'_> {
+    fn of<'a>(record: &Record, window: &Window, model: &Model, globals: &'a [usize]) -> Lanes<'a> {
+        let locals = Local::of(record).into_iter().zip(&window.locals);
+        let locals = locals
+            .enumerate()
+            .filter_map(|(index, (local, _))| local.acts_on(model).then_some(index))
+            .collect();
+        Lanes { globals, locals }
+    }
+
+    fn count(&self) -> usize {
+        self.globals.len() + self.locals.len()
+    }
+
+    /// At most `most` of these lanes, from the lane `first` on.
+    fn part(&self, first: usize, most: usize) -> Lanes<'_> {
+        let end = (first + most).min(self.count());
+        let globals = self.globals.len();
+        Lanes {
+            globals: &self.globals[first.min(globals)..end.min(globals)],
+            locals: self.locals[first.max(globals) - globals..end.max(globals) - globals].to_vec(),
+        }
+    }
+
+    /// The lane of an unknown of the window, if it has one.
+    fn of_local(&self, local: usize) -> Option<usize> {
+        let at = self.locals.iter().position(|&acting| acting == local)?;
+        Some(self.globals.len() + at)
+    }
+}
+
+/// What a window's simulation hands out for one observation.
+pub struct Observation<'a> {
+    /// Index of the sample in the log.
+    pub sample: usize,
+    /// Index of the channel in the record.
+    pub channel: usize,
+    /// (measured − model)/noise.
+    pub residual: f64,
+    /// ∂(model/noise)/∂unknown, globals then acting locals.
+    pub sensitivity: &'a [f64],
+}
+
+macro_rules! with_lanes {
+    ($count:expr, $function:ident, $($argument:expr),*) => {
+        match $count {
+            0..=4 => $function::<4>($($argument),*),
+            5..=6 => $function::<6>($($argument),*),
+            7..=8 => $function::<8>($($argument),*),
+            9..=10 => $function::<10>($($argument),*),
+            11..=12 => $function::<12>($($argument),*),
+            13..=16 => $function::<16>($($argument),*),
+            17..=MAX_UNKNOWNS => $function::<MAX_UNKNOWNS>($($argument),*),
+            _ => normal_wide($($argument),*),
+        }
+    };
+}
+
+/// The most unknowns, globals and locals together, that one simulation of a window carries.
+pub const MAX_UNKNOWNS: usize = 24;
+
+fn run_lanes<const N: usize>(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    lanes: &Lanes,
+    // Not generic, so that the integrator is compiled once for each number of lanes.
+    each: &mut dyn FnMut(usize, &plant::Reading<Dual<N>>),
+) {
+    let mut duals: Vec<Dual<N>> = values.iter().map(|&value| Dual::constant(value)).collect();
+    for (lane, &unknown) in lanes.globals.iter().enumerate() {
+        let position = unknowns.free[unknown];
+        let mut dual = Dual::constant(values[position]);
+        dual.derivatives[lane] = unknowns.slope(unknown, values[position]);
+        duals[position] = dual;
+    }
+    let locals = Local::of(record);
+    let starts: Vec<Dual<N>> = window
+        .locals
+        .iter()
+        .enumerate()
+        .map(|(index, &value)| match lanes.of_local(index) {
+            Some(lane) => Dual::variable(value, lane),
+            None => Dual::constant(value),
+        })
+        .collect();
+    let (start, held, angle_zero) = start_state(&locals, &starts);
+    let plant = plant_of(record, model, &duals, Smoothing::SIMULATION);
+    let start = with_memory(record, window, model, &plant, start);
+    plant.run(
+        start,
+        &record.time_s,
+        window.samples.clone(),
+        current_of(record, held),
+        None,
+        |k, reading, _| {
+            let mut reading = *reading;
+            reading.angle_rad += angle_zero;
+            each(k, &reading);
+        },
+    );
+}
+
+/// The normal equations of a window. Samples of weight 0 and missing measurements do not count.
+pub fn normal(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+) -> WindowNormal {
+    normal_observed(
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        globals,
+        &mut |_| {},
+    )
+}
+
+/// As [`normal`]; every observation that counts is handed to `each` as well, sample by sample.
+pub fn normal_observed(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    globals: &[usize],
+    each: &mut dyn FnMut(Observation),
+) -> WindowNormal {
+    let lanes = Lanes::of(record, window, model, globals);
+    if is_impossible(record, values) {
+        let count = lanes.count();
+        return WindowNormal {
+            hessian: DMatrix::zeros(count, count),
+            gradient: DVector::zeros(count),
+            cost: f64::INFINITY,
+            locals: lanes.locals,
+        };
+    }
+    with_lanes!(
+        lanes.count(),
+        normal_lanes,
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        lanes,
+        each
+    )
+}
+
+/// What a simulation with `N` lanes says of every measurement that counts at one sample: channel, residual,
+/// sensitivities, the latter two divided by the noise.
+fn observations<const N: usize>(
+    record: &Record,
+    k: usize,
+    reading: &plant::Reading<Dual<N>>,
+    mut each: impl FnMut(usize, f64, &[f64; N]),
+) {
+    let weight = record.weight[k];
+    if weight == 0.0 {
+        return;
+    }
+    for (index, channel) in record.channels.iter().enumerate() {
+        let measured = channel.samples[k];
+        if measured.is_nan() {
+            continue;
+        }
+        let output = channel.output.of(reading);
+        let scale = weight / channel.noise_std;
+        let residual = (measured - output.value) * scale;
+        let mut sensitivity = output.derivatives;
+        for lane in &mut sensitivity {
+            *lane *= scale;
+        }
+        each(index, residual, &sensitivity);
+    }
+}
+
+fn normal_lanes<const N: usize>(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    lanes: Lanes,
+    each: &mut dyn FnMut(Observation),
+) -> WindowNormal {
+    let count = lanes.count();
+    let mut hessian = [[0.0; N]; N];
+    let mut gradient = [0.0; N];
+    let mut cost = 0.0;
+    run_lanes::<N>(
+        record,
+        window,
+        model,
+        values,
+        unknowns,
+        &lanes,
+        &mut |k, reading| {
+            observations(record, k, reading, |channel, residual, sensitivity| {
+                cost += residual * residual;
+                for row in 0..count {
+                    gradient[row] += sensitivity[row] * residual;
+                    // The lower triangle is filled by symmetry at the end.
+                    for column in 0..N {
+                        hessian[row][column] += sensitivity[row] * sensitivity[column];
+                    }
+                }
+                each(Observation {
+                    sample: k,
+                    channel,
+                    residual,
+                    sensitivity: &sensitivity[..count],
+                });
+            });
+        },
+    );
+    let normal = WindowNormal {
+        hessian: DMatrix::from_fn(count, count, |row, column| hessian[row][column]),
+        gradient: DVector::from_fn(count, |row, _| gradient[row]),
+        cost,
+        locals: lanes.locals.clone(),
+    };
+    with_priors(record, window, &lanes, normal)
+}
+
+/// As [`normal_lanes`], for more unknowns than one simulation carries: as many simulations as it takes, each with
+/// a part of the lanes.
+fn normal_wide(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    unknowns: &Unknowns,
+    lanes: Lanes,
+    each: &mut dyn FnMut(Observation),
+) -> WindowNormal {
+    /// One observation, its sensitivities as far as they have come.
+    struct Row {
+        sample: usize,
+        channel: usize,
+        residual: f64,
+        sensitivity: Vec<f64>,
+    }
+    let count = lanes.count();
+    let mut rows: Vec<Row> = vec![];
+    for first in (0..count).step_by(MAX_UNKNOWNS) {
+        let part = lanes.part(first, MAX_UNKNOWNS);
+        let own = part.count();
+        let mut at = 0;
+        run_lanes::<MAX_UNKNOWNS>(
+            record,
+            window,
+            model,
+            values,
+            unknowns,
+            &part,
+            &mut |k, reading| {
+                observations(record, k, reading, |channel, residual, sensitivity| {
+                    if first == 0 {
+                        rows.push(Row {
+                            sample: k,
+                            channel,
+                            residual,
+                            sensitivity: vec![],
+                        });
+                    }
+                    rows[at].sensitivity.extend(&sensitivity[..own]);
+                    at += 1;
+                });
+            },
+        );
+    }
+    let mut normal = WindowNormal {
+        hessian: DMatrix::zeros(count, count),
+        gradient: DVector::zeros(count),
+        cost: 0.0,
+        locals: lanes.locals.clone(),
+    };
+    for row in &rows {
+        normal.cost += row.residual * row.residual;
+        let sensitivity = DVector::from_column_slice(&row.sensitivity);
+        normal.gradient.axpy(row.residual, &sensitivity, 1.0);
+        normal.hessian.ger(1.0, &sensitivity, &sensitivity, 1.0);
+        each(Observation {
+            sample: row.sample,
+            channel: row.channel,
+            residual: row.residual,
+            sensitivity: &row.sensitivity,
+        });
+    }
+    with_priors(record, window, &lanes, normal)
+}
+
+/// The normal equations with what is known beforehand of the window's unknowns.
+fn with_priors(
+    record: &Record,
+    window: &Window,
+    lanes: &Lanes,
+    mut normal: WindowNormal,
+) -> WindowNormal {
+    for (local, value, std) in priors(record, window) {
+        normal.cost += (value / std).powi(2);
+        let Some(lane) = lanes.of_local(local) else {
+            continue;
+        };
+        normal.gradient[lane] -= value / (std * std);
+        normal.hessian[(lane, lane)] += 1.0 / (std * std);
+    }
+    if !normal.cost.is_finite() {
+        normal.cost = f64::INFINITY;
+    }
+    normal
+}
+
+/// The unknowns of a window that are known beforehand: index, value, standard deviation.
+fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
+    let locals = Local::of(record).into_iter().zip(&window.locals);
+    locals
+        .enumerate()
+        .filter_map(|(index, (local, &value))| {
+            let std = local.prior_std(record, window.samples.start)?;
+            Some((index, value, std))
+        })
+        .collect()
+}
+
+/// Whether the wheel alone would have more inertia than body and wheel together.
+fn is_impossible(record: &Record, values: &[f64]) -> bool {
+    matches!(record.kind, Kind::Balance | Kind::Driven)
+        && values[plant::WHEEL_INERTIA] >= values[plant::TOTAL_INERTIA]
+}
+
+/// The cost of [`normal`] without derivatives.
+pub fn window_cost(record: &Record, window: &Window, model: &Model, values: &[f64]) -> f64 {
+    if is_impossible(record, values) {
+        return f64::INFINITY;
+    }
+    let mut cost = 0.0;
+    simulate(record, window, model, values, |k, reading, _| {
+        let weight = record.weight[k];
+        for channel in &record.channels {
+            let measured = channel.samples[k];
+            if weight > 0.0 && !measured.is_nan() {
+                let scale = weight / channel.noise_std;
+                cost += ((measured - channel.output.of(reading)) * scale).powi(2);
+            }
+        }
+    });
+    for (_, value, std) in priors(record, window) {
+        cost += (value / std).powi(2);
+    }
+    if cost.is_finite() {
+        cost
+    } else {
+        f64::INFINITY
+    }
+}

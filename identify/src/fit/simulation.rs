@@ -1,0 +1,126 @@
+//! One window of a log simulated: its start from the unknowns of the window, with what the log says of the
+//! time before it.
+
+use plant::{Current, Model, Plant, Scalar, Smoothing, State};
+
+use super::unknowns::{Local, Window};
+use crate::records::{Record, RecordedCurrent};
+
+/// The start of a window from its local unknowns: the state with the current before it, a held current, the
+/// angle's zero.
+pub(super) fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
+    let mut state = State::rest();
+    let mut current = S::zero();
+    let mut angle_zero = S::zero();
+    for (local, &value) in locals.iter().zip(values) {
+        match local {
+            Local::Angle => state.angle_rad = value,
+            Local::Rate => state.rate_rad_s = value,
+            Local::WheelSpeed => state.wheel_speed_rad_s = value,
+            Local::Current => current = value,
+            Local::AngleZero => angle_zero = value,
+            Local::WheelAngle => state.wheel_angle_rad = value,
+            Local::PastCurrent => state.current_a = value,
+        }
+    }
+    (state, current, angle_zero)
+}
+
+/// The plant of a record: without what lies between command and current where the record holds the current.
+pub(super) fn plant_of<S: Scalar>(
+    record: &Record,
+    model: &Model,
+    values: &[S],
+    smoothing: Smoothing,
+) -> Plant<S> {
+    let plant = Plant::smoothed(model, values, record.kind, smoothing);
+    if record.current_is_measured {
+        plant.with_measured_current()
+    } else {
+        plant
+    }
+}
+
+/// Presliding friction is followed over this many times its presliding distance μ/σ before a window
+/// begins; it has then forgotten what was before (e⁻⁴ of it is left).
+const MEMORY_DISTANCES: f64 = 4.0;
+
+/// The start of a window in the middle of a log with what the log says of the time before it: the
+/// angle of the wheel for cogging, the torque of presliding friction.
+pub(super) fn with_memory<S: Scalar>(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    plant: &Plant<S>,
+    start: State<S>,
+) -> State<S> {
+    let mut state = start;
+    let first = window.samples.start;
+    if first == 0 {
+        return state;
+    }
+    if model.find(|info| info.uses_wheel_angle).is_some() {
+        state.wheel_angle_rad += S::constant(record.wheel_angle_before(first));
+    }
+    if let Some(distance_rad) = plant.memory_distance_rad() {
+        let mut far = MEMORY_DISTANCES * distance_rad;
+        let mut travel: Vec<f64> = vec![];
+        for step in record.body_travel_before(first) {
+            travel.push(step);
+            far -= step.abs();
+            if far < 0.0 {
+                break;
+            }
+        }
+        for displacement in travel.into_iter().rev() {
+            state.friction_torque =
+                plant.remember(state.friction_torque, S::constant(displacement));
+        }
+    }
+    state
+}
+
+pub(super) fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
+    match &record.current {
+        RecordedCurrent::Known(input) => Current::Recorded(input),
+        RecordedCurrent::Unknown => Current::Held(held),
+    }
+}
+
+/// Simulates a window without derivatives; `each` gets the index of the sample and the model's
+/// reading.
+pub fn simulate(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
+) {
+    simulate_smoothed(record, window, model, values, Smoothing::SIMULATION, each);
+}
+
+/// As [`simulate`], with another smoothing of dry friction.
+pub fn simulate_smoothed(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    smoothing: Smoothing,
+    mut each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
+) {
+    let (start, held, angle_zero) = start_state(&Local::of(record), &window.locals);
+    let plant = plant_of(record, model, values, smoothing);
+    let start = with_memory(record, window, model, &plant, start);
+    plant.run(
+        start,
+        &record.time_s,
+        window.samples.clone(),
+        current_of(record, held),
+        None,
+        |k, reading, state| {
+            let mut reading = *reading;
+            reading.angle_rad += angle_zero;
+            each(k, &reading, state);
+        },
+    );
+}

@@ -1,0 +1,236 @@
+//! Nonlinear least squares over parameters that all windows share and starts that each window has
+//! for itself.
+//!
+//! Levenberg–Marquardt (Marquardt, SIAM J. 11 (1963); damping scaled by the diagonal as in Moré
+//! 1978) on the [`super::normal_equations`].
+
+use nalgebra::{DMatrix, DVector};
+use plant::Model;
+use rayon::prelude::*;
+
+use super::effort::{Effort, Outcome, within_pace};
+use super::normal_equations::{assemble, reduce, solve};
+use super::sensitivity::window_cost;
+use super::unknowns::{Unknowns, Window, relevant};
+use crate::records::Record;
+
+/// The records of a fit with their windows, and where the minimisation stands.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// The whole parameter vector.
+    pub values: Vec<f64>,
+    /// For each record its windows.
+    pub windows: Vec<Vec<Window>>,
+    /// Sum of squared normalised residuals.
+    pub cost: f64,
+    /// Information about the free parameters after the windows' unknowns are eliminated, in the
+    /// fit's coordinates.
+    pub information: DMatrix<f64>,
+    /// Which free parameters lie on a bound, so that the data pull them out of their range.
+    pub on_bound: Vec<bool>,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Number of evaluations of the normal equations.
+    pub evaluations: usize,
+}
+
+/// A step that promises less than this, in units of the mean squared residual, and is refused ends the fit:
+/// a tenth of a standard error is below what the kinks of dry friction leave of a smooth cost.
+const ROUGHNESS: f64 = 1e-2;
+/// For so many steps after a refused one the next is first tried without derivatives.
+const DOUBTFUL: usize = 2;
+/// A fit whose last so many evaluations together gained less than the standard error of one unknown
+/// would, or less than [`CRUMB`] of what the model misses, is creeping, and ends: what is left to gain
+/// decides nothing.
+const CREEPING: usize = 8;
+/// Share of the χ² beyond the noise: of a model that misses much, the minimum need not be known to what
+/// its noise would allow.
+const CRUMB: f64 = 1e-2;
+
+/// Minimises the sum of squared normalised residuals over the free parameters and the windows'
+/// starts, from `values` and `windows`.
+pub fn minimise(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    windows: Vec<Vec<Window>>,
+    unknowns: &Unknowns,
+    effort: Effort,
+) -> Minimum {
+    let count = unknowns.free.len();
+    let globals: Vec<Vec<usize>> = records
+        .iter()
+        .map(|record| relevant(record, model, unknowns))
+        .collect();
+    let observations: usize = records.iter().map(|record| record.observations()).sum();
+
+    let mut values = values;
+    let mut windows = windows;
+    let mut assembled = assemble(records, &globals, &windows, model, &values, unknowns);
+    let mut evaluations = 1;
+    let mut damping = 1e-4;
+    let mut since_refusal = DOUBTFUL;
+    let mut outcome = Outcome::OutOfIterations;
+    let mut on_bound = vec![false; count];
+    let mut costs = vec![assembled.cost];
+    let factors = factors(model);
+    if !assembled.cost.is_finite() {
+        outcome = Outcome::NotFinite;
+    }
+    while outcome == Outcome::OutOfIterations && evaluations < effort.evaluations {
+        let mean_square = (assembled.cost / observations.max(1) as f64).max(1e-300);
+        let reduced = reduce(&assembled, &globals, count, damping);
+        // An unknown on its bound is held there while the data pull it outwards.
+        for (index, held) in on_bound.iter_mut().enumerate() {
+            let value = values[unknowns.free[index]];
+            let (low, high) = unknowns.bounds[index];
+            let pull = reduced.gradient[index];
+            *held = (value <= low && pull < 0.0) || (value >= high && pull > 0.0);
+        }
+        let Some(step) = solve(&reduced.matrix, &reduced.gradient, &on_bound) else {
+            damping = (damping * 100.0).max(1e-6);
+            if damping > 1e12 {
+                outcome = Outcome::Stalled;
+            }
+            continue;
+        };
+
+        let mut next_values = values.clone();
+        let mut taken = step.clone();
+        for (index, &position) in unknowns.free.iter().enumerate() {
+            let (low, high) = unknowns.bounds[index];
+            // Of a product a b the step (da, db) promises the change b da + a db; b + a db/(a + da) brings
+            // just that. With b + db the way of a fit from one cable to another that is as taut would lie
+            // along a hyperbola, a curved valley of hundreds of steps.
+            if let Some(factor) = factors[position]
+                && next_values[factor] > 0.0
+            {
+                let share = values[factor] / next_values[factor];
+                let next = values[position] + share * step[index];
+                next_values[position] = next.clamp(low, high);
+                if share > 0.0 {
+                    taken[index] = (next_values[position] - values[position]) / share;
+                }
+                continue;
+            }
+            let next = if unknowns.logarithmic[index] {
+                // More than a factor of e² at once leaves the range where the step means anything.
+                values[position] * step[index].clamp(-2.0, 2.0).exp()
+            } else {
+                values[position] + step[index]
+            };
+            next_values[position] = next.clamp(low, high);
+            taken[index] = if unknowns.logarithmic[index] {
+                (next_values[position] / values[position]).ln()
+            } else {
+                next_values[position] - values[position]
+            };
+        }
+        // The windows' own steps belong to the step that is really taken.
+        let mut next_windows = windows.clone();
+        let mut promised = taken.dot(&reduced.gradient);
+        for ((list, eliminated), globals) in
+            next_windows.iter_mut().zip(&reduced.windows).zip(&globals)
+        {
+            let shared = DVector::from_fn(globals.len(), |row, _| taken[globals[row]]);
+            for (window, eliminated) in list.iter_mut().zip(eliminated) {
+                let Some(eliminated) = eliminated else {
+                    continue;
+                };
+                let own = eliminated
+                    .inverse
+                    .solve(&(&eliminated.gradient - &eliminated.coupling * &shared));
+                // What the window's own unknowns take beside the shared step, whose gradient is reduced by it.
+                promised += eliminated
+                    .gradient
+                    .dot(&eliminated.inverse.solve(&eliminated.gradient));
+                for (&local, change) in eliminated.locals.iter().zip(own.iter()) {
+                    window.locals[local] += change;
+                }
+            }
+        }
+        // Among refusals a step is likely to be refused too: that costs no derivatives.
+        let is_refused = since_refusal < DOUBTFUL
+            && cost(records, model, &next_values, &next_windows) > assembled.cost;
+        let next = (!is_refused).then(|| {
+            assemble(
+                records,
+                &globals,
+                &next_windows,
+                model,
+                &next_values,
+                unknowns,
+            )
+        });
+        evaluations += 1;
+        let small = promised.abs() <= effort.tolerance * mean_square;
+        since_refusal += 1;
+        if let Some(next) = next.filter(|next| next.cost <= assembled.cost) {
+            values = next_values;
+            windows = next_windows;
+            assembled = next;
+            damping = (damping * 0.1).max(1e-12);
+            if small {
+                outcome = Outcome::Converged;
+            }
+        } else if promised.abs() <= ROUGHNESS.max(effort.tolerance) * mean_square {
+            outcome = Outcome::Converged;
+        } else {
+            since_refusal = 0;
+            damping = (damping * 10.0).max(1e-6);
+            if damping > 1e10 {
+                outcome = Outcome::Stalled;
+            }
+        }
+        costs.push(assembled.cost);
+        if outcome == Outcome::OutOfIterations
+            && within_pace(&costs, effort.evaluations.saturating_sub(evaluations)) > effort.goal
+        {
+            outcome = Outcome::Outclassed;
+        }
+        if outcome == Outcome::OutOfIterations
+            && costs.len() > CREEPING
+            && costs[costs.len() - 1 - CREEPING] - assembled.cost
+                < mean_square.max(CRUMB * (assembled.cost - observations as f64))
+        {
+            outcome = Outcome::Stalled;
+        }
+    }
+    let reduced = reduce(&assembled, &globals, count, 0.0);
+    Minimum {
+        values,
+        windows,
+        cost: assembled.cost,
+        information: reduced.matrix,
+        on_bound,
+        outcome,
+        evaluations,
+    }
+}
+
+/// The cost that [`minimise`] lowers, without derivatives.
+pub fn cost(records: &[&Record], model: &Model, values: &[f64], windows: &[Vec<Window>]) -> f64 {
+    let jobs: Vec<(&Record, &Window)> = records
+        .iter()
+        .zip(windows)
+        .flat_map(|(record, list)| list.iter().map(move |window| (*record, window)))
+        .collect();
+    let costs: Vec<f64> = jobs
+        .par_iter()
+        .map(|&(record, window)| window_cost(record, window, model, values))
+        .collect();
+    // In the order of the windows, so that it does not depend on how the work was shared out.
+    costs.into_iter().sum()
+}
+
+/// For every position of the parameter vector the position of the factor a with which it forms a product
+/// a b, in which the torque is linear ([`plant::EffectInfo::product`]).
+fn factors(model: &Model) -> Vec<Option<usize>> {
+    let mut factors = vec![None; model.parameter_count()];
+    for &effect in model.effects() {
+        if let (Some((a, b)), Some(at)) = (effect.info().product, model.position(effect)) {
+            factors[at + b] = Some(at + a);
+        }
+    }
+    factors
+}

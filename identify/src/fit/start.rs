@@ -1,0 +1,383 @@
+//! A first guess of the base parameters, straight from the samples.
+//!
+//! The equations of motion are linear in G/Θ, τ/j_w and the friction ratios. Multiplied by a bump
+//! ψ(t) that vanishes with its derivative at both ends of a short interval, and integrated by
+//! parts, they hold for the measured angle and wheel speed themselves: no noise is differentiated
+//! (the weak form, or modulating-function method of Shinbrot, Trans. ASME 79 (1957)). One linear
+//! least squares then gives the ratios; what was measured directly turns them into parameters.
+
+use nalgebra::{DMatrix, DVector};
+use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+
+use crate::records::{BUMP_S, Output, Record, angle_samples, bumps};
+
+/// Length of the bump in a balance log: as short as a push by hand, so that most of the answer to a
+/// push lies under other bumps than the push.
+const BALANCE_BUMP_S: f64 = 0.1;
+/// Rounds of reweighting: each brings the fit a good part of the way.
+const REWEIGHTINGS: usize = 30;
+
+/// Rows of a linear least squares.
+struct Rows {
+    columns: usize,
+    left: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Rows {
+    fn new(columns: usize) -> Rows {
+        Rows {
+            columns,
+            left: vec![],
+            right: vec![],
+        }
+    }
+
+    fn push(&mut self, row: &[f64], right: f64) {
+        if row.iter().all(|v| v.is_finite()) && right.is_finite() {
+            self.left.extend_from_slice(row);
+            self.right.push(right);
+        }
+    }
+
+    fn solve(&self) -> Option<DVector<f64>> {
+        if self.right.len() < self.columns {
+            return None;
+        }
+        let mut matrix = DMatrix::from_row_slice(self.right.len(), self.columns, &self.left);
+        // Columns are scaled so that the pseudo-inverse drops what is negligible, not what is small
+        // because of its unit.
+        let scale: Vec<f64> = matrix
+            .column_iter()
+            .map(|column| column.norm().max(1e-300))
+            .collect();
+        for (column, scale) in scale.iter().enumerate() {
+            matrix.column_mut(column).unscale_mut(*scale);
+        }
+        let solution = matrix
+            .svd(true, true)
+            .solve(&DVector::from_column_slice(&self.right), 1e-8)
+            .ok()?;
+        Some(DVector::from_fn(self.columns, |row, _| {
+            solution[row] / scale[row]
+        }))
+    }
+}
+
+impl Rows {
+    /// Least absolute deviations by reweighted least squares (Schlossmacher, JASA 68 (1973)): rows
+    /// that a push has shifted pull no harder than others.
+    fn solve_absolute(&self) -> Option<DVector<f64>> {
+        let mut x = self.solve()?;
+        let n = self.right.len();
+        for _ in 0..REWEIGHTINGS {
+            let residual: Vec<f64> = (0..n)
+                .map(|row| {
+                    let left = &self.left[row * self.columns..(row + 1) * self.columns];
+                    let model: f64 = left.iter().zip(x.iter()).map(|(a, b)| a * b).sum();
+                    (self.right[row] - model).abs()
+                })
+                .collect();
+            let mean = residual.iter().sum::<f64>() / n as f64;
+            let mut weighted = Rows::new(self.columns);
+            for (row, residual) in residual.iter().enumerate() {
+                // A row that fits exactly must not take all the weight.
+                let weight = 1.0 / residual.max(1e-3 * mean).max(1e-300).sqrt();
+                let left = &self.left[row * self.columns..(row + 1) * self.columns];
+                let left: Vec<f64> = left.iter().map(|value| weight * value).collect();
+                weighted.push(&left, weight * self.right[row]);
+            }
+            x = weighted.solve()?;
+        }
+        Some(x)
+    }
+}
+
+/// Ratios of the parameters that the samples give directly.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ratios {
+    /// G/Θ in 1/s², from free swings; else from the momentum of body and wheel while all is free.
+    pub gravity_over_total: Option<f64>,
+    /// The angle that a hanging body shows in free swings, in rad.
+    pub angle_zero_rad: Option<f64>,
+    /// r_b/Θ in 1/s, likewise.
+    pub friction_over_total: Option<f64>,
+    /// G/(Θ − j_w) in 1/s², from logs with everything free.
+    pub gravity_over_free: Option<f64>,
+    /// τ/(Θ − j_w) in rad/(s² A), from logs with everything free.
+    pub torque_over_free: Option<f64>,
+    /// G/j_w in 1/s², from the momentum of body and wheel in balance logs.
+    pub gravity_over_wheel: Option<f64>,
+    /// τ/j_w in rad/(s² A).
+    pub torque_over_wheel: Option<f64>,
+    /// r_w/j_w in 1/s.
+    pub friction_over_wheel: Option<f64>,
+}
+
+/// The samples in which the motor drives the wheel, current and speed having one sign: wheel speed in rad/s
+/// and current in A, as amounts.
+pub(crate) fn driving_samples(records: &[&Record]) -> Vec<(f64, f64)> {
+    let mut driven: Vec<(f64, f64)> = vec![];
+    for record in records {
+        let Some(channel) = record.channel(Output::WheelSpeed) else {
+            continue;
+        };
+        let at = channel.samples.iter().zip(&record.current_a);
+        let at = at.filter(|(speed, current)| **speed * **current > 0.0);
+        driven.extend(at.map(|(speed, current)| (speed.abs(), current.abs())));
+    }
+    driven
+}
+
+/// The ratios that these records give.
+pub fn ratios(records: &[&Record]) -> Ratios {
+    let mut locked = Rows::new(3);
+    let mut free = Rows::new(5);
+    let mut momentum = Rows::new(4);
+    let mut wheel = Rows::new(2);
+    for record in records {
+        let angle = angle_samples(record);
+        let wheel_speed = record.channel(Output::WheelSpeed).map(|c| &c.samples);
+        let current = (!record.current_a.is_empty()).then_some(&record.current_a);
+        bumps(record, BUMP_S, |integral| {
+            if let Some(angle) = &angle
+                && record.kind != Kind::SpinUp
+            {
+                let second = integral(&|k| angle[k], 2);
+                let first = integral(&|k| angle[k], 1);
+                let sine = integral(&|k| angle[k].sin(), 0);
+                let cosine = integral(&|k| angle[k].cos(), 0);
+                if record.kind == Kind::FreeSwing {
+                    locked.push(&[-sine, -cosine, first], second);
+                } else if let Some(current) = current {
+                    let drive = integral(&|k| current[k], 0);
+                    let spin = wheel_speed.map_or(0.0, |speed| integral(&|k| speed[k], 0));
+                    free.push(&[-sine, -cosine, first, -drive, spin], second);
+                }
+            }
+            if let (Some(speed), Some(current)) = (wheel_speed, current) {
+                let body = match (&angle, record.kind) {
+                    (Some(angle), Kind::Balance | Kind::Driven) => integral(&|k| angle[k], 2),
+                    _ => 0.0,
+                };
+                let change = body - integral(&|k| speed[k], 1);
+                let drive = integral(&|k| current[k], 0);
+                let spin = integral(&|k| speed[k], 0);
+                wheel.push(&[drive, -spin], change);
+            }
+        });
+    }
+    for record in records.iter().filter(|r| r.kind == Kind::Balance) {
+        let (Some(angle), Some(speed)) =
+            (angle_samples(record), record.channel(Output::WheelSpeed))
+        else {
+            continue;
+        };
+        let rate = record.channel(Output::Rate).map(|c| &c.samples);
+        bumps(record, BALANCE_BUMP_S, |integral| {
+            let (second, first) = match rate {
+                Some(rate) => (-integral(&|k| rate[k], 1), integral(&|k| rate[k], 0)),
+                None => (integral(&|k| angle[k], 2), -integral(&|k| angle[k], 1)),
+            };
+            let spin = -integral(&|k| speed.samples[k], 1);
+            let sine = integral(&|k| angle[k].sin(), 0);
+            let cosine = integral(&|k| angle[k].cos(), 0);
+            // Solved for the wheel: its two large terms nearly cancel, and its noise is the largest.
+            momentum.push(&[-second, -first, -sine, -cosine], spin);
+        });
+    }
+    let mut ratios = Ratios::default();
+    let positive = |value: f64| (value.is_finite() && value > 0.0).then_some(value);
+    if let Some(solution) = locked.solve() {
+        // A shifted zero of the angle splits G/Θ into its sine and cosine parts.
+        ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
+        ratios.angle_zero_rad = Some((-solution[1]).atan2(solution[0]));
+        ratios.friction_over_total = positive(solution[2]);
+    }
+    if let Some(solution) = momentum.solve_absolute() {
+        // Θ α̈ + j_w φ̈ + r_b α̇ + G sin α = 0 knows neither the motor nor the friction of the wheel.
+        let gravity = solution[2].hypot(solution[3]);
+        ratios.gravity_over_wheel = positive(gravity);
+        if ratios.gravity_over_total.is_none() {
+            ratios.gravity_over_total = positive(gravity / solution[0]);
+            ratios.friction_over_total = positive(solution[1] / solution[0]);
+        }
+    }
+    if let Some(solution) = free.solve() {
+        ratios.gravity_over_free = positive(solution[0].hypot(solution[1]));
+        ratios.torque_over_free = positive(solution[3]);
+    }
+    if let Some(solution) = wheel.solve() {
+        ratios.torque_over_wheel = positive(solution[0]);
+        ratios.friction_over_wheel = positive(solution[1]);
+    }
+    ratios
+}
+
+/// Fills the base parameters (positions 0 to 3 of the parameter vector) that are not known, and
+/// returns them with r_b and r_w. What nothing speaks of gets a harmless placeholder.
+pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64, f64) {
+    let mut total = known[TOTAL_INERTIA];
+    let mut wheel = known[WHEEL_INERTIA];
+    let mut gravity = known[GRAVITY_TORQUE];
+    let mut torque = known[TORQUE_CONSTANT];
+    let r = ratios;
+    // Each rule may make another one applicable; four rounds reach everything that can be reached.
+    for _ in 0..4 {
+        if let (None, Some(g), Some(a)) = (total, gravity, r.gravity_over_total) {
+            total = Some(g / a);
+        }
+        if let (None, Some(t), Some(a)) = (gravity, total, r.gravity_over_total) {
+            gravity = Some(t * a);
+        }
+        // First what no friction of the wheel can falsify.
+        if let (None, Some(g), Some(a)) = (wheel, gravity, r.gravity_over_wheel) {
+            wheel = Some(g / a);
+        }
+        if let (None, Some(j), Some(a)) = (gravity, wheel, r.gravity_over_wheel) {
+            gravity = Some(j * a);
+        }
+        if let (None, Some(t), Some(w)) = (wheel, torque, r.torque_over_wheel) {
+            wheel = Some(t / w);
+        }
+        if let (None, Some(j), Some(w)) = (torque, wheel, r.torque_over_wheel) {
+            torque = Some(j * w);
+        }
+        if let (None, Some(g), Some(c), Some(a)) =
+            (torque, gravity, r.torque_over_free, r.gravity_over_free)
+        {
+            torque = Some(c * g / a);
+        }
+        if let (None, Some(t), Some(c), Some(a)) =
+            (gravity, torque, r.torque_over_free, r.gravity_over_free)
+        {
+            gravity = Some(t * a / c);
+        }
+        if let (None, Some(g), Some(j), Some(a)) = (total, gravity, wheel, r.gravity_over_free) {
+            total = Some(g / a + j);
+        }
+        if let (None, Some(t), Some(j), Some(c)) = (total, torque, wheel, r.torque_over_free) {
+            total = Some(t / c + j);
+        }
+        if let (None, Some(t), Some(j), Some(a)) = (gravity, total, wheel, r.gravity_over_free) {
+            gravity = Some(a * (t - j));
+        }
+        if let (None, Some(t), Some(j), Some(c)) = (torque, total, wheel, r.torque_over_free) {
+            torque = Some(c * (t - j));
+        }
+    }
+    let total = total.or(wheel.map(|j| 20.0 * j)).unwrap_or(1.0);
+    // A guess must leave Θ > j_w; a given value (also the 1 that stands for an unknown scale) stays.
+    let wheel =
+        known[WHEEL_INERTIA].unwrap_or_else(|| wheel.unwrap_or(0.05 * total).min(0.9 * total));
+    let gravity = gravity.unwrap_or(100.0 * total);
+    let torque = torque.unwrap_or(100.0 * wheel);
+    // Friction may come out negative from noise; the fit needs a start inside its bounds.
+    let body_friction = r.friction_over_total.unwrap_or(0.01).clamp(1e-3, 10.0) * total;
+    let wheel_friction = r.friction_over_wheel.unwrap_or(0.1).clamp(1e-3, 10.0) * wheel;
+    (
+        [total, wheel, gravity, torque],
+        body_friction,
+        wheel_friction,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plant::{Current, Driving, EffectId, Hold, Input, Model, Plant, StartFrom, State};
+
+    #[test]
+    fn a_supply_from_which_a_fit_starts_holds_in_a_part_of_the_log() {
+        let time_s: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.01).collect();
+        let speed: Vec<f64> = time_s.iter().map(|t| 100.0 * t).collect();
+        let current = vec![0.8; 500];
+        let outputs = [None, None, Some(speed.clone())];
+        let record = Record::new("x", Kind::SpinUp, time_s, outputs, Some(current), false);
+        let torque_constant = 0.03;
+        let StartFrom::Driving(supplies) = EffectId::BackEmfLimit.info().start_from else {
+            panic!("the limit of a supply starts from what was asked of the motor");
+        };
+        let starts_from = |record: &Record| {
+            supplies(&Driving {
+                samples: driving_samples(&[record]),
+                torque_constant,
+                ohm: 1.0,
+            })
+        };
+        let starts = starts_from(&record);
+        assert!(!starts.is_empty());
+        for start in starts {
+            let holds = |speed: &&f64| (start[0] - torque_constant * **speed) / start[1] >= 0.8;
+            let share = speed.iter().filter(holds).count() as f64 / speed.len() as f64;
+            assert!((0.75..1.0).contains(&share), "{start:?}: {share}");
+        }
+        // A log without a current says nothing about a supply.
+        let still = Record::new(
+            "x",
+            Kind::SpinUp,
+            record.time_s.clone(),
+            [None, None, Some(speed)],
+            Some(vec![0.0; 500]),
+            false,
+        );
+        assert!(starts_from(&still).is_empty());
+    }
+
+    #[test]
+    fn ratios_of_noise_free_logs_are_right_within_a_percent() {
+        let values = [2.3e-3, 1.36e-4, 0.245, 0.0335, 5e-4, 1.75e-5];
+        let time_s: Vec<f64> = (0..2000).map(|k| k as f64 * 0.004).collect();
+        let current: Vec<f64> = time_s.iter().map(|t| 0.5 * (3.0 * t).sin() + 0.2).collect();
+        let input = Input::new(&time_s, &current, Hold::Linear);
+        let make = |kind: Kind| {
+            let plant = Plant::new(&Model::base(), &values, kind);
+            let start = State {
+                angle_rad: if kind == Kind::SpinUp { 0.0 } else { 0.5 },
+                ..State::rest()
+            };
+            let (mut angle, mut speed) = (vec![], vec![]);
+            let drive = match kind {
+                Kind::FreeSwing => Current::Held(0.0),
+                _ => Current::Recorded(&input),
+            };
+            plant.run(start, &time_s, 0..2000, drive, None, |_, reading, _| {
+                angle.push(reading.angle_rad);
+                speed.push(reading.wheel_speed_rad_s);
+            });
+            Record::new(
+                "x",
+                kind,
+                time_s.clone(),
+                [Some(angle), None, Some(speed)],
+                Some(current.clone()),
+                true,
+            )
+        };
+        let records = [
+            make(Kind::FreeSwing),
+            make(Kind::SpinUp),
+            make(Kind::Driven),
+        ];
+        let found = ratios(&records.iter().collect::<Vec<_>>());
+        let near = |found: Option<f64>, truth: f64| {
+            let found = found.expect("found");
+            assert!((found / truth - 1.0).abs() < 0.01, "{found} {truth}");
+        };
+        near(found.gravity_over_total, 0.245 / 2.3e-3);
+        near(found.gravity_over_free, 0.245 / (2.3e-3 - 1.36e-4));
+        near(found.torque_over_free, 0.0335 / (2.3e-3 - 1.36e-4));
+        near(found.torque_over_wheel, 0.0335 / 1.36e-4);
+        near(found.friction_over_wheel, 1.75e-5 / 1.36e-4);
+        // Either torque that is known gives all four.
+        for known in [
+            [None, None, Some(0.245), None],
+            [None, None, None, Some(0.0335)],
+        ] {
+            let (base, _, _) = base_values(&found, &known);
+            for (guess, truth) in base.iter().zip(&values) {
+                assert!((guess / truth - 1.0).abs() < 0.05, "{base:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! The windows of a record, and where their starts lie: continued from a fit before, or guessed from samples.
+
+use plant::{TORQUE_CONSTANT, WHEEL_INERTIA};
+
+use super::unknowns::{Local, Window};
+use crate::records::{Output, Record, angle_samples};
+
+/// Where a window's start lies, guessed from its first samples.
+pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<usize>) -> Window {
+    let span = samples.start..samples.end.min(samples.start + 12);
+    let line = |series: &[f64]| -> (f64, f64) {
+        // Value and slope at the first sample, by a straight line through the finite samples.
+        let t0 = record.time_s[span.start];
+        let points: Vec<(f64, f64)> = span
+            .clone()
+            .filter(|&k| series[k].is_finite())
+            .map(|k| (record.time_s[k] - t0, series[k]))
+            .collect();
+        let n = points.len() as f64;
+        if points.len() < 2 {
+            return (points.first().map_or(0.0, |point| point.1), 0.0);
+        }
+        let (mt, my) = points.iter().fold((0.0, 0.0), |sum, point| {
+            (sum.0 + point.0 / n, sum.1 + point.1 / n)
+        });
+        let (mut tt, mut ty) = (0.0, 0.0);
+        for (t, y) in &points {
+            tt += (t - mt) * (t - mt);
+            ty += (t - mt) * (y - my);
+        }
+        let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+        (my - slope * mt, slope)
+    };
+    let angle = angle_samples(record).map(|series| line(&series));
+    let rate = record.channel(Output::Rate).map(|c| line(&c.samples));
+    let speed = record.channel(Output::WheelSpeed).map(|c| line(&c.samples));
+    let locals = Local::of(record)
+        .iter()
+        .filter(|local| **local != Local::PastCurrent || samples.start == 0)
+        .map(|local| match local {
+            Local::Angle => angle.map_or(0.0, |(value, _)| value),
+            Local::Rate => rate
+                .map(|(value, _)| value)
+                .or(angle.map(|(_, slope)| slope))
+                .unwrap_or(0.0),
+            Local::WheelSpeed => speed.map_or(0.0, |(value, _)| value),
+            Local::AngleZero | Local::WheelAngle | Local::PastCurrent => 0.0,
+            Local::Current => {
+                let torque_per_ampere = values[TORQUE_CONSTANT];
+                let inertia = values[WHEEL_INERTIA];
+                speed.map_or(0.0, |(_, slope)| slope * inertia / torque_per_ampere)
+            }
+        })
+        .collect();
+    Window { samples, locals }
+}
+
+/// Share of a window's length by which its start is moved to that of an earlier window.
+const SNAP: f64 = 0.1;
+
+/// Windows of about `window_s` seconds whose starts are taken from `before` where it has one that begins
+/// there or nearly there, else guessed from the samples. (A dozen noisy samples of a fast swing give a poor
+/// guess, and four windows of 159 samples are one sample longer than one of 635.)
+pub(super) fn windows(
+    record: &Record,
+    values: &[f64],
+    window_s: f64,
+    before: &[Window],
+) -> Vec<Window> {
+    let ranges = record.windows(window_s.min(record.window_s));
+    let nearest = |range: &std::ops::Range<usize>| -> Option<&Window> {
+        let near = before
+            .iter()
+            .min_by_key(|window| window.samples.start.abs_diff(range.start))?;
+        let away = near.samples.start.abs_diff(range.start) as f64;
+        (away <= SNAP * range.len() as f64).then_some(near)
+    };
+    let found: Vec<Option<&Window>> = ranges.iter().map(nearest).collect();
+    let start = |index: usize| found[index].map_or(ranges[index].start, |near| near.samples.start);
+    (0..ranges.len())
+        .map(|index| {
+            let end = if index + 1 < ranges.len() {
+                start(index + 1)
+            } else {
+                record.len()
+            };
+            let samples = start(index)..end;
+            match found[index] {
+                Some(near) => Window {
+                    samples,
+                    locals: near.locals.clone(),
+                },
+                None => guess(record, values, samples),
+            }
+        })
+        .collect()
+}
+
+/// The windows of the last stage, guessed from the samples.
+pub fn final_windows(record: &Record, values: &[f64]) -> Vec<Window> {
+    windows(record, values, f64::INFINITY, &[])
+}
+
+/// The same stretches of the log with the starts that the samples show.
+pub fn guessed(record: &Record, values: &[f64], windows: &[Window]) -> Vec<Window> {
+    windows
+        .iter()
+        .map(|window| guess(record, values, window.samples.clone()))
+        .collect()
+}
+
+/// Windows of the last stage for every record, whose starts continue those of a fit over other windows.
+pub fn joined(records: &[&Record], values: &[f64], before: &[Vec<Window>]) -> Vec<Vec<Window>> {
+    records
+        .iter()
+        .zip(before)
+        .map(|(record, before)| windows(record, values, f64::INFINITY, before))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plant::Kind;
+
+    /// 159 samples make a window of 1.27 s at 8 ms, 635 one of 5.08 s: the longer ones begin where a
+    /// shorter one did, with its start, and lie end to end over the whole log.
+    #[test]
+    fn longer_windows_continue_the_shorter_ones() {
+        let time_s: Vec<f64> = (0..2001).map(|k| k as f64 * 0.008).collect();
+        let angle: Vec<f64> = time_s.iter().map(|t| (10.0 * t).sin()).collect();
+        let mut record = Record::new(
+            "swing",
+            Kind::FreeSwing,
+            time_s,
+            [Some(angle), None, None],
+            None,
+            false,
+        );
+        let shorter: Vec<Window> = record
+            .windows(1.2696)
+            .into_iter()
+            .enumerate()
+            .map(|(index, samples)| Window {
+                samples,
+                locals: vec![index as f64, -1.0],
+            })
+            .collect();
+        record.window_s = 4.0 * 1.2696;
+        let longer = joined(&[&record], &[], std::slice::from_ref(&shorter)).remove(0);
+        assert_eq!(longer.len(), 4);
+        let mut end = 0;
+        for window in &longer {
+            assert_eq!(window.samples.start, end);
+            end = window.samples.end;
+            let same = |other: &&Window| other.samples.start == window.samples.start;
+            let before = shorter
+                .iter()
+                .find(same)
+                .expect("a shorter one begins there");
+            assert_eq!(window.locals, before.locals);
+        }
+        assert_eq!(end, record.len());
+    }
+}

@@ -1,0 +1,11 @@
+//! Logs as the fit sees them, and what is done to their samples before any model.
+
+mod angle;
+mod noise;
+mod record;
+mod weak_form;
+
+pub use angle::angle_samples;
+pub use noise::{input_noise_std, noise_std, resolution};
+pub use record::{BALANCE_WINDOW_S, Channel, Output, Record, RecordedCurrent};
+pub(crate) use weak_form::{BUMP_S, Bump, FEWEST_HALF_SAMPLES, bumps, dot, half_samples};

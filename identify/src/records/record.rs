@@ -1,0 +1,379 @@
+//! A log as the fit sees it: channels with their noise, the current, and what is simulated in one
+//! piece.
+
+use std::sync::OnceLock;
+
+use bench_files::{CurrentMeaning, Experiment};
+pub use plant::Output;
+use plant::{Hold, Input, Kind};
+
+use super::noise::{noise_std, resolution};
+
+/// One measured channel.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// Which output of the model it measures.
+    pub output: Output,
+    /// The samples in SI units; NaN where one dropped out.
+    pub samples: Vec<f64>,
+    /// Standard deviation of the sensor's noise, in the unit of the output.
+    pub noise_std: f64,
+    /// The step of a channel whose noise is mostly its own rounding, in the unit of the output;
+    /// `None` where the noise hides it.
+    pub quantum: Option<f64>,
+}
+
+/// Length of the windows of a balance log in s, and of any other log whose free run diverges.
+pub const BALANCE_WINDOW_S: f64 = 0.25;
+
+/// Time over which the rate is averaged before the way of the body is taken from it, s: a balanced body moves
+/// over tenths of a second, and the noise of single samples would add to the length of its way.
+const TRAVEL_AVERAGE_S: f64 = 0.02;
+
+/// A channel is taken as quantised if rounding (q/√12) makes at least this share of its noise.
+const QUANTISED_SHARE: f64 = 0.5;
+
+/// The current of a log.
+#[derive(Clone, Debug)]
+pub enum RecordedCurrent {
+    /// Recorded: the command, or what flowed.
+    Known(Input),
+    /// Held at a value that nobody wrote down.
+    Unknown,
+}
+
+/// What the samples say of the time before a window. A clone of a record computes its own: it may be
+/// given other samples.
+#[derive(Debug, Default)]
+struct Past {
+    wheel_angle_rad: OnceLock<Vec<f64>>,
+    /// What [`Record::body_travel_before`] hands out, over the whole log.
+    travel_rad: OnceLock<Travel>,
+}
+
+impl Clone for Past {
+    fn clone(&self) -> Past {
+        Past::default()
+    }
+}
+
+/// The movement of the body from each sample to the next, as its sensors say.
+#[derive(Debug)]
+struct Travel {
+    /// By the rate where there is one, else by the angle.
+    step_rad: Vec<f64>,
+    /// By how much angle and rate disagree over the samples before each one, added up; empty where they
+    /// are not both measured.
+    disagreement_rad: Vec<f64>,
+}
+
+/// One experiment, ready for simulation and fit.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// The experiment's name in bench.toml.
+    pub name: String,
+    /// Its kind.
+    pub kind: Kind,
+    /// Sample times in s, increasing.
+    pub time_s: Vec<f64>,
+    /// The measured channels that this kind has, at least one.
+    pub channels: Vec<Channel>,
+    /// The motor current.
+    pub current: RecordedCurrent,
+    /// The samples of the current in A, as recorded; empty where it was not.
+    pub current_a: Vec<f64>,
+    /// The current is what flowed, not what was asked for.
+    pub current_is_measured: bool,
+    /// Weight of each sample in the fit: 0 leaves it out (an unrecorded push acted), 1 counts.
+    pub weight: Vec<f64>,
+    /// Longest stretch that is simulated in one piece, from a start of its own, s: a whole log, but
+    /// [`BALANCE_WINDOW_S`] where the free run diverges.
+    pub window_s: f64,
+    /// The measured angle leaves ±π.
+    pub passes_over_the_top: bool,
+    past: Past,
+}
+
+/// The mean of the samples that are there; NaN where none is.
+fn mean(samples: &[f64]) -> f64 {
+    let finite = samples.iter().filter(|sample| sample.is_finite());
+    finite.clone().sum::<f64>() / finite.count() as f64
+}
+
+impl Record {
+    /// Prepares a record from samples in SI units. `angle`, `rate` and `wheel_speed` may be missing;
+    /// those that the kind holds still are ignored.
+    pub fn new(
+        name: &str,
+        kind: Kind,
+        time_s: Vec<f64>,
+        outputs: [Option<Vec<f64>>; 3],
+        current_a: Option<Vec<f64>>,
+        current_is_measured: bool,
+    ) -> Record {
+        let channels: Vec<Channel> = Output::ALL
+            .into_iter()
+            .zip(outputs)
+            .filter(|(output, _)| match kind {
+                Kind::FreeSwing => *output != Output::WheelSpeed,
+                Kind::SpinUp => *output == Output::WheelSpeed,
+                Kind::Balance | Kind::Driven => true,
+            })
+            .filter_map(|(output, samples)| {
+                let samples = samples?;
+                let noise_std = noise_std(&samples);
+                let quantum = Some(resolution(&samples))
+                    .filter(|quantum| quantum / 12f64.sqrt() >= QUANTISED_SHARE * noise_std);
+                Some(Channel {
+                    output,
+                    samples,
+                    noise_std,
+                    quantum,
+                })
+            })
+            .collect();
+        let passes_over_the_top = channels.iter().any(|channel: &Channel| {
+            let beyond = |angle: &f64| angle.abs() > std::f64::consts::PI;
+            channel.output == Output::Angle && channel.samples.iter().any(beyond)
+        });
+        let hold = if current_is_measured {
+            Hold::Linear
+        } else {
+            Hold::Zero
+        };
+        let current = match (&current_a, kind) {
+            (_, Kind::FreeSwing) => {
+                RecordedCurrent::Known(Input::new(&time_s, &vec![0.0; time_s.len()], hold))
+            }
+            (Some(current_a), _) => RecordedCurrent::Known(Input::new(&time_s, current_a, hold)),
+            (None, _) => RecordedCurrent::Unknown,
+        };
+        Record {
+            name: name.to_owned(),
+            kind,
+            weight: vec![1.0; time_s.len()],
+            time_s,
+            channels,
+            current,
+            current_a: current_a.unwrap_or_default(),
+            current_is_measured,
+            window_s: match kind {
+                Kind::Balance => BALANCE_WINDOW_S,
+                // On the way over the top the least difference grows as it does about upright.
+                Kind::Driven if passes_over_the_top => BALANCE_WINDOW_S,
+                Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
+            },
+            passes_over_the_top,
+            past: Past::default(),
+        }
+    }
+
+    /// Prepares an experiment that was loaded from disk.
+    pub fn from_experiment(experiment: &Experiment) -> Record {
+        let log = &experiment.log;
+        Record::new(
+            &experiment.name,
+            experiment.kind,
+            log.time_s.clone(),
+            [
+                log.angle_rad.clone(),
+                log.rate_rad_s.clone(),
+                log.wheel_speed_rad_s.clone(),
+            ],
+            log.current_a.clone(),
+            experiment.current_meaning == CurrentMeaning::Measured,
+        )
+    }
+
+    /// Part of the record, as if it had been recorded on its own (the noise is that of the whole).
+    pub fn slice(&self, samples: std::ops::Range<usize>) -> Record {
+        self.part(&samples.collect::<Vec<_>>())
+    }
+
+    /// Every `step`-th sample of the record, as if nothing had been recorded between.
+    pub fn every(&self, step: usize) -> Record {
+        self.part(&(0..self.len()).step_by(step).collect::<Vec<_>>())
+    }
+
+    /// The same log read at every `step`-th sample: the motion that led there stays known in full, from all
+    /// samples of the current and of the wheel's speed.
+    pub fn thinned(&self, step: usize) -> Record {
+        let mut thin = self.every(step);
+        let kept = (0..self.len()).step_by(step);
+        if self.channel(Output::WheelSpeed).is_some() {
+            let whole = self.wheel_angles();
+            thin.past.wheel_angle_rad = OnceLock::from(kept.map(|k| whole[k]).collect::<Vec<_>>());
+        }
+        if let RecordedCurrent::Known(input) = &self.current {
+            if !self.current_a.is_empty() {
+                let means = self.current_a.chunks(step);
+                thin.current_a = means.map(mean).collect();
+            }
+            thin.current = RecordedCurrent::Known(input.clone());
+        }
+        thin
+    }
+
+    fn part(&self, samples: &[usize]) -> Record {
+        let pick = |series: &[f64]| samples.iter().map(|&k| series[k]).collect::<Vec<f64>>();
+        let outputs =
+            Output::ALL.map(|output| self.channel(output).map(|channel| pick(&channel.samples)));
+        let current_a = (!self.current_a.is_empty()).then(|| pick(&self.current_a));
+        let mut part = Record::new(
+            &self.name,
+            self.kind,
+            pick(&self.time_s),
+            outputs,
+            current_a,
+            self.current_is_measured,
+        );
+        for channel in &mut part.channels {
+            if let Some(whole) = self.channel(channel.output) {
+                channel.noise_std = whole.noise_std;
+                channel.quantum = whole.quantum;
+            }
+        }
+        part.weight = pick(&self.weight);
+        part.window_s = self.window_s;
+        part
+    }
+
+    /// The channel that measures `output`, if there is one.
+    pub fn channel(&self, output: Output) -> Option<&Channel> {
+        self.channels
+            .iter()
+            .find(|channel| channel.output == output)
+    }
+
+    /// Angle in rad that the wheel has turned since the log began, at every sample, from the measured
+    /// wheel speed (trapezoidal rule; a missing sample repeats the one before); zeros without one.
+    pub fn wheel_angles(&self) -> &[f64] {
+        self.past.wheel_angle_rad.get_or_init(|| {
+            let Some(channel) = self.channel(Output::WheelSpeed) else {
+                return vec![0.0; self.len()];
+            };
+            let mut last = 0.0;
+            let mut angle = 0.0;
+            (0..self.len())
+                .map(|k| {
+                    let speed = if channel.samples[k].is_finite() {
+                        channel.samples[k]
+                    } else {
+                        last
+                    };
+                    if k > 0 {
+                        angle += 0.5 * (last + speed) * (self.time_s[k] - self.time_s[k - 1]);
+                    }
+                    last = speed;
+                    angle
+                })
+                .collect()
+        })
+    }
+
+    /// The same at one sample; 0 beyond the log.
+    pub fn wheel_angle_before(&self, sample: usize) -> f64 {
+        self.wheel_angles().get(sample).copied().unwrap_or(0.0)
+    }
+
+    /// Angle in rad by which the body moves from each of the samples before `end` to the next, as
+    /// measured, backwards from `end`: the rate (averaged over [`TRAVEL_AVERAGE_S`], less its mean offset
+    /// against the angle) times the interval; without a rate the differences of the angle, averaged over nine
+    /// samples.
+    pub fn body_travel_before(&self, end: usize) -> impl Iterator<Item = f64> {
+        let travel = self.past.travel_rad.get_or_init(|| self.travel());
+        let end = end.min(travel.step_rad.len());
+        let offset = travel.disagreement_rad.get(end).copied().unwrap_or(0.0) / end.max(1) as f64;
+        travel.step_rad[..end]
+            .iter()
+            .rev()
+            .map(move |step| step + offset)
+    }
+
+    fn travel(&self) -> Travel {
+        const HALF_AVERAGE: usize = 4;
+        let last = self.len().saturating_sub(1);
+        let by_angle: Option<Vec<f64>> = self.channel(Output::Angle).map(|channel| {
+            let near = |k: usize| {
+                let span = k.saturating_sub(HALF_AVERAGE)..(k + HALF_AVERAGE + 1).min(last + 1);
+                let finite = channel.samples[span]
+                    .iter()
+                    .filter(|value| value.is_finite());
+                finite.clone().sum::<f64>() / finite.count().max(1) as f64
+            };
+            (0..last).map(|k| near(k + 1) - near(k)).collect()
+        });
+        let by_rate: Option<Vec<f64>> = self.channel(Output::Rate).map(|channel| {
+            let ends = self.time_s.first().zip(self.time_s.last());
+            let span_s = ends.map_or(0.0, |(first, last)| last - first);
+            let half =
+                (0.5 * TRAVEL_AVERAGE_S * last as f64 / span_s.max(TRAVEL_AVERAGE_S)) as usize;
+            let step = |k: usize| {
+                let around = k.saturating_sub(half)..(k + 2 + half).min(last + 1);
+                let rate = mean(&channel.samples[around]);
+                if rate.is_finite() {
+                    rate * (self.time_s[k + 1] - self.time_s[k])
+                } else {
+                    0.0
+                }
+            };
+            (0..last).map(step).collect()
+        });
+        let mut disagreement_rad = vec![];
+        if let (Some(by_angle), Some(by_rate)) = (&by_angle, &by_rate) {
+            let mut sum = 0.0;
+            disagreement_rad.push(sum);
+            for (by_angle, by_rate) in by_angle.iter().zip(by_rate) {
+                sum += by_angle - by_rate;
+                disagreement_rad.push(sum);
+            }
+        }
+        Travel {
+            step_rad: by_rate.or(by_angle).unwrap_or_default(),
+            disagreement_rad,
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Number of samples that count, over all channels.
+    pub fn observations(&self) -> usize {
+        self.channels
+            .iter()
+            .map(|channel| {
+                channel
+                    .samples
+                    .iter()
+                    .zip(&self.weight)
+                    .filter(|(sample, weight)| sample.is_finite() && **weight > 0.0)
+                    .count()
+            })
+            .sum()
+    }
+
+    /// Splits the samples into windows of `window_s` seconds (the last one may be shorter; one of
+    /// fewer than 8 samples joins the one before).
+    pub fn windows(&self, window_s: f64) -> Vec<std::ops::Range<usize>> {
+        let mut windows: Vec<std::ops::Range<usize>> = vec![];
+        let mut start = 0;
+        while start < self.len() {
+            let limit = self.time_s[start] + window_s * (1.0 + 1e-9);
+            let end = self.time_s.partition_point(|&time| time < limit);
+            let end = end.max(start + 8).min(self.len());
+            match windows.last_mut() {
+                Some(last) if end - start < 8 => last.end = end,
+                _ => windows.push(start..end),
+            }
+            start = end;
+        }
+        windows
+    }
+}

@@ -1,0 +1,114 @@
+//! The weak form of an equation of motion: multiplied by a bump ψ = (t − a)² (b − t)², which vanishes with
+//! its derivative at both ends of a short interval, and integrated by parts. It then holds for the measured
+//! series themselves: no noise is differentiated (modulating functions; Shinbrot, Trans. ASME 79 (1957)).
+//!
+//! Two quadratures of it. [`bumps`] has the trapezoidal rule over the samples, for ψ and its first two
+//! derivatives: sums of a series. [`Bump`] has weights over the intervals between samples that sum to 1,
+//! by which a constant acceleration comes out exactly, however few samples there are.
+
+use super::record::Record;
+
+/// Length of the bump in s: well below a period of the pendula in question, well above the noise.
+pub(crate) const BUMP_S: f64 = 0.4;
+/// Fewest samples under a bump.
+const BUMP_SAMPLES: usize = 12;
+
+/// Fewest samples on either side of a bump's centre.
+pub(crate) const FEWEST_HALF_SAMPLES: usize = 4;
+
+/// ψ at the time t between a and b, or its derivative of order 1 or 2.
+fn bump(t: f64, (a, b): (f64, f64), order: usize) -> f64 {
+    let (u, v) = (t - a, b - t);
+    match order {
+        0 => u * u * v * v,
+        1 => 2.0 * u * v * (v - u),
+        _ => 2.0 * (v * v - 4.0 * u * v + u * u),
+    }
+}
+
+/// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
+/// trapezoidal rule, corrected at the ends for the first order.
+pub(crate) fn bumps(
+    record: &Record,
+    bump_s: f64,
+    mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64),
+) {
+    let n = record.len();
+    if n < BUMP_SAMPLES {
+        return;
+    }
+    let mean_step = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
+    let length = ((bump_s / mean_step).round() as usize).clamp(BUMP_SAMPLES, n);
+    let mut start = 0;
+    while start + length <= n {
+        let window = start..start + length;
+        let (a, b) = (record.time_s[start], record.time_s[start + length - 1]);
+        let weight = |k: usize, order: usize| bump(record.time_s[k], (a, b), order);
+        let scale = ((b - a) / 2.0).powi(4);
+        let integral = |f: &dyn Fn(usize) -> f64, order: usize| {
+            let mut sum = 0.0;
+            for k in window.start..window.end - 1 {
+                let step = record.time_s[k + 1] - record.time_s[k];
+                sum += 0.5 * step * (f(k) * weight(k, order) + f(k + 1) * weight(k + 1, order));
+            }
+            if order == 1 {
+                // Euler–Maclaurin: dψ/dt vanishes at the ends, its slope 2 (b − a)² does not.
+                let (first, last) = (window.start, window.end - 1);
+                let steps = (record.time_s[first + 1] - a, b - record.time_s[last - 1]);
+                let ends = steps.1.powi(2) * f(last) - steps.0.powi(2) * f(first);
+                sum -= ends * 2.0 * (b - a).powi(2) / 12.0;
+            }
+            sum / scale
+        };
+        if record.weight[window.clone()].iter().all(|w| *w > 0.0) {
+            each(&integral);
+        }
+        start += (length / 2).max(1);
+    }
+}
+
+/// The weights of a bump over the intervals from `centre − half` to `centre + half`, and over the
+/// samples between them; each sums to 1.
+///
+/// With v linear between samples, ∫ψ̇ v = −Σ (Δv/Δt) ∫ψ: the integration by parts is exact on the
+/// samples themselves, so that a constant acceleration comes out exactly, however few there are.
+pub(crate) struct Bump {
+    /// Of the `2 half` intervals.
+    pub(crate) intervals: Vec<f64>,
+    /// Of the `2 half − 1` samples between them.
+    pub(crate) samples: Vec<f64>,
+}
+
+impl Bump {
+    /// The bump with its centre at a sample.
+    pub(crate) fn around(time_s: &[f64], centre: usize, half: usize) -> Bump {
+        let (a, b) = (time_s[centre - half], time_s[centre + half]);
+        let bump = |t: f64| bump(t, (a, b), 0);
+        let span = centre - half..centre + half;
+        let mut intervals: Vec<f64> = span
+            .clone()
+            .map(|k| bump(0.5 * (time_s[k] + time_s[k + 1])) * (time_s[k + 1] - time_s[k]))
+            .collect();
+        let mut samples: Vec<f64> = span
+            .skip(1)
+            .map(|k| bump(time_s[k]) * 0.5 * (time_s[k + 1] - time_s[k - 1]))
+            .collect();
+        for weights in [&mut intervals, &mut samples] {
+            let area: f64 = weights.iter().sum();
+            weights.iter_mut().for_each(|weight| *weight /= area);
+        }
+        Bump { intervals, samples }
+    }
+}
+
+/// A weighted sum.
+pub(crate) fn dot(weights: &[f64], values: impl Iterator<Item = f64>) -> f64 {
+    weights.iter().zip(values).map(|(w, v)| w * v).sum()
+}
+
+/// A half-width in samples, at least [`FEWEST_HALF_SAMPLES`].
+pub(crate) fn half_samples(record: &Record, half_s: f64) -> usize {
+    let n = record.len();
+    let mean_step_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1).max(1) as f64;
+    ((half_s / mean_step_s).round() as usize).clamp(FEWEST_HALF_SAMPLES, n)
+}

@@ -1,0 +1,170 @@
+//! Where a model fails: its residual over the coordinates in which physics speaks.
+//!
+//! Two residuals are broken down. The torque that the model lacks ([`super::missing_torque`]) has no
+//! memory, so that it can be asked on what it depends; the residual of the free run is what users see,
+//! and where it is large.
+//!
+//! **The missing torque.** For each coordinate x the torque is taken as a function f(x), constant within
+//! each of a few bins, and fitted by least squares. A bump of the weak form sees the mean of f along
+//! its path, Σ ψₖ f(xₖ): the regression on these means undoes the smearing, so that a magnet that a
+//! swing passes within one bump is found in its place. Where friction is conceivable that depends on
+//! place or time, each bin has a second coefficient, f₂(x) sign(speed). One function serves all logs
+//! together (in time, and over the turn of a wheel whose angle counts from the start of each log, every
+//! log has its own): friction must be the same function of speed everywhere, or speed is not what it
+//! depends on.
+//!
+//! Before that, what mere changes of the parameters explain is taken out: a fit whose model lacks
+//! something bends its parameters, and the bending is everywhere.
+//!
+//! The sum of squares that a coordinate explains is compared with what it would explain of noise
+//! alone, tr(P Σ) with P the projection and Σ the known covariance of overlapping bumps; it scatters
+//! with 2 tr(P Σ P Σ) (Seber & Lee, *Linear Regression Analysis*, 2003, theorem 1.6). The coordinate
+//! that explains most names the place; the shortest run of bins that holds four fifths of it bounds it.
+//!
+//! **The residual of the free run** grows from its causes with the memory of a pendulum. It is only
+//! said where its square is above the sensor's noise.
+
+mod coordinate;
+mod failure_map;
+mod output;
+mod series;
+mod steps;
+mod torque;
+
+use plant::Model;
+use rayon::prelude::*;
+
+use self::coordinate::coordinates;
+use self::series::{Context, Series, adjust, output_series, torque_series};
+use super::missing_torque::{MeasuredMotion, TorqueOn, half_bump};
+use crate::fit::{Trace, Window};
+use crate::records::Record;
+
+pub use self::coordinate::Coordinate;
+pub use self::failure_map::{Bin, Breakdown, Explained, FailureMap, Quantity, Region};
+
+/// Most regions that are named.
+const MOST_REGIONS: usize = 12;
+
+/// What one record shows.
+struct Seen {
+    motion: Option<MeasuredMotion>,
+    /// For each coordinate its value in every interval.
+    places: Vec<Vec<f64>>,
+    /// The missing torques with their slopes.
+    torques: Vec<(TorqueOn, Series, Vec<Vec<f64>>)>,
+    outputs: Vec<Series>,
+}
+
+fn seen(
+    index: usize,
+    record: &Record,
+    windows: &[Window],
+    traces: &[Trace],
+    model: &Model,
+    values: &[f64],
+) -> Seen {
+    let half = if record.len() > 1 {
+        half_bump(record, values)
+    } else {
+        1
+    };
+    let Some(motion) = MeasuredMotion::new(record, windows, model, values, half) else {
+        return Seen {
+            motion: None,
+            places: vec![vec![]; Coordinate::ALL.len()],
+            torques: vec![],
+            outputs: vec![],
+        };
+    };
+    let torques = motion
+        .missing_torques(record, model, values, half)
+        .into_iter()
+        .map(|missing| {
+            let slopes = motion.parameter_slopes(record, model, values, &missing);
+            (missing.on, torque_series(index, record, &missing), slopes)
+        })
+        .collect();
+    Seen {
+        places: coordinates(record, &motion, values),
+        torques,
+        outputs: output_series(index, record, traces),
+        motion: Some(motion),
+    }
+}
+
+/// Breaks the residuals of a model down. `windows` and `traces` are those of the fit, in the order of
+/// the records.
+pub fn breakdown(
+    records: &[Record],
+    windows: &[Vec<Window>],
+    traces: &[Vec<Trace>],
+    model: &Model,
+    values: &[f64],
+) -> FailureMap {
+    let mut map = FailureMap::default();
+    let mut places: Vec<Vec<Vec<f64>>> = vec![];
+    let mut motions: Vec<Option<MeasuredMotion>> = vec![];
+    let mut torques: Vec<(TorqueOn, Series)> = vec![];
+    let mut slopes: Vec<Vec<Vec<f64>>> = vec![];
+    let mut outputs: Vec<Series> = vec![];
+    let seen: Vec<Seen> = (0..records.len())
+        .into_par_iter()
+        .map(|index| {
+            let (windows, traces) = (&windows[index], &traces[index]);
+            seen(index, &records[index], windows, traces, model, values)
+        })
+        .collect();
+    for one in seen {
+        motions.push(one.motion);
+        places.push(one.places);
+        for (on, series, own_slopes) in one.torques {
+            torques.push((on, series));
+            slopes.push(own_slopes);
+        }
+        outputs.extend(one.outputs);
+    }
+    for on in [TorqueOn::Body, TorqueOn::BodyByCommand, TorqueOn::Wheel] {
+        let mut group: Vec<(&mut Series, &[Vec<f64>])> = torques
+            .iter_mut()
+            .zip(&slopes)
+            .filter(|((which, _), _)| *which == on)
+            .map(|((_, series), slopes)| (series, slopes.as_slice()))
+            .collect();
+        adjust(&mut group, values.len());
+    }
+    let context = Context {
+        records,
+        places: &places,
+        motions: &motions,
+    };
+    for on in [TorqueOn::Body, TorqueOn::BodyByCommand, TorqueOn::Wheel] {
+        let group: Vec<&Series> = torques
+            .iter()
+            .filter(|(which, _)| *which == on)
+            .map(|(_, series)| series)
+            .collect();
+        if !group.is_empty() {
+            context.break_torque_down(on, &group, &mut map);
+        }
+    }
+    plainest_first(&mut map.regions);
+    let mut of_outputs: Vec<Region> = outputs
+        .iter()
+        .filter_map(|series| context.break_output_down(series, &mut map.breakdowns))
+        .collect();
+    plainest_first(&mut of_outputs);
+    map.regions.extend(of_outputs);
+    if map.regions.iter().any(|region| region.is_significant) {
+        map.regions.retain(|region| region.is_significant);
+    }
+    map.regions.truncate(MOST_REGIONS);
+    map
+}
+
+fn plainest_first(regions: &mut [Region]) {
+    regions.sort_by(|a, b| {
+        let significant = b.is_significant.cmp(&a.is_significant);
+        significant.then(b.size.total_cmp(&a.size))
+    });
+}

@@ -1,0 +1,121 @@
+//! What the logs leave open, and where numbers must not be taken at face value: one sentence each.
+
+use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, WHEEL_INERTIA};
+
+use crate::bench::Setup;
+use crate::errors::Fit;
+use crate::fit::Trace;
+use crate::records::{BALANCE_WINDOW_S, Record};
+use crate::residuals::{is_slow, samples_in_window};
+
+/// Relative standard error above which a parameter counts as not identified by these logs.
+const OPEN_RELATIVE_STD: f64 = 1.0;
+
+/// Where the numbers of the comparison must not be taken at face value.
+pub(crate) fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String> {
+    let mut out = vec![];
+    for (record, traces) in records.iter().zip(traces) {
+        if record.kind == Kind::Driven && record.window_s.is_finite() {
+            let why = if record.passes_over_the_top {
+                "the body passes over the top, where the least difference grows"
+            } else {
+                "with the cogging of the motor a long run depends on every tooth at which the wheel turned back"
+            };
+            out.push(format!(
+                "{}: {why}, so that the model is compared over windows of {BALANCE_WINDOW_S} s, each from a \
+                 start of its own, as in a balance log",
+                record.name
+            ));
+        }
+        if is_slow(record) {
+            let in_window = samples_in_window(record);
+            // `Record::windows` makes no window shorter than this.
+            let least = record.windows(0.0).first().map_or(0, |window| window.len());
+            out.push(format!(
+                "{}: {BALANCE_WINDOW_S} s hold only {in_window:.0} samples, so that windows of {least} \
+                 samples are compared, of which a start of their own takes up to three: the fit percent \
+                 says little here; what looks like a push, but is no larger than the error of motor and \
+                 gravity, cannot be told from the answer to an earlier one: it is left out of the fit, but not \
+                 reported",
+                record.name
+            ));
+        }
+        for trace in traces.iter().filter(|trace| trace.fit_percent < 0.0) {
+            out.push(format!(
+                "{}/{}: the model is worse than the mean of the measurement (fit {:.0} %): it lacks \
+                 something essential there, and the standard errors do not cover that",
+                record.name,
+                trace.output.name(),
+                trace.fit_percent
+            ));
+        }
+    }
+    out
+}
+
+pub(crate) fn statements(setup: &Setup, fit: &Fit) -> Vec<String> {
+    let mut out = vec![];
+    let (body, wheel) = setup.moved();
+    if !body {
+        out.push(
+            "no log moves the body: total_inertia, gravity_torque and body friction are not \
+             identified; a free swing would give them"
+                .to_owned(),
+        );
+    }
+    if !wheel {
+        out.push(
+            "no log moves the wheel: wheel_inertia, torque_constant and wheel friction are not \
+             identified; spin-ups would give them"
+                .to_owned(),
+        );
+    }
+    if body && !setup.body_scale_known {
+        out.push(
+            "no torque of the body is known (masses and lengths, or gravity_torque, are missing): \
+             its torques are identified per unit of inertia only, with total_inertia = 1 kg m2"
+                .to_owned(),
+        );
+    }
+    if wheel && !setup.wheel_scale_known && !setup.coupled {
+        out.push(
+            "no torque of the wheel is known (torque_constant is missing, or the current was not \
+             recorded): its torques are identified per unit of inertia only, with wheel_inertia = \
+             1 kg m2"
+                .to_owned(),
+        );
+    }
+    let infos = fit.model.parameters();
+    for (index, &position) in fit.unknowns.free.iter().enumerate() {
+        let info = infos[position];
+        let value = fit.values[position];
+        if fit.minimum.on_bound[index] {
+            out.push(format!(
+                "{} lies on the bound {value} of its range: the logs would like to go beyond it, \
+                 so something that the model lacks takes its place",
+                info.name
+            ));
+            continue;
+        }
+        match fit.std(position) {
+            Some(std) if std < OPEN_RELATIVE_STD * value.abs() => {}
+            Some(std) => out.push(format!(
+                "{} = {value:.3e} ± {std:.1e} {} cannot be told from zero with these logs",
+                info.name, info.unit
+            )),
+            None => out.push(format!(
+                "{} leaves no trace in these logs and is not identified",
+                info.name
+            )),
+        }
+    }
+    for position in [WHEEL_INERTIA, TORQUE_CONSTANT] {
+        if wheel && setup.known[position].is_none() && !fit.unknowns.free.contains(&position) {
+            out.push(format!(
+                "{} is not identified by these logs",
+                BASE_PARAMETERS[position].name
+            ));
+        }
+    }
+    out
+}

@@ -1,0 +1,262 @@
+//! The motion over time: steps of the classical Runge–Kutta method, as long as accuracy and stability allow.
+
+use super::{Plant, State};
+use crate::effect::Instant;
+use crate::input::Input;
+use crate::{Kind, Reading, Scalar};
+
+/// What acts on the pendulum during a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<S> {
+    /// Mean commanded current in A, after any delay.
+    pub current_a: S,
+    /// Push on the body in N m at the start, the middle and the end of the step.
+    pub push: [f64; 3],
+}
+
+/// The commanded (or measured) current during a run.
+#[derive(Clone, Copy, Debug)]
+pub enum Current<'a, S> {
+    /// As recorded.
+    Recorded(&'a Input),
+    /// Held at this value in A, possibly unknown to whoever recorded the log.
+    Held(S),
+}
+
+/// Most parts into which the interval between two samples is divided. Parameters that would need
+/// more have no meaning on the bench that was sampled at this rate; a fit that strays there must be
+/// told so by a bad result, not by one that never comes.
+const MOST_PARTS: f64 = 64.0;
+/// A step in which dry friction changes its sign is repeated in this many parts.
+const KINK_PARTS: usize = 8;
+/// Below this step the repetition gains nothing that a sensor could show.
+const KINK_STEP_S: f64 = 1.1e-3;
+/// Time constants after which a lag has forgotten its past (e⁻¹⁰).
+const LAG_MEMORY: f64 = 10.0;
+/// Steps turn the wheel by at most this much of a cogging period, in rad.
+const RIPPLE_STEP_RAD: f64 = 1.0;
+/// Cogging that asks for more parts of a step than this is left out.
+const RIPPLE_MOST_PARTS: f64 = 8.0;
+
+impl<S: Scalar> Plant<S> {
+    /// Whether cogging of this wheel speed is slow enough against a step to be followed; a faster
+    /// ripple averages out, and its speed (below a/(j_w n φ̇)) is far below any sensor's noise.
+    fn ripples(&self, wheel_speed_rad_s: f64, step_s: f64) -> Option<f64> {
+        let order = self.structure.ripple_order?;
+        let phase = (order * wheel_speed_rad_s * step_s).abs();
+        (phase < RIPPLE_STEP_RAD * RIPPLE_MOST_PARTS).then_some(phase)
+    }
+
+    /// One step of the classical Runge–Kutta method (Hairer, Nørsett, Wanner I, table II.1.2),
+    /// without any check of its length. Lag and presliding friction use their exact solutions over
+    /// the step, so that neither limits it. `with_ripple`: cogging acts.
+    // Not inlined: it is used twice, and large.
+    #[inline(never)]
+    fn rk4(&self, start: &State<S>, drive: &Drive<S>, step_s: f64, with_ripple: bool) -> State<S> {
+        let half = 0.5 * step_s;
+        let (middle, gain) = self.current_line(start.current_a, drive.current_a, step_s);
+        let current = |after_s: f64| middle + gain * (after_s / step_s - 0.5);
+        let moves_body = self.structure.kind != Kind::SpinUp;
+        let moves_wheel = self.structure.kind != Kind::FreeSwing;
+        let stage = |rate: S, rate_dot: S, wheel: S, wheel_dot: S, span: f64, push: f64| {
+            let mut at = Instant {
+                angle_rad: start.angle_rad,
+                rate_rad_s: start.rate_rad_s,
+                wheel_angle_rad: start.wheel_angle_rad,
+                wheel_speed_rad_s: start.wheel_speed_rad_s,
+                memory: S::zero(),
+            };
+            let mut memory = start.friction_torque;
+            if moves_body {
+                at.angle_rad += rate * span;
+                at.rate_rad_s += rate_dot * span;
+                memory = self.remember(memory, rate * span);
+            }
+            if moves_wheel {
+                at.wheel_angle_rad += wheel * span;
+                at.wheel_speed_rad_s += wheel_dot * span;
+            }
+            let (rate_dot, wheel_dot) =
+                self.accelerations(&mut at, memory, current(span), push, with_ripple);
+            (at.rate_rad_s, rate_dot, at.wheel_speed_rad_s, wheel_dot)
+        };
+        let zero = S::zero();
+        let k1 = stage(zero, zero, zero, zero, 0.0, drive.push[0]);
+        let k2 = stage(k1.0, k1.1, k1.2, k1.3, half, drive.push[1]);
+        let k3 = stage(k2.0, k2.1, k2.2, k2.3, half, drive.push[1]);
+        let k4 = stage(k3.0, k3.1, k3.2, k3.3, step_s, drive.push[2]);
+        let weighted = |a: S, b: S, c: S, d: S| (a + (b + c) * 2.0 + d) * (step_s / 6.0);
+        let mut end = *start;
+        if moves_body {
+            let displacement = weighted(k1.0, k2.0, k3.0, k4.0);
+            end.angle_rad += displacement;
+            end.rate_rad_s += weighted(k1.1, k2.1, k3.1, k4.1);
+            end.friction_torque = self.remember(start.friction_torque, displacement);
+        }
+        if moves_wheel {
+            end.wheel_angle_rad += weighted(k1.2, k2.2, k3.2, k4.2);
+            end.wheel_speed_rad_s += weighted(k1.3, k2.3, k3.3, k4.3);
+        }
+        end.current_a = self.left_behind_lag(start.current_a, drive.current_a, step_s);
+        end
+    }
+
+    /// The state after `step_s` seconds under `drive`: as many equal steps as accuracy and
+    /// stability ask for, and a finer repetition where dry friction changes its sign.
+    pub fn step(&self, start: &State<S>, drive: &Drive<S>, step_s: f64) -> State<S> {
+        let ripple = self.ripples(start.wheel_speed_rad_s.value(), step_s);
+        let with_ripple = self.structure.ripple_order.is_none() || ripple.is_some();
+        let parts = (step_s / self.structure.longest_step_s)
+            .max(ripple.unwrap_or(0.0) / RIPPLE_STEP_RAD)
+            .ceil()
+            .min(MOST_PARTS);
+        if parts <= 1.0 {
+            return self.checked_step(start, drive, step_s, with_ripple);
+        }
+        let part_s = step_s / parts;
+        let push = |fraction: f64| {
+            // The parabola through the three given values.
+            let [a, b, c] = drive.push;
+            let x = 2.0 * fraction - 1.0;
+            b + 0.5 * (c - a) * x + (0.5 * (a + c) - b) * x * x
+        };
+        let mut state = *start;
+        for part in 0..parts as usize {
+            let from = part as f64 / parts;
+            let to = (part as f64 + 1.0) / parts;
+            let drive = Drive {
+                current_a: drive.current_a,
+                push: [push(from), push(0.5 * (from + to)), push(to)],
+            };
+            state = self.checked_step(&state, &drive, part_s, with_ripple);
+        }
+        state
+    }
+
+    fn checked_step(
+        &self,
+        start: &State<S>,
+        drive: &Drive<S>,
+        step_s: f64,
+        with_ripple: bool,
+    ) -> State<S> {
+        let end = self.rk4(start, drive, step_s, with_ripple);
+        let reverses = |before: S, after: S| before.value() * after.value() < 0.0;
+        let kink = (self.structure.body_kink && reverses(start.rate_rad_s, end.rate_rad_s))
+            || (self.structure.wheel_kink
+                && reverses(start.wheel_speed_rad_s, end.wheel_speed_rad_s));
+        if !kink || step_s < KINK_STEP_S {
+            return end;
+        }
+        let mut state = *start;
+        for _ in 0..KINK_PARTS {
+            state = self.rk4(&state, drive, step_s / KINK_PARTS as f64, with_ripple);
+        }
+        state
+    }
+
+    /// Runs from `start` at `time_s[first]` to `time_s[last]` under the recorded current and calls
+    /// `each` with the index, the reading and the state at every sample, both ends included.
+    ///
+    /// In a run from the first sample the current of the start is the one that was commanded before the log
+    /// began, for as long as a delay or a lag remembers it; in any other the first command held before the
+    /// log. `push` gives the torque on the body in N m at a time in s. Between two samples a log that holds
+    /// more samples of the current is driven by the mean of what the motor makes of them.
+    pub fn run(
+        &self,
+        start: State<S>,
+        time_s: &[f64],
+        samples: std::ops::Range<usize>,
+        current: Current<S>,
+        push: Option<&dyn Fn(f64) -> f64>,
+        mut each: impl FnMut(usize, &Reading<S>, &State<S>),
+    ) {
+        self.follow(start, time_s, samples, current, push, &mut each);
+    }
+
+    /// [`Plant::run`], compiled once whatever is done with the motion.
+    #[inline(never)]
+    fn follow(
+        &self,
+        start: State<S>,
+        time_s: &[f64],
+        samples: std::ops::Range<usize>,
+        current: Current<S>,
+        push: Option<&dyn Fn(f64) -> f64>,
+        each: &mut dyn FnMut(usize, &Reading<S>, &State<S>),
+    ) {
+        let mut state = start;
+        if let (Some(lag), Current::Recorded(input)) = (self.lag_s, current)
+            && state.current_a.value() == 0.0
+            && lag.value() >= 0.0
+        {
+            // A window in the middle of a log starts with the current that its past commands left.
+            let forgotten_s = time_s[samples.start] - LAG_MEMORY * lag.value();
+            let first = time_s[..samples.start]
+                .partition_point(|&time| time < forgotten_s)
+                .min(samples.start.saturating_sub(1));
+            for k in first..samples.start {
+                let (from, to) = (time_s[k], time_s[k + 1]);
+                let drive = input.mean(from, to, self.delay_s, k);
+                state.current_a = if k == first && k > 0 {
+                    drive
+                } else {
+                    self.flowing_current(state.current_a, drive, to - from, to - from)
+                };
+            }
+        }
+        let before_a = match current {
+            Current::Recorded(input) if samples.start > 0 => {
+                S::constant(input.first().map_or(0.0, |(_, first_a)| first_a))
+            }
+            _ => start.current_a,
+        };
+        // A log that was thinned has more samples of the current than of anything else.
+        let is_thinned = |input: &Input| input.len() > time_s.len();
+        let has_motor = !self.structure.motor.is_empty() || self.lag_s.is_some();
+        let averaged = match current {
+            Current::Recorded(input) if has_motor && is_thinned(input) => {
+                Some((input, self.without_motor()))
+            }
+            _ => None,
+        };
+        for k in samples.clone() {
+            each(k, &self.read(&state), &state);
+            if k + 1 >= samples.end {
+                break;
+            }
+            if let Some((input, driven)) = &averaged {
+                let (from, to) = (time_s[k], time_s[k + 1]);
+                let (current_a, flowing_a) =
+                    self.through_motor_on_average(input, &state, (from, to), before_a, k);
+                let push = push.map_or([0.0; 3], |push| {
+                    [push(from), push(0.5 * (from + to)), push(to)]
+                });
+                state = driven.step(&state, &Drive { current_a, push }, to - from);
+                state.current_a = flowing_a;
+                continue;
+            }
+            // A delayed command changes within the interval: one step up to there, one from there.
+            let change = match (current, &self.delay_s) {
+                (Current::Recorded(input), Some(delay)) if !is_thinned(input) => {
+                    input.change_within(time_s[k], time_s[k + 1], delay.value(), k)
+                }
+                _ => None,
+            };
+            let mut from = time_s[k];
+            for to in change.into_iter().chain([time_s[k + 1]]) {
+                let drive = Drive {
+                    current_a: match current {
+                        Current::Recorded(input) => self.command(input, (from, to), before_a, k),
+                        Current::Held(current) => current,
+                    },
+                    push: push.map_or([0.0; 3], |push| {
+                        [push(from), push(0.5 * (from + to)), push(to)]
+                    }),
+                };
+                state = self.step(&state, &drive, to - from);
+                from = to;
+            }
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! The motion of the pendulum under the constraint of an experiment: thesis 1.26 and 3.10 with any set of effects.
+//!
+//! With T_b the torques against the body's motion (gravity G sin α among them), T_w those against
+//! the wheel's, M = τ i the torque of the motor and f a push on the body:
+//!
+//! - free (`balance`, `driven`): (Θ − j_w) α̈ = f − T_b − M + T_w and φ̈ = (M − T_w)/j_w − α̈,
+//! - wheel locked (`free-swing`): Θ α̈ = f − T_b,
+//! - body clamped (`spin-up`): j_w φ̈ = M − T_w.
+//!
+//! This file holds the one right-hand side. `assembly` puts a plant together and says how long its steps may be,
+//! `motor` is the chain from command to current, `integrator` follows the motion.
+
+mod assembly;
+mod integrator;
+mod motor;
+
+use assembly::{Structure, Term};
+
+use crate::effect::{Instant, Smoothing};
+use crate::model::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+use crate::{Kind, Model, Reading, Scalar, Timing};
+
+pub use integrator::{Current, Drive};
+
+/// The state of the pendulum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<S> {
+    /// Body angle α in rad, 0 hanging.
+    pub angle_rad: S,
+    /// Body rate α̇ in rad/s.
+    pub rate_rad_s: S,
+    /// Wheel angle φ relative to the body in rad.
+    pub wheel_angle_rad: S,
+    /// Wheel speed φ̇ relative to the body in rad/s.
+    pub wheel_speed_rad_s: S,
+    /// Torque in N m of the friction that remembers the way of the body.
+    pub friction_torque: S,
+    /// Current behind the lag of the motor in A.
+    pub current_a: S,
+}
+
+impl<S: Scalar> State<S> {
+    /// At rest, hanging.
+    pub fn rest() -> State<S> {
+        State {
+            angle_rad: S::zero(),
+            rate_rad_s: S::zero(),
+            wheel_angle_rad: S::zero(),
+            wheel_speed_rad_s: S::zero(),
+            friction_torque: S::zero(),
+            current_a: S::zero(),
+        }
+    }
+}
+
+/// A model with numbers, under the constraint of one kind of experiment.
+#[derive(Clone, Debug)]
+pub struct Plant<S> {
+    structure: Structure,
+    /// The parameter vector (layout of [`Model::parameters`]).
+    values: Vec<S>,
+    gravity_torque: S,
+    torque_constant: S,
+    /// 1/Θ where the wheel is locked, 1/(Θ − j_w) where it is free, in 1/(kg m²).
+    inverse_body: S,
+    /// 1/j_w in 1/(kg m²).
+    inverse_wheel: S,
+    lag_s: Option<S>,
+    delay_s: Option<S>,
+}
+
+impl<S: Scalar> Plant<S> {
+    /// The model with its parameter vector (layout of [`Model::parameters`], SI units) in an
+    /// experiment of this kind.
+    pub fn new(model: &Model, values: &[S], kind: Kind) -> Plant<S> {
+        Plant::smoothed(model, values, kind, Smoothing::SIMULATION)
+    }
+
+    /// As [`Plant::new`], with another smoothing of dry friction.
+    pub fn smoothed(model: &Model, values: &[S], kind: Kind, smoothing: Smoothing) -> Plant<S> {
+        let one = S::constant(1.0);
+        let body_inertia = match kind {
+            Kind::FreeSwing => values[TOTAL_INERTIA],
+            _ => values[TOTAL_INERTIA] - values[WHEEL_INERTIA],
+        };
+        let numbers: Vec<f64> = values.iter().map(|value| value.value()).collect();
+        let structure = Structure::new(model, &numbers, kind, smoothing);
+        let timed = |timing: Timing| -> Option<S> {
+            let term = structure.timed(timing)?;
+            let p = &values[term.own()];
+            match timing {
+                Timing::Lag => term.effect.lag_s(p),
+                Timing::Delay => term.effect.delay_s(p),
+            }
+        };
+        Plant {
+            gravity_torque: values[GRAVITY_TORQUE],
+            torque_constant: values[TORQUE_CONSTANT],
+            inverse_body: one / body_inertia,
+            inverse_wheel: one / values[WHEEL_INERTIA],
+            lag_s: timed(Timing::Lag),
+            delay_s: timed(Timing::Delay),
+            values: values.to_vec(),
+            structure,
+        }
+    }
+
+    /// Leaves out what lies between the command and the current that flowed: delay, lag and the
+    /// limit of the supply. For logs whose current is the measured one.
+    pub fn with_measured_current(mut self) -> Plant<S> {
+        self.lag_s = None;
+        self.delay_s = None;
+        self.structure.leave_out_electrical();
+        self
+    }
+
+    /// The parameters of a term.
+    #[inline(always)]
+    fn p(&self, term: &Term) -> &[S] {
+        &self.values[term.own()]
+    }
+
+    /// Body and wheel acceleration in rad/s², for the current behind the lag and a push in N m.
+    // Not inlined: it is large, and an integration step calls it four times.
+    #[inline(never)]
+    fn accelerations(
+        &self,
+        at: &mut Instant<S>,
+        memory: S,
+        current_a: S,
+        push: f64,
+        with_ripple: bool,
+    ) -> (S, S) {
+        let structure = &self.structure;
+        let mut wheel_torque = S::zero();
+        if structure.kind != Kind::FreeSwing {
+            let current = self.through_motor(current_a, at);
+            wheel_torque = self.torque_constant * current;
+            for term in &structure.wheel {
+                if term.is_ripple && !with_ripple {
+                    continue;
+                }
+                let torque = term.effect.torque(self.p(term), at, &structure.smoothing);
+                wheel_torque = wheel_torque - torque;
+            }
+        }
+        if structure.kind == Kind::SpinUp {
+            return (S::zero(), wheel_torque * self.inverse_wheel);
+        }
+        let mut body_torque = -(self.gravity_torque * at.angle_rad.sin()) + push;
+        at.memory = memory;
+        for term in &structure.body {
+            let torque = term.effect.torque(self.p(term), at, &structure.smoothing);
+            body_torque = body_torque - torque;
+        }
+        if structure.kind == Kind::FreeSwing {
+            return (body_torque * self.inverse_body, S::zero());
+        }
+        let rate_derivative = (body_torque - wheel_torque) * self.inverse_body;
+        (
+            rate_derivative,
+            wheel_torque * self.inverse_wheel - rate_derivative,
+        )
+    }
+
+    /// (α̈, φ̈) in rad/s² in a state, with the current that flows and a push in N m: the one
+    /// right-hand side of simulation, fit and linearisation.
+    pub fn derivative(&self, state: &State<S>, current_a: S, push: f64) -> (S, S) {
+        let mut at = Instant {
+            angle_rad: state.angle_rad,
+            rate_rad_s: state.rate_rad_s,
+            wheel_angle_rad: state.wheel_angle_rad,
+            wheel_speed_rad_s: state.wheel_speed_rad_s,
+            memory: S::zero(),
+        };
+        self.accelerations(&mut at, state.friction_torque, current_a, push, true)
+    }
+
+    /// The torque in N m of the friction that remembers the way of the body, after the body has moved by
+    /// `displacement_rad` in one direction since it was `memory`; unchanged in a model without it.
+    #[inline(always)]
+    pub fn remember(&self, memory: S, displacement_rad: S) -> S {
+        match &self.structure.memory {
+            Some(term) => self.remembered(term, memory, displacement_rad),
+            None => memory,
+        }
+    }
+
+    #[inline(never)]
+    fn remembered(&self, term: &Term, memory: S, displacement_rad: S) -> S {
+        term.effect.remember(self.p(term), memory, displacement_rad)
+    }
+
+    /// The distance in rad over which the friction that remembers yields (its level over its stiffness), if
+    /// the model has it.
+    pub fn memory_distance_rad(&self) -> Option<f64> {
+        let term = self.structure.memory.as_ref()?;
+        let (level, stiffness) = term.memory_of(self.p(term))?;
+        let distance_rad = level.value() / stiffness.value();
+        distance_rad.is_finite().then_some(distance_rad)
+    }
+
+    /// What the sensors say in a state.
+    #[inline(always)]
+    pub fn read(&self, state: &State<S>) -> Reading<S> {
+        let mut reading = Reading {
+            angle_rad: state.angle_rad,
+            rate_rad_s: state.rate_rad_s,
+            wheel_speed_rad_s: state.wheel_speed_rad_s,
+        };
+        for term in &self.structure.sensor {
+            term.effect.distort(self.p(term), &mut reading);
+        }
+        reading
+    }
+}

@@ -1,0 +1,124 @@
+//! The bench around an emitted controller.
+
+use super::controller::RawController;
+use super::sensors::RawSensors;
+use crate::closed_loop::{Actuator, Answer, ClosedLoop, Instant, Trace, at_rest};
+use crate::error::SimulateError;
+use crate::law::Measured;
+use crate::motion::Motion;
+use crate::push::Push;
+use crate::recovery::{Recovery, bisect, decided_after_s};
+use crate::scenario::Scale;
+use crate::sensors::Sensors;
+use plant::Plant;
+use rand_chacha::ChaCha8Rng;
+
+/// The bench around an emitted controller.
+#[derive(Clone, Debug)]
+pub struct RawLoop<'a> {
+    /// What moves.
+    pub plant: &'a Plant<f64>,
+    /// Sensors and drive.
+    pub sensors: RawSensors,
+    /// Largest current of the drive, A.
+    pub drive_limit_a: f64,
+    /// Time between samples, s.
+    pub sample_time_s: f64,
+    /// How long the body is held at its start before the controller is armed and the body let go,
+    /// s; the filter aligns meanwhile.
+    pub held_s: f64,
+    /// Pushes on the body; time counts from the release.
+    pub pushes: Vec<Push>,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl<'a> RawLoop<'a> {
+    /// `plant` with these sensors at 1 kHz and the drive of the thesis, held for 1 s.
+    pub fn new(plant: &'a Plant<f64>, sensors: RawSensors, seed: u64) -> RawLoop<'a> {
+        RawLoop {
+            plant,
+            sensors,
+            drive_limit_a: Actuator::OF_THE_THESIS.limit_a,
+            sample_time_s: 1e-3,
+            held_s: 1.0,
+            pushes: Vec::new(),
+            seed,
+        }
+    }
+
+    /// Holds the body at `angle_rad` from upright while the filter aligns, then arms `controller`
+    /// and runs it for `duration_s`, or until the body is horizontal if `until_fall`. The measured
+    /// angle of the record is the filter's, the measured wheel speed that of the converter's counts;
+    /// the rate is the true one.
+    ///
+    /// # Errors
+    /// Times that are not positive; emitted code that fails; a motion that is no longer finite.
+    pub fn run(
+        &self,
+        angle_rad: f64,
+        duration_s: f64,
+        controller: &mut dyn RawController,
+        until_fall: bool,
+    ) -> Result<Trace, SimulateError> {
+        let start = at_rest(angle_rad);
+        let on = ClosedLoop {
+            motion: Motion::Nonlinear(self.plant),
+            sensors: Sensors::PERFECT,
+            actuator: Actuator {
+                limit_a: self.drive_limit_a,
+                step_a: 0.0,
+            },
+            sample_time_s: self.sample_time_s,
+            computation_s: 0.0,
+            pushes: self.pushes.clone(),
+            seed: self.seed,
+        };
+        controller.reset();
+        let held = (self.held_s / self.sample_time_s).round() as usize;
+        let mut is_held = true;
+        let sample = |instant: &Instant<'_>, random: &mut ChaCha8Rng| {
+            if is_held {
+                for _ in 0..held {
+                    controller.step(&self.sensors.sample(&start, 0.0, random))?;
+                }
+                controller.arm()?;
+                is_held = false;
+            }
+            let (acceleration, _) =
+                self.plant
+                    .derivative(instant.state, instant.flowing_a, instant.push);
+            let counts = self.sensors.sample(instant.state, acceleration, random);
+            let duty = controller.step(&counts)?;
+            Ok(Answer {
+                measured: Measured {
+                    angle_rad: controller.angle_rad()?,
+                    rate_rad_s: instant.state.rate_rad_s,
+                    wheel_speed_rad_s: self.sensors.wheel_speed_rad_s(counts.wheel_adc),
+                },
+                command_a: self.sensors.current_a(duty),
+            })
+        };
+        on.run_sampled(&start, duration_s, sample, |trace| {
+            until_fall && trace.fell_at_s.is_some()
+        })
+        .map(|(trace, _)| trace)
+    }
+
+    /// The largest angle from which `controller` brings the body back, found to within
+    /// `resolution_rad`.
+    ///
+    /// # Errors
+    /// Those of [`RawLoop::run`]; a resolution that is not positive.
+    pub fn largest_recoverable_angle(
+        &self,
+        scale: &Scale,
+        controller: &mut dyn RawController,
+        resolution_rad: f64,
+    ) -> Result<Recovery, SimulateError> {
+        bisect(scale, resolution_rad, |angle_rad| {
+            self.run(angle_rad, decided_after_s(scale), controller, true)
+                .map(|trace| trace.fell_at_s.is_none())
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! Emitted controllers from raw counts to the duty, run from their source.
+
+use crate::interpreted::words_of;
+use crate::law::LawFailure;
+use checker::program::Program;
+use checker::{Machine, Module};
+
+/// What the sensors said at one instant, in counts: the input of an emitted controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RawSample {
+    /// Gyroscope.
+    pub gyro: [i16; 3],
+    /// Accelerometer.
+    pub accel: [i16; 3],
+    /// Magnetometer, where there is a new reading.
+    pub mag: Option<[i16; 3]>,
+    /// The drive's speed output, counts of its converter.
+    pub wheel_adc: u16,
+}
+
+/// An emitted controller: one step from raw counts to the duty.
+pub trait RawController {
+    /// Back to the state after power-up: not aligned, not armed.
+    fn reset(&mut self);
+
+    /// From the next step on, the motor is driven.
+    ///
+    /// # Errors
+    /// [`LawFailure`] where the controller cannot be run.
+    fn arm(&mut self) -> Result<(), LawFailure>;
+
+    /// One step; the duty in counts.
+    ///
+    /// # Errors
+    /// [`LawFailure`] where the emitted code would panic.
+    fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure>;
+
+    /// The angle from upright that the attitude filter believes, rad.
+    ///
+    /// # Errors
+    /// [`LawFailure`] where the emitted code would panic.
+    fn angle_rad(&self) -> Result<f64, LawFailure>;
+}
+
+/// The controller of any emitted crate, run bit for bit from its source.
+#[derive(Clone, Debug)]
+pub struct InterpretedController {
+    step: Program,
+    angle: Program,
+    /// For each word of the attitude, its place among those of the controller.
+    attitude: Vec<usize>,
+    armed: usize,
+    angle_unit: f64,
+    start: Vec<i128>,
+    words: Vec<i128>,
+}
+
+impl InterpretedController {
+    /// The controller in `module`.
+    ///
+    /// # Errors
+    /// [`LawFailure`] where the crate has no such controller.
+    pub fn new(module: &Module) -> Result<Self, LawFailure> {
+        let failure = |message: String| LawFailure { message };
+        let find = |name: &str| {
+            module
+                .function(name)
+                .ok_or_else(|| failure(format!("the emitted crate has no function `{name}`")))
+        };
+        let step = find("Controller::step")?.clone();
+        let angle = find("Attitude::angle")?.clone();
+        let place = |name: &str| {
+            step.inputs
+                .iter()
+                .position(|input| input == name)
+                .ok_or_else(|| failure(format!("`Controller::step` has no `{name}`")))
+        };
+        let attitude = angle
+            .inputs
+            .iter()
+            .map(|name| place(&name.replacen("self.", "self.attitude.", 1)))
+            .collect::<Result<Vec<_>, _>>()?;
+        let armed = place("self.is_armed")?;
+        let start = Machine::new(find("Controller::new")?)
+            .call(&[])
+            .map_err(|trap| failure(trap.to_string()))?
+            .to_vec();
+        let bits = match angle.result_types.as_slice() {
+            [checker::program::Type::Fixed(bits)] => *bits,
+            _ => return Err(failure("`Attitude::angle` returns no angle".to_owned())),
+        };
+        Ok(InterpretedController {
+            angle,
+            attitude,
+            armed,
+            angle_unit: 2.0_f64.powi(-(bits as i32)),
+            words: start.clone(),
+            start,
+            step,
+        })
+    }
+}
+
+impl RawController for InterpretedController {
+    fn reset(&mut self) {
+        self.words.clone_from(&self.start);
+    }
+
+    fn arm(&mut self) -> Result<(), LawFailure> {
+        self.words[self.armed] = 1;
+        Ok(())
+    }
+
+    fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure> {
+        let mut arguments = self.words.clone();
+        arguments.extend(sample.gyro.map(i128::from));
+        arguments.extend(sample.accel.map(i128::from));
+        arguments.push(sample.mag.is_some().into());
+        arguments.extend(sample.mag.unwrap_or_default().map(i128::from));
+        arguments.push(sample.wheel_adc.into());
+        let results = words_of(&self.step, &arguments)?;
+        let (duty, state) = results.split_at(1);
+        self.words.clear();
+        self.words.extend_from_slice(state);
+        u16::try_from(duty[0]).map_err(|_| LawFailure {
+            message: format!("the duty {} is no 16-bit word", duty[0]),
+        })
+    }
+
+    fn angle_rad(&self) -> Result<f64, LawFailure> {
+        let words: Vec<i128> = self
+            .attitude
+            .iter()
+            .map(|place| self.words[*place])
+            .collect();
+        let results = words_of(&self.angle, &words)?;
+        Ok(results[0] as f64 * self.angle_unit)
+    }
+}

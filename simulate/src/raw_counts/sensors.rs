@@ -1,0 +1,163 @@
+//! The sensors in counts, and the drive, as they truly are.
+
+use super::controller::RawSample;
+use crate::error::{SimulateError, check_positive};
+use crate::sensors::from_upright_rad;
+use attitude::{AttitudeSpec, STANDARD_GRAVITY, SensorLine};
+use nalgebra::{Matrix3, Vector3};
+use plant::State;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// A three-axis sensor from SI units to counts: counts = `per_unit` · value + `bias_counts`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CountsLine {
+    /// Counts per SI unit.
+    pub per_unit: Matrix3<f64>,
+    /// Reading at zero input, counts.
+    pub bias_counts: Vector3<f64>,
+}
+
+impl CountsLine {
+    /// The sensor that `line` calibrates perfectly, but for `left_counts` of bias on each axis.
+    ///
+    /// # Errors
+    /// A matrix without inverse.
+    pub fn calibrated_by(
+        line: &SensorLine,
+        left_counts: Vector3<f64>,
+    ) -> Result<Self, SimulateError> {
+        let determinant = line.matrix.determinant().abs();
+        check_positive("the determinant of a sensor's matrix", determinant)?;
+        Ok(CountsLine {
+            per_unit: line.matrix.try_inverse().unwrap_or_default(),
+            bias_counts: line.bias_counts + left_counts,
+        })
+    }
+
+    /// The counts of `value`, which end at those of a 16-bit word.
+    fn read(&self, value: Vector3<f64>) -> [i16; 3] {
+        let counts = self.per_unit * value + self.bias_counts;
+        // A cast saturates, as the converter does.
+        [0, 1, 2].map(|axis| counts[axis].round() as i16)
+    }
+}
+
+/// The sensors in counts and the drive's line, as they truly are: what the controller believes of
+/// them is in its own constants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawSensors {
+    /// Gyroscope, 16 bit.
+    pub gyro: CountsLine,
+    /// Standard deviation of its noise, rad/s a sample.
+    pub gyro_noise_rad_s: f64,
+    /// Accelerometer, 16 bit.
+    pub accel: CountsLine,
+    /// Standard deviation of its noise, m/s² a sample.
+    pub accel_noise_m_s2: f64,
+    /// Gravity, m/s².
+    pub gravity_m_s2: f64,
+    /// Place of the accelerometer from the pivot axis, in the aligned sensor's x and y, m.
+    pub lever_arm_m: [f64; 2],
+    /// Angle about the pivot axis from the body's axis to the sensor's x axis, rad.
+    pub mounting_angle_rad: f64,
+    /// Wheel speed per count of the converter, rad/s.
+    pub wheel_speed_per_count: f64,
+    /// Wheel speed at zero counts, rad/s.
+    pub wheel_speed_at_zero: f64,
+    /// Standard deviation of its noise, rad/s a sample.
+    pub wheel_noise_rad_s: f64,
+    /// Largest count of the converter.
+    pub wheel_adc_max: u16,
+    /// Duty at zero current, counts.
+    pub duty_zero: u16,
+    /// Current per count of duty, A.
+    pub current_per_count_a: f64,
+}
+
+impl RawSensors {
+    /// Sensors that `spec` calibrates and mounts rightly, on converter and drive of the thesis:
+    /// 12 bit with rpm = 8.53108 count − 6594.5; 10 % to 90 % of a 16-bit duty for ∓2.2 A.
+    ///
+    /// Assumed, since the thesis states neither: noise densities of the data sheets over 500 Hz
+    /// (0.025 °/s/√Hz and 126 µg/√Hz), 0.6 rad/s on the wheel; what a calibration leaves, 0.1 °/s
+    /// and 1 mg on each axis (1.6 and 4.1 counts of the thesis' sensors).
+    ///
+    /// # Errors
+    /// A sensor's matrix without inverse.
+    pub fn calibrated_by(spec: &AttitudeSpec) -> Result<RawSensors, SimulateError> {
+        let rpm = TAU / 60.0;
+        let root_bandwidth = 500.0_f64.sqrt();
+        let left = Vector3::new(1.0, -1.0, 1.0);
+        Ok(RawSensors {
+            gyro: CountsLine::calibrated_by(&spec.gyro, left * 1.6)?,
+            gyro_noise_rad_s: 0.025_f64.to_radians() * root_bandwidth,
+            accel: CountsLine::calibrated_by(&spec.accel, left * 4.1)?,
+            accel_noise_m_s2: 126e-6 * STANDARD_GRAVITY * root_bandwidth,
+            gravity_m_s2: spec.gravity_m_s2,
+            lever_arm_m: spec.lever_arm_m,
+            mounting_angle_rad: spec.mounting_angle_rad,
+            wheel_speed_per_count: 8.53108 * rpm,
+            wheel_speed_at_zero: -6594.5 * rpm,
+            wheel_noise_rad_s: 0.6,
+            wheel_adc_max: 4095,
+            duty_zero: 32_768,
+            current_per_count_a: 2.2 / 26_214.0,
+        })
+    }
+
+    /// The hardware of the thesis: gyroscope FXAS21002 at ±2000 °/s (62.5 m°/s per count),
+    /// accelerometer FXOS8700 at 4096 counts/g, the rest as in [`RawSensors::calibrated_by`]. The
+    /// sensor sits 50 mm from the pivot towards the wheel, of which the filter knows nothing.
+    ///
+    /// # Errors
+    /// None in fact: the matrices are diagonal.
+    pub fn of_the_thesis() -> Result<RawSensors, SimulateError> {
+        Ok(RawSensors {
+            lever_arm_m: [0.05, 0.0],
+            ..RawSensors::calibrated_by(&AttitudeSpec::thesis())?
+        })
+    }
+
+    /// The counts at `state`, whose body accelerates by `acceleration_rad_s2`.
+    ///
+    /// The accelerometer reads the reaction to gravity and the acceleration of its own place r,
+    /// α̈ (−r_y, r_x) − α̇² r (see crate `attitude`, lever arm); upwards is
+    /// (cos(θ + m), −sin(θ + m)) at the angle θ from upright.
+    pub fn sample(
+        &self,
+        state: &State<f64>,
+        acceleration_rad_s2: f64,
+        random: &mut ChaCha8Rng,
+    ) -> RawSample {
+        let mut noise = || -> f64 { StandardNormal.sample(random) };
+        let mut noises = |std: f64| Vector3::from_fn(|_, _| std * noise());
+        let rate = Vector3::new(0.0, 0.0, state.rate_rad_s) + noises(self.gyro_noise_rad_s);
+        let (sin, cos) = (from_upright_rad(state.angle_rad) + self.mounting_angle_rad).sin_cos();
+        let [x, y] = self.lever_arm_m;
+        let squared = state.rate_rad_s * state.rate_rad_s;
+        let force = Vector3::new(
+            self.gravity_m_s2 * cos - acceleration_rad_s2 * y - squared * x,
+            -self.gravity_m_s2 * sin + acceleration_rad_s2 * x - squared * y,
+            0.0,
+        ) + noises(self.accel_noise_m_s2);
+        let speed = state.wheel_speed_rad_s + self.wheel_noise_rad_s * noise();
+        let adc = (speed - self.wheel_speed_at_zero) / self.wheel_speed_per_count;
+        RawSample {
+            gyro: self.gyro.read(rate),
+            accel: self.accel.read(force),
+            mag: None,
+            wheel_adc: adc.round().clamp(0.0, f64::from(self.wheel_adc_max)) as u16,
+        }
+    }
+
+    /// The current that a duty asks for, A.
+    pub fn current_a(&self, duty: u16) -> f64 {
+        (f64::from(duty) - f64::from(self.duty_zero)) * self.current_per_count_a
+    }
+
+    pub(super) fn wheel_speed_rad_s(&self, adc: u16) -> f64 {
+        f64::from(adc) * self.wheel_speed_per_count + self.wheel_speed_at_zero
+    }
+}

@@ -1,0 +1,12 @@
+//! Tests of whole closed loops on the thesis bench.
+
+mod attitude_filters;
+mod bench;
+mod compiled;
+mod emitted_law;
+mod independent_simulation;
+mod interpreted_law;
+mod physics;
+mod raw_counts;
+mod rounding;
+mod studies;
