@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use checker::ClaimResult;
 use checker::certificate::Certificate;
 use checker::mutate::{Mutant, Summary, Verdict, chosen, judged, notices, summary};
 use checker::prove::Emitted;
+use checker::{ClaimResult, ProveError};
 use identify::Progress;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -75,9 +75,8 @@ pub fn mutate(
     most: Option<usize>,
     progress: &Progress,
 ) -> Result<MutationReport, Error> {
-    let emitted = Emitted::read(folder)?;
-    let certificate =
-        Certificate::parse(&emitted.certificate).map_err(checker::ProveError::Certificate)?;
+    let emitted = Emitted::read(folder).map_err(ProveError::from)?;
+    let certificate = Certificate::parse(&emitted.certificate).map_err(ProveError::from)?;
     if let Some(notice) = notices(&emitted, &certificate).first() {
         return Err(Error::FailsUndamaged {
             folder: folder.to_path_buf(),
