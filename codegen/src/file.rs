@@ -88,27 +88,10 @@ impl EmittedCrate {
             }
         }
 
-        let mut staged = Staged(Vec::new());
-        for (path, contents) in &changes {
-            if let Some(parent) = path.parent() {
-                fs::create_dir_all(parent).map_err(|source| FileError::Io {
-                    path: parent.to_owned(),
-                    source,
-                })?;
-            }
-            let temporary = temporary_name(path);
-            staged.0.push(temporary.clone());
-            fs::write(&temporary, contents).map_err(|source| FileError::Io {
-                path: temporary,
-                source,
-            })?;
-        }
-        for ((path, _), temporary) in changes.iter().zip(&staged.0) {
-            fs::rename(temporary, path).map_err(|source| FileError::Io {
-                path: path.clone(),
-                source,
-            })?;
-        }
+        let texts = changes
+            .iter()
+            .map(|(path, contents)| (path.as_path(), contents.as_bytes()));
+        atomic_files::write_all(texts).map_err(|(path, source)| FileError::Io { path, source })?;
         Ok(changes.into_iter().map(|(path, _)| path).collect())
     }
 
@@ -131,24 +114,6 @@ impl EmittedCrate {
             Err(FileError::Differs { paths })
         }
     }
-}
-
-/// Temporary files; those that were not renamed are removed in the end.
-struct Staged(Vec<PathBuf>);
-
-impl Drop for Staged {
-    fn drop(&mut self) {
-        for path in &self.0 {
-            // Most are gone, renamed to their places.
-            let _ = fs::remove_file(path);
-        }
-    }
-}
-
-/// In the same folder, so that renaming it is atomic; with the process, so that two do not meet.
-fn temporary_name(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
 }
 
 /// The file as text; `None` where there is none. Other bytes than UTF-8 become replacement

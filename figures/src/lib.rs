@@ -41,7 +41,6 @@ mod series;
 mod sphere;
 mod staircase;
 mod suspects;
-mod write;
 
 pub use breakdown::{Breakdown, BreakdownPanel, ResidualBin, breakdown};
 pub use confusion::{Confusion, confusion};
@@ -54,9 +53,6 @@ pub use sphere::{Sphere, sphere};
 pub use staircase::{Staircase, StaircaseTrace, staircase};
 pub use style::Role;
 pub use suspects::{Suspect, Suspects, suspects};
-pub use write::write_svg;
-
-use std::path::PathBuf;
 
 /// A name with its unit, for axes and captions.
 ///
@@ -113,14 +109,6 @@ pub enum FigureError {
         expected: usize,
         /// Length that was found.
         found: usize,
-    },
-    /// The file could not be written; an older file is left as it was.
-    #[error("{}: cannot write the figure: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
     },
 }
 
