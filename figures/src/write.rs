@@ -1,6 +1,6 @@
 //! Writing a figure to a file as a whole or not at all.
 
-use crate::FigureError;
+use crate::error::FigureError;
 use std::io::Write;
 use std::path::Path;
 
