@@ -87,8 +87,10 @@ fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
     }
 }
 
-/// Simulates a window for parameters of the model and unknowns of the window in any kind of number; `each` gets
-/// the index of the sample, what the sensors read, and the state.
+/// What is done at every sample of a window: its index, what the sensors read, the state.
+type EachSample<'a, S> = dyn FnMut(usize, &Reading<S>, &State<S>) + 'a;
+
+/// Simulates a window for parameters of the model and unknowns of the window in any kind of number.
 // `each` is not generic, so that the integrator is compiled once for each kind of number.
 pub(super) fn run<S: Scalar>(
     record: &Record,
@@ -96,7 +98,7 @@ pub(super) fn run<S: Scalar>(
     model: &Model,
     (values, locals): (&[S], &[S]),
     smoothing: Smoothing,
-    each: &mut dyn FnMut(usize, &Reading<S>, &State<S>),
+    each: &mut EachSample<S>,
 ) {
     let (start, held, angle_zero) = start_state(&Local::of(record), locals);
     let plant = plant_of(record, model, values, smoothing);
