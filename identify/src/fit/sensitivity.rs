@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use plant::{Dual, Kind, Model, Scalar, Smoothing};
 
-use super::simulation::{current_of, plant_of, simulate, start_state, with_memory};
+use super::simulation::{run, simulate};
 use super::unknowns::{Local, Unknowns, Window};
 use crate::records::Record;
 
@@ -96,7 +96,6 @@ fn run_lanes<const N: usize>(
         dual.derivatives[lane] = unknowns.slope(unknown, values[position]);
         duals[position] = dual;
     }
-    let locals = Local::of(record);
     let starts: Vec<Dual<N>> = window
         .locals
         .iter()
@@ -106,20 +105,13 @@ fn run_lanes<const N: usize>(
             None => Dual::constant(value),
         })
         .collect();
-    let (start, held, angle_zero) = start_state(&locals, &starts);
-    let plant = plant_of(record, model, &duals, Smoothing::SIMULATION);
-    let start = with_memory(record, window, model, &plant, start);
-    plant.run(
-        start,
-        &record.time_s,
-        window.samples.clone(),
-        current_of(record, held),
-        None,
-        |k, reading, _| {
-            let mut reading = *reading;
-            reading.angle_rad += angle_zero;
-            each(k, &reading);
-        },
+    run(
+        record,
+        window,
+        model,
+        (&duals, &starts),
+        Smoothing::SIMULATION,
+        &mut |k, reading, _| each(k, reading),
     );
 }
 
