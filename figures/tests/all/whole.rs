@@ -86,4 +86,3 @@ fn bars_are_as_long_as_their_probability() {
     assert!((widths[0] / widths[1] - 4.0).abs() < 0.01, "{widths:?}");
     assert_eq!(widths[2], 0.0);
 }
-
