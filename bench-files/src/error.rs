@@ -524,8 +524,8 @@ pub(crate) fn shortened(text: &str) -> String {
     short
 }
 
-/// One thing that is wrong with one file. Its text is "place: problem"; as a [`Diagnostic`] it also
-/// shows the lines of a TOML file.
+/// One thing that is wrong with one file. Its text is "place: problem"; [`Error::excerpt`] has the text of
+/// a TOML file with the place in it.
 #[derive(Clone, Debug)]
 pub struct Error(Box<Inner>);
 

@@ -3,11 +3,13 @@
 use crate::common::{fitted, parameter, short_bench};
 use crate::simulated::{Now, Physics, free_swing, setup, simulate};
 use identify::{
-    Effort, KnownPromise, Outcome, Record, Unknowns, carry_over, cost, describe, promise, refit,
+    Cancelled, Effort, IdentifyError, KnownPromise, Outcome, Progress, Record, Unknowns,
+    carry_over, cost, describe, identify_until, promise, refit,
 };
 use plant::{EffectId, Model};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What is known of a fit is not worked out again, unless other samples count.
 #[test]
@@ -68,6 +70,32 @@ fn a_goal_ends_only_fits_that_do_not_reach_it() {
     let [free, aimed] = efforts.map(|effort| refitted(&found, effort));
     assert_eq!(free.values, aimed.values);
     assert!(aimed.outcome.was_successful());
+}
+
+#[test]
+fn a_fit_that_is_called_off_ends_before_its_next_evaluation() {
+    let bench = setup(short_bench(&Physics::base(), 2970));
+    let model = Model::base();
+    let asked = AtomicUsize::new(0);
+    // In the middle of the fit.
+    let cancelled = || asked.fetch_add(1, Ordering::Relaxed) >= 7;
+    let progress = Progress {
+        say: &|_| {},
+        cancelled: &cancelled,
+    };
+    let found = identify_until(&bench, &model, None, &progress);
+    assert_eq!(found.err(), Some(IdentifyError::Cancelled(Cancelled)));
+    let after = asked.load(Ordering::Relaxed);
+    assert!(after <= 9, "asked {after} times");
+    let fit = fitted(&bench, &[]).fit;
+    let mut values = fit.values.clone();
+    values[0] *= 1.1;
+    let windows = fit.minimum.windows.clone();
+    let effort = Effort::FULL.until(&|| true);
+    let records = bench.all_records();
+    let ended = refit(&records, &model, values.clone(), windows, &[0, 2], effort);
+    assert_eq!(ended.outcome, Outcome::Cancelled);
+    assert_eq!((ended.values, ended.evaluations), (values, 1));
 }
 
 /// Many suspects are scored in one simulation, and records that a suspect does not touch are not simulated
