@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use identify::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
+use workbench::Progress;
 
 /// Runs `work` under a spinner that says what the work says. It shows only on a terminal and is gone
 /// when the work is done. Nothing is called off: whoever wants that ends the program.

@@ -1,7 +1,5 @@
 //! Writing files so that a reader never sees half of one.
 
-use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use crate::error::{Error, Problem};
@@ -13,33 +11,8 @@ use crate::error::{Error, Problem};
 /// # Errors
 /// [`Problem::Unwritable`] with the system's reason.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), Error> {
-    write(path, content).map_err(|error| Error::in_file(path, Problem::Unwritable(reason(&error))))
-}
-
-fn write(path: &Path, content: &[u8]) -> std::io::Result<()> {
-    // Renaming over a link would replace the link, not what it points at.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".flywheel-").suffix(".tmp");
-    // Temporary files are private by default; this one becomes an ordinary file.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        let permissions = match fs::metadata(&target) {
-            Ok(old) => old.permissions(),
-            Err(_) => fs::Permissions::from_mode(0o666),
-        };
-        builder.permissions(permissions);
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(content)?;
-    file.as_file().sync_all()?;
-    file.persist(&target)?;
-    Ok(())
+    atomic_files::write(path, content)
+        .map_err(|error| Error::in_file(path, Problem::Unwritable(reason(&error))))
 }
 
 /// An input/output error without the code that only programmers read.

@@ -8,11 +8,11 @@ use figures::{
     Limit, Line, Marker, Overlay, Panel, Plane, PoleSet, Poles, Quantity, Region, Reliability,
     ReliabilityBin, ResidualBin, Role, Series, Sphere, Staircase, StaircaseTrace, Suspect,
     Suspects, breakdown, confusion, decay, overlay, poles, reliability, series, sphere, staircase,
-    suspects, write_svg,
+    suspects,
 };
 use std::path::PathBuf;
 
-fn main() -> Result<(), FigureError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args()
         .nth(1)
         .map_or_else(|| PathBuf::from("target/gallery"), PathBuf::from);
@@ -33,9 +33,10 @@ fn main() -> Result<(), FigureError> {
         ("confusion", confusion_figure()?),
         ("sphere", sphere_figure()),
     ];
+    std::fs::create_dir_all(&folder)?;
     for (name, svg) in figures {
         let path = folder.join(format!("{name}.svg"));
-        write_svg(&path, &svg)?;
+        std::fs::write(&path, &svg)?;
         println!("{:6.0} kB  {}", svg.len() as f64 / 1e3, path.display());
     }
     Ok(())

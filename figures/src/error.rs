@@ -1,7 +1,5 @@
 //! Why a figure could not be made.
 
-use std::path::PathBuf;
-
 /// Why a figure could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
@@ -16,14 +14,6 @@ pub enum FigureError {
         expected: usize,
         /// Length that was found.
         found: usize,
-    },
-    /// The file could not be written; an older file is left as it was.
-    #[error("{}: cannot write the figure: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
     },
 }
 

@@ -43,7 +43,6 @@ mod series;
 mod sphere;
 mod staircase;
 mod suspects;
-mod write;
 
 pub use annotation::{Limit, Marker, Quantity, Region};
 pub use breakdown::{Breakdown, BreakdownPanel, ResidualBin, breakdown};
@@ -58,4 +57,3 @@ pub use sphere::{Sphere, sphere};
 pub use staircase::{Staircase, StaircaseTrace, staircase};
 pub use style::Role;
 pub use suspects::{Suspect, Suspects, suspects};
-pub use write::write_svg;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use identify::Progress;
 use plant::EffectId;
+use workbench::Progress;
 use workbench::{EffectChange, Error, Session};
 
 use crate::cli::{BenchFiles, Output, save_model};

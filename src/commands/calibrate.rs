@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bench_files::{CalibrationRecordings, ModelFile, Problem};
 use serde::Serialize;
-use workbench::{CalibrationReport, calibrate};
+use workbench::{SensorCalibrationReport, calibrate};
 
 use crate::cli::{BenchFiles, Output};
 use crate::failure::Failure;
@@ -26,7 +26,7 @@ pub struct Arguments {
 struct Calibrated<'a> {
     model: PathBuf,
     #[serde(flatten)]
-    report: &'a CalibrationReport,
+    report: &'a SensorCalibrationReport,
     figures: Vec<PathBuf>,
 }
 

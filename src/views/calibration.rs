@@ -1,12 +1,12 @@
 //! A calibration in tables.
 
 use workbench::numbers::{significant, with_uncertainty};
-use workbench::{CalibratedLine, CalibratedSensor, CalibrationReport, LeverArmReport};
+use workbench::{CalibratedLine, CalibratedSensor, LeverArmReport, SensorCalibrationReport};
 
 use crate::report::table::{Align, Table};
 
 /// Everything but the files.
-pub fn text(report: &CalibrationReport) -> String {
+pub fn text(report: &SensorCalibrationReport) -> String {
     let mut text = String::new();
     for (name, found) in [
         ("Accelerometer", &report.accelerometer),
@@ -71,7 +71,7 @@ fn lever_arm(arm: &LeverArmReport) -> String {
     text
 }
 
-fn lines(report: &CalibrationReport) -> String {
+fn lines(report: &SensorCalibrationReport) -> String {
     let mut table = Table::new(&[
         ("line", Align::Left),
         ("slope", Align::Left),

@@ -2,7 +2,7 @@
 
 use workbench::numbers::{with_prefix, with_uncertainty};
 use workbench::words::{place, residual};
-use workbench::{BenchNote, Comparison, EffectChange, LoggedExperiment};
+use workbench::{BenchNote, ComparisonReport, EffectChange, LoggedExperiment};
 
 use crate::report::table::{Align, Table};
 
@@ -27,7 +27,7 @@ pub fn head(bench: &str, experiments: &[LoggedExperiment], notes: &[BenchNote]) 
 }
 
 /// Head, parameters, errors, places, remarks.
-pub fn whole(comparison: &Comparison) -> String {
+pub fn whole(comparison: &ComparisonReport) -> String {
     head(
         &comparison.bench,
         &comparison.experiments,
@@ -48,7 +48,7 @@ pub fn changed(change: &EffectChange) -> String {
         + &remarks(after)
 }
 
-fn parameter_table(comparison: &Comparison) -> String {
+fn parameter_table(comparison: &ComparisonReport) -> String {
     let mut table = Table::new(&[
         ("parameter", Align::Left),
         ("value ± standard error", Align::Left),
@@ -72,7 +72,7 @@ fn parameter_table(comparison: &Comparison) -> String {
 }
 
 /// A line for every two parameters whose errors hardly move alone.
-fn strong_correlations(comparison: &Comparison) -> String {
+fn strong_correlations(comparison: &ComparisonReport) -> String {
     let Some(correlation) = &comparison.correlation else {
         return String::new();
     };
@@ -97,7 +97,7 @@ fn strong_correlations(comparison: &Comparison) -> String {
 }
 
 /// Model against measurement, channel by channel.
-pub fn error_table(comparison: &Comparison) -> String {
+pub fn error_table(comparison: &ComparisonReport) -> String {
     let mut table = Table::new(&[
         ("experiment", Align::Left),
         ("channel", Align::Left),
@@ -146,7 +146,7 @@ fn difference_table(change: &EffectChange) -> String {
 }
 
 /// Where the model fails, the plainest place first.
-pub fn place_table(comparison: &Comparison) -> String {
+pub fn place_table(comparison: &ComparisonReport) -> String {
     let significant = comparison.places.iter().filter(|place| place.significant);
     let mut table = Table::new(&[
         ("experiment/channel", Align::Left),
@@ -169,7 +169,7 @@ pub fn place_table(comparison: &Comparison) -> String {
 }
 
 /// Pushes and open questions, where there are any.
-pub fn remarks(comparison: &Comparison) -> String {
+pub fn remarks(comparison: &ComparisonReport) -> String {
     let mut text = String::new();
     let per = if comparison.per_unit_of_inertia {
         " per kg m2"

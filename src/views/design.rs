@@ -143,12 +143,10 @@ fn margins(report: &DesignReport) -> String {
         &rank(report.observability_rank, report.observability_condition),
     ]);
     let conditions = &report.observability_condition_of_sensor;
-    for ((sensor, of_sensor), (_, condition)) in
-        report.observability_rank_of_sensor.iter().zip(conditions)
-    {
+    for ((sensor, of_sensor), alone) in report.observability_rank_of_sensor.iter().zip(conditions) {
         table.row([
             format!("observability, {sensor} alone"),
-            rank(*of_sensor, *condition),
+            rank(*of_sensor, alone.condition),
         ]);
     }
     table.row([

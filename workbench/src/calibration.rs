@@ -28,7 +28,7 @@ const SCALE_ERROR_MAX: f64 = 0.05;
 
 /// What the recordings of `[calibration]` give: the result of [`calibrate`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct CalibrationReport {
+pub struct SensorCalibrationReport {
     /// m/s² of counts.
     pub accelerometer: Option<CalibratedSensor>,
     /// rad/s of counts.
@@ -166,10 +166,10 @@ pub struct MagnetometerPoints {
 ///
 /// # Errors
 /// [`Error::Calibrate`] with the recording that does not allow its calibration.
-pub fn calibrate(recordings: &CalibrationRecordings) -> Result<CalibrationReport, Error> {
+pub fn calibrate(recordings: &CalibrationRecordings) -> Result<SensorCalibrationReport, Error> {
     let mut work = Work {
         recordings,
-        report: CalibrationReport::default(),
+        report: SensorCalibrationReport::default(),
     };
     let accelerometer = work.accelerometer()?;
     let gyroscope = work.gyroscope()?;
@@ -189,7 +189,7 @@ pub fn calibrate(recordings: &CalibrationRecordings) -> Result<CalibrationReport
     Ok(work.report)
 }
 
-impl CalibrationReport {
+impl SensorCalibrationReport {
     /// Puts what was found into a model; what was found before stays where nothing new was.
     pub fn apply_to(&self, file: &mut ModelFile) {
         file.calibration = Some(merged(file.calibration, self.found));
@@ -223,7 +223,7 @@ fn merged(before: Option<Calibration>, now: Calibration) -> Calibration {
 /// A calibration under way.
 struct Work<'a> {
     recordings: &'a CalibrationRecordings,
-    report: CalibrationReport,
+    report: SensorCalibrationReport,
 }
 
 impl Work<'_> {

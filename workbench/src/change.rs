@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::comparison::Comparison;
+use crate::comparison::ComparisonReport;
 use crate::per_series::PerSeries;
 
 /// A model before and after an effect was put in or taken out, both fitted to all experiments.
@@ -10,7 +10,7 @@ use crate::per_series::PerSeries;
 pub struct EffectChange {
     /// The new model beside the measurements.
     #[serde(flatten)]
-    pub after: Comparison,
+    pub after: ComparisonReport,
     /// The effects of the old model.
     pub effects_before: Vec<String>,
     /// Its root mean square errors, SI units.

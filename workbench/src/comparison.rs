@@ -18,7 +18,7 @@ use crate::per_series::{PerSeries, SeriesName};
 ///
 /// The curves are not part of the JSON; each [`ExperimentCurves`] serialises by itself.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Comparison {
+pub struct ComparisonReport {
     /// The bench.
     pub bench: String,
     /// The file of the model.
@@ -86,9 +86,10 @@ pub struct PushInLog {
     pub experiment: String,
     /// When, s of the log.
     pub time_s: f64,
-    /// Impulse on the body, N m s (or per kg m², see [`Comparison::per_unit_of_inertia`]).
+    /// Impulse on the body, N m s (or per kg m², see [`ComparisonReport::per_unit_of_inertia`]).
     pub impulse_nms: f64,
-    /// Its standard error.
+    /// Its standard error; NaN (null) where it has none.
+    #[serde(with = "named::gap")]
     pub impulse_std_nms: f64,
 }
 
@@ -166,7 +167,7 @@ pub(crate) struct Compared<'a> {
     pub pushes: &'a [Vec<Push>],
 }
 
-impl Comparison {
+impl ComparisonReport {
     pub(crate) fn new(
         bench: &Bench,
         setup: &Setup,
@@ -175,7 +176,7 @@ impl Comparison {
         parameters: Vec<Parameter>,
         correlation: Option<Correlation>,
         statements: Vec<String>,
-    ) -> Comparison {
+    ) -> ComparisonReport {
         let records = &setup.records;
         let failure = identify::breakdown(
             records,
@@ -190,7 +191,7 @@ impl Comparison {
             .map(|(record, traces)| ExperimentCurves::new(record, traces))
             .collect();
         let per_series = |value: fn(&ChannelCurves) -> f64| per_series(&curves, value);
-        Comparison {
+        ComparisonReport {
             bench: bench.name.clone(),
             model: model_path,
             effects: effect_names(compared.model),
@@ -227,9 +228,9 @@ impl Comparison {
         setup: &Setup,
         model_path: PathBuf,
         found: &Identification,
-    ) -> Comparison {
+    ) -> ComparisonReport {
         let fit = &found.fit;
-        Comparison::new(
+        ComparisonReport::new(
             bench,
             setup,
             model_path,

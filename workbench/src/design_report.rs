@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::comparison::effect_names;
 use crate::control_design::ControlDesign;
 use crate::error::Error;
+use crate::named;
 
 /// Parameter sets drawn to see what their uncertainty does to the poles.
 const DRAWN_SETS: usize = 1000;
@@ -69,16 +70,18 @@ pub struct DesignReport {
     pub pole_uncertainty: Option<PoleErrors>,
     /// Rank of (B, AB, A²B).
     pub controllability_rank: usize,
-    /// Its condition number.
+    /// Its condition number; infinite (null) where a state cannot be reached.
+    #[serde(with = "named::unbounded")]
     pub controllability_condition: f64,
     /// Rank with all sensors.
     pub observability_rank: usize,
-    /// Its condition number.
+    /// Its condition number; infinite (null) where a state does not show.
+    #[serde(with = "named::unbounded")]
     pub observability_condition: f64,
     /// Rank with one sensor alone, by its name.
     pub observability_rank_of_sensor: Vec<(String, usize)>,
     /// Its condition number.
-    pub observability_condition_of_sensor: Vec<(String, f64)>,
+    pub observability_condition_of_sensor: Vec<SensorCondition>,
     /// asin(τ u_max/G): the largest angle at which the motor can still beat gravity.
     pub recovery_angle_rad: f64,
     /// Relative residual of the Riccati equation.
@@ -99,6 +102,16 @@ pub struct DesignReport {
     /// The same more finely, for a figure.
     #[serde(skip)]
     pub wheel_curves: Vec<WheelSize>,
+}
+
+/// How well one sensor alone shows the state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SensorCondition {
+    /// The sensor.
+    pub sensor: String,
+    /// Condition number; infinite (null) where a state does not show.
+    #[serde(with = "named::unbounded")]
+    pub condition: f64,
 }
 
 /// Standard errors of the poles.
@@ -136,11 +149,14 @@ pub struct PoleErrors {
 pub struct LoopMargins {
     /// Smallest factor on the gain.
     pub least_gain_factor: f64,
-    /// Largest factor on the gain.
+    /// Largest factor on the gain; infinite (null) where there is none.
+    #[serde(with = "named::unbounded")]
     pub largest_gain_factor: f64,
-    /// Phase margin.
+    /// Phase margin; infinite (null) where there is none.
+    #[serde(with = "named::unbounded")]
     pub phase_margin_rad: f64,
-    /// Delay beyond the hold.
+    /// Delay beyond the hold; infinite (null) where there is none.
+    #[serde(with = "named::unbounded")]
     pub delay_margin_s: f64,
     /// Least distance of the loop's frequency response from −1.
     pub modulus_margin: f64,
@@ -255,7 +271,10 @@ impl ControlDesign {
                 .map(|(sensor, rank)| ((*sensor).to_owned(), rank.rank))
                 .collect(),
             observability_condition_of_sensor: sensors
-                .map(|(sensor, rank)| ((*sensor).to_owned(), rank.condition))
+                .map(|(sensor, rank)| SensorCondition {
+                    sensor: (*sensor).to_owned(),
+                    condition: rank.condition,
+                })
                 .collect(),
             recovery_angle_rad: design.recovery_angle_rad,
             dare_residual: design.dare_residual(),

@@ -7,8 +7,8 @@ use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
 
 use crate::comparison::{
-    BenchNote, Comparison, FailurePlace, PushInLog, correlation_of, effect_names, parameters_of,
-    with_model,
+    BenchNote, ComparisonReport, FailurePlace, PushInLog, correlation_of, effect_names,
+    parameters_of, with_model,
 };
 use crate::design_change::DesignChange;
 use crate::error::Error;
@@ -42,6 +42,7 @@ pub struct DiagnosisReport {
     #[serde(rename = "where")]
     pub places: Vec<FailurePlace>,
     /// The largest structured remainder of the last step, in units of its sensor's noise.
+    #[serde(with = "named::gap")]
     pub remainder: f64,
     /// Standard deviation of each sensor's noise, SI units.
     pub sensor_noise: PerSeries,
@@ -55,7 +56,7 @@ pub struct DiagnosisReport {
     pub notes: Vec<BenchNote>,
     /// The model of the last step beside the measurements, with its curves. It serialises by itself.
     #[serde(skip)]
-    pub last: Comparison,
+    pub last: ComparisonReport,
 }
 
 /// The model as it was, or after one effect more; refitted to all experiments.
@@ -201,7 +202,7 @@ impl DiagnosisReport {
         session: &Session,
         found: &Diagnosis,
         last_fit: &Identification,
-        last: Comparison,
+        last: ComparisonReport,
     ) -> DiagnosisReport {
         let records = &session.setup().records;
         let parameters = |fit: &Fit| parameters_of(session.setup(), fit);
@@ -310,7 +311,7 @@ fn own_parameters(mut parameters: Vec<Parameter>, suspect: &Suspect) -> Vec<Para
 }
 
 /// The verdict as a sentence or two; `last` is the model of the last step.
-fn sentence(found: &Diagnosis, last: &Comparison) -> String {
+fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
     let added: Vec<&str> = found
         .steps
         .iter()

@@ -35,14 +35,9 @@
 //!
 //! // In fixed point, with a certificate that is checked from the emitted files alone.
 //! let controller = design.generate()?;
-//! # let folder = tempfile::tempdir()?;
-//! # let folder = folder.path();
-//! controller.write(folder)?;
-//! # // The long engines are for the command line.
-//! # let settings = ProofSettings { cases: 200, smt: false, kani: false, filter_ranges: false, filter_length: false, ..Default::default() };
-//! # let _: ProofSettings =
-//! ProofSettings::default();
-//! assert!(workbench::prove(folder, &settings, &progress)?.passed());
+//! println!("{} files", controller.files().count()); // or controller.write(folder)
+//! let settings = ProofSettings { cases: 1000, smt: false, ..Default::default() };
+//! assert!(controller.prove(&settings, &progress)?.passed());
 //! # Ok(())
 //! # }
 //! ```
@@ -50,11 +45,11 @@
 //! # What is where
 //! | from | to |
 //! |---|---|
-//! | [`Session`] | [`Comparison`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
+//! | [`Session`] | [`ComparisonReport`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
 //! | [`Session::design`], [`ControlDesign::read`] | [`ControlDesign`] |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
-//! | [`calibrate()`] | [`CalibrationReport`] of recordings of raw counts |
+//! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
 //!
 //! Results are plain data in SI units that serialise (`serde`); what the commands write with `--json`
 //! is these data. Curves, which would make that long, are left out of it: they stand beside the
@@ -90,8 +85,8 @@ pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
 pub use calibration::{
-    CalibratedLine, CalibratedSensor, CalibrationReport, LeverArmOfSwing, LeverArmReport,
-    MagnetometerPoints, PlumbedCentre, SensorMounting, calibrate,
+    CalibratedLine, CalibratedSensor, LeverArmOfSwing, LeverArmReport, MagnetometerPoints,
+    PlumbedCentre, SensorCalibrationReport, SensorMounting, calibrate,
 };
 pub use change::EffectChange;
 pub use closed_loop::{
@@ -99,14 +94,15 @@ pub use closed_loop::{
     LoopRun, OverlayStatistics, RawCountsRun, RecoveryAngles, SimulationReport, SimulationSettings,
 };
 pub use comparison::{
-    BenchNote, ChannelCurves, Comparison, ExperimentCurves, FailurePlace, LoggedExperiment,
+    BenchNote, ChannelCurves, ComparisonReport, ExperimentCurves, FailurePlace, LoggedExperiment,
     PushInLog,
 };
 pub use control_design::ControlDesign;
 pub use controller::GeneratedController;
 pub use design_change::{DesignChange, DesignSummary};
 pub use design_report::{
-    DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors, WheelSize,
+    DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors,
+    SensorCondition, WheelSize,
 };
 pub use diagnose::Verdict;
 pub use diagnosis::{AppliedDiagnosis, DiagnosisReport, DiagnosisStep, SuspectEffect};

@@ -3,23 +3,24 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use checker::ClaimResult;
 use checker::certificate::Certificate;
-use checker::mutate::{Mutant, Summary, Verdict, chosen, judged, notices, summary};
+use checker::mutate::{Mutant, MutantVerdict, Summary, chosen, judged, notices, summary};
 use checker::prove::Emitted;
+use checker::{ClaimResult, ProveError};
 use identify::Progress;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::controller::GeneratedController;
 use crate::error::Error;
 use crate::output_file::OutputFile;
 
-pub use checker::prove::Settings as ProofSettings;
+pub use checker::ProofSettings;
 
 /// Every claim of a certificate, each by every engine that can settle it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Proof {
-    /// The emitted crate.
+    /// The emitted crate; empty for one in memory.
     pub folder: PathBuf,
     /// Seed of the random runs.
     pub seed: u64,
@@ -43,6 +44,39 @@ pub fn prove(folder: &Path, settings: &ProofSettings, progress: &Progress) -> Re
     })
 }
 
+impl GeneratedController {
+    /// As [`prove`], of a controller that was not written yet. Kani, which needs a folder, does not
+    /// run.
+    ///
+    /// # Errors
+    /// As for [`prove`].
+    pub fn prove(&self, settings: &ProofSettings, progress: &Progress) -> Result<Proof, Error> {
+        progress.check()?;
+        (progress.say)("checking the claims of the certificate");
+        let text = |name: &str| {
+            let mut files = self.files();
+            let found = files.find(|(path, _)| *path == name);
+            found.map_or(String::new(), |(_, text)| text.to_owned())
+        };
+        let emitted = Emitted {
+            sources: self
+                .files()
+                .filter(|(path, _)| path.ends_with(".rs"))
+                .map(|(path, text)| (path.to_owned(), text.to_owned()))
+                .collect(),
+            cargo: text("Cargo.toml"),
+            certificate: text("certificate.json"),
+            strays: Vec::new(),
+        };
+        let certificate = Certificate::parse(&emitted.certificate).map_err(ProveError::from)?;
+        Ok(Proof {
+            folder: PathBuf::new(),
+            seed: settings.seed,
+            claims: checker::prove::settle(&emitted, &certificate, settings),
+        })
+    }
+}
+
 impl Proof {
     /// Whether no claim fails.
     pub fn passed(&self) -> bool {
@@ -58,7 +92,7 @@ pub struct MutationReport {
     /// How many were caught, and by what.
     pub summary: Summary,
     /// Mutant by mutant.
-    pub verdicts: Vec<Verdict>,
+    pub verdicts: Vec<MutantVerdict>,
 }
 
 /// Mutants that are judged between two looks at the caller's wish to stop.
@@ -75,9 +109,8 @@ pub fn mutate(
     most: Option<usize>,
     progress: &Progress,
 ) -> Result<MutationReport, Error> {
-    let emitted = Emitted::read(folder).map_err(checker::ProveError::from)?;
-    let certificate =
-        Certificate::parse(&emitted.certificate).map_err(checker::ProveError::Certificate)?;
+    let emitted = Emitted::read(folder).map_err(ProveError::from)?;
+    let certificate = Certificate::parse(&emitted.certificate).map_err(ProveError::from)?;
     if let Some(notice) = notices(&emitted, &certificate).first() {
         return Err(Error::FailsUndamaged {
             folder: folder.to_path_buf(),
@@ -86,7 +119,7 @@ pub fn mutate(
     }
     let mutants: Vec<Mutant> = chosen(&emitted, most);
     let (count, done) = (mutants.len(), AtomicUsize::new(0));
-    let mut verdicts: Vec<Verdict> = Vec::with_capacity(count);
+    let mut verdicts: Vec<MutantVerdict> = Vec::with_capacity(count);
     let mut waiting = mutants.into_iter();
     loop {
         let some: Vec<Mutant> = waiting.by_ref().take(MUTANTS_AT_A_TIME).collect();

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::change::EffectChange;
 use crate::comparison::{
-    BenchNote, Compared, Comparison, ExperimentCurves, LoggedExperiment, correlation_of,
+    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, correlation_of,
     effect_names, notes, parameters_of, with_model,
 };
 use crate::error::Error;
@@ -190,7 +190,7 @@ impl Session {
     ///
     /// # Errors
     /// [`Error::Identify`] where no start leads to a finite simulation; [`Error::Cancelled`].
-    pub fn identify(&mut self, progress: &Progress) -> Result<Comparison, Error> {
+    pub fn identify(&mut self, progress: &Progress) -> Result<ComparisonReport, Error> {
         self.identify_as(&self.structure(), progress)
     }
 
@@ -198,11 +198,15 @@ impl Session {
     ///
     /// # Errors
     /// As for [`Session::identify`].
-    pub fn identify_base(&mut self, progress: &Progress) -> Result<Comparison, Error> {
+    pub fn identify_base(&mut self, progress: &Progress) -> Result<ComparisonReport, Error> {
         self.identify_as(&Model::base(), progress)
     }
 
-    fn identify_as(&mut self, model: &Model, progress: &Progress) -> Result<Comparison, Error> {
+    fn identify_as(
+        &mut self,
+        model: &Model,
+        progress: &Progress,
+    ) -> Result<ComparisonReport, Error> {
         let found = self.fit(model, progress)?;
         let comparison = self.comparison_of(&found);
         progress.check()?;
@@ -215,7 +219,7 @@ impl Session {
     ///
     /// # Errors
     /// [`Error::NoModel`]; a parameter that is missing or in another unit; [`Error::Cancelled`].
-    pub fn compare(&self, progress: &Progress) -> Result<Comparison, Error> {
+    pub fn compare(&self, progress: &Progress) -> Result<ComparisonReport, Error> {
         let file = self.required_model()?;
         let started = self.started(progress)?;
         let (model, minimum) = (&started.model, &started.minimum);
@@ -238,7 +242,7 @@ impl Session {
             traces: &traces,
             pushes: &pushes,
         };
-        Ok(Comparison::new(
+        Ok(ComparisonReport::new(
             &self.bench,
             &self.setup,
             self.model_path.clone(),
@@ -359,9 +363,9 @@ impl Session {
         Ok(found)
     }
 
-    pub(crate) fn comparison_of(&self, found: &Identification) -> Comparison {
+    pub(crate) fn comparison_of(&self, found: &Identification) -> ComparisonReport {
         let path = self.model_path.clone();
-        Comparison::of_identification(&self.bench, &self.setup, path, found)
+        ComparisonReport::of_identification(&self.bench, &self.setup, path, found)
     }
 
     /// Makes a fit the session's model.

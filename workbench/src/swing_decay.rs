@@ -4,6 +4,8 @@ use identify::{AtAmplitude, Decay, DecayLaw, Record, Trace};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::named;
+
 /// A free swing that is long enough to show its decay. What is measured comes from the samples
 /// alone, without any model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -13,8 +15,10 @@ pub struct SwingDecay {
     /// The laws for the amplitude that were fitted, the best first.
     pub laws: Vec<AmplitudeLaw>,
     /// Change of the small-swing period from the largest to the smallest amplitude, %.
+    #[serde(with = "named::gap")]
     pub period_drift_percent: f64,
     /// Its standard error.
+    #[serde(with = "named::gap")]
     pub period_drift_percent_std: f64,
     /// The measured curves over the amplitude.
     #[serde(skip)]

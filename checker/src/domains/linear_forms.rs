@@ -13,7 +13,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
 use crate::program::types::Integer;
 
@@ -205,7 +205,7 @@ impl Domain for LinearForms {
         _site: &Site<Option<Form>>,
         _condition: Slot,
         joins: &[Join],
-        _sides: [Side<Option<Form>>; 2],
+        _sides: [BranchEnd<Option<Form>>; 2],
     ) -> Result<Vec<Option<Form>>, Infallible> {
         Ok(vec![None; joins.len()])
     }

@@ -1,7 +1,7 @@
 //! One integer for each word: runs a function, with every overflow found.
 
-use crate::domains::walk::{ContractedCall, Domain, Side, Sides, Site, start, walk};
-use crate::program::place::Place;
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Sides, Site, start, walk};
+use crate::program::place::SourcePlace;
 use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
 use crate::program::types::Integer;
 
@@ -10,7 +10,7 @@ use crate::program::types::Integer;
 #[error("{place}: {message}")]
 pub struct Trap {
     /// Where.
-    pub place: Place,
+    pub place: SourcePlace,
     /// What happened.
     pub message: String,
 }
@@ -173,7 +173,7 @@ impl Domain for Integers {
         site: &Site<i128>,
         condition: Slot,
         _joins: &[Join],
-        [then, otherwise]: [Side<i128>; 2],
+        [then, otherwise]: [BranchEnd<i128>; 2],
     ) -> Result<Vec<i128>, Trap> {
         let taken = if *site.word(condition) != 0 {
             then

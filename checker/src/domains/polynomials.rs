@@ -13,7 +13,7 @@ use std::convert::Infallible;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::exact::rational::{integer, power_of_two};
 use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
 use crate::program::types::Integer;
@@ -347,7 +347,7 @@ impl Domain for Polynomials {
         _site: &Site<Polynomial>,
         _condition: Slot,
         joins: &[Join],
-        _sides: [Side<Polynomial>; 2],
+        _sides: [BranchEnd<Polynomial>; 2],
     ) -> Result<Vec<Polynomial>, Infallible> {
         self.joins.push(joins.to_vec());
         let joined = joins.iter().map(|join| Polynomial::symbol(join.to));

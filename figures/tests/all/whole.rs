@@ -86,20 +86,3 @@ fn bars_are_as_long_as_their_probability() {
     assert!((widths[0] / widths[1] - 4.0).abs() < 0.01, "{widths:?}");
     assert_eq!(widths[2], 0.0);
 }
-
-#[test]
-fn writing_replaces_a_file_as_a_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("deep/figure.svg");
-    write_svg(&path, "<svg>old</svg>").unwrap();
-    write_svg(&path, "<svg>new</svg>").unwrap();
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), "<svg>new</svg>");
-    // Nothing else is left behind.
-    assert_eq!(
-        std::fs::read_dir(path.parent().unwrap()).unwrap().count(),
-        1
-    );
-    // A folder stands where the file should go: the message names it.
-    let error = write_svg(folder.path(), "x").unwrap_err();
-    assert!(error.to_string().contains(folder.path().to_str().unwrap()));
-}

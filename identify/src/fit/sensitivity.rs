@@ -73,21 +73,6 @@ pub struct Observation<'a> {
     pub sensitivity: &'a [f64],
 }
 
-macro_rules! with_lanes {
-    ($count:expr, $function:ident, $($argument:expr),*) => {
-        match $count {
-            0..=4 => $function::<4>($($argument),*),
-            5..=6 => $function::<6>($($argument),*),
-            7..=8 => $function::<8>($($argument),*),
-            9..=10 => $function::<10>($($argument),*),
-            11..=12 => $function::<12>($($argument),*),
-            13..=16 => $function::<16>($($argument),*),
-            17..=MAX_UNKNOWNS => $function::<MAX_UNKNOWNS>($($argument),*),
-            _ => normal_wide($($argument),*),
-        }
-    };
-}
-
 /// The most unknowns, globals and locals together, that one simulation of a window carries.
 pub const MAX_UNKNOWNS: usize = 24;
 
@@ -167,17 +152,16 @@ pub fn normal_observed(
             locals: lanes.locals,
         };
     }
-    with_lanes!(
-        lanes.count(),
-        normal_lanes,
-        record,
-        window,
-        model,
-        values,
-        unknowns,
-        lanes,
-        each
-    )
+    // The integrator is compiled for each of these numbers of lanes, and lanes that nobody needs cost their share of a
+    // simulation: few numbers, close together where most fits are.
+    let solve = match lanes.count() {
+        0..=4 => normal_lanes::<4>,
+        5..=8 => normal_lanes::<8>,
+        9..=12 => normal_lanes::<12>,
+        13..=MAX_UNKNOWNS => normal_lanes::<MAX_UNKNOWNS>,
+        _ => normal_wide,
+    };
+    solve(record, window, model, values, unknowns, lanes, each)
 }
 
 /// What a simulation with `N` lanes says of every measurement that counts at one sample: channel, residual,

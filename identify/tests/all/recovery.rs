@@ -164,11 +164,9 @@ fn dry_friction_of_the_wheel_comes_back_from_a_balance_log_alone() {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn dry_friction_of_the_reference_wheel_comes_back_from_its_balance_log_alone() {
-    let Some(folder) = data("hidden/d-dry-wheel") else {
-        return;
-    };
-    let mut bench = bench_files::Bench::load(&folder).expect("a bench");
+    let mut bench = bench_files::Bench::load(&data("hidden/d-dry-wheel")).expect("a bench");
     bench
         .experiments
         .retain(|experiment| experiment.kind == Kind::Balance);

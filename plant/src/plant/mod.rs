@@ -140,7 +140,9 @@ impl<S: Scalar> Plant<S> {
                 if term.is_ripple && !with_ripple {
                     continue;
                 }
-                let torque = term.effect.torque(self.p(term), at, &structure.smoothing);
+                let torque = term
+                    .effect
+                    .torque_on_wheel(self.p(term), at, &structure.smoothing);
                 wheel_torque = wheel_torque - torque;
             }
         }
@@ -150,7 +152,9 @@ impl<S: Scalar> Plant<S> {
         let mut body_torque = -(self.gravity_torque * at.angle_rad.sin()) + push;
         at.memory = memory;
         for term in &structure.body {
-            let torque = term.effect.torque(self.p(term), at, &structure.smoothing);
+            let torque = term
+                .effect
+                .torque_on_body(self.p(term), at, &structure.smoothing);
             body_torque = body_torque - torque;
         }
         if structure.kind == Kind::FreeSwing {

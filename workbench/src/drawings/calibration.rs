@@ -1,10 +1,10 @@
 //! The magnetometer's samples before and after its calibration.
 
-use crate::calibration::CalibrationReport;
+use crate::calibration::SensorCalibrationReport;
 use crate::numbers::significant;
 use crate::output_file::OutputFile;
 
-impl CalibrationReport {
+impl SensorCalibrationReport {
     /// The samples on the sphere, where a magnetometer was recorded.
     pub fn drawings(&self) -> Vec<OutputFile> {
         let figures = self.magnetometer_points.iter().map(|points| {

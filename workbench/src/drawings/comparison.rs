@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use identify::{Breakdown, Coordinate, Output, Quantity};
 
-use crate::comparison::{Comparison, ExperimentCurves, FailurePlace};
+use crate::comparison::{ComparisonReport, ExperimentCurves, FailurePlace};
 use crate::error::Error;
 use crate::named::Named;
 use crate::numbers::{significant, with_prefix};
@@ -14,7 +14,7 @@ use crate::words::spoken;
 /// Most figures of broken-down residuals that are drawn.
 const MOST_BREAKDOWNS: usize = 4;
 
-impl Comparison {
+impl ComparisonReport {
     /// Every experiment, overlay and residual on one time axis, and the residuals in which the model
     /// fails most plainly over every coordinate.
     ///

@@ -3,7 +3,9 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use workbench::{Comparison, DesignReport, DiagnosisReport, ExperimentCurves, SimulationSettings};
+use workbench::{
+    ComparisonReport, DesignReport, DiagnosisReport, ExperimentCurves, SimulationSettings,
+};
 
 use crate::bench::{session, silent};
 
@@ -45,7 +47,7 @@ fn assert_keys(json: &Value, keys: &[&str]) {
 fn results_come_back() {
     let mut session = session();
     let fitted = session.identify(&silent()).expect("a fit");
-    let (json, back) = there_and_back::<Comparison>(&fitted);
+    let (json, back) = there_and_back::<ComparisonReport>(&fitted);
     assert_keys(&json, &["parameters", "rmse", "fit_percent", "where"]);
     assert!(json["rmse"]["swing/angle"].is_number(), "{json}");
     assert_eq!(back.places.len(), fitted.places.len());

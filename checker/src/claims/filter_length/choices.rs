@@ -1,7 +1,7 @@
 //! That `clamp` gives the nearest value between two ends, for all words.
 
 use crate::domains::machine::Machine;
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::language::module::Module;
 use crate::program::steps::{Arithmetic, Comparison, Join, Slot};
 use crate::program::types::Integer;
@@ -133,7 +133,7 @@ impl Domain for Choices {
         _site: &Site<Choice>,
         _condition: Slot,
         _joins: &[Join],
-        [then, otherwise]: [Side<Choice>; 2],
+        [then, otherwise]: [BranchEnd<Choice>; 2],
     ) -> Result<Vec<Choice>, MoreThanChoices> {
         let both = then.words.iter().zip(&otherwise.words);
         both.map(|sides| match sides {

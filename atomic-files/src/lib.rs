@@ -1,0 +1,124 @@
+//! Writing files so that a reader never sees half of one: each goes into a new file beside its place,
+//! which is then renamed over it. An interrupted write leaves the old file as it was. A symbolic link
+//! is followed, an old file's permissions are kept.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// Writes `content` to `path`, whose folder must be there.
+///
+/// # Errors
+/// What the system said; then everything is as it was.
+pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
+    staged(path, content)?.place()
+}
+
+/// Writes several files; missing folders are made. Nothing is renamed before all are on the disk, so
+/// that a missing permission or a full disk leaves every old file as it was.
+///
+/// # Errors
+/// The file or folder, and what the system said about it.
+pub fn write_all<'a>(
+    files: impl IntoIterator<Item = (&'a Path, &'a [u8])>,
+) -> Result<(), (PathBuf, io::Error)> {
+    let mut all = Vec::new();
+    for (path, content) in files {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(|error| (folder.to_path_buf(), error))?;
+        }
+        let staged = staged(path, content).map_err(|error| (path.to_path_buf(), error))?;
+        all.push((path, staged));
+    }
+    for (path, staged) in all {
+        staged
+            .place()
+            .map_err(|error| (path.to_path_buf(), error))?;
+    }
+    Ok(())
+}
+
+/// A file that is on the disk, but not yet in its place. Dropped, it is removed.
+struct Staged {
+    file: NamedTempFile,
+    target: PathBuf,
+}
+
+impl Staged {
+    fn place(self) -> io::Result<()> {
+        self.file.persist(&self.target)?;
+        Ok(())
+    }
+}
+
+fn staged(path: &Path, content: &[u8]) -> io::Result<Staged> {
+    // Renaming over a link would replace the link, not what it points at.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let folder = match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".flywheel-").suffix(".tmp");
+    // Temporary files are private by default; this one becomes an ordinary file.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let permissions = match fs::metadata(&target) {
+            Ok(old) => old.permissions(),
+            Err(_) => fs::Permissions::from_mode(0o666),
+        };
+        builder.permissions(permissions);
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    Ok(Staged { file, target })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_written_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let list = || fs::read_dir(folder.path()).expect("a list").count();
+        write(&path("a"), b"one").expect("written");
+        write(&path("a"), b"two").expect("written again");
+        assert_eq!(fs::read(path("a")).expect("there"), b"two");
+        assert_eq!(list(), 1, "nothing temporary is left");
+        assert!(write(folder.path(), b"x").is_err(), "a folder is no file");
+
+        // The second has a file where its folder should be: the first stays as it was.
+        let (a, under_a) = (path("a"), path("a/b"));
+        let files: [(&Path, &[u8]); 2] = [(&a, b"three"), (&under_a, b"four")];
+        let (place, _) = write_all(files).expect_err("a is no folder");
+        assert_eq!(place, a);
+        assert_eq!(fs::read(&a).expect("there"), b"two");
+        assert_eq!(list(), 1, "nothing temporary is left");
+
+        let deep = path("new/folder/c");
+        write_all([(deep.as_path(), &b"five"[..])]).expect("folders are made");
+        assert_eq!(fs::read(deep).expect("there"), b"five");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_stay() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().expect("a folder");
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&file, "old").expect("written");
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).expect("set");
+        symlink(&file, &link).expect("a link");
+        write(&link, b"new").expect("written");
+        assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+        assert_eq!(fs::read(&file).expect("there"), b"new");
+        let mode = fs::metadata(&file).expect("there").permissions().mode();
+        assert_eq!(mode & 0o777, 0o640);
+    }
+}
