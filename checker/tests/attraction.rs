@@ -22,7 +22,7 @@ fn read() -> (Certificate, EmittedLaw) {
 fn region(
     certificate: &Certificate,
     law: &EmittedLaw,
-) -> Result<region_of_attraction::AttractionRegion, String> {
+) -> Result<region_of_attraction::ProvedRegion, String> {
     let stated = certificate.closed_loop.as_ref().unwrap();
     let bounds = closed_loop_for_all_time::check(certificate, stated, law).unwrap();
     region_of_attraction::check(certificate, stated, &bounds, law)

@@ -39,7 +39,7 @@ const TERMS: i128 = 24;
 
 /// What is shown.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AttractionRegion {
+pub struct ProvedRegion {
     /// r₁: size of the region, E having 1.
     pub outer: BigRational,
     /// r₀: size of the set to which everything comes.
@@ -93,7 +93,7 @@ pub fn check(
     stated: &CertifiedLoop,
     bounds: &ClosedLoopBounds,
     law: &EmittedLaw,
-) -> Result<AttractionRegion, String> {
+) -> Result<ProvedRegion, String> {
     let parameter = |name: &str| {
         let found = certificate.parameters.iter().find(|p| p.name == name);
         found
@@ -139,7 +139,7 @@ pub fn check(
             .take_while(|inner| *inner < outer)
             .find(|inner| all.decreases(inner, inner) && all.decreases(inner, &outer));
         if let Some(inner) = inner {
-            return Ok(AttractionRegion {
+            return Ok(ProvedRegion {
                 extents: all.extents.map(|extent| extent * &outer),
                 outer,
                 inner,

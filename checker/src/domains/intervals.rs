@@ -6,7 +6,7 @@
 
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::program::place::SourcePlace;
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::{Integer, Type};
 
 /// All integers from `low` to `high`.
@@ -65,7 +65,7 @@ pub struct Finding {
 /// Where a truth value comes from.
 #[derive(Clone, Copy, Debug)]
 enum Truth {
-    Compared(Comparison, Slot, Slot),
+    Compared(WordComparison, Slot, Slot),
     Not(Slot),
     Both(Slot, Slot),
     Either(Slot, Slot),
@@ -172,7 +172,7 @@ impl Domain for Intervals {
         &mut self,
         site: &Site<IntegerInterval>,
         to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         (a, b): (Slot, Slot),
     ) -> Result<IntegerInterval, Finding> {
         self.truths[to] = Some(Truth::Compared(comparison, a, b));
@@ -336,11 +336,11 @@ impl Intervals {
                 true => true,
             },
             Some(Truth::Compared(comparison, a, b)) => match (comparison, value) {
-                (Comparison::Less, true) => self.below(words, a, b, 1),
-                (Comparison::Less, false) => self.below(words, b, a, 0),
-                (Comparison::LessEqual, true) => self.below(words, a, b, 0),
-                (Comparison::LessEqual, false) => self.below(words, b, a, 1),
-                (Comparison::Equal, true) | (Comparison::NotEqual, false) => {
+                (WordComparison::Less, true) => self.below(words, a, b, 1),
+                (WordComparison::Less, false) => self.below(words, b, a, 0),
+                (WordComparison::LessEqual, true) => self.below(words, a, b, 0),
+                (WordComparison::LessEqual, false) => self.below(words, b, a, 1),
+                (WordComparison::Equal, true) | (WordComparison::NotEqual, false) => {
                     self.below(words, a, b, 0) && self.below(words, b, a, 0)
                 }
                 _ => true,
@@ -360,14 +360,14 @@ impl Intervals {
     }
 }
 
-fn compared(comparison: Comparison, a: IntegerInterval, b: IntegerInterval) -> IntegerInterval {
+fn compared(comparison: WordComparison, a: IntegerInterval, b: IntegerInterval) -> IntegerInterval {
     let (never, always) = match comparison {
-        Comparison::Less => (a.low >= b.high, a.high < b.low),
-        Comparison::LessEqual => (a.low > b.high, a.high <= b.low),
-        Comparison::Equal | Comparison::NotEqual => {
+        WordComparison::Less => (a.low >= b.high, a.high < b.low),
+        WordComparison::LessEqual => (a.low > b.high, a.high <= b.low),
+        WordComparison::Equal | WordComparison::NotEqual => {
             let apart = a.high < b.low || b.high < a.low;
             let same = a.low == a.high && a == b;
-            if comparison == Comparison::Equal {
+            if comparison == WordComparison::Equal {
                 (apart, same)
             } else {
                 (same, apart)

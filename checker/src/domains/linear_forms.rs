@@ -14,7 +14,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Σ cᵢ Xᵢ + c + e, e within [low, high]; all in units of the word.
@@ -142,7 +142,7 @@ impl Domain for LinearForms {
         &mut self,
         _site: &Site<Option<Form>>,
         _to: Slot,
-        _comparison: Comparison,
+        _comparison: WordComparison,
         _operands: (Slot, Slot),
     ) -> Result<Option<Form>, Infallible> {
         Ok(None)

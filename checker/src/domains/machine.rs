@@ -2,7 +2,7 @@
 
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Sides, Site, start, walk};
 use crate::program::place::SourcePlace;
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// What stops a run: arithmetic that leaves its type, a cast that loses bits, an assertion.
@@ -107,15 +107,15 @@ impl Domain for Integers {
         &mut self,
         site: &Site<i128>,
         _to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         (a, b): (Slot, Slot),
     ) -> Result<i128, Trap> {
         let (a, b) = (site.word(a), site.word(b));
         Ok(i128::from(match comparison {
-            Comparison::Less => a < b,
-            Comparison::LessEqual => a <= b,
-            Comparison::Equal => a == b,
-            Comparison::NotEqual => a != b,
+            WordComparison::Less => a < b,
+            WordComparison::LessEqual => a <= b,
+            WordComparison::Equal => a == b,
+            WordComparison::NotEqual => a != b,
         }))
     }
 

@@ -15,7 +15,7 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::exact::rational::{integer, power_of_two};
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Symbols, sorted, each as often as its power.
@@ -284,7 +284,7 @@ impl Domain for Polynomials {
         &mut self,
         _site: &Site<Polynomial>,
         to: Slot,
-        _comparison: Comparison,
+        _comparison: WordComparison,
         _operands: (Slot, Slot),
     ) -> Result<Polynomial, Infallible> {
         Ok(Polynomial::symbol(to))

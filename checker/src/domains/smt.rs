@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use easy_smt::{Context, ContextBuilder, Response, SExpr};
 
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Milliseconds that a question about a claim may take.
@@ -247,16 +247,16 @@ impl Domain for Question {
         &mut self,
         site: &Site<SExpr>,
         _to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         (a, b): (Slot, Slot),
     ) -> Asked<SExpr> {
         let (x, y) = (*site.word(a), *site.word(b));
         let c = &self.context;
         let holds = match comparison {
-            Comparison::Less => c.lt(x, y),
-            Comparison::LessEqual => c.lte(x, y),
-            Comparison::Equal => c.eq(x, y),
-            Comparison::NotEqual => c.not(c.eq(x, y)),
+            WordComparison::Less => c.lt(x, y),
+            WordComparison::LessEqual => c.lte(x, y),
+            WordComparison::Equal => c.eq(x, y),
+            WordComparison::NotEqual => c.not(c.eq(x, y)),
         };
         self.truth(holds)
     }

@@ -10,7 +10,7 @@
 //! Every word is written once, so that neither side disturbs the other.
 
 use crate::program::place::SourcePlace;
-use crate::program::steps::{Action, Arithmetic, Comparison, Join, Program, ProgramStep, Slot};
+use crate::program::steps::{Action, Arithmetic, Join, Program, ProgramStep, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Where a walk stands: the step, and the words so far.
@@ -104,7 +104,7 @@ pub trait Domain {
         &mut self,
         site: &Site<Self::Word>,
         to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         operands: (Slot, Slot),
     ) -> Result<Self::Word, Self::Stop>;
 

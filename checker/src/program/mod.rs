@@ -8,5 +8,5 @@ pub mod types;
 
 pub use contract::{Contract, Range};
 pub use place::{SourceError, SourcePlace};
-pub use steps::{Action, Arithmetic, Comparison, Program, ProgramStep, Slot};
+pub use steps::{Action, Arithmetic, Program, ProgramStep, Slot, WordComparison};
 pub use types::{Integer, Type};

@@ -66,7 +66,7 @@ impl Arithmetic {
 
 /// Comparison of two integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Comparison {
+pub enum WordComparison {
     /// a < b
     Less,
     /// a ≤ b
@@ -116,7 +116,7 @@ pub enum Action {
         /// Result.
         to: Slot,
         /// Comparison.
-        comparison: Comparison,
+        comparison: WordComparison,
         /// First operand.
         a: Slot,
         /// Second operand.

@@ -74,7 +74,10 @@ pub struct Observation<'a> {
 }
 
 /// The most unknowns, globals and locals together, that one simulation of a window carries.
-pub const MAX_UNKNOWNS: usize = 24;
+const MAX_LANES: usize = 12;
+/// The unknowns, globals and locals together, that are worth taking together where many effects are scored at one
+/// point: two simulations of every window. A window may have more.
+pub const MAX_UNKNOWNS: usize = 2 * MAX_LANES;
 
 fn run_lanes<const N: usize>(
     record: &Record,
@@ -156,9 +159,9 @@ pub fn normal_observed(
     // simulation: few numbers, close together where most fits are.
     let solve = match lanes.count() {
         0..=4 => normal_lanes::<4>,
-        5..=8 => normal_lanes::<8>,
-        9..=12 => normal_lanes::<12>,
-        13..=MAX_UNKNOWNS => normal_lanes::<MAX_UNKNOWNS>,
+        5..=6 => normal_lanes::<6>,
+        7..=8 => normal_lanes::<8>,
+        9..=MAX_LANES => normal_lanes::<MAX_LANES>,
         _ => normal_wide,
     };
     solve(record, window, model, values, unknowns, lanes, each)
@@ -251,20 +254,15 @@ fn normal_wide(
     lanes: Lanes,
     each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
-    /// One observation, its sensitivities as far as they have come.
-    struct Row {
-        sample: usize,
-        channel: usize,
-        residual: f64,
-        sensitivity: Vec<f64>,
-    }
     let count = lanes.count();
-    let mut rows: Vec<Row> = vec![];
-    for first in (0..count).step_by(MAX_UNKNOWNS) {
-        let part = lanes.part(first, MAX_UNKNOWNS);
+    // Sample, channel and residual of every observation, and its sensitivities in rows of `count`.
+    let mut observed: Vec<(usize, usize, f64)> = vec![];
+    let mut sensitivities: Vec<f64> = vec![];
+    for first in (0..count).step_by(MAX_LANES) {
+        let part = lanes.part(first, MAX_LANES);
         let own = part.count();
         let mut at = 0;
-        run_lanes::<MAX_UNKNOWNS>(
+        run_lanes::<MAX_LANES>(
             record,
             window,
             model,
@@ -274,14 +272,11 @@ fn normal_wide(
             &mut |k, reading| {
                 observations(record, k, reading, |channel, residual, sensitivity| {
                     if first == 0 {
-                        rows.push(Row {
-                            sample: k,
-                            channel,
-                            residual,
-                            sensitivity: vec![],
-                        });
+                        observed.push((k, channel, residual));
+                        sensitivities.resize(count * observed.len(), 0.0);
                     }
-                    rows[at].sensitivity.extend(&sensitivity[..own]);
+                    let row = &mut sensitivities[count * at + first..];
+                    row[..own].copy_from_slice(&sensitivity[..own]);
                     at += 1;
                 });
             },
@@ -293,16 +288,21 @@ fn normal_wide(
         cost: 0.0,
         locals: lanes.locals.clone(),
     };
-    for row in &rows {
-        normal.cost += row.residual * row.residual;
-        let sensitivity = DVector::from_column_slice(&row.sensitivity);
-        normal.gradient.axpy(row.residual, &sensitivity, 1.0);
-        normal.hessian.ger(1.0, &sensitivity, &sensitivity, 1.0);
+    let rows = sensitivities.chunks_exact(count);
+    for (&(sample, channel, residual), sensitivity) in observed.iter().zip(rows) {
+        normal.cost += residual * residual;
+        for (row, &own) in sensitivity.iter().enumerate() {
+            normal.gradient[row] += own * residual;
+            let column = normal.hessian.column_mut(row);
+            for (entry, other) in column.into_iter().zip(sensitivity) {
+                *entry += own * other;
+            }
+        }
         each(Observation {
-            sample: row.sample,
-            channel: row.channel,
-            residual: row.residual,
-            sensitivity: &row.sensitivity,
+            sample,
+            channel,
+            residual,
+            sensitivity,
         });
     }
     with_priors(record, window, &lanes, normal)

@@ -185,14 +185,9 @@ impl<S: Scalar> Plant<S> {
     #[inline(always)]
     pub fn remember(&self, memory: S, displacement_rad: S) -> S {
         match &self.structure.memory {
-            Some(term) => self.remembered(term, memory, displacement_rad),
+            Some(term) => term.effect.remember(self.p(term), memory, displacement_rad),
             None => memory,
         }
-    }
-
-    #[inline(never)]
-    fn remembered(&self, term: &Term, memory: S, displacement_rad: S) -> S {
-        term.effect.remember(self.p(term), memory, displacement_rad)
     }
 
     /// The distance in rad over which the friction that remembers yields (its level over its stiffness), if

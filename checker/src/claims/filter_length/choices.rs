@@ -3,7 +3,7 @@
 use crate::domains::machine::Machine;
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::language::module::Module;
-use crate::program::steps::{Arithmetic, Comparison, Join, Slot};
+use crate::program::steps::{Arithmetic, Join, Slot, WordComparison};
 use crate::program::types::Integer;
 
 use crate::claims::filter_length::algebra::unless;
@@ -84,7 +84,7 @@ impl Domain for Choices {
         &mut self,
         site: &Site<Choice>,
         _to: Slot,
-        _comparison: Comparison,
+        _comparison: WordComparison,
         (a, b): (Slot, Slot),
     ) -> Chosen {
         match (site.word(a), site.word(b)) {

@@ -5,7 +5,7 @@ use syn::spanned::Spanned;
 
 use crate::language::declarations::{Named, Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
-use crate::program::steps::{Action, Arithmetic, Comparison, ProgramStep, Slot};
+use crate::program::steps::{Action, Arithmetic, ProgramStep, Slot, WordComparison};
 use crate::program::types::{Integer, Type};
 
 impl Builder<'_> {
@@ -247,7 +247,7 @@ impl Builder<'_> {
                 steps.push(ProgramStep {
                     action: Action::Compare {
                         to: test,
-                        comparison: Comparison::Less,
+                        comparison: WordComparison::Less,
                         a: receiver.slots[0],
                         b: zero.slots[0],
                     },

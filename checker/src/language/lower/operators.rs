@@ -4,7 +4,7 @@ use syn::spanned::Spanned;
 
 use crate::language::declarations::{Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
-use crate::program::steps::{Action, Arithmetic, Comparison, ProgramStep};
+use crate::program::steps::{Action, Arithmetic, ProgramStep, WordComparison};
 use crate::program::types::{Integer, Type};
 
 impl Builder<'_> {
@@ -157,12 +157,12 @@ impl Builder<'_> {
             return self.arithmetic(scope, span, operation, a, b, steps);
         }
         let (comparison, is_swapped) = match binary.op {
-            syn::BinOp::Lt(_) => (Comparison::Less, false),
-            syn::BinOp::Le(_) => (Comparison::LessEqual, false),
-            syn::BinOp::Gt(_) => (Comparison::Less, true),
-            syn::BinOp::Ge(_) => (Comparison::LessEqual, true),
-            syn::BinOp::Eq(_) => (Comparison::Equal, false),
-            syn::BinOp::Ne(_) => (Comparison::NotEqual, false),
+            syn::BinOp::Lt(_) => (WordComparison::Less, false),
+            syn::BinOp::Le(_) => (WordComparison::LessEqual, false),
+            syn::BinOp::Gt(_) => (WordComparison::Less, true),
+            syn::BinOp::Ge(_) => (WordComparison::LessEqual, true),
+            syn::BinOp::Eq(_) => (WordComparison::Equal, false),
+            syn::BinOp::Ne(_) => (WordComparison::NotEqual, false),
             _ => {
                 return refuse(
                     &scope.path,
