@@ -2,30 +2,25 @@
 
 use std::fmt;
 use std::io::IsTerminal;
+use std::ops::Range;
 use std::path::Path;
 
-use miette::{Diagnostic, GraphicalReportHandler};
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 /// Bad input, or a file that cannot be written.
-pub struct Failure(Box<dyn Diagnostic + Send + Sync>);
-
-/// A message that belongs to no line of a file.
-#[derive(Debug)]
-struct Message(String);
-
-impl fmt::Display for Message {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
+pub struct Failure {
+    message: String,
+    /// The text of a file and the bytes of it that the message is about.
+    excerpt: Option<(String, Range<usize>)>,
 }
-
-impl std::error::Error for Message {}
-impl Diagnostic for Message {}
 
 impl Failure {
     /// A failure with this message.
     pub fn new(message: impl Into<String>) -> Failure {
-        Failure(Box::new(Message(message.into())))
+        Failure {
+            message: message.into(),
+            excerpt: None,
+        }
     }
 
     /// A failure that concerns this file.
@@ -35,27 +30,35 @@ impl Failure {
 
     /// One message on standard error; on a terminal with the lines of the file that it is about.
     pub fn print(&self) {
-        if std::io::stderr().is_terminal() && self.0.source_code().is_some() {
-            let mut text = String::new();
-            let drawn = GraphicalReportHandler::new().render_report(&mut text, self.0.as_ref());
-            if drawn.is_ok() {
-                eprint!("{text}");
-                return;
+        match &self.excerpt {
+            Some((text, span)) if std::io::stderr().is_terminal() => {
+                anstream::eprintln!("{}", self.drawn(text, span.clone(), &Renderer::styled()));
             }
+            _ => eprintln!("error: {}", self.message),
         }
-        eprintln!("error: {}", self.0);
+    }
+
+    /// The message above the lines of the file, with a mark under what is wrong.
+    fn drawn(&self, text: &str, span: Range<usize>, renderer: &Renderer) -> String {
+        let mark = AnnotationKind::Primary.span(span).label("here");
+        let title = Level::ERROR.primary_title(&self.message);
+        renderer.render(&[title.element(Snippet::source(text).annotation(mark))])
     }
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        f.write_str(&self.message)
     }
 }
 
 impl From<bench_files::Error> for Failure {
     fn from(error: bench_files::Error) -> Failure {
-        Failure(Box::new(error))
+        let excerpt = error.excerpt();
+        Failure {
+            message: error.to_string(),
+            excerpt: excerpt.map(|(text, span)| (text.to_string(), span)),
+        }
     }
 }
 
@@ -75,5 +78,21 @@ impl From<workbench::Error> for Failure {
             Error::FailsUndamaged { .. } => Failure::new(format!("{error}; see flywheel prove")),
             other => Failure::new(other.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_about_a_text_marks_the_place_under_its_line() {
+        let text = "name = \"one\"\nkind = \"freeswing\"\n";
+        let failure = Failure::new("bench.toml:2:8: unknown kind");
+        let drawn = failure.drawn(text, 20..31, &Renderer::plain());
+        let lines: Vec<&str> = drawn.lines().collect();
+        assert_eq!(lines[0], "error: bench.toml:2:8: unknown kind");
+        assert!(lines.contains(&"2 | kind = \"freeswing\""), "{drawn}");
+        assert!(lines.contains(&"  |        ^^^^^^^^^^^ here"), "{drawn}");
     }
 }

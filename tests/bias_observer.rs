@@ -5,7 +5,7 @@ mod emitted;
 
 use checker::Module;
 use checker::certificate::Certificate;
-use checker::claims::control_law::ControlLaw;
+use checker::claims::control_law::EmittedLaw;
 use checker::claims::{bias_observer_stable, certificate_consistent, hardware_words};
 use checker::prove::Emitted;
 use serde_json::Value;
@@ -39,7 +39,7 @@ fn rejection(emitted: &Emitted, constants: &str, certificate: &Value) -> Option<
         Ok(certificate) => certificate,
         Err(error) => return Some(error.to_string()),
     };
-    let law = ControlLaw::read(&module).expect("a law");
+    let law = EmittedLaw::read(&module).expect("a law");
     certificate_consistent::check(&certificate, &module, &law, &files)
         .and_then(|()| hardware_words::check(&certificate, &module, &law))
         .and_then(|()| bias_observer_stable::check_loop(&certificate, &module, &law).map(drop))

@@ -39,7 +39,4 @@ pub use madgwick::{GRADIENT_MIN, HORIZONTAL_FIELD_MIN, Madgwick};
 pub use measurement::{GRAVITY_SHARE_MIN, is_saturated};
 pub use pivot_angle::{pivot_angle, pivot_angle_of_gravity, up_in_sensor, wrap_angle};
 pub use raw_filter::RawFilter;
-pub use spec::{AttitudeSpec, SensorLine};
-
-/// Standard gravity, m/s².
-pub const STANDARD_GRAVITY: f64 = 9.80665;
+pub use spec::{AttitudeSpec, STANDARD_GRAVITY, SensorLine};

@@ -6,7 +6,7 @@
 //! - an accelerometer vector shorter than g/8 (after the lever-arm correction) is not used:
 //!   near free fall its direction is that of bias and noise. The zero vector is a case of it;
 //! - a magnetometer vector shorter than the stated field is not used, nor one whose horizontal
-//!   part in the estimated frame is below [`crate::HORIZONTAL_FIELD_MIN`] of it;
+//!   part in the estimated frame is below [`crate::madgwick::HORIZONTAL_FIELD_MIN`] of it;
 //! - without a usable accelerometer the step is gyroscope integration alone; with it and
 //!   without a usable magnetometer it is the six-axis step;
 //! - a gyroscope at its limit is integrated as it stands: nothing better is known.

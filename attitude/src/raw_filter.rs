@@ -1,7 +1,11 @@
 //! From raw counts to the attitude: calibration, lever arm, rule for unusable measurements and
 //! Madgwick's step joined, as the emitted filter joins them.
 
-use crate::{AttitudeSpec, GRAVITY_SHARE_MIN, LeverArm, Madgwick, is_saturated, pivot_angle};
+use crate::lever_arm::LeverArm;
+use crate::madgwick::Madgwick;
+use crate::measurement::{GRAVITY_SHARE_MIN, is_saturated};
+use crate::pivot_angle::pivot_angle;
+use crate::spec::AttitudeSpec;
 use nalgebra::{Quaternion, Vector3};
 
 /// The reference filter on raw counts.

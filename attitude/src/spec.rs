@@ -2,6 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+/// Standard gravity, m/s².
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
 /// The line from raw counts of a three-axis sensor to SI units:
 /// value = `matrix` · (counts − `bias_counts`).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,10 +65,10 @@ impl AttitudeSpec {
             sample_time_s: 1e-3,
             beta_rad_s: 0.033,
             gyro: SensorLine::ideal(62.5e-3_f64.to_radians()),
-            accel: SensorLine::ideal(crate::STANDARD_GRAVITY / 4096.0),
+            accel: SensorLine::ideal(STANDARD_GRAVITY / 4096.0),
             mag: SensorLine::ideal(0.1),
             field_min_ut: 10.0,
-            gravity_m_s2: crate::STANDARD_GRAVITY,
+            gravity_m_s2: STANDARD_GRAVITY,
             mounting_angle_rad: 0.0,
             lever_arm_m: [0.0, 0.0],
         }

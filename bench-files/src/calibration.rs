@@ -37,8 +37,8 @@ use crate::csv_table;
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::known::Known;
-use crate::model_file::{number, set, table_in};
 use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_writing::{number, set, table_in};
 
 /// Raw readings of a three-axis sensor.
 #[derive(Clone, Debug, PartialEq)]

@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Names, Problem};
-use crate::model_file::{number, set, table_in};
 use crate::toml_source::{Located, Section};
+use crate::toml_writing::{number, set, table_in};
 
 /// By how much a matrix may miss its symmetry, its diagonal of ones and the sign of its eigenvalues:
 /// rounding of its computation, not of its digits.

@@ -5,8 +5,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-
 /// Where in the files an [`Error`] is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -526,8 +524,8 @@ pub(crate) fn shortened(text: &str) -> String {
     short
 }
 
-/// One thing that is wrong with one file. Its text is "place: problem"; as a [`Diagnostic`] it also
-/// shows the lines of a TOML file.
+/// One thing that is wrong with one file. Its text is "place: problem"; [`Error::excerpt`] has the text of
+/// a TOML file with the place in it.
 #[derive(Clone, Debug)]
 pub struct Error(Box<Inner>);
 
@@ -545,7 +543,7 @@ impl fmt::Display for Error {
 struct Inner {
     place: Place,
     problem: Problem,
-    snippet: Option<(Arc<NamedSource<String>>, Range<usize>)>,
+    excerpt: Option<(Arc<str>, Range<usize>)>,
 }
 
 impl Error {
@@ -557,6 +555,12 @@ impl Error {
     /// What it is.
     pub fn problem(&self) -> &Problem {
         &self.0.problem
+    }
+
+    /// The text of the file and the bytes of it that are wrong, for a display with the line (TOML files).
+    pub fn excerpt(&self) -> Option<(&str, Range<usize>)> {
+        let (text, span) = self.0.excerpt.as_ref()?;
+        Some((text, span.clone()))
     }
 
     /// A problem of a file as a whole.
@@ -577,7 +581,7 @@ impl Error {
         Error(Box::new(Inner {
             place,
             problem,
-            snippet: None,
+            excerpt: None,
         }))
     }
 
@@ -585,28 +589,13 @@ impl Error {
     pub(crate) fn in_text(
         place: Place,
         problem: Problem,
-        text: Arc<NamedSource<String>>,
+        text: Arc<str>,
         span: Range<usize>,
     ) -> Error {
         Error(Box::new(Inner {
             place,
             problem,
-            snippet: Some((text, span)),
+            excerpt: Some((text, span)),
         }))
-    }
-}
-
-impl Diagnostic for Error {
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.0
-            .snippet
-            .as_ref()
-            .map(|(text, _)| text.as_ref() as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let (_, span) = self.0.snippet.as_ref()?;
-        let label = LabeledSpan::new_with_span(Some("here".to_string()), span.clone());
-        Some(Box::new(std::iter::once(label)))
     }
 }

@@ -23,6 +23,7 @@ mod known;
 mod log;
 mod model_file;
 mod toml_source;
+mod toml_writing;
 mod write;
 
 pub use bench::{Bench, Controller, CurrentMeaning, Experiment};

@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 
 use plant::{BASE_PARAMETERS, EffectId, Model, ParameterInfo};
 use serde::{Deserialize, Serialize};
-use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{Array, DocumentMut, Value};
 
 use crate::calibration::Calibration;
 use crate::correlation::Correlation;
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::toml_source::{Section, TomlSource};
+use crate::toml_writing::{number, set, table_in};
 use crate::write::write_atomically;
 
 /// What a parameter's unit ends in where torques are known only per unit of inertia.
@@ -574,67 +575,4 @@ fn read_design(section: &Section) -> Result<DesignSection, Error> {
             .positive_number("bias_time_constant")?
             .map(|time| time.value),
     })
-}
-
-/// The table under a key, made where there is none. `header_only` tables hold nothing but other
-/// tables and get no line of their own.
-pub(crate) fn table_in<'a>(
-    parent: &'a mut dyn TableLike,
-    key: &str,
-    header_only: bool,
-) -> &'a mut dyn TableLike {
-    // What stands under these keys was read as a table, or there is nothing.
-    if !parent.get(key).is_some_and(Item::is_table_like) {
-        let mut table = Table::new();
-        table.set_implicit(header_only);
-        parent.insert(key, Item::Table(table));
-    }
-    parent
-        .get_mut(key)
-        .and_then(Item::as_table_like_mut)
-        .expect("a table was put there just now")
-}
-
-/// Sets a value, keeping the comment beside it; a value that says the same stays as it is written.
-pub(crate) fn set(table: &mut dyn TableLike, key: &str, value: Value) {
-    match table.get_mut(key).and_then(Item::as_value_mut) {
-        Some(old) if same(old, &value) => {}
-        Some(old) => {
-            let decor = old.decor().clone();
-            *old = value;
-            *old.decor_mut() = decor;
-        }
-        None => {
-            table.insert(key, Item::Value(value));
-        }
-    }
-}
-
-/// Whether two values say the same: equal numbers, texts, or lists of such.
-fn same(a: &Value, b: &Value) -> bool {
-    let as_number = |value: &Value| {
-        value
-            .as_float()
-            .or_else(|| value.as_integer().map(|i| i as f64))
-    };
-    match (a, b) {
-        (Value::Array(a), Value::Array(b)) => {
-            a.len() == b.len() && a.iter().zip(b.iter()).all(|(a, b)| same(a, b))
-        }
-        _ => match (as_number(a), as_number(b)) {
-            (Some(a), Some(b)) => a.to_bits() == b.to_bits(),
-            _ => a.as_str().is_some() && a.as_str() == b.as_str(),
-        },
-    }
-}
-
-/// A number as TOML, in the shortest form that reads back as the same number.
-pub(crate) fn number(value: f64) -> Value {
-    let text = if value == 0.0 || (1e-2..1e6).contains(&value.abs()) {
-        format!("{value:?}")
-    } else {
-        format!("{value:e}")
-    };
-    // `format!` of a finite float is always a TOML float; anything else falls back to the library.
-    text.parse().unwrap_or_else(|_| Value::from(value))
 }

@@ -5,7 +5,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use miette::NamedSource;
 use toml_edit::{Document, Item, Key, TableLike, Value};
 
 use crate::error::{Error, Names, Place, Problem, is_slip};
@@ -19,7 +18,7 @@ const MAX_TOML_BYTES: u64 = 4 << 20;
 #[derive(Clone, Debug)]
 pub(crate) struct TomlSource {
     path: PathBuf,
-    text: Arc<NamedSource<String>>,
+    text: Arc<str>,
 }
 
 /// A value and the bytes of the text where it stands.
@@ -49,7 +48,7 @@ impl TomlSource {
     pub fn new(path: &Path, text: String) -> TomlSource {
         TomlSource {
             path: path.to_path_buf(),
-            text: Arc::new(NamedSource::new(path.display().to_string(), text)),
+            text: text.into(),
         }
     }
 
@@ -60,8 +59,7 @@ impl TomlSource {
 
     /// The text without the byte order mark that some editors put in front.
     fn text(&self) -> &str {
-        let text = self.text.inner();
-        text.strip_prefix('\u{feff}').unwrap_or(text)
+        self.text.strip_prefix('\u{feff}').unwrap_or(&self.text)
     }
 
     /// Parses the text.
@@ -95,7 +93,7 @@ impl TomlSource {
             position: Some(before[line_start..].chars().count() + 1),
             column: None,
         };
-        let mark = self.text.inner().len() - text.len();
+        let mark = self.text.len() - text.len();
         let end = floor_char_boundary(text, span.end).max(start);
         Error::in_text(place, problem, self.text.clone(), start + mark..end + mark)
     }

@@ -1,7 +1,8 @@
 //! Gyroscope: bias at rest, noise, and the filter gain that follows from them.
 
+use crate::error::{CalibrationError, positive};
+use crate::sensor_calibration::SensorCalibration;
 use crate::still::{Still, still};
-use crate::{CalibrationError, SensorCalibration, error::positive};
 use attitude::{SensorLine, beta_from_gyro_noise};
 use nalgebra::{Matrix3, Vector3};
 

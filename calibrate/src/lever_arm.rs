@@ -17,8 +17,10 @@
 //! count as what they are, and from the standard errors of the accelerometer's calibration and of its
 //! mean at rest, each moved by itself.
 
+use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
-use crate::{CalibrationError, Mounting, SensorCalibration};
+use crate::mounting::Mounting;
+use crate::sensor_calibration::SensorCalibration;
 use attitude::{SensorLine, is_saturated};
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 

@@ -14,6 +14,7 @@ mod line_fit;
 mod magnetometer;
 mod mounting;
 mod plumb_lines;
+mod sensor_calibration;
 mod specification;
 mod sphere_fit;
 mod still;
@@ -28,20 +29,8 @@ pub use magnetometer::{
 };
 pub use mounting::{Mounting, alignment, mounting};
 pub use plumb_lines::{CentreOfMass, PlumbLine, centre_of_mass};
+pub use sensor_calibration::SensorCalibration;
 pub use specification::{Calibrated, attitude_spec};
 pub use sphere_fit::{Shape, SphereFit, fit_sphere};
 pub use still::{Still, still};
 pub use still_poses::{AccelerometerCalibration, accelerometer};
-
-use nalgebra::{Matrix3, Vector3};
-
-/// A three-axis sensor's line with its standard errors.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SensorCalibration {
-    /// Bias (counts) and matrix (SI per count).
-    pub line: attitude::SensorLine,
-    /// Standard errors of the bias, counts.
-    pub bias_std: Vector3<f64>,
-    /// Standard errors of the matrix, SI per count; zero for entries that are not identified.
-    pub matrix_std: Matrix3<f64>,
-}

@@ -1,6 +1,6 @@
 //! Straight lines: the converter's wheel speed over its counts, the drive's duty over current.
 
-use crate::CalibrationError;
+use crate::error::CalibrationError;
 use crate::error::at_least;
 
 /// y = `slope` x + `offset` by least squares.

@@ -1,7 +1,8 @@
 //! Magnetometer: hard iron (bias) and soft iron (matrix) from readings all round.
 
+use crate::error::{CalibrationError, positive};
+use crate::sensor_calibration::SensorCalibration;
 use crate::sphere_fit::{Shape, fit_sphere};
-use crate::{CalibrationError, SensorCalibration, error::positive};
 use attitude::SensorLine;
 use nalgebra::{Matrix3, Vector3};
 

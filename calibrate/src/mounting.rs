@@ -7,7 +7,8 @@
 //! Hanging at rest (α = 0, θ = −π) the mounting angle is m = atan2(−v_y, v_x) − θ, with v the
 //! accelerometer's mean after the axis has been turned onto z.
 
-use crate::{CalibrationError, SensorCalibration, error::at_least};
+use crate::error::{CalibrationError, at_least};
+use crate::sensor_calibration::SensorCalibration;
 use attitude::{SensorLine, pivot_angle_of_gravity, wrap_angle};
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 

@@ -10,7 +10,7 @@
 //! standard deviation there is σ √((1 − s)² + s²). A centre far beyond the marks is therefore
 //! badly determined, and so is one from nearly parallel lines.
 
-use crate::CalibrationError;
+use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
 use nalgebra::{Matrix2, Vector2};
 

@@ -1,6 +1,7 @@
 //! From calibrations to what the attitude filter needs.
 
-use crate::{Mounting, SensorCalibration};
+use crate::mounting::Mounting;
+use crate::sensor_calibration::SensorCalibration;
 use attitude::{AttitudeSpec, SensorLine};
 
 /// What has been calibrated; what has not keeps the value of the base.

@@ -8,7 +8,7 @@
 //! Start: the quadric through the points by linear least squares (m scaled to order one). Then
 //! Gauss–Newton on the geometric residuals |S (m − b)|/R − 1 in the noise's own unit.
 
-use crate::CalibrationError;
+use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 

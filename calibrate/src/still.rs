@@ -1,6 +1,6 @@
 //! Mean and its standard error of a sensor at rest.
 
-use crate::CalibrationError;
+use crate::error::CalibrationError;
 use crate::error::at_least;
 use nalgebra::Vector3;
 

@@ -4,10 +4,11 @@
 //! lengths alone and no pose needs to be aligned. Six poses determine bias and three scales;
 //! cross-axis terms need nine poses that differ enough.
 
+use crate::error::CalibrationError;
 use crate::error::positive;
+use crate::sensor_calibration::SensorCalibration;
 use crate::sphere_fit::{CONDITION_MAX, Shape, SphereFit, fit_sphere};
 use crate::still::{Still, still};
-use crate::{CalibrationError, SensorCalibration};
 use attitude::SensorLine;
 use nalgebra::Vector3;
 

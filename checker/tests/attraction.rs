@@ -4,25 +4,25 @@ use std::path::Path;
 
 use checker::Module;
 use checker::certificate::reader::Certificate;
-use checker::claims::control_law::ControlLaw;
+use checker::claims::control_law::EmittedLaw;
 use checker::claims::random::Random;
 use checker::claims::{closed_loop_for_all_time, region_of_attraction};
 use num_traits::ToPrimitive;
 
 type V = [f64; 3];
 
-fn read() -> (Certificate, ControlLaw) {
+fn read() -> (Certificate, EmittedLaw) {
     let folder = Path::new("../generated");
     let module = Module::read(folder).unwrap();
     let certificate = Certificate::read(folder).unwrap();
-    let law = ControlLaw::read(&module).unwrap();
+    let law = EmittedLaw::read(&module).unwrap();
     (certificate, law)
 }
 
 fn region(
     certificate: &Certificate,
-    law: &ControlLaw,
-) -> Result<region_of_attraction::Attraction, String> {
+    law: &EmittedLaw,
+) -> Result<region_of_attraction::ProvedRegion, String> {
     let stated = certificate.closed_loop.as_ref().unwrap();
     let bounds = closed_loop_for_all_time::check(certificate, stated, law).unwrap();
     region_of_attraction::check(certificate, stated, &bounds, law)

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use checker::certificate::reader::Certificate;
-use checker::claims::control_law::ControlLaw;
+use checker::claims::control_law::EmittedLaw;
 use checker::claims::{certificate_consistent, closed_loop_for_all_time, hardware_words};
 use checker::prove::{Emitted, settle};
-use checker::{Module, Outcome, Settings};
+use checker::{ClaimOutcome, Module, ProofSettings};
 use serde_json::Value;
 
-const SETTINGS: Settings = Settings {
+const SETTINGS: ProofSettings = ProofSettings {
     cases: 100,
     seed: 7,
     smt: false,
@@ -97,7 +97,7 @@ fn rejection(emitted: &Emitted, module: &Module, text: &str) -> Option<String> {
         Ok(certificate) => certificate,
         Err(error) => return Some(error.to_string()),
     };
-    let law = ControlLaw::read(module).unwrap();
+    let law = EmittedLaw::read(module).unwrap();
     let mut files: Vec<_> = module
         .texts()
         .iter()
@@ -114,7 +114,7 @@ fn rejection(emitted: &Emitted, module: &Module, text: &str) -> Option<String> {
     let results = settle(emitted, &certificate, &SETTINGS);
     results
         .iter()
-        .find(|result| matches!(result.outcome, Outcome::Failed(_)))
+        .find(|result| matches!(result.outcome, ClaimOutcome::Failed(_)))
         .map(|result| result.outcome.detail())
 }
 
@@ -162,7 +162,7 @@ fn without_a_closed_loop_its_claim_is_not_run() {
         .iter()
         .find(|result| result.id == "closed-loop-for-all-time")
         .unwrap();
-    assert!(matches!(row.outcome, Outcome::NotRun(_)), "{row:?}");
+    assert!(matches!(row.outcome, ClaimOutcome::NotRun(_)), "{row:?}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use checker::certificate::reader::Certificate;
 use checker::claims::closed_loop_for_all_time;
-use checker::claims::control_law::ControlLaw;
+use checker::claims::control_law::EmittedLaw;
 use checker::{Machine, Module};
 use num_traits::ToPrimitive;
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ type M = [V; 3];
 
 struct Bench {
     certificate: Certificate,
-    law: ControlLaw,
+    law: EmittedLaw,
     module: Module,
     /// Loop with real and with emitted gains.
     loops: [M; 2],
@@ -30,7 +30,7 @@ fn bench() -> Bench {
     let folder = Path::new("../generated");
     let module = Module::read(folder).unwrap();
     let certificate = Certificate::read(folder).unwrap();
-    let law = ControlLaw::read(&module).unwrap();
+    let law = EmittedLaw::read(&module).unwrap();
     let (exact, quantised) = closed_loop_for_all_time::loops(&certificate, &law);
     let stated = certificate.closed_loop.as_ref().unwrap();
     let number = |value: &num_rational::BigRational| value.to_f64().unwrap();

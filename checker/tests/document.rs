@@ -5,18 +5,18 @@ use std::path::Path;
 use checker::certificate::reader::Certificate;
 use checker::document::claims;
 use checker::prove::prove;
-use checker::{Module, Settings};
+use checker::{Module, ProofSettings};
 
 #[test]
 fn the_committed_file_is_current() {
     let folder = Path::new("../generated");
     // The engines of a claim are the same whether or not they are installed here.
-    let settings = Settings {
+    let settings = ProofSettings {
         cases: 20,
         smt: false,
         kani: false,
         closed_loop: false,
-        ..Settings::default()
+        ..ProofSettings::default()
     };
     let results = prove(folder, &settings).unwrap();
     let module = Module::read(folder).unwrap();

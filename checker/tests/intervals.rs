@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use checker::domains::intervals::{Interval, every_bit_pattern, ranges};
+use checker::domains::intervals::{IntegerInterval, every_bit_pattern, ranges};
 use checker::program::steps::Program;
 use checker::{Machine, Module};
 use proptest::prelude::*;
@@ -10,7 +10,7 @@ use proptest::test_runner::TestRng;
 use rand_core::Rng;
 
 /// Whether the analysis of a box holds at points of the box.
-fn holds(program: &Program, domain: &[Interval], rng: &mut TestRng, points: usize) {
+fn holds(program: &Program, domain: &[IntegerInterval], rng: &mut TestRng, points: usize) {
     let Ok(found) = ranges(program, domain) else {
         return;
     };
@@ -32,7 +32,7 @@ fn holds(program: &Program, domain: &[Interval], rng: &mut TestRng, points: usiz
             .unwrap_or_else(|trap| panic!("{}: {trap} for {arguments:?}", program.name));
         for (result, interval) in results.iter().zip(&found) {
             assert!(
-                Interval::point(*result).is_within(*interval),
+                IntegerInterval::point(*result).is_within(*interval),
                 "{}: {result} is not within {interval:?} for {arguments:?}",
                 program.name
             );
@@ -41,14 +41,14 @@ fn holds(program: &Program, domain: &[Interval], rng: &mut TestRng, points: usiz
 }
 
 /// A box around a random point, of random size.
-fn random_box(program: &Program, rng: &mut TestRng) -> Vec<Interval> {
+fn random_box(program: &Program, rng: &mut TestRng) -> Vec<IntegerInterval> {
     every_bit_pattern(program)
         .into_iter()
         .map(|whole| {
             let width = whole.high - whole.low;
             let size = width >> (rng.next_u64() % 40);
             let low = whole.low + i128::from(rng.next_u64()) % (width - size + 1);
-            Interval::new(low, low + size)
+            IntegerInterval::new(low, low + size)
         })
         .collect()
 }
@@ -69,6 +69,19 @@ proptest! {
             }
         }
     }
+}
+
+/// What a branch narrows is narrowed on its side alone: behind it the word has its whole range.
+#[test]
+fn behind_a_branch_the_words_are_whole_again() {
+    let text = "pub fn f(a: i16, b: i16) -> (i32, i32) {\n    let c = if a < b { if b < 5 { b } \
+                else { 5 } } else { a };\n    (a as i32 + b as i32, c as i32)\n}\n";
+    let module = Module::parse(&[("src/x.rs", text)]).unwrap();
+    let box_ = [IntegerInterval::new(-7, 9), IntegerInterval::new(2, 20)];
+    let found = ranges(module.function("f").unwrap(), &box_).unwrap();
+    // a + b of any a and b; c is b within [2, 4], 5, or a within [2, 9].
+    assert_eq!(found[0], IntegerInterval::new(-5, 29));
+    assert_eq!(found[1], IntegerInterval::new(2, 9));
 }
 
 /// Conditions in every combination, where narrowing decides; all points of small boxes.
@@ -97,15 +110,15 @@ fn of_conditions() {
             for low_b in -6..6 {
                 for size in 0..7 {
                     let domain = [
-                        Interval::new(low_a, low_a + size),
-                        Interval::new(low_b, low_b + size / 2),
+                        IntegerInterval::new(low_a, low_a + size),
+                        IntegerInterval::new(low_b, low_b + size / 2),
                     ];
                     let found = ranges(program, &domain).unwrap_or_else(|e| panic!("{body}: {e}"));
                     for a in domain[0].low..=domain[0].high {
                         for b in domain[1].low..=domain[1].high {
                             let result = machine.call(&[a, b]).unwrap()[0];
                             assert!(
-                                Interval::point(result).is_within(found[0]),
+                                IntegerInterval::point(result).is_within(found[0]),
                                 "{body}: {result} for {a}, {b} in {domain:?}: {found:?}"
                             );
                         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use checker::claims::filter_length::check::{Lengths, check};
+use checker::claims::filter_length::check::{SquaredNorms, check};
 use checker::claims::primitives;
 use checker::{Machine, Module};
 use num_rational::BigRational;
@@ -20,7 +20,7 @@ fn module(sources: &[(String, String)]) -> Module {
     Module::parse(&borrowed).unwrap()
 }
 
-fn lengths(module: &Module) -> Result<Lengths, String> {
+fn lengths(module: &Module) -> Result<SquaredNorms, String> {
     check(module, &primitives::proved(&primitives::primitives(module)))
 }
 
@@ -186,7 +186,7 @@ proptest! {
         ),
     ) {
         thread_local! {
-            static PROVED: (Module, Lengths) = {
+            static PROVED: (Module, SquaredNorms) = {
                 let module = module(&sources());
                 let lengths = lengths(&module).unwrap();
                 (module, lengths)

@@ -2,7 +2,7 @@
 
 use checker::certificate::reader::Certificate;
 use checker::prove::{Emitted, settle};
-use checker::{Machine, Module, Outcome, Settings};
+use checker::{ClaimOutcome, Machine, Module, ProofSettings};
 
 fn refused(body: &str) -> String {
     let text = format!("pub fn f(a: i32, b: i32) -> i32 {{\n    {body}\n}}\n");
@@ -240,16 +240,16 @@ fn files_that_would_be_built_along_are_refused() {
     assert_eq!(strays(), ["build.rs", "src/bin"]);
     let emitted = Emitted::read(folder.path()).unwrap();
     let certificate = Certificate::parse(&emitted.certificate).unwrap();
-    let settings = Settings {
+    let settings = ProofSettings {
         cases: 10,
         smt: false,
         kani: false,
         closed_loop: false,
         filter_length: false,
-        ..Settings::default()
+        ..ProofSettings::default()
     };
     let results = settle(&emitted, &certificate, &settings);
-    let Outcome::Failed(why) = &results[0].outcome else {
+    let ClaimOutcome::Failed(why) = &results[0].outcome else {
         panic!("{:?}", results[0]);
     };
     assert!(why.contains("build.rs"), "{why}");

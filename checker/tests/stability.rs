@@ -3,33 +3,33 @@
 use std::path::Path;
 
 use checker::Module;
-use checker::certificate::reader::{Certificate, Decimal};
+use checker::certificate::reader::{Certificate, StatedDecimal};
 use checker::claims::closed_loop_stable::check_stable;
-use checker::claims::control_law::ControlLaw;
+use checker::claims::control_law::EmittedLaw;
 use checker::claims::sampling::check_sampling;
 use checker::claims::stable_for_parameters::{RegionFailure, check_region};
 use checker::exact::rational::decimal;
 use num_traits::ToPrimitive;
 use proptest::prelude::*;
 
-fn read() -> (Certificate, ControlLaw) {
+fn read() -> (Certificate, EmittedLaw) {
     let folder = Path::new("../generated");
     let module = Module::read(folder).unwrap();
     (
         Certificate::read(folder).unwrap(),
-        ControlLaw::read(&module).unwrap(),
+        EmittedLaw::read(&module).unwrap(),
     )
 }
 
-fn number(text: &str) -> Decimal {
-    Decimal {
+fn number(text: &str) -> StatedDecimal {
+    StatedDecimal {
         text: text.to_owned(),
         value: decimal(text).unwrap(),
     }
 }
 
 /// Every parameter with a standard error of this share of its value.
-fn uncertain(share: f64) -> (Certificate, ControlLaw) {
+fn uncertain(share: f64) -> (Certificate, EmittedLaw) {
     let (mut certificate, law) = read();
     for parameter in &mut certificate.parameters {
         let std = parameter.value.value.to_f64().unwrap() * share;
@@ -40,7 +40,7 @@ fn uncertain(share: f64) -> (Certificate, ControlLaw) {
 
 /// Whether the sampled loop of the model with these parameters is stable, by Euler steps of a
 /// hundredth of the sample time and a large power of the loop's matrix.
-fn is_stable(law: &ControlLaw, parameters: [f64; 6], period: f64) -> bool {
+fn is_stable(law: &EmittedLaw, parameters: [f64; 6], period: f64) -> bool {
     let [theta, wheel, gravity, torque, friction, drag] = parameters;
     let d = theta - wheel;
     let derivative = |x: [f64; 3], u: f64| {
@@ -156,7 +156,7 @@ fn an_unstable_loop_is_found() {
     // Too little, too much and backward.
     for factor in ["0.3", "200", "-1"] {
         let factor = decimal(factor).unwrap();
-        let wrong = ControlLaw {
+        let wrong = EmittedLaw {
             gains: law.gains.clone().map(|gain| gain * &factor),
             ..law.clone()
         };

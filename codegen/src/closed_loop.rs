@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, RowVector3, Vector3};
 use num_traits::ToPrimitive;
 use serde::Serialize;
 
-use crate::exact::{Decimal, outward, parse};
-use crate::ir::ControlLaw;
+use crate::exact::{ShortestDecimal, outward, parse};
+use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
 /// Rounding up by this share covers what floating point may be off.
@@ -77,7 +77,7 @@ impl Loop {
 
 /// The certificate for `spec`, as JSON; `None` if no ellipsoid was found that the perturbations
 /// cannot leave.
-pub fn certify(spec: &ModuleSpec, law: &ControlLaw) -> Option<serde_json::Value> {
+pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value> {
     let sensor_steps = sensor_steps(spec);
     let unit = |bits: u32| 2f64.powi(-(bits as i32));
     let half_words = Vector3::from_fn(|i, _| 0.5 * unit(law.terms[i].input.format.fraction_bits));
@@ -226,7 +226,7 @@ fn stated(
             command: up(worst[3]),
         }
     };
-    let number = |value: f64| Decimal::new(value).text;
+    let number = |value: f64| ShortestDecimal::new(value).text;
     let certificate = Certificate {
         ellipsoid: [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(p[(i, j)]))),
         contraction: number(gamma),
@@ -283,6 +283,6 @@ fn worst_difference(
 
 /// A bound as text, rounded up.
 fn up(value: f64) -> String {
-    let text = Decimal::new(value * (1.0 + MARGIN)).text;
+    let text = ShortestDecimal::new(value * (1.0 + MARGIN)).text;
     parse(&text).map_or(text, |exact| outward(&exact, DIGITS))
 }

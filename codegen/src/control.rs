@@ -21,9 +21,9 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 
-use crate::exact::{Decimal, nearest, outward, power_of_two};
+use crate::exact::{ShortestDecimal, nearest, outward, power_of_two};
 use crate::format::Format;
-use crate::ir::{Bounds, ControlLaw, Gain, Input, Term};
+use crate::ir::{Gain, IntegerLaw, StateInput, StepBounds, Term};
 use crate::refusal::Refusal;
 use crate::spec::ModuleSpec;
 
@@ -80,7 +80,7 @@ const STATES: [State; 3] = [
 /// # Errors
 /// A [`Refusal`] where a range, a gain or the limit does not fit, or the error bound reaches one
 /// count of the drive.
-pub fn derive(spec: &ModuleSpec) -> Result<ControlLaw, Refusal> {
+pub fn derive(spec: &ModuleSpec) -> Result<IntegerLaw, Refusal> {
     let ranges = [
         spec.ranges.angle_rad,
         spec.ranges.rate_rad_s,
@@ -88,21 +88,23 @@ pub fn derive(spec: &ModuleSpec) -> Result<ControlLaw, Refusal> {
     ];
     let mut formats = [Format { fraction_bits: 0 }; 3];
     for ((format, range), state) in formats.iter_mut().zip(ranges).zip(&STATES) {
-        *format = Format::for_range(&Decimal::new(range).value).ok_or(Refusal::RangeTooLarge {
-            what: state.range_name,
-            range,
-        })?;
+        *format = Format::for_range(&ShortestDecimal::new(range).value).ok_or(
+            Refusal::RangeTooLarge {
+                what: state.range_name,
+                range,
+            },
+        )?;
     }
 
-    let drive_range = Decimal::new(spec.drive.current_range_a);
+    let drive_range = ShortestDecimal::new(spec.drive.current_range_a);
     let current = Format::for_range(&drive_range.value).ok_or(Refusal::RangeTooLarge {
         what: "current range of the drive",
         range: spec.drive.current_range_a,
     })?;
-    let limit = Decimal::new(spec.current_limit_a);
+    let limit = ShortestDecimal::new(spec.current_limit_a);
     let limit_raw = limit_word(spec, &limit, &drive_range, current)?;
 
-    let feedback = spec.gains.map(|gain| Decimal::new(gain).negated());
+    let feedback = spec.gains.map(|gain| ShortestDecimal::new(gain).negated());
     if feedback
         .iter()
         .all(|gain| gain.value == BigRational::default())
@@ -121,12 +123,12 @@ pub fn derive(spec: &ModuleSpec) -> Result<ControlLaw, Refusal> {
         let error = BigRational::from(BigInt::from(raw)) * power_of_two(-(fraction_bits as i32))
             - &real.value;
         let term = Term {
-            input: Input {
+            input: StateInput {
                 type_name: state.type_name,
                 argument: state.argument,
                 meaning: state.meaning,
                 unit: state.unit,
-                range: Decimal::new(ranges[index]),
+                range: ShortestDecimal::new(ranges[index]),
                 format,
             },
             gain: Gain {
@@ -152,7 +154,7 @@ pub fn derive(spec: &ModuleSpec) -> Result<ControlLaw, Refusal> {
         });
     }
 
-    Ok(ControlLaw {
+    Ok(IntegerLaw {
         terms,
         product_fraction_bits,
         shift: product_fraction_bits - current.fraction_bits,
@@ -165,8 +167,8 @@ pub fn derive(spec: &ModuleSpec) -> Result<ControlLaw, Refusal> {
 
 fn limit_word(
     spec: &ModuleSpec,
-    limit: &Decimal,
-    drive_range: &Decimal,
+    limit: &ShortestDecimal,
+    drive_range: &ShortestDecimal,
     current: Format,
 ) -> Result<i32, Refusal> {
     if limit.value > drive_range.value {
@@ -189,7 +191,7 @@ fn limit_word(
 
 /// The largest common binary point of the products with its gain words, if there is one.
 fn common_binary_point(
-    feedback: &[Decimal; 3],
+    feedback: &[ShortestDecimal; 3],
     states: &[Format; 3],
     current: Format,
 ) -> Option<(u32, [i32; 3])> {
@@ -211,7 +213,12 @@ fn common_binary_point(
     })
 }
 
-fn bounds(terms: &[Term; 3], current: Format, limit: &Decimal, limit_raw: i32) -> Bounds {
+fn bounds(
+    terms: &[Term; 3],
+    current: Format,
+    limit: &ShortestDecimal,
+    limit_raw: i32,
+) -> StepBounds {
     let half = BigRational::new(1.into(), 2.into());
     let rounding = current.unit() * &half;
     let mut unsaturated = rounding.clone();
@@ -222,7 +229,7 @@ fn bounds(terms: &[Term; 3], current: Format, limit: &Decimal, limit_raw: i32) -
     }
     let limit_error =
         (&limit.value - BigRational::from(BigInt::from(limit_raw)) * current.unit()).abs();
-    Bounds {
+    StepBounds {
         rounding,
         real_gains: unsaturated.max(limit_error),
         state_rounding,

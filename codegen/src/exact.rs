@@ -10,14 +10,14 @@ use num_traits::{One, Signed, Zero};
 
 /// A finite `f64` as the decimal number that it prints as.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Decimal {
+pub struct ShortestDecimal {
     /// Shortest decimal that reads back as the same `f64`.
     pub text: String,
     /// The value of `text`, exactly.
     pub value: BigRational,
 }
 
-impl Decimal {
+impl ShortestDecimal {
     /// The shortest decimal of `value`, which must be finite.
     pub fn new(value: f64) -> Self {
         debug_assert!(value.is_finite());
@@ -134,7 +134,7 @@ mod tests {
             (-0.0, "0", (0, 1)),
         ];
         for (value, text, (numerator, denominator)) in cases {
-            let decimal = Decimal::new(value);
+            let decimal = ShortestDecimal::new(value);
             assert_eq!(decimal.text, text);
             assert_eq!(
                 decimal.value,

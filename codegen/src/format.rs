@@ -44,7 +44,7 @@ impl Format {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::Decimal;
+    use crate::exact::ShortestDecimal;
 
     #[test]
     fn finest_format_that_holds_the_range() {
@@ -61,7 +61,7 @@ mod tests {
             (2147483648.0, None),
         ];
         for (range, fraction_bits) in cases {
-            let format = Format::for_range(&Decimal::new(range).value);
+            let format = Format::for_range(&ShortestDecimal::new(range).value);
             assert_eq!(format.map(|f| f.fraction_bits), fraction_bits, "{range}");
         }
     }

@@ -2,7 +2,7 @@
 
 use num_rational::BigRational;
 
-use crate::exact::Decimal;
+use crate::exact::ShortestDecimal;
 use crate::format::Format;
 
 /// The control law u = −K x in integers.
@@ -11,7 +11,7 @@ use crate::format::Format;
 /// `product_fraction_bits` bits after the point; their sum is exact in 64 bits, and
 /// (sum + 2^(shift−1)) >> shift rounds it once, halves upward, to the format of the command.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ControlLaw {
+pub struct IntegerLaw {
     /// One term for each state: angle, rate, wheel speed.
     pub terms: [Term; 3],
     /// Bits after the binary point of every product.
@@ -21,25 +21,25 @@ pub struct ControlLaw {
     /// Format of the command (A).
     pub current: Format,
     /// Stated current limit (A).
-    pub limit: Decimal,
+    pub limit: ShortestDecimal,
     /// The limit in units of `current`, rounded toward zero so that it is never exceeded.
     pub limit_raw: i32,
     /// Error bounds of one step.
-    pub bounds: Bounds,
+    pub bounds: StepBounds,
 }
 
 /// One state and its gain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
     /// The state.
-    pub input: Input,
+    pub input: StateInput,
     /// The gain that multiplies it.
     pub gain: Gain,
 }
 
 /// A state as an argument of the emitted function.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Input {
+pub struct StateInput {
     /// Name of the emitted type: `Angle`.
     pub type_name: &'static str,
     /// Name of the argument: `angle`.
@@ -49,7 +49,7 @@ pub struct Input {
     /// SI unit.
     pub unit: &'static str,
     /// Largest magnitude on the bench, in `unit`.
-    pub range: Decimal,
+    pub range: ShortestDecimal,
     /// Format of the word.
     pub format: Format,
 }
@@ -64,7 +64,7 @@ pub struct Gain {
     /// SI unit.
     pub unit: &'static str,
     /// −K, as designed.
-    pub real: Decimal,
+    pub real: ShortestDecimal,
     /// −K in units of 2^−`fraction_bits`.
     pub raw: i32,
     /// Bits after the binary point; may exceed 32 for small gains.
@@ -75,7 +75,7 @@ pub struct Gain {
 
 /// Error bounds of one step, exact, in A.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bounds {
+pub struct StepBounds {
     /// Against the saturated law with the quantised gains, for every bit pattern.
     pub rounding: BigRational,
     /// Against the saturated law with the real gains and limit, within the physical ranges.

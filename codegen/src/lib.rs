@@ -30,6 +30,7 @@ pub mod exact;
 pub mod file;
 pub mod format;
 pub mod hardware;
+pub mod hardware_words;
 pub mod helpers;
 pub mod ir;
 pub mod refusal;
@@ -51,7 +52,7 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
     spec.validate()?;
     let law = control::derive(spec)?;
     stability::require_stable(spec, &law)?;
-    let hardware = hardware::derive(spec, &law)?;
+    let hardware = hardware_words::derive(spec, &law)?;
 
     let mut files = vec![
         emit::cargo_toml::file(spec),

@@ -21,11 +21,11 @@ pub struct ModuleSpec {
     /// The physical ranges from which the formats follow.
     pub ranges: PhysicalRanges,
     /// The drive that receives the command.
-    pub drive: Drive,
+    pub drive: PwmDrive,
     /// The sensors that the states come from.
     pub hardware: HardwareSpec,
     /// Identified parameters of the model behind the gains.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<ModelParameter>,
     /// Diagonal of the state weight Q.
     pub state_weights: [f64; 3],
     /// Weight R of the current.
@@ -66,7 +66,7 @@ impl PhysicalRanges {
 
 /// A current drive fed by a 16-bit PWM whose duty is a straight line of the current.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
+pub struct PwmDrive {
     /// Current at the ends of the duty range (A).
     pub current_range_a: f64,
     /// Duty at zero current (counts).
@@ -75,7 +75,7 @@ pub struct Drive {
     pub duty_max: u16,
 }
 
-impl Drive {
+impl PwmDrive {
     /// ESCON 24/2 of the thesis: 10 % to 90 % duty for −2.2 A to 2.2 A.
     pub const THESIS_BENCH: Self = Self {
         current_range_a: 2.2,
@@ -91,7 +91,7 @@ impl Drive {
 
 /// One identified parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+pub struct ModelParameter {
     /// Name as in the model file, `total_inertia` for instance.
     pub name: String,
     /// Value in `unit`.

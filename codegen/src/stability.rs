@@ -8,8 +8,8 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed};
 
-use crate::exact::{Decimal, power_of_two};
-use crate::ir::ControlLaw;
+use crate::exact::{ShortestDecimal, power_of_two};
+use crate::ir::IntegerLaw;
 use crate::refusal::Refusal;
 use crate::spec::ModuleSpec;
 
@@ -19,13 +19,13 @@ type Matrix = [[BigRational; 3]; 3];
 ///
 /// # Errors
 /// [`Refusal::Unstable`].
-pub fn require_stable(spec: &ModuleSpec, law: &ControlLaw) -> Result<(), Refusal> {
+pub fn require_stable(spec: &ModuleSpec, law: &IntegerLaw) -> Result<(), Refusal> {
     // The gains of the terms are −K, so the loop is Ad + Bd N.
     let mut closed_loop: Matrix = spec
         .ad
-        .map(|row| row.map(|entry| Decimal::new(entry).value));
+        .map(|row| row.map(|entry| ShortestDecimal::new(entry).value));
     for (row, input) in closed_loop.iter_mut().zip(spec.bd) {
-        let input = Decimal::new(input).value;
+        let input = ShortestDecimal::new(input).value;
         for (entry, term) in row.iter_mut().zip(&law.terms) {
             let gain = BigRational::from(BigInt::from(term.gain.raw))
                 * power_of_two(-(term.gain.fraction_bits as i32));
@@ -80,7 +80,7 @@ mod tests {
             ([2.0, -2.0, 0.0], false),
         ];
         for (roots, stable) in cases {
-            let [r, s, t] = roots.map(|root| Decimal::new(root).value);
+            let [r, s, t] = roots.map(|root| ShortestDecimal::new(root).value);
             let polynomial = [
                 -(&r + &s + &t),
                 &r * &s + &r * &t + &s * &t,
@@ -94,10 +94,10 @@ mod tests {
         }
         // A complex pair ρ e^±iθ and a real root: z² − 2ρ cos θ z + ρ².
         for (magnitude, stable) in [(0.99, true), (1.0, false), (1.01, false)] {
-            let rho = Decimal::new(magnitude).value;
-            let two_cos = Decimal::new(1.2).value * &rho;
+            let rho = ShortestDecimal::new(magnitude).value;
+            let two_cos = ShortestDecimal::new(1.2).value * &rho;
             let square = &rho * &rho;
-            let t = Decimal::new(0.5).value;
+            let t = ShortestDecimal::new(0.5).value;
             let polynomial = [-(&two_cos + &t), &square + &two_cos * &t, -(&square * &t)];
             assert_eq!(roots_inside_unit_circle(&polynomial), stable, "{magnitude}");
         }
@@ -107,8 +107,8 @@ mod tests {
     fn characteristic_polynomial_of_a_companion_matrix() {
         // The companion matrix of z³ + 2 z² − 3 z + 5.
         let m = [[0.0, 0.0, -5.0], [1.0, 0.0, 3.0], [0.0, 1.0, -2.0]]
-            .map(|row| row.map(|entry| Decimal::new(entry).value));
-        let expected = [2.0, -3.0, 5.0].map(|entry| Decimal::new(entry).value);
+            .map(|row| row.map(|entry| ShortestDecimal::new(entry).value));
+        let expected = [2.0, -3.0, 5.0].map(|entry| ShortestDecimal::new(entry).value);
         assert_eq!(characteristic_polynomial(&m), expected);
     }
 }

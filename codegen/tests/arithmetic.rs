@@ -4,7 +4,7 @@
 
 mod thesis;
 
-use codegen::spec::{Drive, ModuleSpec, PhysicalRanges};
+use codegen::spec::{ModuleSpec, PhysicalRanges, PwmDrive};
 use codegen::{EmittedFile, Refusal, control, emit};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -174,7 +174,7 @@ prop_compose! {
                 rate_rad_s: ranges[1],
                 wheel_speed_rad_s: ranges[2],
             },
-            drive: Drive { current_range_a: drive, ..Drive::THESIS_BENCH },
+            drive: PwmDrive { current_range_a: drive, ..PwmDrive::THESIS_BENCH },
             current_limit_a: drive * limit_fraction,
             ..thesis::spec()
         }

@@ -447,15 +447,10 @@ fn ten_minutes_at_the_rate_limit() {
 
 /// A recording at 1 kHz from outside the project, where it is at hand.
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn recording_at_one_kilohertz() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/data/real/imu_icm42688_1khz.txt"
-    );
-    let Ok(text) = std::fs::read_to_string(path) else {
-        eprintln!("skipped: {path} is not here");
-        return;
-    };
+    let path = concat!(env!("FLYWHEEL_RECORDINGS"), "/real/imu_icm42688_1khz.txt");
+    let text = std::fs::read_to_string(path).expect(path);
     let spec = AttitudeSpec::thesis();
     let samples = text.lines().skip(1).map(|line| {
         let value: Vec<f64> = line

@@ -3,7 +3,8 @@
 mod thesis;
 
 use codegen::control;
-use codegen::hardware::{BiasObserverSpec, HardwareSpec, derive};
+use codegen::hardware::{BiasObserverSpec, HardwareSpec};
+use codegen::hardware_words::derive;
 use codegen::helpers::bias_observer::{advanced, estimated_bias, waiting};
 use codegen::helpers::line::on_line;
 use codegen::spec::ModuleSpec;

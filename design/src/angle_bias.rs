@@ -7,7 +7,7 @@
 //! (A − B K) x = B K₁ b   (continuous),   (I − Ad + Bd K) x = −Bd K₁ b   (sampled)
 //! ```
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::of_model;
 use crate::zero_order_hold::zero_order_hold;
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};

@@ -22,8 +22,8 @@
 //!
 //! ℓ is the direction that passes least sensor noise: with noise covariance R of y, ℓ ∝ R⁻¹c.
 
-use crate::DesignError;
 use crate::controller::LinearController;
+use crate::error::DesignError;
 use crate::matrix::{check_positive, of_model};
 use crate::zero_order_hold::zero_order_hold;
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};

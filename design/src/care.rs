@@ -10,7 +10,7 @@
 //! Appl. 85, 1987). The loop of the bench is sampled; this serves to compare with continuous
 //! designs.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::{check_finite, check_shape, smallest_scaled_eigenvalue, symmetric};
 use nalgebra::DMatrix;
 

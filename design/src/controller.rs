@@ -1,6 +1,6 @@
 //! Linear controllers and the loops that they close around the sampled plant.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::check_shape;
 use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};
 use nalgebra::{DMatrix, RowVector3};

@@ -18,7 +18,7 @@
 //! algebraic Riccati equations", Int. J. Control 77(8), 2004). Hₖ is the cost of 2ᵏ steps, so k
 //! doublings do the work of 2ᵏ steps of the fixed-point iteration.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::{check_finite, check_shape, smallest_scaled_eigenvalue, symmetric};
 use crate::poles::{eigenvalues, spectral_radius};
 use crate::sampled_cost::QuadraticCost;

@@ -3,6 +3,8 @@
 use crate::angle_bias::sampled_rest_per_angle_bias;
 use crate::bias_observer::BiasObserver;
 use crate::controller::LinearController;
+use crate::dare::DareSolution;
+use crate::error::DesignError;
 use crate::friction::{FrictionCheck, FrictionExtremes, friction_check};
 use crate::lqr::{DiscreteRegulator, Weights, discrete_regulator};
 use crate::margins::{Margins, margins};
@@ -11,7 +13,6 @@ use crate::poles::{Pole, poles};
 use crate::recovery::recovery_angle_rad;
 use crate::structural::{StructuralRank, controllability, observability};
 use crate::zero_order_hold::Discrete;
-use crate::{DareSolution, DesignError};
 use nalgebra::{Complex, DMatrix, RowVector3, Vector3};
 use plant::LinearModel;
 

@@ -12,8 +12,8 @@
 //! A. Gelb and W. Vander Velde, "Multiple-Input Describing Functions", 1968, table B.1), so the
 //! loop hunts at the V whose equivalent friction makes it marginal.
 
-use crate::DesignError;
 use crate::controller::LinearController;
+use crate::error::DesignError;
 use crate::margins::{Margins, margins};
 use crate::matrix::{check_positive, of_model};
 use crate::poles::eigenvalues;

@@ -1,11 +1,13 @@
 //! Linear quadratic regulators from a model, weights and a sample time.
 
+use crate::care::CareSolution;
 use crate::care::solve_care;
+use crate::dare::DareSolution;
 use crate::dare::solve_dare;
+use crate::error::DesignError;
 use crate::matrix::{check_finite, check_positive, of_model};
 use crate::sampled_cost::sampled_cost;
 use crate::zero_order_hold::{Discrete, zero_order_hold};
-use crate::{CareSolution, DareSolution, DesignError};
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};
 use plant::LinearModel;
 

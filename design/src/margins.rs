@@ -14,8 +14,8 @@
 //! exact condition 1 + L_δ(e^{jωT}) = 0 for δ and ω, with L_δ of the plant sampled with its delay
 //! ([`crate::zero_order_hold::zero_order_hold_delayed`]).
 
-use crate::DesignError;
 use crate::controller::{Delay, LinearController};
+use crate::error::DesignError;
 use crate::matrix::check_positive;
 use crate::poles::{eigenvalues, spectral_radius};
 use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};

@@ -1,6 +1,6 @@
 //! Small helpers on matrices that the standard algorithms here share.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 use plant::LinearModel;
 

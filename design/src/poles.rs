@@ -10,7 +10,7 @@
 //! depends on the units of the states, so it is taken in balanced coordinates (diagonal scaling by
 //! powers of two after Parlett and Reinsch, 1969): angles in degrees give the same number.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::check_finite;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector, Schur};

@@ -6,7 +6,7 @@
 //! must take up momentum, and it can take only j_w (φ̇_max − φ̇); [`crate::wheel_sizing`] computes
 //! what that allows.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::{check_positive, of_model};
 use plant::LinearModel;
 

@@ -12,7 +12,7 @@
 //! exp([[−Fᵀ, W], [0, F]] T) = [[·, Φ₁₂], [0, Φ₂₂]],   [[Qd, Nd], [Ndᵀ, Rd]] = Φ₂₂ᵀ Φ₁₂
 //! ```
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::{check_positive, check_shape, symmetric};
 use crate::zero_order_hold::exponential;
 use nalgebra::DMatrix;

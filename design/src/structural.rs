@@ -10,7 +10,7 @@
 //! above n·ε·σ₁. Beside it stands, for every mode, the relative distance to losing it
 //! σ_min([A − λI, B])/‖A‖ (Popov, Belevitch, Hautus), which says *which* mode is hard to reach.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::{check_finite, check_shape};
 use crate::poles::eigenvalues;
 use crate::singular_values::{singular_values, smallest_of_complex};

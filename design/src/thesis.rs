@@ -25,8 +25,8 @@ pub(crate) fn b() -> DMatrix<f64> {
 }
 
 /// The weights behind the thesis' gains.
-pub(crate) fn weights() -> crate::Weights {
-    crate::Weights::OF_THE_THESIS
+pub(crate) fn weights() -> crate::lqr::Weights {
+    crate::lqr::Weights::OF_THE_THESIS
 }
 
 /// Every entry within `relative` of its golden value, given by rows.

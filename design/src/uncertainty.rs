@@ -8,7 +8,7 @@
 //! Discrete poles are given as their continuous equivalents ln(λ)/T in 1/s, as only those can be
 //! compared with the bench.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::{check_finite, check_shape, of_model, symmetric};
 use crate::poles::{eigenvalues, matched, poles};
 use crate::zero_order_hold::zero_order_hold;

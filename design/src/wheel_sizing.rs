@@ -18,7 +18,7 @@
 //! hardware must at least be able to do. Figure 2.2 of the thesis shows energy over inertia and
 //! speed; [`chart`] gives that and the angle.
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::check_positive;
 
 /// What the sizing needs to know of a bench; SI units.

@@ -8,7 +8,7 @@
 //! exp([[A, B], [0, 0]] T) = [[Ad, Bd], [0, I]],   Bd = ∫₀ᵀ exp(A s) ds B
 //! ```
 
-use crate::DesignError;
+use crate::error::DesignError;
 use crate::matrix::{check_finite, check_positive, check_shape};
 use nalgebra::DMatrix;
 

@@ -32,7 +32,14 @@ fn takes_most(cut: &Setup, best: &Candidate, ripple: EffectId, thresholds: &Thre
     let windows = joined(&records, &values, &best.minimum.windows);
     let free = cut.free(&plain);
     let without = refit(&records, &plain, values, windows, &free, Effort::FULL);
-    let with = extend(cut, &records, &plain, &without, &plain.with(ripple));
+    let with = extend(
+        cut,
+        &records,
+        &plain,
+        &without,
+        &plain.with(ripple),
+        Effort::FULL,
+    );
     let observations: usize = records.iter().map(|record| record.observations()).sum();
     let missed = without.cost - observations as f64;
     let least = thresholds.least_gain.max(thresholds.cogging_share * missed);

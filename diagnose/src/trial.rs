@@ -167,7 +167,13 @@ fn fit_whole(
     let brings_much = point.cost - rough.cost > MUCH * point.cost;
     if minimum.cost > from.minimum.cost && brings_much && rough.cost <= goal.windows {
         bench.check()?;
-        let again = fit_from_scratch(records, &start.model, rough.values.clone(), &free);
+        let again = fit_from_scratch(
+            records,
+            &start.model,
+            rough.values.clone(),
+            &free,
+            Effort::FULL,
+        );
         if again.cost < minimum.cost {
             minimum = again;
         }

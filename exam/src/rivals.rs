@@ -71,7 +71,7 @@ pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answ
         .unwrap_or_else(|| base.clone());
     let observations: usize = records.iter().map(|record| record.observations()).sum();
     let minimum = if minimum.cost > BAD * observations as f64 {
-        let again = fit_from_scratch(&records, &model, values, &free);
+        let again = fit_from_scratch(&records, &model, values, &free, Effort::FULL);
         if again.cost < minimum.cost {
             again
         } else {

@@ -1,7 +1,7 @@
 //! Axes: ranges that cover the data, ticks at round numbers, labels with
 //! units, and the map from values to pixels.
 
-use crate::Quantity;
+use crate::annotation::Quantity;
 
 /// How an axis is spaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

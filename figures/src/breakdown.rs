@@ -1,6 +1,6 @@
 //! The residual over the coordinates in which physics speaks.
 
-use crate::Quantity;
+use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};

@@ -1,10 +1,10 @@
 //! What was true against what was answered.
 
+use crate::error::{FigureError, check_length};
 use crate::page::Page;
 use crate::style;
 use crate::svg::{Anchor, Path, Stroke, Text};
 use crate::text;
-use crate::{FigureError, check_length};
 
 /// A confusion matrix.
 #[derive(Debug, Clone, Copy, Default)]

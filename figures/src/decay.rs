@@ -1,11 +1,12 @@
 //! How a free swing dies out: decay rate, period, anything over amplitude.
 
+use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
+use crate::error::{FigureError, check_length};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
 use crate::svg::Stroke;
-use crate::{FigureError, Quantity, check_length};
 
 /// Panels over the amplitude.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,6 +1,6 @@
 //! One panel: a rectangle with two axes, and drawing in the units of the axes.
 
-use crate::Quantity;
+use crate::annotation::Quantity;
 use crate::axis::{Axis, Spacing};
 use crate::decimate;
 use crate::style::{self, Role};

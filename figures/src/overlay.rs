@@ -1,9 +1,10 @@
 //! Model over measurement with the residual below, for one experiment.
 
+use crate::annotation::{Marker, Quantity, Region};
+use crate::error::{FigureError, check_length};
 use crate::page::Page;
 use crate::stack::{self, Row, Stack, Trace};
 use crate::style::Role;
-use crate::{FigureError, Marker, Quantity, Region, check_length};
 use std::borrow::Cow;
 
 /// One experiment.

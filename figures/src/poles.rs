@@ -1,6 +1,6 @@
 //! Poles of the open and the closed loop with their uncertainty.
 
-use crate::Quantity;
+use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};

@@ -1,6 +1,6 @@
 //! Whether stated probabilities come true.
 
-use crate::Quantity;
+use crate::annotation::Quantity;
 use crate::axis::Axis;
 use crate::frame::Frame;
 use crate::page::{Key, Mark, Page};

@@ -1,9 +1,10 @@
 //! Any named lines in stacked panels on one axis.
 
+use crate::annotation::{Limit, Marker, Quantity, Region};
+use crate::error::{FigureError, check_length};
 use crate::page::Page;
 use crate::stack::{self, Row, Stack, Trace};
 use crate::style::Role;
-use crate::{FigureError, Limit, Marker, Quantity, Region, check_length};
 use std::borrow::Cow;
 
 /// Panels on one axis, from top to bottom.

@@ -1,7 +1,7 @@
 //! A vector sensor before and after calibration: after, its readings lie on a
 //! sphere around zero.
 
-use crate::Quantity;
+use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};

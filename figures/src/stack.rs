@@ -1,13 +1,13 @@
 //! Panels on top of each other that share one horizontal axis: the layout
 //! behind overlays and generic series.
 
+use crate::annotation::{Limit, Marker, Quantity, Region};
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
 use crate::svg::{Anchor, Stroke, Text};
 use crate::text;
-use crate::{Limit, Marker, Quantity, Region};
 use std::borrow::Cow;
 
 /// One named line.

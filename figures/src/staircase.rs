@@ -1,12 +1,13 @@
 //! The error of each experiment after each effect that was added.
 
+use crate::annotation::Quantity;
 use crate::axis::{Axis, extent, three_digits};
+use crate::error::{FigureError, check_length};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, Role};
 use crate::svg::{Anchor, Stroke, Text};
 use crate::text;
-use crate::{FigureError, Quantity, check_length};
 
 /// Errors over the steps of a diagnosis.
 #[derive(Debug, Clone, Copy, Default)]

@@ -21,13 +21,14 @@ pub fn carry_over(from: &Model, values: &[f64], model: &Model, start: &[f64]) ->
 }
 
 /// Fits `model` from a minimum of the smaller model `from`, trying every stated start of the
-/// effects that are new, and keeps the best.
+/// effects that are new, and keeps the best. `effort` is that of the last fit.
 pub fn extend(
     setup: &Setup,
     records: &[&Record],
     from: &Model,
     minimum: &Minimum,
     model: &Model,
+    effort: Effort,
 ) -> Minimum {
     let free = setup.free(model);
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
@@ -62,32 +63,18 @@ pub fn extend(
             }
         }
         let values = carry_over(from, &minimum.values, model, &start);
-        let effort = if tries == 1 {
-            Effort::FULL
+        let look = if tries == 1 {
+            effort
         } else {
-            Effort::ROUGH
+            Effort::ROUGH.until(effort.cancelled)
         };
-        let candidate = refit(
-            records,
-            model,
-            values,
-            minimum.windows.clone(),
-            &free,
-            effort,
-        );
+        let candidate = refit(records, model, values, minimum.windows.clone(), &free, look);
         if best.as_ref().is_none_or(|best| candidate.cost < best.cost) {
             best = Some(candidate);
         }
     }
     match best {
-        Some(best) if tries > 1 => refit(
-            records,
-            model,
-            best.values,
-            best.windows,
-            &free,
-            Effort::FULL,
-        ),
+        Some(best) if tries > 1 => refit(records, model, best.values, best.windows, &free, effort),
         Some(best) => best,
         None => minimum.clone(),
     }

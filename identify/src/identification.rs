@@ -7,6 +7,7 @@ use crate::bench::{IdentifyError, Setup};
 use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictions, finish};
 use crate::extension::extend;
 use crate::fit::{Effort, Minimum, Trace, Window, cost, fit_from_scratch, joined, refit, traces};
+use crate::progress::Progress;
 use crate::residuals::{Push, PushModel, find_pushes};
 use crate::statements::{cautions, statements};
 
@@ -33,6 +34,21 @@ pub fn identify(
     model: &Model,
     previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
 ) -> Result<Identification, IdentifyError> {
+    identify_until(setup, model, previous, &Progress::silent())
+}
+
+/// As [`identify`]; the work ends soon after `progress` answers that it is called off: within one evaluation of
+/// the normal equations, or one pass over the logs.
+///
+/// # Errors
+/// Those of [`identify`]; [`IdentifyError::Cancelled`].
+pub fn identify_until(
+    setup: &Setup,
+    model: &Model,
+    previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
+    progress: &Progress,
+) -> Result<Identification, IdentifyError> {
+    let effort = Effort::FULL.until(progress.cancelled);
     let suited = setup.suited_to(model);
     let setup = suited.as_ref();
     let records = setup.all_records();
@@ -41,7 +57,7 @@ pub fn identify(
         Some((values, windows)) => {
             // The fit before may have been over other windows.
             let windows = joined(&records, &values, &windows);
-            refit(&records, model, values, windows, &free, Effort::FULL)
+            refit(&records, model, values, windows, &free, effort)
         }
         None => {
             // The base model first: effects are small against inertia and gravity.
@@ -51,21 +67,26 @@ pub fn identify(
                 &base,
                 setup.start_values(&base),
                 &setup.free(&base),
+                effort,
             );
+            progress.check()?;
             if *model == base {
                 first
             } else {
-                extend(setup, &records, &base, &first, model)
+                extend(setup, &records, &base, &first, model, effort)
             }
         }
     };
+    progress.check()?;
     if !minimum.cost.is_finite() {
         let suspect = records
             .first()
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
     }
-    Ok(identification(setup, model, minimum, None))
+    let found = identification(setup, model, minimum, None);
+    progress.check()?;
+    Ok(found)
 }
 
 /// What a fit that was made before says of the bench. `None` where it is not a fit of this bench as the model

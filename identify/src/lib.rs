@@ -39,7 +39,7 @@ pub use fit::{
     joined, minimise, normal, normal_observed, promise, ratios, refit, relevant, settled, simulate,
     traces,
 };
-pub use identification::{Identification, describe, identify};
+pub use identification::{Identification, describe, identify, identify_until};
 pub use model_free::{
     AtAmplitude, Decay, DecayLaw, Estimate, RateAgainstAngle, decay, rate_against_angle,
 };

@@ -12,7 +12,7 @@ use std::marker::PhantomData;
 use std::sync::{Mutex, PoisonError};
 
 use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing};
-use crate::{Dual, EffectId, Output, Reading, Scalar};
+use crate::{BASE_PARAMETERS, Dual, EffectId, Output, Reading, Scalar};
 
 /// Partial derivatives of what an external effect computes, with respect to everything that it was given.
 /// All are 0 when the effect is called; it writes those that are not.
@@ -90,6 +90,16 @@ pub struct Definition {
     pub info: EffectInfo,
     /// The equations.
     pub equations: Box<dyn ExternalEffect>,
+}
+
+impl Definition {
+    /// That of a type which implements the ordinary [`Effect`].
+    pub fn of<E: Effect + Send + Sync + 'static>() -> Definition {
+        Definition {
+            info: E::INFO,
+            equations: Box::new(Adapted::<E>(PhantomData)),
+        }
+    }
 }
 
 /// Why an external effect cannot be had.
@@ -193,10 +203,7 @@ impl EffectId {
     /// # Errors
     /// As [`EffectId::external`].
     pub fn of<E: Effect + Send + Sync + 'static>() -> Result<EffectId, ExternalError> {
-        EffectId::external(type_name::<E>(), || Definition {
-            info: E::INFO,
-            equations: Box::new(Adapted::<E>(PhantomData)),
-        })
+        EffectId::external(type_name::<E>(), Definition::of::<E>)
     }
 }
 
@@ -207,10 +214,15 @@ fn check(info: &EffectInfo) -> Result<(), ExternalError> {
     }
     let count = info.parameters.len();
     let sets = || info.starts.iter().chain(info.absent.iter());
+    let names: Vec<&str> = info.parameters.iter().map(|one| one.name).collect();
+    let is_twice = |name: &&str| names.iter().filter(|other| *other == name).count() > 1;
+    let is_base = |name: &&str| BASE_PARAMETERS.iter().any(|base| base.name == *name);
     let what = if info.name.is_empty() {
         "it has no name"
     } else if count == 0 {
         "it has no parameter"
+    } else if names.iter().any(|name| is_twice(name) || is_base(name)) {
+        "two of its parameters have one name, or one has the name of a base parameter"
     } else if info.starts.is_empty() {
         "no start is stated from which it may be fitted"
     } else if sets().any(|set| set.len() != count) {

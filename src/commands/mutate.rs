@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use checker::mutate::{Summary, Verdict};
+use checker::mutate::{MutantVerdict, Summary};
 use workbench::mutate;
 
 use crate::cli::Output;
@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     Report::new(format!("{}: {text}", folder.display()), &report)
 }
 
-fn text(summary: &Summary, verdicts: &[Verdict]) -> String {
+fn text(summary: &Summary, verdicts: &[MutantVerdict]) -> String {
     let mut kinds = Table::new(&[
         ("kind", Align::Left),
         ("caught", Align::Right),

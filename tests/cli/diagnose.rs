@@ -286,19 +286,13 @@ fn a_tie_is_declared_and_the_experiment_that_breaks_it_is_named() {
     assert_verdict(&json, "explained", &["wheel-coulomb-friction"]);
 }
 
-/// A folder of data that is not part of the project.
-fn others(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data")
-        .join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not there", path.display());
-    None
+/// A file of the recordings that are no part of the project; only for tests that need them.
+fn recordings(path: &str) -> PathBuf {
+    Path::new(env!("FLYWHEEL_RECORDINGS")).join(path)
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn benches_of_an_independent_simulator() {
     for (name, verdict, effects) in [
         ("a-viscous-only", "nothing-missing", &[][..]),
@@ -316,10 +310,7 @@ fn benches_of_an_independent_simulator() {
             &["body-coulomb-friction"],
         ),
     ] {
-        let Some(bench) = others(&format!("hidden/{name}")) else {
-            continue;
-        };
-        let json = diagnosis(&bench);
+        let json = diagnosis(&recordings(&format!("hidden/{name}")));
         assert_verdict(&json, verdict, effects);
         if verdict == "unexplained" {
             let place = &json["where"][0];
@@ -334,9 +325,9 @@ fn benches_of_an_independent_simulator() {
     }
 }
 
-/// The diagnosis of one recorded free swing; `None` where the recording is not there.
-fn real_swing(file: &str, mapping: &str) -> Option<Value> {
-    let log = others(&format!("real/{file}"))?;
+/// The diagnosis of one recorded free swing.
+fn real_swing(file: &str, mapping: &str) -> Value {
+    let log = recordings(&format!("real/{file}"));
     let folder = tempfile::tempdir().expect("a folder");
     let log = log.canonicalize().expect("a path");
     let toml = format!(
@@ -344,12 +335,13 @@ fn real_swing(file: &str, mapping: &str) -> Option<Value> {
          file = {log:?}\n{mapping}\n"
     );
     fs::write(folder.path().join("bench.toml"), toml).expect("write");
-    Some(diagnosis(folder.path()))
+    diagnosis(folder.path())
 }
 
 /// Presliding takes a little of what drag causes and drag a little of what presliding causes: each alone is
 /// stuck far from the minimum of both.
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn real_swings_with_dry_friction_and_drag_are_fitted_with_both() {
     for (file, mapping, limit_mrad) in [
         (
@@ -363,9 +355,7 @@ fn real_swings_with_dry_friction_and_drag_are_fitted_with_both() {
             0.6,
         ),
     ] {
-        let Some(json) = real_swing(file, mapping) else {
-            continue;
-        };
+        let json = real_swing(file, mapping);
         let steps = json["steps"].as_array().expect("steps");
         let names: Vec<&str> = steps
             .iter()
@@ -381,11 +371,9 @@ fn real_swings_with_dry_friction_and_drag_are_fitted_with_both() {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_free_swing_of_the_thesis_stays_undecided() {
-    let Some(json) = real_swing("orig_freeswing_reibung.csv", "columns = { time = \"t_s\" }")
-    else {
-        return;
-    };
+    let json = real_swing("orig_freeswing_reibung.csv", "columns = { time = \"t_s\" }");
     assert_eq!(json["verdict"], "ambiguous", "{}", json["sentence"]);
     let ties = ties(&json);
     for effect in ["body-presliding-friction", "body-softening-spring"] {

@@ -5,7 +5,7 @@ use attitude::SensorLine;
 use bench_files::Calibration;
 use calibrate::{Calibrated, Mounting, SensorCalibration};
 use codegen::hardware::{BiasObserverSpec, HardwareSpec};
-use codegen::spec::{Drive, ModuleSpec, Parameter, PhysicalRanges};
+use codegen::spec::{ModelParameter, ModuleSpec, PhysicalRanges, PwmDrive};
 use design::BiasObserver;
 use nalgebra::{Matrix3, Vector3};
 use simulate::Sensors;
@@ -45,7 +45,7 @@ pub(crate) fn module_spec(designed: &ControlDesign) -> Result<ModuleSpec, Error>
             .file()
             .parameters
             .iter()
-            .map(|parameter| Parameter {
+            .map(|parameter| ModelParameter {
                 name: parameter.name.clone(),
                 value: parameter.value,
                 std: parameter.std,
@@ -138,13 +138,13 @@ fn sensor(found: &bench_files::SensorCalibration) -> SensorCalibration {
 
 /// The drive of the thesis bench, its line as calibrated: the largest duty stays, and the current
 /// that it stands for follows.
-fn drive(calibration: &Calibration) -> Drive {
-    let thesis = Drive::THESIS_BENCH;
+fn drive(calibration: &Calibration) -> PwmDrive {
+    let thesis = PwmDrive::THESIS_BENCH;
     let Some(line) = calibration.duty else {
         return thesis;
     };
     let duty_zero = line.offset.round().clamp(0.0, f64::from(thesis.duty_max)) as u16;
-    Drive {
+    PwmDrive {
         current_range_a: f64::from(thesis.duty_max - duty_zero) / line.slope,
         duty_zero,
         ..thesis

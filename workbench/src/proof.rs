@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use checker::certificate::Certificate;
-use checker::mutate::{Mutant, Summary, Verdict, chosen, judged, notices, summary};
+use checker::mutate::{Mutant, MutantVerdict, Summary, chosen, judged, notices, summary};
 use checker::prove::Emitted;
 use checker::{ClaimResult, ProveError};
 use identify::Progress;
@@ -15,7 +15,7 @@ use crate::controller::GeneratedController;
 use crate::error::Error;
 use crate::output_file::OutputFile;
 
-pub use checker::prove::Settings as ProofSettings;
+pub use checker::ProofSettings;
 
 /// Every claim of a certificate, each by every engine that can settle it.
 #[derive(Clone, Debug, Serialize)]
@@ -92,7 +92,7 @@ pub struct MutationReport {
     /// How many were caught, and by what.
     pub summary: Summary,
     /// Mutant by mutant.
-    pub verdicts: Vec<Verdict>,
+    pub verdicts: Vec<MutantVerdict>,
 }
 
 /// Mutants that are judged between two looks at the caller's wish to stop.
@@ -119,7 +119,7 @@ pub fn mutate(
     }
     let mutants: Vec<Mutant> = chosen(&emitted, most);
     let (count, done) = (mutants.len(), AtomicUsize::new(0));
-    let mut verdicts: Vec<Verdict> = Vec::with_capacity(count);
+    let mut verdicts: Vec<MutantVerdict> = Vec::with_capacity(count);
     let mut waiting = mutants.into_iter();
     loop {
         let some: Vec<Mutant> = waiting.by_ref().take(MUTANTS_AT_A_TIME).collect();

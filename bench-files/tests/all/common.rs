@@ -45,12 +45,7 @@ pub fn csv(header: &str, rows: usize, row: impl Fn(usize) -> String) -> String {
     text
 }
 
-/// The folder of shared measurements; says so where it is absent.
-pub fn shared_data() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: no measurements at {}", folder.display());
-    None
+/// A file of the recordings that are no part of the project; only for tests that need them.
+pub fn recordings(path: &str) -> PathBuf {
+    Path::new(env!("FLYWHEEL_RECORDINGS")).join(path)
 }

@@ -215,10 +215,8 @@ fn hopeless_columns() {
 
 /// The real reaction-wheel rig: its wheel speed drops to (almost) zero for one sample twice.
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_real_rig() {
-    let Some(data) = crate::common::shared_data() else {
-        return;
-    };
     let cases = [
         ("tud_rwp_wheel_step_20Hz", "driven", &[36.05][..]),
         ("tud_rwp_wheel_square_20Hz", "driven", &[4.45]),
@@ -227,7 +225,7 @@ fn the_real_rig() {
     ];
     for (name, kind, expected_s) in cases {
         let folder = crate::common::Folder::new();
-        let file = data.join(format!("real/{name}.csv"));
+        let file = crate::common::recordings(&format!("real/{name}.csv"));
         folder.write(
             "bench.toml",
             format!(

@@ -1,15 +1,15 @@
-//! Measurements and simulated benches of others; skipped where they are absent.
+//! Measurements and simulated benches of others.
 
 use bench_files::{Bench, CurrentMeaning};
 use plant::Kind;
 
-use crate::common::{Folder, shared_data};
+use crate::common::{Folder, recordings};
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn all_simulated_benches_load() {
-    let Some(data) = shared_data() else { return };
     let mut benches = 0;
-    for entry in std::fs::read_dir(data.join("hidden")).expect("list") {
+    for entry in std::fs::read_dir(recordings("hidden")).expect("list") {
         let folder = entry.expect("entry").path();
         if !folder.is_dir() {
             continue;
@@ -63,8 +63,8 @@ fn all_simulated_benches_load() {
 
 /// The real recordings, with the mapping that each needs: file, kind, entries, samples, notes.
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn all_real_logs_load() {
-    let Some(data) = shared_data() else { return };
     let tud = "columns = { time = \"t_s\", angle = \"pend_rad\", wheel_speed = \"wheel_rad_s\", current = \"current_A\" }\n";
     let tud_up = format!("{tud}offset = {{ angle = 3.14159265 }}");
     let cases = [
@@ -110,7 +110,9 @@ fn all_real_logs_load() {
     ];
     for (name, kind, entries, samples, notes) in cases {
         let folder = Folder::new();
-        let file = data.join(format!("real/{name}.csv")).display().to_string();
+        let file = recordings(&format!("real/{name}.csv"))
+            .display()
+            .to_string();
         folder.write(
             "bench.toml",
             format!(

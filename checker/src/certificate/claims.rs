@@ -3,9 +3,9 @@
 //! Written down here a second time on purpose: a certificate that states something else is
 //! rejected, not believed.
 
-/// A claim.
+/// What a claim says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Claim {
+pub struct ClaimStatement {
     /// Identifier.
     pub id: &'static str,
     /// One sentence.
@@ -19,127 +19,127 @@ pub struct Claim {
 }
 
 /// Every claim, in the order in which they are shown.
-pub const CLAIMS: [Claim; 18] = [
-    Claim {
+pub const CLAIMS: [ClaimStatement; 18] = [
+    ClaimStatement {
         id: "source-understood",
         statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
         domain: "every emitted file",
         assumptions: "",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "certificate-consistent",
         statement: "Every number and name of the certificate is the one of the source, or follows from it.",
         domain: "every field of certificate.json",
         assumptions: "",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "hardware-words",
         statement: "The words of sensors, mounting, converter and drive are the stated real numbers, rounded.",
         domain: "every constant of src/constants.rs",
         assumptions: "",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "control-total",
         statement: "`control` neither overflows nor panics, and its command lies within ±CURRENT_LIMIT.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
         is_in_certificate: true,
     },
-    Claim {
+    ClaimStatement {
         id: "control-accurate",
         statement: "The command lies within half a unit of its format of the saturated law with the quantised gains.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
         is_in_certificate: true,
     },
-    Claim {
+    ClaimStatement {
         id: "control-accurate-real-gains",
         statement: "The command lies within the stated bound of the law -K x with the real gains, saturated at the real limit.",
         domain: "every representable state within the physical ranges",
         assumptions: "",
         is_in_certificate: true,
     },
-    Claim {
+    ClaimStatement {
         id: "control-monotone",
         statement: "The command never falls when a state with a positive gain rises, nor rises when one with a negative gain does.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "primitives",
         statement: "Each primitive of the filter keeps the contract of ranges that stands at it.",
         domain: "every argument that the contract allows",
         assumptions: "Contracts that are no ranges are checked where the primitive is called, with the words of this bench.",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "filter-total",
         statement: "No step of the attitude filter overflows, and each keeps its components and rates within the stated ranges.",
         domain: "every sensor reading and every state within the invariant, which holds at the start",
         assumptions: "",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "filter-length",
         statement: "The squared length of the attitude's quaternion lies within 1 ± 2^-11 at the start and after every step and alignment.",
         domain: "every sensor reading and every state within the invariant, which holds at the start",
         assumptions: "No step overflows or leaves its ranges (`filter-total`).",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "step-total",
         statement: "Raw counts give a duty within the drive's limits, and the duty of zero current when not armed.",
         domain: "every sample and every state within the invariant",
         assumptions: "",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "filter-accurate",
         statement: "A step of the filter follows Madgwick's equations in double precision to within 2e-7 in each component, the pivot angle to within 1e-6 rad.",
         domain: "random attitudes and readings",
         assumptions: "The reference is written from the paper, in floating point.",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "filter-exact",
         statement: "Every function of the filter gives, bit for bit, the words of the checker's own statement of it in exact integers.",
         domain: "random words, ends of ranges, and words where pieces meet",
         assumptions: "",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "closed-loop-stable",
         statement: "All eigenvalues of Ad - Bd K with the quantised gains lie inside the unit circle.",
         domain: "the linear model sampled at the stated time",
         assumptions: "",
         is_in_certificate: true,
     },
-    Claim {
+    ClaimStatement {
         id: "bias-observer-stable",
         statement: "Plant, regulator and the emitted observer of the angle's bias are stable together, and leave less than a hundredth of a constant bias at rest.",
         domain: "the linear model sampled at the stated time",
         assumptions: "No saturation; a module without observer claims nothing here.",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "closed-loop-for-all-time",
         statement: "From any start in the stated ellipsoid the loop with the emitted law never saturates and stays within the stated bounds of the loop in real numbers, at every step.",
         domain: "all time; every start in the ellipsoid; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model; the sensors return the nearest count, the angle directly and not through the filter; the other loop computes in real numbers.",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "region-of-attraction",
         statement: "From any start in the stated share of the ellipsoid the loop with the emitted law never saturates, and comes into the stated smaller share and stays there.",
         domain: "all time; every start in that share; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model with gravity as G sin(angle); the sensors return the nearest count, the angle directly and not through the filter.",
         is_in_certificate: false,
     },
-    Claim {
+    ClaimStatement {
         id: "stable-for-parameters",
         statement: "The loop with the emitted gains is stable for every parameter vector that identification allows.",
         domain: "the box around the 95 % ellipsoid of the stated standard errors",
@@ -149,6 +149,6 @@ pub const CLAIMS: [Claim; 18] = [
 ];
 
 /// A claim by its identifier.
-pub fn claim(id: &str) -> Option<&'static Claim> {
+pub fn claim(id: &str) -> Option<&'static ClaimStatement> {
     CLAIMS.iter().find(|claim| claim.id == id)
 }

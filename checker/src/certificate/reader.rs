@@ -13,24 +13,24 @@ use crate::exact::rational::decimal;
 
 /// A decimal number as written, with its exact value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Decimal {
+pub struct StatedDecimal {
     /// As written.
     pub text: String,
     /// Exactly.
     pub value: BigRational,
 }
 
-impl<'de> Deserialize<'de> for Decimal {
+impl<'de> Deserialize<'de> for StatedDecimal {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         match decimal(&text) {
-            Some(value) => Ok(Decimal { text, value }),
+            Some(value) => Ok(StatedDecimal { text, value }),
             None => Err(D::Error::custom(format!("`{text}` is no decimal number"))),
         }
     }
 }
 
-impl fmt::Display for Decimal {
+impl fmt::Display for StatedDecimal {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&self.text)
     }
@@ -56,46 +56,46 @@ pub struct Certificate {
     /// Emitted files.
     pub files: Vec<String>,
     /// Time between two commands (s).
-    pub sample_time_s: Decimal,
+    pub sample_time_s: StatedDecimal,
     /// Identified parameters.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<CertifiedParameter>,
     /// Weights of the design.
-    pub weights: Weights,
+    pub weights: CertifiedWeights,
     /// Linear model.
-    pub plant: Plant,
+    pub plant: CertifiedPlant,
     /// K of u = −K x.
-    pub gains: [Decimal; 3],
+    pub gains: [StatedDecimal; 3],
     /// The current drive.
-    pub drive: Drive,
+    pub drive: CertifiedDrive,
     /// Arguments of `control`.
-    pub inputs: [Input; 3],
+    pub inputs: [CertifiedInput; 3],
     /// Result of `control`.
-    pub output: Output,
+    pub output: CertifiedOutput,
     /// Constants of the source: three gains and the limit.
-    pub constants: [Constant; 4],
+    pub constants: [CertifiedConstant; 4],
     /// Bounds of one step.
-    pub bounds: Bounds,
+    pub bounds: CertifiedBounds,
     /// What is claimed.
-    pub claims: Vec<Claim>,
+    pub claims: Vec<CertifiedClaim>,
     /// The observer of the angle's bias; null where the module has none.
     #[serde(deserialize_with = "stated")]
-    pub bias_observer: Option<BiasObserver>,
+    pub bias_observer: Option<CertifiedObserver>,
     /// Bounds of the closed loop for all time; null where there are none.
     #[serde(deserialize_with = "stated")]
-    pub closed_loop: Option<ClosedLoop>,
+    pub closed_loop: Option<CertifiedLoop>,
 }
 
 /// A parameter of the model.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Parameter {
+pub struct CertifiedParameter {
     /// Name.
     pub name: String,
     /// Value in `unit`.
-    pub value: Decimal,
+    pub value: StatedDecimal,
     /// Standard error; null where none is known, but never left out.
     #[serde(deserialize_with = "stated")]
-    pub std: Option<Decimal>,
+    pub std: Option<StatedDecimal>,
     /// Unit.
     pub unit: String,
 }
@@ -103,34 +103,34 @@ pub struct Parameter {
 /// Diagonal of Q, and R.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Weights {
+pub struct CertifiedWeights {
     /// Of the states.
-    pub state: [Decimal; 3],
+    pub state: [StatedDecimal; 3],
     /// Of the current.
-    pub current: Decimal,
+    pub current: StatedDecimal,
 }
 
 /// The linear model, continuous and sampled.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "PascalCase")]
-pub struct Plant {
+pub struct CertifiedPlant {
     /// A.
-    pub a: [[Decimal; 3]; 3],
+    pub a: [[StatedDecimal; 3]; 3],
     /// B.
-    pub b: [Decimal; 3],
+    pub b: [StatedDecimal; 3],
     /// Ad.
-    pub ad: [[Decimal; 3]; 3],
+    pub ad: [[StatedDecimal; 3]; 3],
     /// Bd.
-    pub bd: [Decimal; 3],
+    pub bd: [StatedDecimal; 3],
 }
 
 /// The drive.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Drive {
+pub struct CertifiedDrive {
     /// Current at full duty (A).
     #[serde(rename = "current_range_A")]
-    pub current_range_a: Decimal,
+    pub current_range_a: StatedDecimal,
     /// Duty at zero current.
     pub duty_zero: u16,
     /// Duty at full current.
@@ -140,7 +140,7 @@ pub struct Drive {
 /// An argument of `control`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Input {
+pub struct CertifiedInput {
     /// Name.
     pub argument: String,
     /// Alias.
@@ -151,7 +151,7 @@ pub struct Input {
     /// Fraction bits.
     pub fraction_bits: u32,
     /// Largest magnitude on the bench.
-    pub range: Decimal,
+    pub range: StatedDecimal,
     /// Unit.
     pub unit: String,
 }
@@ -159,7 +159,7 @@ pub struct Input {
 /// The result of `control`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Output {
+pub struct CertifiedOutput {
     /// Alias.
     #[serde(rename = "type")]
     pub type_name: String,
@@ -174,7 +174,7 @@ pub struct Output {
 /// A constant of the source.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Constant {
+pub struct CertifiedConstant {
     /// Name.
     pub name: String,
     /// File.
@@ -184,7 +184,7 @@ pub struct Constant {
     /// Number of the certificate that it was made from.
     pub from: String,
     /// Real number.
-    pub real: Decimal,
+    pub real: StatedDecimal,
     /// Word.
     pub raw: i64,
     /// Fraction bits of the word.
@@ -198,42 +198,42 @@ pub struct Constant {
 /// Bounds of one step.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Bounds {
+pub struct CertifiedBounds {
     /// Fraction bits of each product.
     pub product_fraction_bits: u32,
     /// Bits that the rounding removes.
     pub shift: u32,
     /// Against the quantised gains (A).
     #[serde(rename = "rounding_A")]
-    pub rounding: Decimal,
+    pub rounding: StatedDecimal,
     /// Against the real gains (A).
     #[serde(rename = "real_gains_A")]
-    pub real_gains: Decimal,
+    pub real_gains: StatedDecimal,
     /// Of rounding a real state (A).
     #[serde(rename = "state_rounding_A")]
-    pub state_rounding: Decimal,
+    pub state_rounding: StatedDecimal,
 }
 
-/// Observer of the angle's bias; see [`crate::claims::bias_observer_stable`] for its equations.
+/// Observer of the angle's bias; see [`crate::claims::bias_observer_numbers`] for its equations.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BiasObserver {
+pub struct CertifiedObserver {
     /// λ, without unit.
-    pub decay: Decimal,
+    pub decay: StatedDecimal,
     /// ℓ, rad per unit of each state.
-    pub direct: [Decimal; 3],
+    pub direct: [StatedDecimal; 3],
     /// f, rad per unit of each state.
-    pub from_states: [Decimal; 3],
+    pub from_states: [StatedDecimal; 3],
     /// g (rad/A).
-    pub from_current: Decimal,
+    pub from_current: StatedDecimal,
     /// Largest estimate (rad).
-    pub limit_rad: Decimal,
+    pub limit_rad: StatedDecimal,
 }
 
 /// A claim.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Claim {
+pub struct CertifiedClaim {
     /// Identifier.
     pub id: String,
     /// One sentence.
@@ -242,49 +242,49 @@ pub struct Claim {
     pub domain: String,
     /// Bound, where it has one (A).
     #[serde(rename = "bound_A", default)]
-    pub bound: Option<Decimal>,
+    pub bound: Option<StatedDecimal>,
 }
 
 /// Bounds of the closed loop for all time; see [`crate::claims::closed_loop_for_all_time`] for what they mean.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ClosedLoop {
+pub struct CertifiedLoop {
     /// P of the invariant set xᵀ P x ≤ 1.
-    pub ellipsoid: [[Decimal; 3]; 3],
+    pub ellipsoid: [[StatedDecimal; 3]; 3],
     /// γ: the loop maps the set into γ times itself.
-    pub contraction: Decimal,
+    pub contraction: StatedDecimal,
     /// Largest magnitude of each state in the set, rounded up.
-    pub extents: [Decimal; 3],
+    pub extents: [StatedDecimal; 3],
     /// Largest |K x| in the set, rounded up (A).
     #[serde(rename = "command_A")]
-    pub command: Decimal,
+    pub command: StatedDecimal,
     /// One count of the sensors: rad, rad/s, rad/s.
-    pub sensor_steps: [Decimal; 3],
+    pub sensor_steps: [StatedDecimal; 3],
     /// Share of the set that the perturbations need, at most 1, rounded up.
-    pub perturbation_share: Decimal,
+    pub perturbation_share: StatedDecimal,
     /// Number of terms that are added up; the rest is bounded by a geometric series.
     pub terms: u32,
     /// The bound of that rest for the current, for a perturbation of 1 A (A), rounded up.
     #[serde(rename = "rest_A")]
-    pub rest: Decimal,
+    pub rest: StatedDecimal,
     /// Perturbations and what they lead to: by words, by sensors.
-    pub cases: [ClosedLoopCase; 2],
+    pub cases: [CertifiedLoopCase; 2],
 }
 
 /// One kind of perturbation.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ClosedLoopCase {
+pub struct CertifiedLoopCase {
     /// `words` or `sensors`.
     pub name: String,
     /// Largest perturbation of the command in one step (A), rounded up.
     #[serde(rename = "perturbation_A")]
-    pub perturbation: Decimal,
+    pub perturbation: StatedDecimal,
     /// Largest difference between the two loops at any time: rad, rad/s, rad/s, rounded up.
-    pub states: [Decimal; 3],
+    pub states: [StatedDecimal; 3],
     /// The same of K x (A), rounded up.
     #[serde(rename = "command_A")]
-    pub command: Decimal,
+    pub command: StatedDecimal,
 }
 
 /// Why a certificate could not be read.
@@ -328,17 +328,17 @@ impl Certificate {
     }
 
     /// A constant by name.
-    pub fn constant(&self, name: &str) -> Option<&Constant> {
+    pub fn constant(&self, name: &str) -> Option<&CertifiedConstant> {
         self.constants.iter().find(|constant| constant.name == name)
     }
 }
 
 /// Values of a matrix.
-pub fn matrix(entries: &[[Decimal; 3]; 3]) -> Matrix {
+pub fn matrix(entries: &[[StatedDecimal; 3]; 3]) -> Matrix {
     [0, 1, 2].map(|i| vector(&entries[i]))
 }
 
 /// Values of a vector.
-pub fn vector(entries: &[Decimal; 3]) -> Vector {
+pub fn vector(entries: &[StatedDecimal; 3]) -> Vector {
     [0, 1, 2].map(|i| entries[i].value.clone())
 }

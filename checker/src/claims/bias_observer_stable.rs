@@ -10,9 +10,9 @@ use num_traits::{One, Signed, Zero};
 
 use crate::certificate::reader::{Certificate, matrix, vector};
 use crate::claims::bias_observer_words::STATE_BITS;
-use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::named_words::NamedWords;
-use crate::claims::outcome::Outcome;
+use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{Vector, dot};
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
@@ -24,9 +24,9 @@ const LEFT_MAX: i32 = 100;
 pub fn by_exact_arithmetic(
     certificate: &Certificate,
     module: &Module,
-    law: &ControlLaw,
-) -> Outcome {
-    Outcome::proved(check_loop(certificate, module, law).map(|rest| match rest {
+    law: &EmittedLaw,
+) -> ClaimOutcome {
+    ClaimOutcome::proved(check_loop(certificate, module, law).map(|rest| match rest {
         Some((left, speed)) => format!(
             "{} of a bias is left; the wheel turns with {} rad/s for each rad of bias",
             rounded_up(&left, 2),
@@ -46,7 +46,7 @@ pub fn by_exact_arithmetic(
 pub fn check_loop(
     certificate: &Certificate,
     module: &Module,
-    law: &ControlLaw,
+    law: &EmittedLaw,
 ) -> Result<Option<(BigRational, BigRational)>, String> {
     if certificate.bias_observer.is_none() {
         return Ok(None);

@@ -8,8 +8,8 @@
 use num_rational::BigRational;
 use num_traits::Signed;
 
-use crate::certificate::reader::{BiasObserver, Certificate};
-use crate::claims::control_law::{ControlLaw, exponent};
+use crate::certificate::reader::{Certificate, CertifiedObserver};
+use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::named_words::{NamedWords, nearest};
 use crate::exact::rational::{integer, power_of_two};
 
@@ -27,7 +27,7 @@ const PRODUCT_BITS_MAX: i32 = 60;
 pub(crate) fn check_words(
     certificate: &Certificate,
     text: &str,
-    law: &ControlLaw,
+    law: &EmittedLaw,
     words: &NamedWords,
 ) -> Check {
     let documented = |line: &str| {
@@ -82,7 +82,7 @@ pub(crate) fn check_words(
 }
 
 /// Each number of the observer in units of its word, for products with `bits` fraction bits.
-fn scaled(observer: &BiasObserver, law: &ControlLaw, bits: i32) -> Vec<(String, BigRational)> {
+fn scaled(observer: &CertifiedObserver, law: &EmittedLaw, bits: i32) -> Vec<(String, BigRational)> {
     let unit = |word_bits: i32| power_of_two(bits - word_bits);
     let mut all = vec![("decay".to_owned(), &observer.decay.value * unit(STATE_BITS))];
     for i in 0..3 {

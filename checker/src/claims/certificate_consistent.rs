@@ -4,10 +4,10 @@ use num_rational::BigRational;
 use num_traits::{One, Signed};
 
 use crate::certificate::claims::CLAIMS;
-use crate::certificate::reader::{Certificate, Decimal};
+use crate::certificate::reader::{Certificate, StatedDecimal};
 use crate::claims::bias_observer_numbers::check_numbers;
 use crate::claims::control_accurate_real_gains::derived;
-use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::sampling::check_sampling;
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::declarations::Named;
@@ -68,7 +68,7 @@ const STATES: [(&str, &str, &str); 3] = [
 pub fn check(
     certificate: &Certificate,
     module: &Module,
-    law: &ControlLaw,
+    law: &EmittedLaw,
     files: &[String],
 ) -> Check {
     check_header(certificate, module, files)?;
@@ -107,7 +107,7 @@ fn check_documentation(certificate: &Certificate, module: &Module) -> Check {
         .text("src/control.rs")
         .ok_or("there is no src/control.rs")?;
     let lines = documentation(text);
-    let list = |values: &[Decimal]| {
+    let list = |values: &[StatedDecimal]| {
         let texts: Vec<_> = values.iter().map(|value| value.text.as_str()).collect();
         texts.join(", ")
     };
@@ -166,7 +166,7 @@ fn check_documentation(certificate: &Certificate, module: &Module) -> Check {
     equal("number of parameters", certificate.parameters.len(), rows)
 }
 
-fn check_formats(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Check {
+fn check_formats(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Check {
     let declarations = module.declarations();
     let number = module
         .function_number("control")
@@ -211,7 +211,7 @@ fn check_formats(certificate: &Certificate, module: &Module, law: &ControlLaw) -
     equal("unit of the output", output.unit.as_str(), "A")
 }
 
-fn check_constants(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Check {
+fn check_constants(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Check {
     let all: Vec<&str> = CLAIMS
         .iter()
         .filter(|claim| claim.is_in_certificate)
@@ -308,7 +308,7 @@ fn check_constants(certificate: &Certificate, module: &Module, law: &ControlLaw)
     )
 }
 
-fn check_bounds(certificate: &Certificate, law: &ControlLaw) -> Check {
+fn check_bounds(certificate: &Certificate, law: &EmittedLaw) -> Check {
     let bounds = &certificate.bounds;
     let (real_gains, state_rounding) = derived(certificate, law);
     as_derived("rounding_A", &bounds.rounding, &law.rounding)?;
@@ -320,7 +320,7 @@ fn check_bounds(certificate: &Certificate, law: &ControlLaw) -> Check {
 }
 
 /// A stated bound is the derived one, or that rounded up in its last digit.
-fn as_derived(what: &str, stated: &Decimal, found: &BigRational) -> Check {
+fn as_derived(what: &str, stated: &StatedDecimal, found: &BigRational) -> Check {
     let above = found * (BigRational::one() + crate::exact::rational::power(10, -BOUND_DIGITS));
     holds(*found <= stated.value && stated.value <= above, || {
         format!(

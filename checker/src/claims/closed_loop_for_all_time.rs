@@ -32,9 +32,9 @@ use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
-use crate::claims::control_law::{ControlLaw, exponent};
-use crate::claims::outcome::Outcome;
+use crate::certificate::reader::{Certificate, CertifiedLoop, matrix, vector};
+use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{
     Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
 };
@@ -82,7 +82,7 @@ pub struct CaseBounds {
 }
 
 /// The linear loop with real gains, F, and the one with the emitted gains, F̂.
-pub fn loops(certificate: &Certificate, law: &ControlLaw) -> (Matrix, Matrix) {
+pub fn loops(certificate: &Certificate, law: &EmittedLaw) -> (Matrix, Matrix) {
     let ad = matrix(&certificate.plant.ad);
     let bd = vector(&certificate.plant.bd);
     let k = vector(&certificate.gains);
@@ -96,11 +96,11 @@ pub fn loops(certificate: &Certificate, law: &ControlLaw) -> (Matrix, Matrix) {
 /// What comes of the claim, and the bounds if it holds.
 pub fn by_exact_arithmetic(
     certificate: &Certificate,
-    law: &ControlLaw,
-) -> (Outcome, Option<ClosedLoopBounds>) {
+    law: &EmittedLaw,
+) -> (ClaimOutcome, Option<ClosedLoopBounds>) {
     let Some(stated) = &certificate.closed_loop else {
         let why = "the certificate states none: no set was found that the perturbations cannot leave, or the module has an observer of the angle's bias, which the bound does not include";
-        return (Outcome::NotRun(why.to_owned()), None);
+        return (ClaimOutcome::NotRun(why.to_owned()), None);
     };
     match check(certificate, stated, law) {
         Ok(bounds) => {
@@ -118,9 +118,9 @@ pub fn by_exact_arithmetic(
                     )
                 })
                 .collect();
-            (Outcome::Proved(parts.join("; ")), Some(bounds))
+            (ClaimOutcome::Proved(parts.join("; ")), Some(bounds))
         }
-        Err(why) => (Outcome::Failed(why), None),
+        Err(why) => (ClaimOutcome::Failed(why), None),
     }
 }
 
@@ -130,8 +130,8 @@ pub fn by_exact_arithmetic(
 /// A sentence that names what does not hold.
 pub fn check(
     certificate: &Certificate,
-    stated: &ClosedLoop,
-    law: &ControlLaw,
+    stated: &CertifiedLoop,
+    law: &EmittedLaw,
 ) -> Result<ClosedLoopBounds, String> {
     let bounds = bounds(certificate, stated, law)?;
     is_as_stated("the rest of the sum", &bounds.rest, &stated.rest.value)?;
@@ -178,8 +178,8 @@ pub(crate) fn is_as_stated(
 
 fn bounds(
     certificate: &Certificate,
-    stated: &ClosedLoop,
-    law: &ControlLaw,
+    stated: &CertifiedLoop,
+    law: &EmittedLaw,
 ) -> Result<ClosedLoopBounds, String> {
     let (exact, quantised) = loops(certificate, law);
     let bd = vector(&certificate.plant.bd);

@@ -13,7 +13,7 @@ use num_rational::BigRational;
 
 use crate::certificate::reader::Certificate;
 use crate::claims::closed_loop_for_all_time::loops;
-use crate::claims::control_law::ControlLaw;
+use crate::claims::control_law::EmittedLaw;
 use crate::exact::enclosure::Enclosure;
 use crate::exact::rational::{half, integer};
 
@@ -21,7 +21,7 @@ use crate::exact::rational::{half, integer};
 ///
 /// # Errors
 /// A sentence.
-pub fn check_stable(certificate: &Certificate, law: &ControlLaw) -> Result<(), String> {
+pub fn check_stable(certificate: &Certificate, law: &EmittedLaw) -> Result<(), String> {
     let t = &certificate.sample_time_s.value;
     let (_, quantised) = loops(certificate, law);
     let delta = [0, 1, 2].map(|i| {
@@ -31,21 +31,21 @@ pub fn check_stable(certificate: &Certificate, law: &ControlLaw) -> Result<(), S
         })
     });
     match judged(&delta, t) {
-        Verdict::Stable => Ok(()),
+        Stability::Stable => Ok(()),
         _ => Err("Ad + Bd N has an eigenvalue on or outside the unit circle".to_owned()),
     }
 }
 
 /// What is known of a box of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum Stability {
     Stable,
     Unstable,
     Undecided,
 }
 
 /// Hurwitz' criterion for the δ-form of a loop.
-pub(crate) fn judged(m: &[[Enclosure; 3]; 3], sample_time: &BigRational) -> Verdict {
+pub(crate) fn judged(m: &[[Enclosure; 3]; 3], sample_time: &BigRational) -> Stability {
     let t = Enclosure::point(&(sample_time * half()));
     let minor = |i: usize, j: usize| &(&m[i][i] * &m[j][j]) - &(&m[i][j] * &m[j][i]);
     let a = -&(&(&m[0][0] + &m[1][1]) + &m[2][2]);
@@ -65,10 +65,10 @@ pub(crate) fn judged(m: &[[Enclosure; 3]; 3], sample_time: &BigRational) -> Verd
     let cross = &(&h2 * &h1) - &(&h3 * &c);
     let all = [&h3, &h2, &h1, &c, &cross];
     if all.iter().all(|value| value.is_positive()) {
-        Verdict::Stable
+        Stability::Stable
     } else if all.iter().any(|value| value.is_negative()) {
-        Verdict::Unstable
+        Stability::Unstable
     } else {
-        Verdict::Undecided
+        Stability::Undecided
     }
 }

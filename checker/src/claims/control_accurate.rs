@@ -2,17 +2,17 @@
 //! quantised gains.
 
 use crate::certificate::reader::Certificate;
-use crate::claims::control_law::{ControlLaw, exponent};
-use crate::claims::outcome::Outcome;
+use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::outcome::ClaimOutcome;
 use crate::claims::random::Random;
 use crate::domains::machine::Machine;
-use crate::domains::smt::{Answer, Question, TIMEOUT_MS, answered};
+use crate::domains::smt::{Question, SolverAnswer, TIMEOUT_MS, answered};
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 use crate::program::steps::Program;
 
 /// The rounding of the law that the source implements, and that its gains are the stated ones.
-pub fn by_intervals(certificate: &Certificate, law: &ControlLaw) -> Outcome {
+pub fn by_intervals(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
     let bound = rounded_up(&law.rounding, 4);
     let gains_agree = certificate
         .constants
@@ -20,17 +20,17 @@ pub fn by_intervals(certificate: &Certificate, law: &ControlLaw) -> Outcome {
         .zip(&law.gains)
         .all(|(c, gain)| integer(c.raw.into()) * power_of_two(-exponent(c.fraction_bits)) == *gain);
     if law.rounding > law.unit() * half() {
-        Outcome::Failed(format!("off by up to {bound} A, more than half a unit"))
+        ClaimOutcome::Failed(format!("off by up to {bound} A, more than half a unit"))
     } else if !gains_agree {
-        Outcome::Failed("the gains of the source are not those of the certificate".to_owned())
+        ClaimOutcome::Failed("the gains of the source are not those of the certificate".to_owned())
     } else {
-        Outcome::Proved(format!("{bound} A"))
+        ClaimOutcome::Proved(format!("{bound} A"))
     }
 }
 
 /// The question to z3: |command 2ˢ − clamp(Σ N X, ±limit 2ˢ)| ≤ 2ˢ⁻¹, with words, shift and
 /// limit of the certificate.
-pub fn by_smt(program: &Program, certificate: &Certificate) -> Answer {
+pub fn by_smt(program: &Program, certificate: &Certificate) -> SolverAnswer {
     let ask = || {
         let mut question = Question::new(TIMEOUT_MS)?;
         let arguments = question.arguments(program, "x")?;

@@ -4,17 +4,17 @@
 use num_rational::BigRational;
 
 use crate::certificate::reader::{Certificate, vector};
-use crate::claims::control_law::ControlLaw;
-use crate::claims::outcome::Outcome;
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::outcome::ClaimOutcome;
 use crate::exact::rational::rounded_up;
 
 /// The derived bound against the stated one.
-pub fn by_exact_arithmetic(certificate: &Certificate, law: &ControlLaw) -> Outcome {
+pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
     let (bound, _) = derived(certificate, law);
     if bound <= certificate.bounds.real_gains.value {
-        Outcome::Proved(format!("{} A", rounded_up(&bound, 4)))
+        ClaimOutcome::Proved(format!("{} A", rounded_up(&bound, 4)))
     } else {
-        Outcome::Failed(format!(
+        ClaimOutcome::Failed(format!(
             "{} A, stated are {}",
             rounded_up(&bound, 4),
             certificate.bounds.real_gains
@@ -23,7 +23,7 @@ pub fn by_exact_arithmetic(certificate: &Certificate, law: &ControlLaw) -> Outco
 }
 
 /// The bound against the real gains, and that of rounding a state.
-pub fn derived(certificate: &Certificate, law: &ControlLaw) -> (BigRational, BigRational) {
+pub fn derived(certificate: &Certificate, law: &EmittedLaw) -> (BigRational, BigRational) {
     let k = vector(&certificate.gains);
     let ranges = [0, 1, 2].map(|i| certificate.inputs[i].range.value.clone());
     let limit = &certificate.constants[3].real.value;

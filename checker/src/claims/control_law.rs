@@ -1,9 +1,9 @@
 //! The emitted control law from its source alone: what it computes, and how far that is from
 //! −K x.
 //!
-//! The source is read as a saturated linear form of the three words (crate module
-//! [`crate::domains::linear_forms`]), so gains, rounding and limit come out of the code and not out of the
-//! certificate. With the coefficients cᵢ (command units per unit of word i) and the error interval
+//! The source is read as a saturated linear form of the three words
+//! ([`crate::domains::linear_forms`]), so gains, rounding and limit come out of the code and not out
+//! of the certificate. With the coefficients cᵢ (command units per unit of word i) and the error interval
 //! [l, h] of the form:
 //!
 //! - the quantised gains are N̂ᵢ = cᵢ 2^(fᵢ − f), in A per unit of state i;
@@ -23,7 +23,7 @@ use crate::program::types::Type;
 
 /// The law that the source implements, in SI units.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ControlLaw {
+pub struct EmittedLaw {
     /// Fraction bits of the three states.
     pub state_bits: [u32; 3],
     /// Fraction bits of the command.
@@ -53,13 +53,13 @@ pub enum LawError {
     BeyondLimit(i128, i128),
 }
 
-impl ControlLaw {
+impl EmittedLaw {
     /// Reads the law and shows that it is total: nothing overflows for any bit pattern, and the
     /// command lies within `CURRENT_LIMIT`.
     ///
     /// # Errors
     /// [`LawError`].
-    pub fn read(module: &Module) -> Result<ControlLaw, LawError> {
+    pub fn read(module: &Module) -> Result<EmittedLaw, LawError> {
         let program = module.function("control").ok_or(LawError::Missing)?;
         let bits: Vec<_> = program
             .argument_types
@@ -102,7 +102,7 @@ impl ControlLaw {
                 * &unit
         });
         let rounding = form.low.abs().max(form.high.abs()) * &unit;
-        Ok(ControlLaw {
+        Ok(EmittedLaw {
             state_bits,
             current_bits,
             gains,

@@ -2,26 +2,26 @@
 //! says.
 
 use crate::certificate::reader::Certificate;
-use crate::claims::outcome::Outcome;
-use crate::domains::smt::{Answer, Question, TIMEOUT_MS, answered, io};
+use crate::claims::outcome::ClaimOutcome;
+use crate::domains::smt::{Question, SolverAnswer, TIMEOUT_MS, answered, io};
 use crate::program::steps::Program;
 
 /// A linear form, rounded down and clamped, is monotone in each argument; that the source is one,
-/// [`crate::claims::control_law::ControlLaw::read`] has shown.
-pub fn by_intervals() -> Outcome {
-    Outcome::Proved("a linear form, rounded down and clamped".to_owned())
+/// [`crate::claims::control_law::EmittedLaw::read`] has shown.
+pub fn by_intervals() -> ClaimOutcome {
+    ClaimOutcome::Proved("a linear form, rounded down and clamped".to_owned())
 }
 
 /// The questions to z3, one for each state.
-pub fn by_smt(program: &Program, certificate: &Certificate) -> Answer {
+pub fn by_smt(program: &Program, certificate: &Certificate) -> SolverAnswer {
     (0..3)
         .map(|state| monotone(program, certificate, state))
-        .find(|answer| *answer != Answer::Proved)
-        .unwrap_or(Answer::Proved)
+        .find(|answer| *answer != SolverAnswer::Proved)
+        .unwrap_or(SolverAnswer::Proved)
 }
 
 /// For one state: two copies of the law that differ in it.
-fn monotone(program: &Program, certificate: &Certificate, state: usize) -> Answer {
+fn monotone(program: &Program, certificate: &Certificate, state: usize) -> SolverAnswer {
     let ask = || {
         let mut question = Question::new(TIMEOUT_MS)?;
         let lower = question.arguments(program, "x")?;

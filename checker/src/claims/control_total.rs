@@ -1,23 +1,23 @@
 //! Claim `control-total`: no operation of `control` leaves its type, and the command lies within the
 //! limit.
 
-use crate::claims::control_law::{ControlLaw, LawError};
-use crate::claims::outcome::Outcome;
-use crate::domains::smt::{Answer, Question, TIMEOUT_MS, answered};
+use crate::claims::control_law::{EmittedLaw, LawError};
+use crate::claims::outcome::ClaimOutcome;
+use crate::domains::smt::{Question, SolverAnswer, TIMEOUT_MS, answered};
 use crate::program::steps::Program;
 
 /// What reading the law has shown of it.
-pub fn by_intervals(law: &Result<ControlLaw, LawError>) -> Outcome {
+pub fn by_intervals(law: &Result<EmittedLaw, LawError>) -> ClaimOutcome {
     match law {
         Err(error @ (LawError::Finding(_) | LawError::BeyondLimit(..) | LawError::Missing)) => {
-            Outcome::Failed(error.to_string())
+            ClaimOutcome::Failed(error.to_string())
         }
-        _ => Outcome::Proved("no operation leaves its type".to_owned()),
+        _ => ClaimOutcome::Proved("no operation leaves its type".to_owned()),
     }
 }
 
 /// The question to z3.
-pub fn by_smt(program: &Program, limit: i128) -> Answer {
+pub fn by_smt(program: &Program, limit: i128) -> SolverAnswer {
     let ask = || {
         let mut question = Question::new(TIMEOUT_MS)?;
         let arguments = question.arguments(program, "x")?;

@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use crate::domains::intervals::{Interval, every_bit_pattern, ranges};
+use crate::domains::intervals::{IntegerInterval, every_bit_pattern, ranges};
 use crate::language::module::Module;
 use crate::program::contract::Contract;
 use crate::program::steps::Program;
@@ -33,17 +33,17 @@ impl Invariant {
         })
     }
 
-    fn of(&self, name: &str) -> Option<Interval> {
+    fn of(&self, name: &str) -> Option<IntegerInterval> {
         if name.contains(".quaternion[") {
-            Some(Interval::new(-self.component, self.component))
+            Some(IntegerInterval::new(-self.component, self.component))
         } else if name.ends_with("state.rate") || name.ends_with("state.slow_rate") {
-            Some(Interval::new(-self.rate, self.rate))
+            Some(IntegerInterval::new(-self.rate, self.rate))
         } else {
             None
         }
     }
 
-    fn arguments(&self, program: &Program) -> Vec<Interval> {
+    fn arguments(&self, program: &Program) -> Vec<IntegerInterval> {
         let mut domain = every_bit_pattern(program);
         for (interval, name) in domain.iter_mut().zip(&program.inputs) {
             if let Some(narrow) = self.of(name) {
@@ -55,7 +55,11 @@ impl Invariant {
 
     /// Whether the words of a state that a step leaves keep the invariant; the state's words come
     /// last among the results and first among the arguments.
-    pub(crate) fn is_kept(&self, program: &Program, results: &[Interval]) -> Result<(), String> {
+    pub(crate) fn is_kept(
+        &self,
+        program: &Program,
+        results: &[IntegerInterval],
+    ) -> Result<(), String> {
         let names: Vec<&String> = program
             .inputs
             .iter()
@@ -111,8 +115,8 @@ pub(crate) fn analysed(
     contracts: &HashMap<usize, Contract>,
     name: &str,
     invariant: &Invariant,
-    fixed: &[(usize, Interval)],
-) -> Result<Vec<Interval>, String> {
+    fixed: &[(usize, IntegerInterval)],
+) -> Result<Vec<IntegerInterval>, String> {
     let number = module
         .function_number(name)
         .ok_or_else(|| format!("there is no {name}"))?;

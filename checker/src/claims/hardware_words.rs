@@ -11,7 +11,7 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::certificate::reader::Certificate;
 use crate::claims::bias_observer_words::check_words;
-use crate::claims::control_law::{ControlLaw, exponent};
+use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::named_words::{NamedWords, nearest};
 use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
@@ -38,7 +38,7 @@ fn after<'a>(text: &'a str, mark: &str) -> Result<&'a str, String> {
 ///
 /// # Errors
 /// A sentence that names the word.
-pub fn check(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Check {
+pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Check {
     let text = module
         .text("src/constants.rs")
         .ok_or("there is no src/constants.rs")?;
@@ -148,7 +148,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &ControlLaw) -> Ch
 fn check_sensor_steps(
     text: &str,
     gravity: &BigRational,
-    stated: &crate::certificate::reader::ClosedLoop,
+    stated: &crate::certificate::reader::CertifiedLoop,
 ) -> Check {
     let row = |mark: &str, rows: &[usize]| -> Result<BigRational, String> {
         let numbers = numbers(after(text, mark)?);

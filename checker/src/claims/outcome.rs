@@ -2,7 +2,7 @@
 
 /// What came of a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum ClaimOutcome {
     /// Shown for the whole domain; with what was found.
     Proved(String),
     /// Held in so many cases.
@@ -13,43 +13,45 @@ pub enum Outcome {
     Failed(String),
 }
 
-impl Outcome {
+impl ClaimOutcome {
     /// Of a proof: what was found, or why not.
-    pub fn proved(result: Result<String, String>) -> Outcome {
+    pub fn proved(result: Result<String, String>) -> ClaimOutcome {
         match result {
-            Ok(text) => Outcome::Proved(text),
-            Err(why) => Outcome::Failed(why),
+            Ok(text) => ClaimOutcome::Proved(text),
+            Err(why) => ClaimOutcome::Failed(why),
         }
     }
 
     /// Of runs: how many, or the first that failed.
-    pub fn tested(result: Result<usize, String>) -> Outcome {
+    pub fn tested(result: Result<usize, String>) -> ClaimOutcome {
         match result {
-            Ok(cases) => Outcome::Tested(cases),
-            Err(why) => Outcome::Failed(why),
+            Ok(cases) => ClaimOutcome::Tested(cases),
+            Err(why) => ClaimOutcome::Failed(why),
         }
     }
 
     /// The word of the contract: `proved`, `tested`, `not run`, `failed`.
     pub fn word(&self) -> &'static str {
         match self {
-            Outcome::Proved(_) => "proved",
-            Outcome::Tested(_) => "tested",
-            Outcome::NotRun(_) => "not run",
-            Outcome::Failed(_) => "failed",
+            ClaimOutcome::Proved(_) => "proved",
+            ClaimOutcome::Tested(_) => "tested",
+            ClaimOutcome::NotRun(_) => "not run",
+            ClaimOutcome::Failed(_) => "failed",
         }
     }
 
     /// What is said beside the word.
     pub fn detail(&self) -> String {
         match self {
-            Outcome::Proved(text) | Outcome::NotRun(text) | Outcome::Failed(text) => text.clone(),
-            Outcome::Tested(cases) => format!("{cases} cases"),
+            ClaimOutcome::Proved(text)
+            | ClaimOutcome::NotRun(text)
+            | ClaimOutcome::Failed(text) => text.clone(),
+            ClaimOutcome::Tested(cases) => format!("{cases} cases"),
         }
     }
 }
 
-/// Interval and affine analysis of the source.
+/// IntegerInterval and affine analysis of the source.
 pub const INTERVALS: &str = "intervals of the source";
 /// Rational arithmetic on the certificate.
 pub const EXACT: &str = "exact arithmetic";

@@ -1,14 +1,14 @@
 //! Claim `primitives`: every function whose contract stands at it in the source keeps it.
 //!
-//! Each is proved alone, by halving its domain ([`crate::domains::intervals::prove`]), with the calls
+//! Each is proved alone, by halving its domain ([`crate::domains::halving::prove`]), with the calls
 //! of proved ones replaced by their contracts. Random runs compare with what they stand for.
 
 use std::collections::HashMap;
 
 use crate::claims::functions::{Functions, near, same};
-use crate::claims::outcome::Outcome;
+use crate::claims::outcome::ClaimOutcome;
 use crate::claims::random::Random;
-use crate::domains::intervals::prove;
+use crate::domains::halving::prove;
 use crate::language::contracts::stated;
 use crate::language::module::Module;
 use crate::program::contract::Contract;
@@ -54,8 +54,7 @@ pub fn primitives(module: &Module) -> Vec<Primitive> {
                     prove(whole, &contract, BOXES)
                 });
                 short.map_err(|finding| finding.to_string())
-            })
-            .map(|effort| effort.boxes);
+            });
         if proof.as_ref().is_ok_and(|boxes| *boxes > 1) {
             proved.insert(number, contract.clone());
         }
@@ -83,7 +82,7 @@ pub fn proved(primitives: &[Primitive]) -> HashMap<usize, Contract> {
 }
 
 /// What came of all of them.
-pub fn by_intervals(primitives: &[Primitive]) -> Outcome {
+pub fn by_intervals(primitives: &[Primitive]) -> ClaimOutcome {
     let failed: Vec<String> = primitives
         .iter()
         .filter(|primitive| !primitive.contract.is_partial)
@@ -98,14 +97,14 @@ pub fn by_intervals(primitives: &[Primitive]) -> Outcome {
         .filter_map(|p| p.proof.as_ref().ok())
         .sum();
     if primitives.is_empty() {
-        Outcome::Failed("no function of the source states a contract".to_owned())
+        ClaimOutcome::Failed("no function of the source states a contract".to_owned())
     } else if failed.is_empty() {
-        Outcome::Proved(format!(
+        ClaimOutcome::Proved(format!(
             "{} contracts over {boxes} boxes, {in_place} more in place",
             primitives.len() - in_place
         ))
     } else {
-        Outcome::Failed(failed.join("; "))
+        ClaimOutcome::Failed(failed.join("; "))
     }
 }
 

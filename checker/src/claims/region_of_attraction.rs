@@ -23,10 +23,10 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::reader::{Certificate, ClosedLoop, matrix, vector};
+use crate::certificate::reader::{Certificate, CertifiedLoop, matrix, vector};
 use crate::claims::closed_loop_for_all_time::ClosedLoopBounds;
-use crate::claims::control_law::ControlLaw;
-use crate::claims::outcome::Outcome;
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{Matrix, Vector, dot, inverse, quadratic};
 use crate::exact::rational::{half, integer, power, root_above, rounded_up};
 
@@ -39,7 +39,7 @@ const TERMS: i128 = 24;
 
 /// What is shown.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Attraction {
+pub struct ProvedRegion {
     /// r₁: size of the region, E having 1.
     pub outer: BigRational,
     /// r₀: size of the set to which everything comes.
@@ -66,13 +66,13 @@ struct Loop {
 pub fn by_exact_arithmetic(
     certificate: &Certificate,
     bounds: Option<&ClosedLoopBounds>,
-    law: &ControlLaw,
-) -> Outcome {
+    law: &EmittedLaw,
+) -> ClaimOutcome {
     let (Some(stated), Some(bounds)) = (&certificate.closed_loop, bounds) else {
-        return Outcome::NotRun("it needs closed-loop-for-all-time".to_owned());
+        return ClaimOutcome::NotRun("it needs closed-loop-for-all-time".to_owned());
     };
     match check(certificate, stated, bounds, law) {
-        Ok(region) => Outcome::Proved(format!(
+        Ok(region) => ClaimOutcome::Proved(format!(
             "from {} of the ellipsoid (up to {} rad, {} rad/s, {} rad/s) into {} of it",
             rounded_up(&region.outer, 3),
             rounded_up(&region.extents[0], 3),
@@ -80,7 +80,7 @@ pub fn by_exact_arithmetic(
             rounded_up(&region.extents[2], 3),
             rounded_up(&region.inner, 3)
         )),
-        Err(why) => Outcome::NotRun(why),
+        Err(why) => ClaimOutcome::NotRun(why),
     }
 }
 
@@ -90,10 +90,10 @@ pub fn by_exact_arithmetic(
 /// A sentence that says what is missing, or that nothing could be shown.
 pub fn check(
     certificate: &Certificate,
-    stated: &ClosedLoop,
+    stated: &CertifiedLoop,
     bounds: &ClosedLoopBounds,
-    law: &ControlLaw,
-) -> Result<Attraction, String> {
+    law: &EmittedLaw,
+) -> Result<ProvedRegion, String> {
     let parameter = |name: &str| {
         let found = certificate.parameters.iter().find(|p| p.name == name);
         found
@@ -139,7 +139,7 @@ pub fn check(
             .take_while(|inner| *inner < outer)
             .find(|inner| all.decreases(inner, inner) && all.decreases(inner, &outer));
         if let Some(inner) = inner {
-            return Ok(Attraction {
+            return Ok(ProvedRegion {
                 extents: all.extents.map(|extent| extent * &outer),
                 outer,
                 inner,

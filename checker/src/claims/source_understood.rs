@@ -1,14 +1,14 @@
 //! Claim `source-understood`: the sources are in the language, and nothing else is built or run with
 //! them.
 
-use crate::claims::outcome::Outcome;
+use crate::claims::outcome::ClaimOutcome;
 use crate::language::emitted::Emitted;
 use crate::language::module::Module;
 
 /// For sources that were read as `module`: what lies beside them, and the manifest.
-pub fn by_reading(emitted: &Emitted, module: &Module) -> Outcome {
+pub fn by_reading(emitted: &Emitted, module: &Module) -> ClaimOutcome {
     let functions = module.declarations().functions.len();
-    Outcome::proved(
+    ClaimOutcome::proved(
         check_surroundings(emitted)
             .map(|()| format!("{functions} functions in {} files", emitted.sources.len())),
     )

@@ -17,9 +17,9 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
 use crate::certificate::reader::{Certificate, matrix, vector};
-use crate::claims::closed_loop_stable::{Verdict, judged};
-use crate::claims::control_law::ControlLaw;
-use crate::claims::outcome::Outcome;
+use crate::claims::closed_loop_stable::{Stability, judged};
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::outcome::ClaimOutcome;
 use crate::exact::enclosure::Enclosure;
 use crate::exact::matrices::Vector;
 use crate::exact::rational::{half, integer, power, root_above, rounded_up};
@@ -62,21 +62,21 @@ pub enum RegionFailure {
 }
 
 /// What comes of the claim.
-pub fn by_exact_arithmetic(certificate: &Certificate, law: &ControlLaw) -> Outcome {
+pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
     match check_region(certificate, law) {
-        Ok(region) if region.uncertain.is_empty() => {
-            Outcome::Proved("no standard error is stated: the parameters themselves".to_owned())
-        }
+        Ok(region) if region.uncertain.is_empty() => ClaimOutcome::Proved(
+            "no standard error is stated: the parameters themselves".to_owned(),
+        ),
         Ok(region) => {
             let list: Vec<_> = region
                 .uncertain
                 .iter()
                 .map(|(name, radius)| format!("{name} ± {radius}"))
                 .collect();
-            Outcome::Proved(format!("{} in {} boxes", list.join(", "), region.boxes))
+            ClaimOutcome::Proved(format!("{} in {} boxes", list.join(", "), region.boxes))
         }
-        Err(RegionFailure::NotStated(why)) => Outcome::NotRun(why),
-        Err(RegionFailure::Fails(why)) => Outcome::Failed(why),
+        Err(RegionFailure::NotStated(why)) => ClaimOutcome::NotRun(why),
+        Err(RegionFailure::Fails(why)) => ClaimOutcome::Failed(why),
     }
 }
 
@@ -86,7 +86,7 @@ pub fn by_exact_arithmetic(certificate: &Certificate, law: &ControlLaw) -> Outco
 /// [`RegionFailure`].
 pub fn check_region(
     certificate: &Certificate,
-    law: &ControlLaw,
+    law: &EmittedLaw,
 ) -> Result<ParameterRegion, RegionFailure> {
     let parameter = |name: &str| certificate.parameters.iter().find(|p| p.name == name);
     let mut values = Vec::new();
@@ -158,7 +158,7 @@ pub fn check_region(
                 (end.clone(), end.clone())
             })
             .collect();
-        if is_new && model.judge(&vector) == Verdict::Unstable {
+        if is_new && model.judge(&vector) == Stability::Unstable {
             return Err(RegionFailure::Fails(format!(
                 "the loop is unstable for {}",
                 named(&vector)
@@ -169,7 +169,7 @@ pub fn check_region(
     let mut boxes = 0;
     while let Some(part) = pending.pop_front() {
         boxes += 1;
-        if model.judge(&part) == Verdict::Stable {
+        if model.judge(&part) == Stability::Stable {
             continue;
         }
         let middle: Vec<(BigRational, BigRational)> = part
@@ -179,7 +179,7 @@ pub fn check_region(
                 (middle.clone(), middle)
             })
             .collect();
-        if model.judge(&middle) == Verdict::Unstable {
+        if model.judge(&middle) == Stability::Unstable {
             return Err(RegionFailure::Fails(format!(
                 "the loop is unstable for {}",
                 named(&middle)
@@ -229,7 +229,7 @@ struct Model {
 impl Model {
     fn new(
         certificate: &Certificate,
-        law: &ControlLaw,
+        law: &EmittedLaw,
         values: &[BigRational],
     ) -> Result<Model, String> {
         let a = matrix(&certificate.plant.a);
@@ -284,7 +284,7 @@ impl Model {
         })
     }
 
-    fn judge(&self, part: &[(BigRational, BigRational)]) -> Verdict {
+    fn judge(&self, part: &[(BigRational, BigRational)]) -> Stability {
         let p: Vec<Enclosure> = part
             .iter()
             .map(|(low, high)| Enclosure::new(low, high))
@@ -292,7 +292,7 @@ impl Model {
         let point = Enclosure::point;
         let (Some(over_d), Some(over_wheel)) = ((&p[0] - &p[1]).reciprocal(), p[1].reciprocal())
         else {
-            return Verdict::Undecided;
+            return Stability::Undecided;
         };
         let gravity = &(&p[2] + &point(&self.extra_gravity)) * &over_d;
         let friction = &(&(&p[4] + &point(&self.extra_friction))
@@ -338,7 +338,7 @@ impl Model {
                 .iter()
                 .fold(zero(), |sum, entry| &sum + &entry.magnitude());
             if !(&four - &(&sum * &point(&self.sample_time))).is_positive() {
-                return Verdict::Undecided;
+                return Stability::Undecided;
             }
         }
         let series = series.map(|row| row.map(|entry| &entry + &widening));

@@ -2,30 +2,26 @@
 //!
 //! Conditions narrow the words that they compare, on the side of a branch where they hold. Where
 //! intervals are too wide because a word occurs several times in one expression (Newton's method),
-//! the domain is halved again and again, down to single words if need be: then the analysis is
-//! exact.
+//! [`crate::domains::halving`] helps.
 
-use std::collections::HashMap;
-
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
-use crate::program::contract::Contract;
-use crate::program::place::Place;
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
+use crate::program::place::SourcePlace;
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::{Integer, Type};
 
 /// All integers from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Interval {
+pub struct IntegerInterval {
     /// Smallest.
     pub low: i128,
     /// Largest, at least `low`.
     pub high: i128,
 }
 
-impl Interval {
+impl IntegerInterval {
     /// One integer.
     pub fn point(value: i128) -> Self {
-        Interval {
+        IntegerInterval {
             low: value,
             high: value,
         }
@@ -33,18 +29,18 @@ impl Interval {
 
     /// From `low` to `high`.
     pub fn new(low: i128, high: i128) -> Self {
-        Interval { low, high }
+        IntegerInterval { low, high }
     }
 
     /// Every value of a word of this type.
     pub fn of(type_: &Type) -> Self {
         let (low, high) = type_.range();
-        Interval { low, high }
+        IntegerInterval { low, high }
     }
 
     /// The smallest interval that holds both.
     pub fn hull(self, other: Self) -> Self {
-        Interval {
+        IntegerInterval {
             low: self.low.min(other.low),
             high: self.high.max(other.high),
         }
@@ -61,7 +57,7 @@ impl Interval {
 #[error("{place}: {message}")]
 pub struct Finding {
     /// Where.
-    pub place: Place,
+    pub place: SourcePlace,
     /// What.
     pub message: String,
 }
@@ -69,19 +65,18 @@ pub struct Finding {
 /// Where a truth value comes from.
 #[derive(Clone, Copy, Debug)]
 enum Truth {
-    Compared(Comparison, Slot, Slot),
+    Compared(WordComparison, Slot, Slot),
     Not(Slot),
     Both(Slot, Slot),
     Either(Slot, Slot),
 }
 
 /// What is known of the words while a program is walked.
-#[derive(Default)]
 struct Intervals {
-    /// Where truth values come from.
-    truths: HashMap<Slot, Truth>,
+    /// Where truth values come from, by slot; `None` for words that are none.
+    truths: Vec<Option<Truth>>,
     /// Words that were narrowed, with what they were before.
-    narrowed: Vec<(Slot, Interval)>,
+    narrowed: Vec<(Slot, IntegerInterval)>,
     /// Length of `narrowed` at the start of each side that is being walked.
     marks: Vec<usize>,
 }
@@ -91,10 +86,14 @@ struct Intervals {
 /// # Errors
 /// [`Finding`] for the first step that may overflow, lose bits, shift too far, clamp to nothing,
 /// fail an assertion or break a contract. A finding may be spurious, a success is not.
-pub fn ranges(program: &Program, arguments: &[Interval]) -> Result<Vec<Interval>, Finding> {
+pub fn ranges(
+    program: &Program,
+    arguments: &[IntegerInterval],
+) -> Result<Vec<IntegerInterval>, Finding> {
     let mut is_stated = arguments.len() == program.arguments.len();
     for (interval, type_) in arguments.iter().zip(&program.argument_types) {
-        is_stated &= interval.low <= interval.high && interval.is_within(Interval::of(type_));
+        is_stated &=
+            interval.low <= interval.high && interval.is_within(IntegerInterval::of(type_));
     }
     if !is_stated {
         return Err(Finding {
@@ -102,93 +101,26 @@ pub fn ranges(program: &Program, arguments: &[Interval]) -> Result<Vec<Interval>
             message: "the stated ranges are not those of the arguments".to_owned(),
         });
     }
-    let mut domain = Intervals::default();
+    let mut domain = Intervals {
+        truths: vec![None; program.initial.len()],
+        narrowed: Vec::new(),
+        marks: Vec::new(),
+    };
     let mut words = start(&mut domain, program, arguments.iter().copied());
     walk(&mut domain, program, &mut words)?;
     Ok(program.results.iter().map(|slot| words[*slot]).collect())
 }
 
 /// The full range of every word of the arguments.
-pub fn every_bit_pattern(program: &Program) -> Vec<Interval> {
-    program.argument_types.iter().map(Interval::of).collect()
+pub fn every_bit_pattern(program: &Program) -> Vec<IntegerInterval> {
+    program
+        .argument_types
+        .iter()
+        .map(IntegerInterval::of)
+        .collect()
 }
 
-/// How much work a proof by halving was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
-    /// Boxes that were analysed.
-    pub boxes: usize,
-}
-
-/// Proves a contract of `program`, halving the domain where the analysis is too coarse.
-///
-/// # Errors
-/// [`Finding`]: of a single point, where the contract fails indeed, or of the first box when
-/// `limit` boxes did not suffice.
-pub fn prove(program: &Program, contract: &Contract, limit: usize) -> Result<Effort, Finding> {
-    let mut domain = every_bit_pattern(program);
-    for range in &contract.requires {
-        if let Some(interval) = domain.get_mut(range.word) {
-            *interval = Interval::new(range.low, range.high);
-        }
-    }
-    let mut pending = vec![domain];
-    let mut boxes = 0;
-    while let Some(domain) = pending.pop() {
-        boxes += 1;
-        let Err(finding) = meets(program, &domain, contract) else {
-            continue;
-        };
-        let widest = (0..domain.len())
-            .max_by_key(|word| domain[*word].high - domain[*word].low)
-            .filter(|word| domain[*word].high > domain[*word].low);
-        let Some(word) = widest.filter(|_| boxes < limit) else {
-            let place = finding.place;
-            let text: Vec<_> = program
-                .inputs
-                .iter()
-                .zip(&domain)
-                .map(|(name, interval)| format!("{name} in [{}, {}]", interval.low, interval.high))
-                .collect();
-            return Err(Finding {
-                place,
-                message: format!("{}, for {}", finding.message, text.join(", ")),
-            });
-        };
-        let Interval { low, high } = domain[word];
-        let middle = low + (high - low) / 2;
-        let mut lower = domain.clone();
-        lower[word].high = middle;
-        let mut upper = domain;
-        upper[word].low = middle + 1;
-        pending.push(lower);
-        pending.push(upper);
-    }
-    Ok(Effort { boxes })
-}
-
-fn meets(program: &Program, domain: &[Interval], contract: &Contract) -> Result<(), Finding> {
-    let results = ranges(program, domain)?;
-    for range in &contract.ensures {
-        let found = results.get(range.word).copied();
-        let wanted = Interval::new(range.low, range.high);
-        if !found.is_some_and(|found| found.is_within(wanted)) {
-            let found = found.map_or("missing".to_owned(), |found| {
-                format!("in [{}, {}]", found.low, found.high)
-            });
-            return Err(Finding {
-                place: program.places[0].clone(),
-                message: format!(
-                    "word {} of the result of `{}` is {found}, not within [{}, {}]",
-                    range.word, program.name, range.low, range.high
-                ),
-            });
-        }
-    }
-    Ok(())
-}
-
-fn finding<T>(site: &Site<Interval>, message: String) -> Result<T, Finding> {
+fn finding<T>(site: &Site<IntegerInterval>, message: String) -> Result<T, Finding> {
     Err(Finding {
         place: site.place(),
         message,
@@ -196,21 +128,21 @@ fn finding<T>(site: &Site<Interval>, message: String) -> Result<T, Finding> {
 }
 
 impl Domain for Intervals {
-    type Word = Interval;
+    type Word = IntegerInterval;
     type Stop = Finding;
 
-    fn initial(&mut self, _slot: Slot, constant: Option<i128>) -> Interval {
-        Interval::point(constant.unwrap_or(0))
+    fn initial(&mut self, _slot: Slot, constant: Option<i128>) -> IntegerInterval {
+        IntegerInterval::point(constant.unwrap_or(0))
     }
 
     fn arithmetic(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         _to: Slot,
         operation: Arithmetic,
         (a, b): (Slot, Slot),
         type_: Integer,
-    ) -> Result<Interval, Finding> {
+    ) -> Result<IntegerInterval, Finding> {
         let (x, y) = (*site.word(a), *site.word(b));
         // x · x is no product of two independent words.
         let value = if a == b && operation == Arithmetic::Multiply {
@@ -219,7 +151,9 @@ impl Domain for Intervals {
             arithmetic(operation, x, y, type_)
         };
         match value {
-            Some(value) if value.is_within(Interval::new(type_.min(), type_.max())) => Ok(value),
+            Some(value) if value.is_within(IntegerInterval::new(type_.min(), type_.max())) => {
+                Ok(value)
+            }
             _ => finding(
                 site,
                 format!(
@@ -236,34 +170,34 @@ impl Domain for Intervals {
 
     fn comparison(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         (a, b): (Slot, Slot),
-    ) -> Result<Interval, Finding> {
-        self.truths.insert(to, Truth::Compared(comparison, a, b));
+    ) -> Result<IntegerInterval, Finding> {
+        self.truths[to] = Some(Truth::Compared(comparison, a, b));
         Ok(compared(comparison, *site.word(a), *site.word(b)))
     }
 
     fn negation(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         to: Slot,
         operand: Slot,
-    ) -> Result<Interval, Finding> {
-        self.truths.insert(to, Truth::Not(operand));
+    ) -> Result<IntegerInterval, Finding> {
+        self.truths[to] = Some(Truth::Not(operand));
         let value = site.word(operand);
-        Ok(Interval::new(1 - value.high, 1 - value.low))
+        Ok(IntegerInterval::new(1 - value.high, 1 - value.low))
     }
 
     fn cast(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         operand: Slot,
         type_: Integer,
-    ) -> Result<Interval, Finding> {
+    ) -> Result<IntegerInterval, Finding> {
         let value = *site.word(operand);
-        if value.is_within(Interval::new(type_.min(), type_.max())) {
+        if value.is_within(IntegerInterval::new(type_.min(), type_.max())) {
             Ok(value)
         } else {
             finding(
@@ -275,17 +209,17 @@ impl Domain for Intervals {
 
     fn clamp(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         _to: Slot,
         operand: Slot,
         (low, high): (Slot, Slot),
-    ) -> Result<Interval, Finding> {
+    ) -> Result<IntegerInterval, Finding> {
         let (low, high) = (*site.word(low), *site.word(high));
         if low.high > high.low {
             return finding(site, "the clamp's ends may cross".to_owned());
         }
         let value = site.word(operand);
-        Ok(Interval {
+        Ok(IntegerInterval {
             low: value.low.clamp(low.low, high.low),
             high: value.high.clamp(low.high, high.high),
         })
@@ -293,7 +227,7 @@ impl Domain for Intervals {
 
     fn assertion(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         condition: Slot,
         message: &str,
     ) -> Result<(), Finding> {
@@ -305,12 +239,12 @@ impl Domain for Intervals {
 
     fn call(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         call: ContractedCall,
-    ) -> Result<Vec<Interval>, Finding> {
+    ) -> Result<Vec<IntegerInterval>, Finding> {
         for (slot, low, high) in call.requires {
             let found = *site.word(*slot);
-            if !found.is_within(Interval::new(*low, *high)) {
+            if !found.is_within(IntegerInterval::new(*low, *high)) {
                 return finding(
                     site,
                     format!(
@@ -322,16 +256,16 @@ impl Domain for Intervals {
         }
         let ensured = call.ensures.iter();
         Ok(ensured
-            .map(|(_, low, high)| Interval::new(*low, *high))
+            .map(|(_, low, high)| IntegerInterval::new(*low, *high))
             .collect())
     }
 
-    fn enter(&mut self, words: &mut [Interval], condition: Slot, side: bool) -> bool {
+    fn enter(&mut self, words: &mut [IntegerInterval], condition: Slot, side: bool) -> bool {
         self.marks.push(self.narrowed.len());
         self.narrow(words, condition, side)
     }
 
-    fn leave(&mut self, words: &mut [Interval]) {
+    fn leave(&mut self, words: &mut [IntegerInterval]) {
         let mark = self.marks.pop().unwrap_or(0);
         for (slot, before) in self.narrowed.drain(mark..).rev() {
             words[slot] = before;
@@ -340,11 +274,11 @@ impl Domain for Intervals {
 
     fn join(
         &mut self,
-        site: &Site<Interval>,
+        site: &Site<IntegerInterval>,
         condition: Slot,
         joins: &[Join],
-        [then, otherwise]: [Side<Interval>; 2],
-    ) -> Result<Vec<Interval>, Finding> {
+        [then, otherwise]: [BranchEnd<IntegerInterval>; 2],
+    ) -> Result<Vec<IntegerInterval>, Finding> {
         for join in joins {
             self.remember_connective(site.program, condition, join);
         }
@@ -364,17 +298,15 @@ impl Intervals {
     fn remember_connective(&mut self, program: &Program, condition: Slot, join: &Join) {
         let is =
             |slot: Slot, value: i128| program.is_constant[slot] && program.initial[slot] == value;
-        let knows = |slot: Slot| self.truths.contains_key(&slot);
+        let knows = |slot: Slot| self.truths[slot].is_some();
         if is(join.otherwise, 0) && knows(join.then) {
-            self.truths
-                .insert(join.to, Truth::Both(condition, join.then));
+            self.truths[join.to] = Some(Truth::Both(condition, join.then));
         } else if is(join.then, 1) && knows(join.otherwise) {
-            self.truths
-                .insert(join.to, Truth::Either(condition, join.otherwise));
+            self.truths[join.to] = Some(Truth::Either(condition, join.otherwise));
         }
     }
 
-    fn set(&mut self, words: &mut [Interval], slot: Slot, value: Interval) {
+    fn set(&mut self, words: &mut [IntegerInterval], slot: Slot, value: IntegerInterval) {
         if words[slot] != value {
             self.narrowed.push((slot, words[slot]));
             words[slot] = value;
@@ -382,14 +314,14 @@ impl Intervals {
     }
 
     /// Narrows `words` to where `slot` is `value`; whether anything is left.
-    fn narrow(&mut self, words: &mut [Interval], slot: Slot, value: bool) -> bool {
+    fn narrow(&mut self, words: &mut [IntegerInterval], slot: Slot, value: bool) -> bool {
         let wanted = i128::from(value);
         let found = words[slot];
         if wanted < found.low || found.high < wanted {
             return false;
         }
-        self.set(words, slot, Interval::point(wanted));
-        match self.truths.get(&slot).copied() {
+        self.set(words, slot, IntegerInterval::point(wanted));
+        match self.truths[slot] {
             None => true,
             Some(Truth::Not(a)) => self.narrow(words, a, !value),
             Some(Truth::Both(a, b)) => match value {
@@ -404,11 +336,11 @@ impl Intervals {
                 true => true,
             },
             Some(Truth::Compared(comparison, a, b)) => match (comparison, value) {
-                (Comparison::Less, true) => self.below(words, a, b, 1),
-                (Comparison::Less, false) => self.below(words, b, a, 0),
-                (Comparison::LessEqual, true) => self.below(words, a, b, 0),
-                (Comparison::LessEqual, false) => self.below(words, b, a, 1),
-                (Comparison::Equal, true) | (Comparison::NotEqual, false) => {
+                (WordComparison::Less, true) => self.below(words, a, b, 1),
+                (WordComparison::Less, false) => self.below(words, b, a, 0),
+                (WordComparison::LessEqual, true) => self.below(words, a, b, 0),
+                (WordComparison::LessEqual, false) => self.below(words, b, a, 1),
+                (WordComparison::Equal, true) | (WordComparison::NotEqual, false) => {
                     self.below(words, a, b, 0) && self.below(words, b, a, 0)
                 }
                 _ => true,
@@ -417,7 +349,7 @@ impl Intervals {
     }
 
     /// Narrows to a + gap ≤ b.
-    fn below(&mut self, words: &mut [Interval], a: Slot, b: Slot, gap: i128) -> bool {
+    fn below(&mut self, words: &mut [IntegerInterval], a: Slot, b: Slot, gap: i128) -> bool {
         let mut lower = words[a];
         lower.high = lower.high.min(words[b].high - gap);
         self.set(words, a, lower);
@@ -428,42 +360,47 @@ impl Intervals {
     }
 }
 
-fn compared(comparison: Comparison, a: Interval, b: Interval) -> Interval {
+fn compared(comparison: WordComparison, a: IntegerInterval, b: IntegerInterval) -> IntegerInterval {
     let (never, always) = match comparison {
-        Comparison::Less => (a.low >= b.high, a.high < b.low),
-        Comparison::LessEqual => (a.low > b.high, a.high <= b.low),
-        Comparison::Equal | Comparison::NotEqual => {
+        WordComparison::Less => (a.low >= b.high, a.high < b.low),
+        WordComparison::LessEqual => (a.low > b.high, a.high <= b.low),
+        WordComparison::Equal | WordComparison::NotEqual => {
             let apart = a.high < b.low || b.high < a.low;
             let same = a.low == a.high && a == b;
-            if comparison == Comparison::Equal {
+            if comparison == WordComparison::Equal {
                 (apart, same)
             } else {
                 (same, apart)
             }
         }
     };
-    Interval::new(i128::from(always), i128::from(!never))
+    IntegerInterval::new(i128::from(always), i128::from(!never))
 }
 
-fn square(x: Interval) -> Option<Interval> {
+fn square(x: IntegerInterval) -> Option<IntegerInterval> {
     let (low, high) = (x.low.checked_mul(x.low)?, x.high.checked_mul(x.high)?);
     let least = if x.low <= 0 && 0 <= x.high {
         0
     } else {
         low.min(high)
     };
-    Some(Interval::new(least, low.max(high)))
+    Some(IntegerInterval::new(least, low.max(high)))
 }
 
 /// The range of an operation; `None` where 128 bits or the shift's range do not suffice.
-fn arithmetic(operation: Arithmetic, a: Interval, b: Interval, type_: Integer) -> Option<Interval> {
+fn arithmetic(
+    operation: Arithmetic,
+    a: IntegerInterval,
+    b: IntegerInterval,
+    type_: Integer,
+) -> Option<IntegerInterval> {
     let corner = |x, y| operation.apply(x, y, type_.bits);
     match operation {
-        Arithmetic::Add => Some(Interval::new(
+        Arithmetic::Add => Some(IntegerInterval::new(
             a.low.checked_add(b.low)?,
             a.high.checked_add(b.high)?,
         )),
-        Arithmetic::Subtract => Some(Interval::new(
+        Arithmetic::Subtract => Some(IntegerInterval::new(
             a.low.checked_sub(b.high)?,
             a.high.checked_sub(b.low)?,
         )),
@@ -475,16 +412,16 @@ fn arithmetic(operation: Arithmetic, a: Interval, b: Interval, type_: Integer) -
                 corner(a.high, b.low)?,
                 corner(a.high, b.high)?,
             ];
-            let mut result = Interval::point(corners[0]);
+            let mut result = IntegerInterval::point(corners[0]);
             for value in corners {
-                result = result.hull(Interval::point(value));
+                result = result.hull(IntegerInterval::point(value));
             }
             Some(result)
         }
         // With a mask that is not negative the result lies between zero and the mask.
         Arithmetic::And => {
             let mask = if b.low >= 0 { b.high } else { a.high };
-            (b.low >= 0 || a.low >= 0).then_some(Interval::new(0, mask))
+            (b.low >= 0 || a.low >= 0).then_some(IntegerInterval::new(0, mask))
         }
     }
 }

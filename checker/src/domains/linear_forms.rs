@@ -13,8 +13,8 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Σ cᵢ Xᵢ + c + e, e within [low, high]; all in units of the word.
@@ -142,7 +142,7 @@ impl Domain for LinearForms {
         &mut self,
         _site: &Site<Option<Form>>,
         _to: Slot,
-        _comparison: Comparison,
+        _comparison: WordComparison,
         _operands: (Slot, Slot),
     ) -> Result<Option<Form>, Infallible> {
         Ok(None)
@@ -205,7 +205,7 @@ impl Domain for LinearForms {
         _site: &Site<Option<Form>>,
         _condition: Slot,
         joins: &[Join],
-        _sides: [Side<Option<Form>>; 2],
+        _sides: [BranchEnd<Option<Form>>; 2],
     ) -> Result<Vec<Option<Form>>, Infallible> {
         Ok(vec![None; joins.len()])
     }

@@ -1,8 +1,8 @@
 //! One integer for each word: runs a function, with every overflow found.
 
-use crate::domains::walk::{ContractedCall, Domain, Side, Sides, Site, start, walk};
-use crate::program::place::Place;
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Sides, Site, start, walk};
+use crate::program::place::SourcePlace;
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// What stops a run: arithmetic that leaves its type, a cast that loses bits, an assertion.
@@ -10,7 +10,7 @@ use crate::program::types::Integer;
 #[error("{place}: {message}")]
 pub struct Trap {
     /// Where.
-    pub place: Place,
+    pub place: SourcePlace,
     /// What happened.
     pub message: String,
 }
@@ -107,15 +107,15 @@ impl Domain for Integers {
         &mut self,
         site: &Site<i128>,
         _to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         (a, b): (Slot, Slot),
     ) -> Result<i128, Trap> {
         let (a, b) = (site.word(a), site.word(b));
         Ok(i128::from(match comparison {
-            Comparison::Less => a < b,
-            Comparison::LessEqual => a <= b,
-            Comparison::Equal => a == b,
-            Comparison::NotEqual => a != b,
+            WordComparison::Less => a < b,
+            WordComparison::LessEqual => a <= b,
+            WordComparison::Equal => a == b,
+            WordComparison::NotEqual => a != b,
         }))
     }
 
@@ -173,7 +173,7 @@ impl Domain for Integers {
         site: &Site<i128>,
         condition: Slot,
         _joins: &[Join],
-        [then, otherwise]: [Side<i128>; 2],
+        [then, otherwise]: [BranchEnd<i128>; 2],
     ) -> Result<Vec<i128>, Trap> {
         let taken = if *site.word(condition) != 0 {
             then

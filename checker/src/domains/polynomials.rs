@@ -13,9 +13,9 @@ use std::convert::Infallible;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::exact::rational::{integer, power_of_two};
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Symbols, sorted, each as often as its power.
@@ -284,7 +284,7 @@ impl Domain for Polynomials {
         &mut self,
         _site: &Site<Polynomial>,
         to: Slot,
-        _comparison: Comparison,
+        _comparison: WordComparison,
         _operands: (Slot, Slot),
     ) -> Result<Polynomial, Infallible> {
         Ok(Polynomial::symbol(to))
@@ -347,7 +347,7 @@ impl Domain for Polynomials {
         _site: &Site<Polynomial>,
         _condition: Slot,
         joins: &[Join],
-        _sides: [Side<Polynomial>; 2],
+        _sides: [BranchEnd<Polynomial>; 2],
     ) -> Result<Vec<Polynomial>, Infallible> {
         self.joins.push(joins.to_vec());
         let joined = joins.iter().map(|join| Polynomial::symbol(join.to));

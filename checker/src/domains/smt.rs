@@ -8,8 +8,8 @@ use std::process::{Command, Stdio};
 
 use easy_smt::{Context, ContextBuilder, Response, SExpr};
 
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
-use crate::program::steps::{Arithmetic, Comparison, Join, Program, Slot};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
+use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Milliseconds that a question about a claim may take.
@@ -22,7 +22,7 @@ const MEMORY: &str = "-memory:2000";
 
 /// What z3 said.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum SolverAnswer {
     /// There is no counterexample.
     Proved,
     /// There is one.
@@ -161,12 +161,12 @@ impl Question {
     }
 
     /// Asks whether `wanted` can fail, with nothing gone wrong before if `sound` says so.
-    pub(crate) fn ask(mut self, wanted: SExpr) -> Asked<Answer> {
+    pub(crate) fn ask(mut self, wanted: SExpr) -> Asked<SolverAnswer> {
         let not = self.context.not(wanted);
         io(self.context.assert(not))?;
         match io(self.context.check())? {
-            Response::Unsat => Ok(Answer::Proved),
-            Response::Unknown => Ok(Answer::Unknown(format!(
+            Response::Unsat => Ok(SolverAnswer::Proved),
+            Response::Unknown => Ok(SolverAnswer::Unknown(format!(
                 "z3 did not know within {} s",
                 self.timeout_ms / 1000
             ))),
@@ -174,7 +174,7 @@ impl Question {
                 let model = io(self.context.get_model())?;
                 let text = self.context.display(model).to_string();
                 let flat: Vec<_> = text.split_whitespace().collect();
-                Ok(Answer::Refuted(flat.join(" ")))
+                Ok(SolverAnswer::Refuted(flat.join(" ")))
             }
         }
     }
@@ -247,16 +247,16 @@ impl Domain for Question {
         &mut self,
         site: &Site<SExpr>,
         _to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         (a, b): (Slot, Slot),
     ) -> Asked<SExpr> {
         let (x, y) = (*site.word(a), *site.word(b));
         let c = &self.context;
         let holds = match comparison {
-            Comparison::Less => c.lt(x, y),
-            Comparison::LessEqual => c.lte(x, y),
-            Comparison::Equal => c.eq(x, y),
-            Comparison::NotEqual => c.not(c.eq(x, y)),
+            WordComparison::Less => c.lt(x, y),
+            WordComparison::LessEqual => c.lte(x, y),
+            WordComparison::Equal => c.eq(x, y),
+            WordComparison::NotEqual => c.not(c.eq(x, y)),
         };
         self.truth(holds)
     }
@@ -313,7 +313,7 @@ impl Domain for Question {
         site: &Site<SExpr>,
         condition: Slot,
         _joins: &[Join],
-        [then, otherwise]: [Side<SExpr>; 2],
+        [then, otherwise]: [BranchEnd<SExpr>; 2],
     ) -> Asked<Vec<SExpr>> {
         let holds = self.holds(*site.word(condition));
         let both = then.words.into_iter().zip(otherwise.words);
@@ -326,16 +326,16 @@ impl Domain for Question {
 }
 
 /// What z3 said, or why it could not be asked.
-pub(crate) fn answered(asked: Asked<Answer>) -> Answer {
-    asked.unwrap_or_else(Answer::Unknown)
+pub(crate) fn answered(asked: Asked<SolverAnswer>) -> SolverAnswer {
+    asked.unwrap_or_else(SolverAnswer::Unknown)
 }
 
 /// Whether two versions of a function return the same words, and neither overflows where the other
 /// does not, for all arguments within `ranges`. Products of two words are first taken as unknown,
 /// which proves quickly what does not depend on their values.
-pub fn same(one: &Program, other: &Program, ranges: &[(i128, i128)]) -> Answer {
+pub fn same(one: &Program, other: &Program, ranges: &[(i128, i128)]) -> SolverAnswer {
     match compared(one, other, ranges, true) {
-        Ok(Answer::Proved) => Answer::Proved,
+        Ok(SolverAnswer::Proved) => SolverAnswer::Proved,
         _ => answered(compared(one, other, ranges, false)),
     }
 }
@@ -345,7 +345,7 @@ fn compared(
     other: &Program,
     ranges: &[(i128, i128)],
     products_are_unknown: bool,
-) -> Asked<Answer> {
+) -> Asked<SolverAnswer> {
     if one.argument_types != other.argument_types || one.results.len() != other.results.len() {
         return Err("the functions have different arguments or results".to_owned());
     }

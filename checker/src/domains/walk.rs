@@ -9,8 +9,8 @@
 //! never taken; afterwards it takes the narrowing back. Then it joins what the two sides left.
 //! Every word is written once, so that neither side disturbs the other.
 
-use crate::program::place::Place;
-use crate::program::steps::{Action, Arithmetic, Comparison, Join, Program, Slot, Step};
+use crate::program::place::SourcePlace;
+use crate::program::steps::{Action, Arithmetic, Join, Program, ProgramStep, Slot, WordComparison};
 use crate::program::types::Integer;
 
 /// Where a walk stands: the step, and the words so far.
@@ -19,7 +19,7 @@ pub struct Site<'a, W> {
     /// The program.
     pub program: &'a Program,
     /// The step.
-    pub step: &'a Step,
+    pub step: &'a ProgramStep,
     /// The words, by slot.
     pub words: &'a [W],
 }
@@ -36,7 +36,7 @@ impl<W> Site<'_, W> {
     }
 
     /// Where the step stands in the source.
-    pub fn place(&self) -> Place {
+    pub fn place(&self) -> SourcePlace {
         self.program.place(self.step).clone()
     }
 }
@@ -63,7 +63,7 @@ pub enum Sides {
 
 /// What a side of a branch left.
 #[derive(Clone, Debug)]
-pub struct Side<W> {
+pub struct BranchEnd<W> {
     /// Whether it can be taken.
     pub is_reached: bool,
     /// For each join its word of this side.
@@ -104,7 +104,7 @@ pub trait Domain {
         &mut self,
         site: &Site<Self::Word>,
         to: Slot,
-        comparison: Comparison,
+        comparison: WordComparison,
         operands: (Slot, Slot),
     ) -> Result<Self::Word, Self::Stop>;
 
@@ -186,7 +186,7 @@ pub trait Domain {
         site: &Site<Self::Word>,
         condition: Slot,
         joins: &[Join],
-        sides: [Side<Self::Word>; 2],
+        sides: [BranchEnd<Self::Word>; 2],
     ) -> Result<Vec<Self::Word>, Self::Stop>;
 }
 
@@ -222,7 +222,7 @@ pub fn walk<D: Domain>(
 fn steps<D: Domain>(
     domain: &mut D,
     program: &Program,
-    steps: &[Step],
+    steps: &[ProgramStep],
     words: &mut [D::Word],
 ) -> Result<(), D::Stop> {
     for step in steps {
@@ -285,7 +285,7 @@ fn steps<D: Domain>(
                     }
                 }
                 Sides::Both => {
-                    let mut side = |is_then: bool, steps: &[Step]| {
+                    let mut side = |is_then: bool, steps: &[ProgramStep]| {
                         let is_reached = domain.enter(words, *condition, is_then);
                         if is_reached {
                             self::steps(domain, program, steps, words)?;
@@ -293,7 +293,7 @@ fn steps<D: Domain>(
                         let left = joins.iter().map(|join| words[join.of(is_then)].clone());
                         let left = left.collect();
                         domain.leave(words);
-                        Ok(Side {
+                        Ok(BranchEnd {
                             is_reached,
                             words: left,
                         })

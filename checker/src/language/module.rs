@@ -5,10 +5,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::language::declarations::{Declarations, Named, Read};
-use crate::language::lower::{self, Constants};
+use crate::language::declarations::{Constants, Declarations, Named, Read};
+use crate::language::lower::programs;
 use crate::program::contract::Contract;
-use crate::program::place::{Place, SourceError};
+use crate::program::place::{SourceError, SourcePlace};
 use crate::program::steps::Program;
 
 /// An emitted crate.
@@ -47,12 +47,12 @@ impl Module {
         let declarations = Declarations::read(sources)?;
         let mut constants = Constants::new();
         for number in 0..declarations.constants.len() {
-            lower::constant(&declarations, &mut constants, number)?;
+            programs::constant(&declarations, &mut constants, number)?;
         }
         let none = HashMap::new();
         let mut programs = HashMap::new();
         for number in 0..declarations.functions.len() {
-            let program = lower::function(&declarations, &mut constants, &none, number)?;
+            let program = programs::function(&declarations, &mut constants, &none, number)?;
             programs.insert(number, program);
         }
         Ok(Module {
@@ -127,7 +127,7 @@ impl Module {
         contracts: &HashMap<usize, Contract>,
     ) -> Read<Program> {
         let mut constants = self.constants.clone();
-        lower::function(&self.declarations, &mut constants, contracts, number)
+        programs::function(&self.declarations, &mut constants, contracts, number)
     }
 
     /// Number of a constant by file (without `src/` and `.rs`) and name.
@@ -155,7 +155,7 @@ impl Module {
     }
 
     /// Where a constant stands.
-    pub fn constant_place(&self, file: &str, name: &str) -> Option<&Place> {
+    pub fn constant_place(&self, file: &str, name: &str) -> Option<&SourcePlace> {
         let number = self.constant_number(file, name)?;
         Some(&self.declarations.constants[number].place)
     }

@@ -2,7 +2,7 @@
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::domains::machine::Machine;
-use crate::domains::smt::{self, Answer};
+use crate::domains::smt::{self, SolverAnswer};
 use crate::language::contracts::stated;
 use crate::language::emitted::Emitted;
 use crate::language::module::Module;
@@ -96,7 +96,7 @@ fn alike(before: &Module, after: &Module, number: usize, up: usize) -> Option<(L
         .collect();
     let name = &function.name;
     match runs_alike(old, new, &ranges) {
-        Some(_) if smt::is_available() && smt::same(old, new, &ranges) == Answer::Proved => {
+        Some(_) if smt::is_available() && smt::same(old, new, &ranges) == SolverAnswer::Proved => {
             let text = format!("`{name}` returns the same words for all arguments (z3)");
             Some((Likeness::Proved, text))
         }

@@ -5,16 +5,16 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::certificate::reader::Certificate;
-use crate::claims::outcome::Outcome;
+use crate::claims::outcome::ClaimOutcome;
 use crate::language::emitted::Emitted;
 use crate::mutate::comparison::{Likeness, compared};
 use crate::mutate::mutants::{Mutant, applied};
-use crate::prove::settings::Settings;
+use crate::prove::settings::ProofSettings;
 use crate::prove::settle::settle;
 
 /// What came of a mutant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Verdict {
+pub struct MutantVerdict {
     /// The mutant.
     pub mutant: Mutant,
     /// Claims that fail and the engines that noticed; empty for a survivor.
@@ -61,7 +61,7 @@ pub struct Notice {
 }
 
 /// What runs on a mutant: no engine that some users do not have, none that takes minutes.
-const SETTINGS: Settings = Settings {
+const SETTINGS: ProofSettings = ProofSettings {
     cases: 3_000,
     seed: 1,
     smt: false,
@@ -74,12 +74,12 @@ const SETTINGS: Settings = Settings {
 
 /// The claims that fail: the quick engines first, the slower only if these notice nothing.
 pub fn notices(emitted: &Emitted, certificate: &Certificate) -> Vec<Notice> {
-    let slower = Settings {
+    let slower = ProofSettings {
         cases: 1,
         filter_ranges: true,
         ..SETTINGS
     };
-    let slowest = Settings {
+    let slowest = ProofSettings {
         filter_length: true,
         ..slower
     };
@@ -92,10 +92,10 @@ pub fn notices(emitted: &Emitted, certificate: &Certificate) -> Vec<Notice> {
     Vec::new()
 }
 
-fn failures(emitted: &Emitted, certificate: &Certificate, settings: &Settings) -> Vec<Notice> {
+fn failures(emitted: &Emitted, certificate: &Certificate, settings: &ProofSettings) -> Vec<Notice> {
     settle(emitted, certificate, settings)
         .into_iter()
-        .filter(|result| matches!(result.outcome, Outcome::Failed(_)))
+        .filter(|result| matches!(result.outcome, ClaimOutcome::Failed(_)))
         .map(|result| Notice {
             claim: result.id,
             engine: result.engine,
@@ -104,7 +104,7 @@ fn failures(emitted: &Emitted, certificate: &Certificate, settings: &Settings) -
 }
 
 /// Runs the engines on one mutant.
-pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> Verdict {
+pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> MutantVerdict {
     let mut damaged = emitted.clone();
     if mutant.file == "Cargo.toml" {
         damaged.cargo = applied(&emitted.cargo, &mutant);
@@ -124,7 +124,7 @@ pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> V
     } else {
         (Fate::Caught, String::new())
     };
-    Verdict {
+    MutantVerdict {
         mutant,
         noticed,
         fate,
@@ -150,7 +150,7 @@ pub struct Summary {
 }
 
 /// Adds up verdicts.
-pub fn summary(verdicts: &[Verdict]) -> Summary {
+pub fn summary(verdicts: &[MutantVerdict]) -> Summary {
     let mut summary = Summary {
         mutants: verdicts.len(),
         caught: 0,

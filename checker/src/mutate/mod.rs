@@ -14,5 +14,5 @@ pub mod judgement;
 pub mod mutants;
 pub mod tokens;
 
-pub use judgement::{Fate, Notice, Summary, Verdict, judged, notices, summary};
+pub use judgement::{Fate, MutantVerdict, Notice, Summary, judged, notices, summary};
 pub use mutants::{Mutant, applied, chosen, mutants};

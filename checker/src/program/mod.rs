@@ -7,6 +7,6 @@ pub mod steps;
 pub mod types;
 
 pub use contract::{Contract, Range};
-pub use place::{Place, SourceError};
-pub use steps::{Action, Arithmetic, Comparison, Program, Slot, Step};
+pub use place::{SourceError, SourcePlace};
+pub use steps::{Action, Arithmetic, Program, ProgramStep, Slot, WordComparison};
 pub use types::{Integer, Type};

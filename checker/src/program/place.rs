@@ -7,7 +7,7 @@ use proc_macro2::Span;
 
 /// File, line and column (both from one).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Place {
+pub struct SourcePlace {
     /// Path inside the emitted crate, with `/`.
     pub file: Arc<str>,
     /// Line.
@@ -16,11 +16,11 @@ pub struct Place {
     pub column: usize,
 }
 
-impl Place {
+impl SourcePlace {
     /// Where `span` starts in `file`.
-    pub fn of(file: &Arc<str>, span: Span) -> Place {
+    pub fn of(file: &Arc<str>, span: Span) -> SourcePlace {
         let start = span.start();
-        Place {
+        SourcePlace {
             file: file.clone(),
             line: start.line,
             column: start.column + 1,
@@ -28,7 +28,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourcePlace {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}:{}:{}", self.file, self.line, self.column)
     }
@@ -40,7 +40,7 @@ impl fmt::Display for Place {
 #[error("{place}: {message}")]
 pub struct SourceError {
     /// Where.
-    pub place: Place,
+    pub place: SourcePlace,
     /// What was found, and what is understood there.
     pub message: String,
 }

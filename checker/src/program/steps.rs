@@ -5,7 +5,7 @@
 //! Everything that computes with a function reads this one form, by the walk of
 //! [`crate::domains::walk`].
 
-use crate::program::place::Place;
+use crate::program::place::SourcePlace;
 use crate::program::types::{Integer, Type};
 
 /// Number of a word.
@@ -66,7 +66,7 @@ impl Arithmetic {
 
 /// Comparison of two integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Comparison {
+pub enum WordComparison {
     /// a < b
     Less,
     /// a ≤ b
@@ -116,7 +116,7 @@ pub enum Action {
         /// Result.
         to: Slot,
         /// Comparison.
-        comparison: Comparison,
+        comparison: WordComparison,
         /// First operand.
         a: Slot,
         /// Second operand.
@@ -154,9 +154,9 @@ pub enum Action {
         /// Condition.
         condition: Slot,
         /// Steps if it holds.
-        then: Vec<Step>,
+        then: Vec<ProgramStep>,
         /// Steps if it does not.
-        otherwise: Vec<Step>,
+        otherwise: Vec<ProgramStep>,
         /// Where the two sides meet.
         joins: Vec<Join>,
     },
@@ -180,7 +180,7 @@ pub enum Action {
 
 /// A step and where it stands in the source.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct ProgramStep {
     /// What it does.
     pub action: Action,
     /// Number in [`Program::places`].
@@ -207,20 +207,20 @@ pub struct Program {
     /// Slots that hold constants.
     pub is_constant: Vec<bool>,
     /// Steps.
-    pub steps: Vec<Step>,
+    pub steps: Vec<ProgramStep>,
     /// Places of the steps.
-    pub places: Vec<Place>,
+    pub places: Vec<SourcePlace>,
 }
 
 impl Program {
     /// The place of a step.
-    pub fn place(&self, step: &Step) -> &Place {
+    pub fn place(&self, step: &ProgramStep) -> &SourcePlace {
         &self.places[step.place as usize]
     }
 
     /// Number of steps, those of branches included.
     pub fn len(&self) -> usize {
-        fn count(steps: &[Step]) -> usize {
+        fn count(steps: &[ProgramStep]) -> usize {
             steps
                 .iter()
                 .map(|step| match &step.action {

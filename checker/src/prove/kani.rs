@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::claims::outcome::{KANI, Outcome};
+use crate::claims::outcome::{ClaimOutcome, KANI};
 use crate::prove::results::{ClaimResult, Table};
-use crate::prove::settings::Settings;
+use crate::prove::settings::ProofSettings;
 
 /// The harnesses of the crate `verify` beside `directory`, where Kani is installed.
-pub(crate) fn kani(directory: &Path, settings: &Settings) -> Vec<ClaimResult> {
+pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResult> {
     let mut table = Table(Vec::new());
     let not_run = |table: &mut Table, why: &str| {
         for id in [
@@ -17,7 +17,7 @@ pub(crate) fn kani(directory: &Path, settings: &Settings) -> Vec<ClaimResult> {
             "filter-total",
             "step-total",
         ] {
-            table.row(id, KANI, Outcome::NotRun(why.to_owned()), 0.0);
+            table.row(id, KANI, ClaimOutcome::NotRun(why.to_owned()), 0.0);
         }
     };
     if !settings.kani {
@@ -64,7 +64,7 @@ pub(crate) fn kani(directory: &Path, settings: &Settings) -> Vec<ClaimResult> {
 }
 
 /// Harness by harness what Kani printed.
-fn kani_rows(text: &str) -> Vec<(String, Outcome, f64)> {
+fn kani_rows(text: &str) -> Vec<(String, ClaimOutcome, f64)> {
     let mut rows = Vec::new();
     let mut name = String::new();
     let mut outcome = None;
@@ -78,9 +78,9 @@ fn kani_rows(text: &str) -> Vec<(String, Outcome, f64)> {
                 .replace('_', "-");
         } else if let Some(verdict) = line.strip_prefix("VERIFICATION:- ") {
             outcome = Some(if verdict.starts_with("SUCCESSFUL") {
-                Outcome::Proved("every check of the harness".to_owned())
+                ClaimOutcome::Proved("every check of the harness".to_owned())
             } else {
-                Outcome::Failed(format!("Kani: {verdict}"))
+                ClaimOutcome::Failed(format!("Kani: {verdict}"))
             });
         } else if let Some(time) = line.strip_prefix("Verification Time: ")
             && let Some(outcome) = outcome.take()
@@ -104,7 +104,7 @@ mod tests {
         let rows = kani_rows(text);
         assert_eq!(rows.len(), 2);
         assert_eq!(rows[0].0, "control-total");
-        assert!(matches!(rows[0].1, Outcome::Proved(_)) && rows[0].2 == 2.25);
-        assert!(matches!(rows[1].1, Outcome::Failed(_)));
+        assert!(matches!(rows[0].1, ClaimOutcome::Proved(_)) && rows[0].2 == 2.25);
+        assert!(matches!(rows[1].1, ClaimOutcome::Failed(_)));
     }
 }

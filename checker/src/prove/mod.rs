@@ -6,9 +6,9 @@ pub mod run;
 pub mod settings;
 pub mod settle;
 
-pub use crate::claims::outcome::Outcome;
+pub use crate::claims::outcome::ClaimOutcome;
 pub use crate::language::emitted::{Emitted, EmittedError};
 pub use results::{ClaimResult, passed};
 pub use run::{ProveError, prove};
-pub use settings::Settings;
+pub use settings::ProofSettings;
 pub use settle::settle;

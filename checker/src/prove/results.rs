@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::certificate::claims::{Claim, claim};
-use crate::claims::outcome::Outcome;
+use crate::certificate::claims::{ClaimStatement, claim};
+use crate::claims::outcome::ClaimOutcome;
 
 /// One claim, settled by one engine.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct ClaimResult {
     /// What is assumed; empty if nothing.
     pub assumptions: String,
     /// What came of it.
-    pub outcome: Outcome,
+    pub outcome: ClaimOutcome,
     /// Time that it took (s).
     pub seconds: f64,
 }
@@ -59,21 +59,32 @@ impl Serialize for ClaimResult {
 pub fn passed(results: &[ClaimResult]) -> bool {
     results
         .iter()
-        .all(|result| !matches!(result.outcome, Outcome::Failed(_)))
+        .all(|result| !matches!(result.outcome, ClaimOutcome::Failed(_)))
 }
 
 /// Collects rows.
 pub(crate) struct Table(pub(crate) Vec<ClaimResult>);
 
 impl Table {
-    pub(crate) fn add(&mut self, id: &str, engine: &'static str, settle: impl FnOnce() -> Outcome) {
+    pub(crate) fn add(
+        &mut self,
+        id: &str,
+        engine: &'static str,
+        settle: impl FnOnce() -> ClaimOutcome,
+    ) {
         let start = Instant::now();
         let outcome = settle();
         self.row(id, engine, outcome, start.elapsed().as_secs_f64());
     }
 
-    pub(crate) fn row(&mut self, id: &str, engine: &'static str, outcome: Outcome, seconds: f64) {
-        let known: Option<&Claim> = claim(id);
+    pub(crate) fn row(
+        &mut self,
+        id: &str,
+        engine: &'static str,
+        outcome: ClaimOutcome,
+        seconds: f64,
+    ) {
+        let known: Option<&ClaimStatement> = claim(id);
         self.0.push(ClaimResult {
             id: id.to_owned(),
             statement: known.map_or("", |claim| claim.statement).to_owned(),

@@ -6,7 +6,7 @@ use crate::certificate::reader::{Certificate, CertificateError};
 use crate::language::emitted::{Emitted, EmittedError};
 use crate::prove::kani::kani;
 use crate::prove::results::ClaimResult;
-use crate::prove::settings::Settings;
+use crate::prove::settings::ProofSettings;
 use crate::prove::settle::settle;
 
 /// Why there is nothing to prove.
@@ -25,7 +25,7 @@ pub enum ProveError {
 /// # Errors
 /// [`ProveError`] where the folder holds no emitted crate. Source or numbers that do not hold up
 /// are no error but a failed claim.
-pub fn prove(directory: &Path, settings: &Settings) -> Result<Vec<ClaimResult>, ProveError> {
+pub fn prove(directory: &Path, settings: &ProofSettings) -> Result<Vec<ClaimResult>, ProveError> {
     let emitted = Emitted::read(directory)?;
     let certificate = Certificate::parse(&emitted.certificate)?;
     let mut results = settle(&emitted, &certificate, settings);

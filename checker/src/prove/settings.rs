@@ -2,7 +2,7 @@
 
 /// Which engines run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Settings {
+pub struct ProofSettings {
     /// Random runs of each kind.
     pub cases: usize,
     /// Seed of the random runs.
@@ -19,9 +19,9 @@ pub struct Settings {
     pub filter_length: bool,
 }
 
-impl Default for Settings {
+impl Default for ProofSettings {
     fn default() -> Self {
-        Settings {
+        ProofSettings {
             cases: 20_000,
             seed: 1,
             smt: true,

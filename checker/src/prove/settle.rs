@@ -3,32 +3,32 @@
 use std::time::Instant;
 
 use crate::certificate::reader::Certificate;
-use crate::claims::control_law::ControlLaw;
-use crate::claims::outcome::{EXACT, INTERVALS, Outcome, RANDOM, READER, SMT};
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::outcome::{ClaimOutcome, EXACT, INTERVALS, RANDOM, READER, SMT};
 use crate::claims::{
     bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_stable,
     control_accurate, control_accurate_real_gains, control_monotone, control_total,
     filter_accurate, filter_exact, filter_length, filter_total, hardware_words, primitives,
     region_of_attraction, source_understood, stable_for_parameters, step_total,
 };
-use crate::domains::smt::{self, Answer};
+use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
 use crate::language::module::Module;
 use crate::prove::results::{ClaimResult, Table};
-use crate::prove::settings::Settings;
+use crate::prove::settings::ProofSettings;
 
 /// Settles every claim but those that need Kani.
 pub fn settle(
     emitted: &Emitted,
     certificate: &Certificate,
-    settings: &Settings,
+    settings: &ProofSettings,
 ) -> Vec<ClaimResult> {
     let mut table = Table(Vec::new());
     let start = Instant::now();
     let module = match emitted.module() {
         Ok(module) => module,
         Err(error) => {
-            let outcome = Outcome::Failed(error.to_string());
+            let outcome = ClaimOutcome::Failed(error.to_string());
             let seconds = start.elapsed().as_secs_f64();
             table.row("source-understood", READER, outcome, seconds);
             return table.0;
@@ -39,14 +39,14 @@ pub fn settle(
     table.row("source-understood", READER, understood, seconds);
 
     let start = Instant::now();
-    let law = ControlLaw::read(&module);
+    let law = EmittedLaw::read(&module);
     let seconds = start.elapsed().as_secs_f64();
     let total = control_total::by_intervals(&law);
     table.row("control-total", INTERVALS, total, seconds);
     let law = match law {
         Ok(law) => law,
         Err(error) => {
-            let outcome = Outcome::Failed(error.to_string());
+            let outcome = ClaimOutcome::Failed(error.to_string());
             table.row("control-accurate", INTERVALS, outcome, seconds);
             return table.0;
         }
@@ -59,11 +59,11 @@ pub fn settle(
     table.add("certificate-consistent", EXACT, || {
         let files = emitted.files();
         let checked = certificate_consistent::check(certificate, &module, &law, &files);
-        Outcome::proved(checked.map(|()| "every field".to_owned()))
+        ClaimOutcome::proved(checked.map(|()| "every field".to_owned()))
     });
     table.add("hardware-words", EXACT, || {
         let checked = hardware_words::check(certificate, &module, &law);
-        Outcome::proved(checked.map(|()| "every word".to_owned()))
+        ClaimOutcome::proved(checked.map(|()| "every word".to_owned()))
     });
     loop_claims(&mut table, &module, certificate, &law, settings);
     table.0
@@ -73,8 +73,8 @@ fn control_claims(
     table: &mut Table,
     module: &Module,
     certificate: &Certificate,
-    law: &ControlLaw,
-    settings: &Settings,
+    law: &EmittedLaw,
+    settings: &ProofSettings,
 ) {
     table.add("control-accurate", INTERVALS, || {
         control_accurate::by_intervals(certificate, law)
@@ -90,14 +90,14 @@ fn control_claims(
     table.add("control-accurate", RANDOM, || {
         let (cases, seed) = (settings.cases, settings.seed);
         let runs = control_accurate::by_random_runs(module, certificate, cases, seed);
-        Outcome::tested(runs)
+        ClaimOutcome::tested(runs)
     });
 
     let Some(program) = module.function("control") else {
         return;
     };
     let is_available = settings.smt && smt::is_available();
-    let mut ask = |id: &str, question: &dyn Fn() -> Answer| {
+    let mut ask = |id: &str, question: &dyn Fn() -> SolverAnswer| {
         table.add(id, SMT, || {
             if !is_available {
                 let why = if settings.smt {
@@ -105,12 +105,14 @@ fn control_claims(
                 } else {
                     "switched off"
                 };
-                return Outcome::NotRun(why.to_owned());
+                return ClaimOutcome::NotRun(why.to_owned());
             }
             match question() {
-                Answer::Proved => Outcome::Proved("no counterexample".to_owned()),
-                Answer::Refuted(model) => Outcome::Failed(format!("counterexample: {model}")),
-                Answer::Unknown(why) => Outcome::NotRun(why),
+                SolverAnswer::Proved => ClaimOutcome::Proved("no counterexample".to_owned()),
+                SolverAnswer::Refuted(model) => {
+                    ClaimOutcome::Failed(format!("counterexample: {model}"))
+                }
+                SolverAnswer::Unknown(why) => ClaimOutcome::NotRun(why),
             }
         });
     };
@@ -132,7 +134,7 @@ fn range_claims(
     table: &mut Table,
     module: &Module,
     certificate: &Certificate,
-    settings: &Settings,
+    settings: &ProofSettings,
 ) {
     let start = Instant::now();
     let found = primitives::primitives(module);
@@ -142,7 +144,7 @@ fn range_claims(
     table.row("primitives", INTERVALS, outcome, seconds);
     table.add("filter-total", INTERVALS, || {
         let checked = filter_total::check(module, &contracts);
-        Outcome::proved(checked.map(|()| "the invariant is kept".to_owned()))
+        ClaimOutcome::proved(checked.map(|()| "the invariant is kept".to_owned()))
     });
     if settings.filter_length {
         table.add("filter-length", EXACT, || {
@@ -154,24 +156,29 @@ fn range_claims(
     });
 }
 
-fn random_runs(table: &mut Table, module: &Module, certificate: &Certificate, settings: &Settings) {
+fn random_runs(
+    table: &mut Table,
+    module: &Module,
+    certificate: &Certificate,
+    settings: &ProofSettings,
+) {
     let (cases, seed) = ((settings.cases / 10).max(1), settings.seed);
     table.add("filter-accurate", RANDOM, || {
-        Outcome::tested(filter_accurate::runs::run(module, cases, seed))
+        ClaimOutcome::tested(filter_accurate::runs::run(module, cases, seed))
     });
     table.add("filter-exact", RANDOM, || {
-        Outcome::tested(filter_exact::runs::run(module, cases, seed))
+        ClaimOutcome::tested(filter_exact::runs::run(module, cases, seed))
     });
     table.add("step-total", RANDOM, || {
         let runs = step_total::runs::step(module, certificate, cases, seed);
-        Outcome::tested(runs.and_then(|runs| {
+        ClaimOutcome::tested(runs.and_then(|runs| {
             let more = step_total::runs::bias_observer(module, cases, seed)?;
             let parts = step_total::composition::composition(module, cases, seed)?;
             Ok(runs + more + parts)
         }))
     });
     table.add("primitives", RANDOM, || {
-        Outcome::tested(primitives::by_random_runs(module, cases, seed))
+        ClaimOutcome::tested(primitives::by_random_runs(module, cases, seed))
     });
 }
 
@@ -179,12 +186,12 @@ fn loop_claims(
     table: &mut Table,
     module: &Module,
     certificate: &Certificate,
-    law: &ControlLaw,
-    settings: &Settings,
+    law: &EmittedLaw,
+    settings: &ProofSettings,
 ) {
     table.add("closed-loop-stable", EXACT, || {
         let checked = closed_loop_stable::check_stable(certificate, law);
-        Outcome::proved(checked.map(|()| "Hurwitz' criterion".to_owned()))
+        ClaimOutcome::proved(checked.map(|()| "Hurwitz' criterion".to_owned()))
     });
     table.add("bias-observer-stable", EXACT, || {
         bias_observer_stable::by_exact_arithmetic(certificate, module, law)
@@ -192,7 +199,7 @@ fn loop_claims(
     let mut bounds = None;
     table.add("closed-loop-for-all-time", EXACT, || {
         if !settings.closed_loop {
-            return Outcome::NotRun("switched off".to_owned());
+            return ClaimOutcome::NotRun("switched off".to_owned());
         }
         let (outcome, found) = closed_loop_for_all_time::by_exact_arithmetic(certificate, law);
         bounds = found;

@@ -7,10 +7,10 @@
 use serde::Serialize;
 
 use crate::claims::ClaimId;
-use crate::emit::{MARK, control_rs};
-use crate::exact::{Decimal, outward};
-use crate::file::EmittedFile;
-use crate::ir::ControlLaw;
+use crate::emit::control_rs;
+use crate::exact::{ShortestDecimal, outward};
+use crate::file::{EmittedFile, MARK};
+use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
 /// Version of the layout below; raised when a field changes its meaning.
@@ -148,11 +148,11 @@ struct Claim {
 /// Emits `certificate.json` for the `sources` emitted so far.
 pub fn file(
     spec: &ModuleSpec,
-    law: &ControlLaw,
+    law: &IntegerLaw,
     closed_loop: Option<serde_json::Value>,
     sources: &[EmittedFile],
 ) -> EmittedFile {
-    let number = |value: f64| Decimal::new(value).text;
+    let number = |value: f64| ShortestDecimal::new(value).text;
     let certificate = Certificate {
         generator: MARK,
         format_version: FORMAT_VERSION,
@@ -234,7 +234,7 @@ pub fn file(
     }
 }
 
-fn claim(id: ClaimId, law: &ControlLaw) -> Claim {
+fn claim(id: ClaimId, law: &IntegerLaw) -> Claim {
     let bound = match id {
         ClaimId::ControlAccurate => Some(&law.bounds.rounding),
         ClaimId::ControlAccurateRealGains => Some(&law.bounds.real_gains),
@@ -248,7 +248,7 @@ fn claim(id: ClaimId, law: &ControlLaw) -> Claim {
     }
 }
 
-fn constants<'a>(law: &'a ControlLaw, sources: &[EmittedFile]) -> Vec<Constant<'a>> {
+fn constants<'a>(law: &'a IntegerLaw, sources: &[EmittedFile]) -> Vec<Constant<'a>> {
     let source = sources
         .iter()
         .find(|source| source.path == control_rs::PATH);

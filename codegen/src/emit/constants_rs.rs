@@ -4,19 +4,19 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use crate::emit::{inner_docs, integer, outer_docs, print};
-use crate::exact::Decimal;
+use crate::exact::ShortestDecimal;
 use crate::file::EmittedFile;
-use crate::hardware::HardwareWords;
+use crate::hardware_words::HardwareWords;
 use crate::helpers::bias_observer::BiasObserver;
 use crate::helpers::calibration::SensorLine;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::line::Line;
-use crate::ir::ControlLaw;
+use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
 /// Emits `src/constants.rs`.
-pub fn file(spec: &ModuleSpec, law: &ControlLaw, words: &HardwareWords) -> EmittedFile {
-    let number = |value: f64| Decimal::new(value).text;
+pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> EmittedFile {
+    let number = |value: f64| ShortestDecimal::new(value).text;
     let hardware = &spec.hardware;
     let attitude = &hardware.attitude;
     let docs = inner_docs(&[
@@ -132,7 +132,7 @@ fn sensor_row(what: &str, line: &attitude::SensorLine) -> String {
     let list = |values: Vec<f64>| {
         values
             .into_iter()
-            .map(|value| Decimal::new(value).text)
+            .map(|value| ShortestDecimal::new(value).text)
             .collect::<Vec<_>>()
             .join(", ")
     };

@@ -4,17 +4,17 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::emit::{inner_docs, integer, outer_docs, print, single_line};
-use crate::exact::{Decimal, outward};
+use crate::exact::{ShortestDecimal, outward};
 use crate::file::EmittedFile;
 use crate::format::Format;
-use crate::ir::{ControlLaw, Term};
+use crate::ir::{IntegerLaw, Term};
 use crate::spec::ModuleSpec;
 
 /// Where the control law goes inside the emitted crate.
 pub const PATH: &str = "src/control.rs";
 
 /// Emits `src/control.rs`.
-pub fn file(spec: &ModuleSpec, law: &ControlLaw) -> EmittedFile {
+pub fn file(spec: &ModuleSpec, law: &IntegerLaw) -> EmittedFile {
     let docs = inner_docs(&module_docs(spec, law));
     let types = law.terms.iter().map(input_type);
     let current = current_items(law);
@@ -35,8 +35,8 @@ pub fn file(spec: &ModuleSpec, law: &ControlLaw) -> EmittedFile {
     }
 }
 
-fn module_docs(spec: &ModuleSpec, law: &ControlLaw) -> Vec<String> {
-    let number = |value: f64| Decimal::new(value).text;
+fn module_docs(spec: &ModuleSpec, law: &IntegerLaw) -> Vec<String> {
+    let number = |value: f64| ShortestDecimal::new(value).text;
     let [angle, rate, wheel_speed] = &law.terms;
     let mut lines = vec![
         "State feedback with saturation.".to_owned(),
@@ -144,7 +144,7 @@ fn input_type(term: &Term) -> TokenStream {
     }
 }
 
-fn current_items(law: &ControlLaw) -> TokenStream {
+fn current_items(law: &IntegerLaw) -> TokenStream {
     let fixed = fixed_type(law.current);
     let limit = integer(law.limit_raw.into());
     let limit_docs = outer_docs(&[format!(
@@ -184,7 +184,7 @@ fn gain_constant(term: &Term) -> TokenStream {
     }
 }
 
-fn rounding_items(law: &ControlLaw) -> TokenStream {
+fn rounding_items(law: &IntegerLaw) -> TokenStream {
     let shift_docs = outer_docs(&[format!(
         "Bits that the rounding removes: {} of a product less {} of a [`Current`].",
         law.product_fraction_bits, law.current.fraction_bits
@@ -208,7 +208,7 @@ fn rounding_items(law: &ControlLaw) -> TokenStream {
     }
 }
 
-fn control_function(law: &ControlLaw) -> TokenStream {
+fn control_function(law: &IntegerLaw) -> TokenStream {
     let arguments = law.terms.iter().map(|term| {
         let name = ident(term.input.argument);
         let input_type = ident(term.input.type_name);

@@ -3,7 +3,7 @@
 //! is what `flywheel generate` writes for `models/thesis-4.4.toml`.
 
 use codegen::hardware::HardwareSpec;
-use codegen::spec::{Drive, ModuleSpec, Parameter, PhysicalRanges};
+use codegen::spec::{ModelParameter, ModuleSpec, PhysicalRanges, PwmDrive};
 
 /// The thesis bench sampled at 1 ms, weights diag(25, 0.5, 5e-4) and 1, limit 2 A.
 pub fn spec() -> ModuleSpec {
@@ -13,7 +13,7 @@ pub fn spec() -> ModuleSpec {
         current_limit_a: 2.0,
         sample_time_s: 0.001,
         ranges: PhysicalRanges::THESIS_BENCH,
-        drive: Drive::THESIS_BENCH,
+        drive: PwmDrive::THESIS_BENCH,
         hardware: HardwareSpec::thesis_bench(),
         parameters: vec![
             parameter("total_inertia", 2.30344e-3, None, "kg m2"),
@@ -58,8 +58,8 @@ pub fn spec() -> ModuleSpec {
     }
 }
 
-fn parameter(name: &str, value: f64, std: Option<f64>, unit: &str) -> Parameter {
-    Parameter {
+fn parameter(name: &str, value: f64, std: Option<f64>, unit: &str) -> ModelParameter {
+    ModelParameter {
         name: name.to_owned(),
         value,
         std,

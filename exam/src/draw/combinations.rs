@@ -389,7 +389,7 @@ mod tests {
     #[test]
     fn a_suspect_takes_its_own_trace() {
         let drag = EffectId::BodyQuadraticDrag;
-        let hidden = || Hidden::Library(drag, vec![2e-4]);
+        let hidden = || Hidden::Library(drag, vec![5e-6]);
         let (size, with) = left(hidden(), &[drag]);
         assert!(size > 3.0, "{size}");
         // What is not linear in a trace of this size remains.

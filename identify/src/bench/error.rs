@@ -1,5 +1,7 @@
 //! Why a bench cannot be identified.
 
+use crate::progress::Cancelled;
+
 /// Why a bench cannot be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
@@ -15,4 +17,7 @@ pub enum IdentifyError {
         /// The experiment with the largest misfit at the start.
         suspect: String,
     },
+    /// The work was called off.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }

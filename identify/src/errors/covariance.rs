@@ -14,7 +14,7 @@
 //! second term. An error δi of the current over the interval after a sample moves the state at the next one by
 //! ∂x/∂i δi, which the motion carries to every later sample, and with it the gradient: both are exact
 //! derivatives of the model's own steps, with all of its effects, the chain of the motor and the sensors
-//! among them ([`crate::transition`]). A delay moves all errors by the same time, which changes nothing
+//! among them ([`crate::fit`]). A delay moves all errors by the same time, which changes nothing
 //! but at the ends of a window. While balancing the current answers to the noise of the sensors; that part of
 //! it flows, and what the column adds cannot be told from it: nothing is added there.
 //!

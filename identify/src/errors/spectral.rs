@@ -1,7 +1,7 @@
 //! The double sum of sensitivities over the autocovariance of a residual, in the frequency domain.
 
 use nalgebra::DMatrix;
-use realfft::num_complex::Complex;
+use rustfft::num_complex::Complex;
 
 use crate::fourier::Fourier;
 

@@ -9,7 +9,7 @@ use super::sensitivity::normal;
 use super::solver::Minimum;
 use super::unknowns::{Local, Unknowns, Window};
 use super::windows::guess;
-use crate::records::{Output, Record};
+use crate::records::{Output, Record, StraightLine};
 
 /// Where a fit of cogging may start.
 #[derive(Clone, Debug, PartialEq)]
@@ -193,18 +193,9 @@ fn integrals(window: &WheelSpeedError, turns: &Turns, n: f64) -> (Vec<f64>, Vec<
 
 /// Subtracts the least-squares line.
 fn remove_line(time_s: &[f64], values: &mut [f64]) {
-    let n = values.len().max(1) as f64;
-    let mean_t = time_s.iter().sum::<f64>() / n;
-    let mean = values.iter().sum::<f64>() / n;
-    let tt: f64 = time_s.iter().map(|t| (t - mean_t).powi(2)).sum();
-    let ty: f64 = time_s
-        .iter()
-        .zip(values.iter())
-        .map(|(t, y)| (t - mean_t) * (y - mean))
-        .sum();
-    let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+    let line = StraightLine::through(time_s.iter().copied().zip(values.iter().copied()));
     for (t, value) in time_s.iter().zip(values) {
-        *value -= mean + slope * (t - mean_t);
+        *value -= line.at(*t);
     }
 }
 

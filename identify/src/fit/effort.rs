@@ -14,6 +14,8 @@ pub enum Outcome {
     Outclassed,
     /// The model could not be simulated from the given start.
     NotFinite,
+    /// Called off ([`Effort::cancelled`]).
+    Cancelled,
 }
 
 impl Outcome {
@@ -24,8 +26,8 @@ impl Outcome {
 }
 
 /// Steps of the minimisation.
-#[derive(Clone, Copy, Debug)]
-pub struct Effort {
+#[derive(Clone, Copy)]
+pub struct Effort<'a> {
     /// Most evaluations of the normal equations.
     pub evaluations: usize,
     /// The minimisation ends when a step promises to lower the cost by less than this, relative to
@@ -34,38 +36,45 @@ pub struct Effort {
     /// The cost at which the fit begins to matter. One that would not come there with the evaluations
     /// that are left, at the pace of its last ones, ends.
     pub goal: f64,
+    /// Asked before every evaluation but the first: `true` ends the fit as [`Outcome::Cancelled`].
+    pub cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
-impl Effort {
+impl<'a> Effort<'a> {
     /// The same for a fit that matters only if its cost comes down to `goal`.
-    pub fn towards(self, goal: f64) -> Effort {
+    pub fn towards(self, goal: f64) -> Effort<'a> {
         Effort { goal, ..self }
     }
 
+    /// The same for a fit that ends when `cancelled` says so.
+    pub fn until(self, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Effort<'a> {
+        Effort { cancelled, ..self }
+    }
+}
+
+impl Effort<'static> {
     /// To a hundredth of a standard error.
-    pub const FULL: Effort = Effort {
+    pub const FULL: Effort<'static> = Effort {
         evaluations: 30,
         tolerance: 1e-4,
         goal: f64::INFINITY,
+        cancelled: &|| false,
     };
     /// The same for a minimum at the end of a long curved valley (the speed of Stribeck's curve and
     /// its levels), which takes many short steps.
-    pub const PATIENT: Effort = Effort {
+    pub const PATIENT: Effort<'static> = Effort {
         evaluations: 200,
-        tolerance: 1e-4,
-        goal: f64::INFINITY,
+        ..Effort::FULL
     };
     /// To a third of a standard error: which of several starts or models is better.
-    pub const SCORE: Effort = Effort {
-        evaluations: 30,
+    pub const SCORE: Effort<'static> = Effort {
         tolerance: 1e-1,
-        goal: f64::INFINITY,
+        ..Effort::FULL
     };
     /// Enough to hand over to the next stage of a schedule.
-    pub const ROUGH: Effort = Effort {
+    pub const ROUGH: Effort<'static> = Effort {
         evaluations: 12,
-        tolerance: 1e-1,
-        goal: f64::INFINITY,
+        ..Effort::SCORE
     };
 }
 

@@ -8,7 +8,7 @@
 use plant::{Kind, Model, Timing, period_s};
 
 use super::cogging::settled;
-use super::effort::Effort;
+use super::effort::{Effort, Outcome};
 use super::score_test::promise;
 use super::solver::{Minimum, minimise};
 use super::unknowns::{Unknowns, Window};
@@ -20,12 +20,14 @@ const WINDOW_GROWTH: f64 = 4.0;
 /// Periods in the first windows.
 const FIRST_PERIODS: f64 = 2.0;
 
-/// Fits from a plain start: the schedule of growing windows.
+/// Fits from a plain start: the schedule of growing windows. `effort` is that of the last stage; one that is
+/// called off ends the schedule.
 pub fn fit_from_scratch(
     records: &[&Record],
     model: &Model,
     values: Vec<f64>,
     free: &[usize],
+    effort: Effort,
 ) -> Minimum {
     let unknowns = Unknowns::new(model, free);
     let longest_s = records
@@ -54,10 +56,17 @@ pub fn fit_from_scratch(
                 _ => windows(record, &values, length_s, before),
             })
             .collect();
-        let effort = if last { Effort::FULL } else { Effort::ROUGH };
-        let minimum = minimise(records, model, values, current, &unknowns, effort);
+        let stage = if last {
+            effort
+        } else {
+            Effort::ROUGH.until(effort.cancelled)
+        };
+        let minimum = minimise(records, model, values, current, &unknowns, stage);
         if last {
             return over_samples(records, model, minimum, &unknowns, effort);
+        }
+        if minimum.outcome == Outcome::Cancelled {
+            return minimum;
         }
         values = minimum.values;
         current = minimum.windows;
@@ -127,7 +136,7 @@ fn over_samples(
     let all = vec![true; unknowns.free.len()];
     let look = Effort {
         evaluations: LOOK_AT_A_SAMPLE,
-        ..Effort::ROUGH
+        ..Effort::ROUGH.until(effort.cancelled)
     };
     let mut best = found;
     let mut has_moved = false;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use plant::{Dual, Kind, Model, Scalar, Smoothing};
 
-use super::simulation::{current_of, plant_of, simulate, start_state, with_memory};
+use super::simulation::{run, simulate};
 use super::unknowns::{Local, Unknowns, Window};
 use crate::records::Record;
 
@@ -73,23 +73,11 @@ pub struct Observation<'a> {
     pub sensitivity: &'a [f64],
 }
 
-macro_rules! with_lanes {
-    ($count:expr, $function:ident, $($argument:expr),*) => {
-        match $count {
-            0..=4 => $function::<4>($($argument),*),
-            5..=6 => $function::<6>($($argument),*),
-            7..=8 => $function::<8>($($argument),*),
-            9..=10 => $function::<10>($($argument),*),
-            11..=12 => $function::<12>($($argument),*),
-            13..=16 => $function::<16>($($argument),*),
-            17..=MAX_UNKNOWNS => $function::<MAX_UNKNOWNS>($($argument),*),
-            _ => normal_wide($($argument),*),
-        }
-    };
-}
-
 /// The most unknowns, globals and locals together, that one simulation of a window carries.
-pub const MAX_UNKNOWNS: usize = 24;
+const MAX_LANES: usize = 12;
+/// The unknowns, globals and locals together, that are worth taking together where many effects are scored at one
+/// point: two simulations of every window. A window may have more.
+pub const MAX_UNKNOWNS: usize = 2 * MAX_LANES;
 
 fn run_lanes<const N: usize>(
     record: &Record,
@@ -108,7 +96,6 @@ fn run_lanes<const N: usize>(
         dual.derivatives[lane] = unknowns.slope(unknown, values[position]);
         duals[position] = dual;
     }
-    let locals = Local::of(record);
     let starts: Vec<Dual<N>> = window
         .locals
         .iter()
@@ -118,20 +105,13 @@ fn run_lanes<const N: usize>(
             None => Dual::constant(value),
         })
         .collect();
-    let (start, held, angle_zero) = start_state(&locals, &starts);
-    let plant = plant_of(record, model, &duals, Smoothing::SIMULATION);
-    let start = with_memory(record, window, model, &plant, start);
-    plant.run(
-        start,
-        &record.time_s,
-        window.samples.clone(),
-        current_of(record, held),
-        None,
-        |k, reading, _| {
-            let mut reading = *reading;
-            reading.angle_rad += angle_zero;
-            each(k, &reading);
-        },
+    run(
+        record,
+        window,
+        model,
+        (&duals, &starts),
+        Smoothing::SIMULATION,
+        &mut |k, reading, _| each(k, reading),
     );
 }
 
@@ -175,17 +155,16 @@ pub fn normal_observed(
             locals: lanes.locals,
         };
     }
-    with_lanes!(
-        lanes.count(),
-        normal_lanes,
-        record,
-        window,
-        model,
-        values,
-        unknowns,
-        lanes,
-        each
-    )
+    // The integrator is compiled for each of these numbers of lanes, and lanes that nobody needs cost their share of a
+    // simulation: few numbers, close together where most fits are.
+    let solve = match lanes.count() {
+        0..=4 => normal_lanes::<4>,
+        5..=6 => normal_lanes::<6>,
+        7..=8 => normal_lanes::<8>,
+        9..=MAX_LANES => normal_lanes::<MAX_LANES>,
+        _ => normal_wide,
+    };
+    solve(record, window, model, values, unknowns, lanes, each)
 }
 
 /// What a simulation with `N` lanes says of every measurement that counts at one sample: channel, residual,
@@ -275,20 +254,15 @@ fn normal_wide(
     lanes: Lanes,
     each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
-    /// One observation, its sensitivities as far as they have come.
-    struct Row {
-        sample: usize,
-        channel: usize,
-        residual: f64,
-        sensitivity: Vec<f64>,
-    }
     let count = lanes.count();
-    let mut rows: Vec<Row> = vec![];
-    for first in (0..count).step_by(MAX_UNKNOWNS) {
-        let part = lanes.part(first, MAX_UNKNOWNS);
+    // Sample, channel and residual of every observation, and its sensitivities in rows of `count`.
+    let mut observed: Vec<(usize, usize, f64)> = vec![];
+    let mut sensitivities: Vec<f64> = vec![];
+    for first in (0..count).step_by(MAX_LANES) {
+        let part = lanes.part(first, MAX_LANES);
         let own = part.count();
         let mut at = 0;
-        run_lanes::<MAX_UNKNOWNS>(
+        run_lanes::<MAX_LANES>(
             record,
             window,
             model,
@@ -298,14 +272,11 @@ fn normal_wide(
             &mut |k, reading| {
                 observations(record, k, reading, |channel, residual, sensitivity| {
                     if first == 0 {
-                        rows.push(Row {
-                            sample: k,
-                            channel,
-                            residual,
-                            sensitivity: vec![],
-                        });
+                        observed.push((k, channel, residual));
+                        sensitivities.resize(count * observed.len(), 0.0);
                     }
-                    rows[at].sensitivity.extend(&sensitivity[..own]);
+                    let row = &mut sensitivities[count * at + first..];
+                    row[..own].copy_from_slice(&sensitivity[..own]);
                     at += 1;
                 });
             },
@@ -317,16 +288,21 @@ fn normal_wide(
         cost: 0.0,
         locals: lanes.locals.clone(),
     };
-    for row in &rows {
-        normal.cost += row.residual * row.residual;
-        let sensitivity = DVector::from_column_slice(&row.sensitivity);
-        normal.gradient.axpy(row.residual, &sensitivity, 1.0);
-        normal.hessian.ger(1.0, &sensitivity, &sensitivity, 1.0);
+    let rows = sensitivities.chunks_exact(count);
+    for (&(sample, channel, residual), sensitivity) in observed.iter().zip(rows) {
+        normal.cost += residual * residual;
+        for (row, &own) in sensitivity.iter().enumerate() {
+            normal.gradient[row] += own * residual;
+            let column = normal.hessian.column_mut(row);
+            for (entry, other) in column.into_iter().zip(sensitivity) {
+                *entry += own * other;
+            }
+        }
         each(Observation {
-            sample: row.sample,
-            channel: row.channel,
-            residual: row.residual,
-            sensitivity: &row.sensitivity,
+            sample,
+            channel,
+            residual,
+            sensitivity,
         });
     }
     with_priors(record, window, &lanes, normal)

@@ -1,14 +1,14 @@
 //! One window of a log simulated: its start from the unknowns of the window, with what the log says of the
 //! time before it.
 
-use plant::{Current, Model, Plant, Scalar, Smoothing, State};
+use plant::{Current, Model, Plant, Reading, Scalar, Smoothing, State};
 
 use super::unknowns::{Local, Window};
 use crate::records::{Record, RecordedCurrent};
 
 /// The start of a window from its local unknowns: the state with the current before it, a held current, the
 /// angle's zero.
-pub(super) fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
+fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
     let mut state = State::rest();
     let mut current = S::zero();
     let mut angle_zero = S::zero();
@@ -47,7 +47,7 @@ const MEMORY_DISTANCES: f64 = 4.0;
 
 /// The start of a window in the middle of a log with what the log says of the time before it: the
 /// angle of the wheel for cogging, the torque of presliding friction.
-pub(super) fn with_memory<S: Scalar>(
+fn with_memory<S: Scalar>(
     record: &Record,
     window: &Window,
     model: &Model,
@@ -80,35 +80,27 @@ pub(super) fn with_memory<S: Scalar>(
     state
 }
 
-pub(super) fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
+fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
     match &record.current {
         RecordedCurrent::Known(input) => Current::Recorded(input),
         RecordedCurrent::Unknown => Current::Held(held),
     }
 }
 
-/// Simulates a window without derivatives; `each` gets the index of the sample and the model's
-/// reading.
-pub fn simulate(
-    record: &Record,
-    window: &Window,
-    model: &Model,
-    values: &[f64],
-    each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
-) {
-    simulate_smoothed(record, window, model, values, Smoothing::SIMULATION, each);
-}
+/// What is done at every sample of a window: its index, what the sensors read, the state.
+type EachSample<'a, S> = dyn FnMut(usize, &Reading<S>, &State<S>) + 'a;
 
-/// As [`simulate`], with another smoothing of dry friction.
-pub fn simulate_smoothed(
+/// Simulates a window for parameters of the model and unknowns of the window in any kind of number.
+// `each` is not generic, so that the integrator is compiled once for each kind of number.
+pub(super) fn run<S: Scalar>(
     record: &Record,
     window: &Window,
     model: &Model,
-    values: &[f64],
+    (values, locals): (&[S], &[S]),
     smoothing: Smoothing,
-    mut each: impl FnMut(usize, &plant::Reading<f64>, &State<f64>),
+    each: &mut EachSample<S>,
 ) {
-    let (start, held, angle_zero) = start_state(&Local::of(record), &window.locals);
+    let (start, held, angle_zero) = start_state(&Local::of(record), locals);
     let plant = plant_of(record, model, values, smoothing);
     let start = with_memory(record, window, model, &plant, start);
     plant.run(
@@ -123,4 +115,28 @@ pub fn simulate_smoothed(
             each(k, &reading, state);
         },
     );
+}
+
+/// Simulates a window without derivatives; `each` gets the index of the sample, the model's reading and its state.
+pub fn simulate(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    each: impl FnMut(usize, &Reading<f64>, &State<f64>),
+) {
+    simulate_smoothed(record, window, model, values, Smoothing::SIMULATION, each);
+}
+
+/// As [`simulate`], with another smoothing of dry friction.
+pub fn simulate_smoothed(
+    record: &Record,
+    window: &Window,
+    model: &Model,
+    values: &[f64],
+    smoothing: Smoothing,
+    mut each: impl FnMut(usize, &Reading<f64>, &State<f64>),
+) {
+    let numbers = (values, window.locals.as_slice());
+    run(record, window, model, numbers, smoothing, &mut each);
 }

@@ -78,6 +78,10 @@ pub fn minimise(
         outcome = Outcome::NotFinite;
     }
     while outcome == Outcome::OutOfIterations && evaluations < effort.evaluations {
+        if (effort.cancelled)() {
+            outcome = Outcome::Cancelled;
+            break;
+        }
         let mean_square = (assembled.cost / observations.max(1) as f64).max(1e-300);
         let reduced = reduce(&assembled, &globals, count, damping);
         // An unknown on its bound is held there while the data pull it outwards.

@@ -3,7 +3,7 @@
 use plant::{TORQUE_CONSTANT, WHEEL_INERTIA};
 
 use super::unknowns::{Local, Window};
-use crate::records::{Output, Record, angle_samples};
+use crate::records::{Output, Record, StraightLine, angle_samples};
 
 /// Where a window's start lies, guessed from its first samples.
 pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<usize>) -> Window {
@@ -16,20 +16,11 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
             .filter(|&k| series[k].is_finite())
             .map(|k| (record.time_s[k] - t0, series[k]))
             .collect();
-        let n = points.len() as f64;
         if points.len() < 2 {
             return (points.first().map_or(0.0, |point| point.1), 0.0);
         }
-        let (mt, my) = points.iter().fold((0.0, 0.0), |sum, point| {
-            (sum.0 + point.0 / n, sum.1 + point.1 / n)
-        });
-        let (mut tt, mut ty) = (0.0, 0.0);
-        for (t, y) in &points {
-            tt += (t - mt) * (t - mt);
-            ty += (t - mt) * (y - my);
-        }
-        let slope = if tt > 0.0 { ty / tt } else { 0.0 };
-        (my - slope * mt, slope)
+        let line = StraightLine::through(points.iter().copied());
+        (line.at(0.0), line.slope)
     };
     let angle = angle_samples(record).map(|series| line(&series));
     let rate = record.channel(Output::Rate).map(|c| line(&c.samples));

@@ -5,6 +5,8 @@
 //! σ² C(2d, d) (Kendall & Stuart, vol. 3, "variate-difference method"). The order is raised until
 //! the estimate no longer falls. The median over blocks keeps pushes and jolts out of it.
 
+use super::statistics::median;
+
 /// Highest order of difference that is tried.
 const MAX_ORDER: usize = 10;
 /// Number of blocks over which the median is taken.
@@ -70,20 +72,13 @@ pub fn input_noise_std(samples: &[f64]) -> f64 {
 /// Median over blocks of the mean square; `None` if nothing finite is left.
 fn median_of_blocks(values: &[f64]) -> Option<f64> {
     let size = (values.len() / BLOCKS).max(8);
-    let mut squares: Vec<f64> = values
-        .chunks(size)
-        .filter_map(|block| {
-            let finite = block.iter().filter(|v| v.is_finite());
-            let count = finite.clone().count();
-            (2 * count >= block.len() && count > 0)
-                .then(|| finite.map(|v| v * v).sum::<f64>() / count as f64)
-        })
-        .collect();
-    if squares.is_empty() {
-        return None;
-    }
-    squares.sort_by(f64::total_cmp);
-    Some(squares[squares.len() / 2])
+    let squares = values.chunks(size).filter_map(|block| {
+        let finite = block.iter().filter(|v| v.is_finite());
+        let count = finite.clone().count();
+        (2 * count >= block.len() && count > 0)
+            .then(|| finite.map(|v| v * v).sum::<f64>() / count as f64)
+    });
+    median(squares)
 }
 
 /// The smallest step between two different values: the resolution of a quantised channel (and a

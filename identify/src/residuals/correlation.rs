@@ -194,7 +194,7 @@ impl Correlation {
         let e: Vec<f64> = (0..n)
             .map(|k| if valid(k) { residual[k] } else { 0.0 })
             .collect();
-        let mut fourier = Fourier::new(n);
+        let fourier = Fourier::new(n);
         let e_hat = fourier.spectrum(&e);
         let mut own = fourier.correlation(&e_hat, &e_hat);
         own.truncate(n);

@@ -15,7 +15,7 @@ use nalgebra::{Matrix2, Vector2};
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
 
 use super::missing_torque::{MeasuredMotion, TorqueOn, missing_torque};
-use crate::records::{BALANCE_WINDOW_S, Output, Record, half_samples};
+use crate::records::{BALANCE_WINDOW_S, Output, Record, half_samples, median};
 
 /// Half-width of the bump in s: shorter than a push by hand.
 const HALF_BUMP_S: f64 = 0.025;
@@ -109,26 +109,17 @@ fn centre(series: &mut [f64], time_s: &[f64]) -> f64 {
     // The median moves slowly: it is computed at intervals and interpolated as a staircase.
     let stride = (half / 8).max(1);
     let original = series.to_vec();
-    let median = |mut values: Vec<f64>| -> Option<f64> {
-        values.retain(|value| value.is_finite());
-        if values.is_empty() {
-            return None;
-        }
-        let middle = values.len() / 2;
-        Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
-    };
     for block in (0..n).step_by(stride) {
         let from = block.saturating_sub(half);
         let to = (block + half).min(n);
-        if let Some(base) = median(original[from..to].to_vec()) {
+        if let Some(base) = median(original[from..to].iter().copied()) {
             for value in &mut series[block..(block + stride).min(n)] {
                 *value -= base;
             }
         }
     }
-    let absolute: Vec<f64> = series.iter().map(|value| value.abs()).collect();
     // 1.4826 makes the median absolute deviation of a Gaussian its standard deviation.
-    1.4826 * median(absolute).unwrap_or(0.0)
+    1.4826 * median(series.iter().map(|value| value.abs())).unwrap_or(0.0)
 }
 
 /// Whether a log has too few samples to follow the loop's answer to a push: windows of
@@ -165,10 +156,7 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
 /// Motor and gravity at every sample of a record, N m. The current counts from the middle of the log's,
 /// which holds the body where it leans and has the sensor's offset.
 fn own_torques_nm(record: &Record, model: &PushModel) -> Vec<Vector2<f64>> {
-    let mut sorted: Vec<f64> = record.current_a.clone();
-    sorted.retain(|current| current.is_finite());
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let middle = median(record.current_a.iter().copied()).unwrap_or(0.0);
     let angle = record.channel(Output::Angle);
     // A missing sample says nothing of what acted.
     let known = |torque: f64| if torque.is_finite() { torque } else { 0.0 };

@@ -1,8 +1,19 @@
 //! The library of effects: one file each, and the list of them.
 
-use crate::effect::{Effect, EffectInfo, Instant, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing};
 use crate::external::External;
 use crate::{Reading, Scalar};
+
+/// The equation of an effect where it has the role that is asked for. The role is a constant, so that a loop over the
+/// terms of the body holds no code for those of the wheel.
+macro_rules! of_role {
+    ($effect:path, $role:pat, $equation:ident($($argument:expr),*), $otherwise:expr) => {
+        match <$effect as Effect>::INFO.role {
+            $role => <$effect as Effect>::$equation($($argument),*),
+            _ => $otherwise,
+        }
+    };
+}
 
 /// Declares the modules and the enum that stands for them. The order of the list is the order in
 /// which terms are evaluated (it matters in the motor chain and for the sensors) and reported.
@@ -37,11 +48,20 @@ macro_rules! effects {
                 }
             }
 
-            /// [`Effect::torque`].
+            /// [`Effect::torque`] of an effect that acts on the body.
             #[inline(always)]
-            pub fn torque<S: Scalar>(self, p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
+            pub(crate) fn torque_on_body<S: Scalar>(self, p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
                 match self {
-                    $(EffectId::$effect => $module::$effect::torque(p, at, v0),)*
+                    $(EffectId::$effect => of_role!($module::$effect, Role::Body, torque(p, at, v0), S::zero()),)*
+                    EffectId::External(external) => external.torque(p, at, v0),
+                }
+            }
+
+            /// [`Effect::torque`] of an effect that acts on the wheel.
+            #[inline(always)]
+            pub(crate) fn torque_on_wheel<S: Scalar>(self, p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
+                match self {
+                    $(EffectId::$effect => of_role!($module::$effect, Role::Wheel, torque(p, at, v0), S::zero()),)*
                     EffectId::External(external) => external.torque(p, at, v0),
                 }
             }
@@ -148,5 +168,14 @@ impl EffectId {
             memory: 0.0,
         };
         self.current(p, current_a, &at, torque_constant) != current_a
+    }
+
+    /// [`Effect::torque`]: against the motion of body or wheel, whichever it acts on, in N m.
+    pub fn torque<S: Scalar>(self, p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
+        match self.info().role {
+            Role::Body => self.torque_on_body(p, at, v0),
+            Role::Wheel => self.torque_on_wheel(p, at, v0),
+            Role::Motor | Role::Sensor => S::zero(),
+        }
     }
 }

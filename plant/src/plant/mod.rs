@@ -140,7 +140,9 @@ impl<S: Scalar> Plant<S> {
                 if term.is_ripple && !with_ripple {
                     continue;
                 }
-                let torque = term.effect.torque(self.p(term), at, &structure.smoothing);
+                let torque = term
+                    .effect
+                    .torque_on_wheel(self.p(term), at, &structure.smoothing);
                 wheel_torque = wheel_torque - torque;
             }
         }
@@ -150,7 +152,9 @@ impl<S: Scalar> Plant<S> {
         let mut body_torque = -(self.gravity_torque * at.angle_rad.sin()) + push;
         at.memory = memory;
         for term in &structure.body {
-            let torque = term.effect.torque(self.p(term), at, &structure.smoothing);
+            let torque = term
+                .effect
+                .torque_on_body(self.p(term), at, &structure.smoothing);
             body_torque = body_torque - torque;
         }
         if structure.kind == Kind::FreeSwing {
@@ -181,14 +185,9 @@ impl<S: Scalar> Plant<S> {
     #[inline(always)]
     pub fn remember(&self, memory: S, displacement_rad: S) -> S {
         match &self.structure.memory {
-            Some(term) => self.remembered(term, memory, displacement_rad),
+            Some(term) => term.effect.remember(self.p(term), memory, displacement_rad),
             None => memory,
         }
-    }
-
-    #[inline(never)]
-    fn remembered(&self, term: &Term, memory: S, displacement_rad: S) -> S {
-        term.effect.remember(self.p(term), memory, displacement_rad)
     }
 
     /// The distance in rad over which the friction that remembers yields (its level over its stiffness), if

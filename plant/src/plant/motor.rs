@@ -14,6 +14,16 @@ impl<S: Scalar> Plant<S> {
     /// The current that makes the torque, in A, from the one behind the lag.
     #[inline(always)]
     pub(super) fn through_motor(&self, current_a: S, at: &Instant<S>) -> S {
+        if self.structure.motor.is_empty() {
+            current_a
+        } else {
+            self.through_stages(current_a, at)
+        }
+    }
+
+    // Not inlined: most models have no such stage.
+    #[inline(never)]
+    fn through_stages(&self, current_a: S, at: &Instant<S>) -> S {
         let mut current_a = current_a;
         for term in &self.structure.motor {
             let effect = term.effect;
@@ -103,7 +113,7 @@ impl<S: Scalar> Plant<S> {
 
     /// The current in A behind the lag, `after_s` into an interval of `step_s`: `start_a` flowed at
     /// its beginning, `drive_a` is the mean command over it (after any delay).
-    #[inline(always)]
+    #[inline(never)]
     pub fn flowing_current(&self, start_a: S, drive_a: S, after_s: f64, step_s: f64) -> S {
         match self.lag_s {
             Some(lag) if lag.value() > 0.0 => {
@@ -128,9 +138,15 @@ impl<S: Scalar> Plant<S> {
     /// A + B (s − 1/2) the moments A and A/2 − B/12.
     #[inline(always)]
     pub(super) fn current_line(&self, start_a: S, drive_a: S, step_s: f64) -> (S, S) {
-        let Some(lag) = self.lag_s else {
-            return (drive_a, S::zero());
-        };
+        match self.lag_s {
+            Some(lag) => Self::line_behind_lag(lag, start_a, drive_a, step_s),
+            None => (drive_a, S::zero()),
+        }
+    }
+
+    // Not inlined: most models have no lag.
+    #[inline(never)]
+    fn line_behind_lag(lag: S, start_a: S, drive_a: S, step_s: f64) -> (S, S) {
         let theta = lag * (1.0 / step_s);
         let left = if theta.value() > 0.0 {
             (S::constant(-1.0) / theta).exp()

@@ -230,7 +230,19 @@ fn a_description_that_contradicts_itself_is_refused() {
         role: Role::Sensor,
         ..Magnet::INFO
     };
-    for (content, info) in [("too short a start", short), ("no sensor", sensor)] {
+    let base = EffectInfo {
+        parameters: &[
+            parameter("gravity_torque", "N m"),
+            parameter("magnet_angle", "rad"),
+            parameter("magnet_width", "rad"),
+        ],
+        ..Magnet::INFO
+    };
+    for (content, info) in [
+        ("too short a start", short),
+        ("no sensor", sensor),
+        ("a base parameter", base),
+    ] {
         let error = with(content, info).expect_err("incomplete");
         assert!(matches!(error, ExternalError::Incomplete { .. }), "{error}");
     }

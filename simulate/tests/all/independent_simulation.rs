@@ -1,5 +1,5 @@
 //! The closed loop against balance logs of an independent program: SciPy's integrator, its own
-//! noise, pushes that are known but not logged. Skipped where the logs are not at hand.
+//! noise, pushes that are known but not logged.
 
 use crate::bench::{BASE, COULOMB_TORQUE};
 use design::zero_order_hold::zero_order_hold;
@@ -14,14 +14,10 @@ const NOISE: [f64; 3] = [1.2e-3, 4e-3, 0.6];
 const PUSHES: [(f64, f64); 4] = [(4.0, 0.02), (8.0, -0.03), (12.0, 0.035), (16.0, -0.02)];
 const GAINS: [f64; 3] = [-24.267242, -2.129739, -0.02258758];
 
-fn folder() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/hidden");
-    if folder.is_dir() {
-        Some(folder)
-    } else {
-        eprintln!("skipped: no logs in {}", folder.display());
-        None
-    }
+/// The balance log of a bench.
+fn balance_log(bench: &str) -> PathBuf {
+    let benches = Path::new(env!("FLYWHEEL_RECORDINGS")).join("hidden");
+    benches.join(bench).join("balance.csv")
 }
 
 fn columns(path: &Path) -> [Vec<f64>; 5] {
@@ -110,8 +106,8 @@ fn expected_ratios() -> [f64; 3] {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_true_bench_explains_the_log_down_to_its_noise() {
-    let Some(folder) = folder() else { return };
     let expected = expected_ratios();
     for (name, effects) in [
         ("a-viscous-only", vec![]),
@@ -124,7 +120,7 @@ fn the_true_bench_explains_the_log_down_to_its_noise() {
             vec![(EffectId::WheelCoulombFriction, 1.2e-3)],
         ),
     ] {
-        let ratios = differences(&folder.join(name).join("balance.csv"), &effects);
+        let ratios = differences(&balance_log(name), &effects);
         eprintln!("{name}: rms difference over noise {ratios:.3?}, expected {expected:.3?}");
         for (ratio, expected) in ratios.iter().zip(expected) {
             // Dry friction damps a little of what noise does; the loop forgets in 0.2 s, so 20 s
@@ -135,9 +131,9 @@ fn the_true_bench_explains_the_log_down_to_its_noise() {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn a_bench_without_its_dry_wheel_does_not() {
-    let Some(folder) = folder() else { return };
-    let ratios = differences(&folder.join("d-dry-wheel/balance.csv"), &[]);
+    let ratios = differences(&balance_log("d-dry-wheel"), &[]);
     eprintln!("d-dry-wheel without its friction: {ratios:.3?}");
     assert!(ratios[2] > 2.0, "{ratios:?}");
 }

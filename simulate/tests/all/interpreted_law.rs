@@ -6,7 +6,7 @@ use crate::compiled::CompiledLaw;
 use checker::Module;
 use codegen::ModuleSpec;
 use codegen::hardware::HardwareSpec;
-use codegen::spec::{Drive, PhysicalRanges};
+use codegen::spec::{PhysicalRanges, PwmDrive};
 use design::{Design, Settings, Weights};
 use nalgebra::Vector3;
 use plant::{Kind, Model, Plant, linearise};
@@ -78,9 +78,9 @@ fn a_law_emitted_for_another_bench_balances_it() {
         current_limit_a: limit_a,
         sample_time_s: settings.sample_time_s,
         ranges: PhysicalRanges::THESIS_BENCH,
-        drive: Drive {
+        drive: PwmDrive {
             current_range_a: 3.0,
-            ..Drive::THESIS_BENCH
+            ..PwmDrive::THESIS_BENCH
         },
         hardware: HardwareSpec::thesis_bench(),
         parameters: vec![],

@@ -87,10 +87,10 @@ pub(crate) fn sum_of_squares(
 }
 
 /// Value and constant ends of a call of `clamp`.
-pub(crate) fn clamp_of<'a>(
-    words: &'a Words,
+pub(crate) fn clamp_of(
+    words: &Words,
     slot: Slot,
-) -> Option<(&'a Call, Polynomial, BigRational, BigRational)> {
+) -> Option<(&Call, Polynomial, BigRational, BigRational)> {
     let call = words.call(slot).filter(|call| call.function == "clamp")?;
     let [value, low, high] = call.arguments.as_slice() else {
         return None;

@@ -8,7 +8,7 @@ use crate::claims::filter_length::algebra::{
 };
 use crate::claims::filter_length::inverse_root::inverse_root;
 use crate::claims::filter_length::sources::UP_MAX;
-use crate::domains::intervals::{Interval, every_bit_pattern, ranges};
+use crate::domains::intervals::{IntegerInterval, every_bit_pattern, ranges};
 use crate::domains::polynomials::{Call, Words};
 use crate::exact::rational::{integer, power_of_two, root_above, root_below};
 use crate::language::module::Module;
@@ -30,8 +30,11 @@ fn scaled_up_is_long(module: &Module) -> Result<(), String> {
         let low = 1_i128 << octave;
         let high = if octave == 30 { low } else { 2 * low - 1 };
         for axis in 0..3 {
-            for part in [Interval::new(low, high), Interval::new(-high, -low)] {
-                let mut domain = vec![Interval::new(-high, high); 3];
+            for part in [
+                IntegerInterval::new(low, high),
+                IntegerInterval::new(-high, -low),
+            ] {
+                let mut domain = vec![IntegerInterval::new(-high, high); 3];
                 domain[axis] = part;
                 let results = ranges(program, &domain).map_err(|finding| finding.to_string())?;
                 unless(
@@ -41,7 +44,7 @@ fn scaled_up_is_long(module: &Module) -> Result<(), String> {
                 unless(
                     results
                         .iter()
-                        .all(|word| word.is_within(Interval::new(-(1 << 30), 1 << 30))),
+                        .all(|word| word.is_within(IntegerInterval::new(-(1 << 30), 1 << 30))),
                     "`scaled_up3` makes a vector too long",
                 )?;
             }
@@ -73,13 +76,13 @@ fn unit_vector(module: &Module) -> Result<(BigRational, BigRational), String> {
         let form = words.form(*result);
         let product: &[Slot] = &[*along, inverse.results[0]];
         unless(
-            is_terms(&form, &[(product, power_of_two(-31))]),
+            is_terms(form, &[(product, power_of_two(-31))]),
             not_understood,
         )?;
         rounding += form.remainder() * form.remainder();
     }
     let n = words.form(inverse.arguments[0]);
-    let (coefficient, constant) = sum_of_squares(&n, &scaled.results).ok_or(not_understood)?;
+    let (coefficient, constant) = sum_of_squares(n, &scaled.results).ok_or(not_understood)?;
     unless(
         coefficient == power_of_two(-32) && constant.is_zero(),
         not_understood,
@@ -87,7 +90,7 @@ fn unit_vector(module: &Module) -> Result<(BigRational, BigRational), String> {
     // The largest component is 2²⁹ to 2³⁰.
     let rest = n.remainder().ceil().to_integer();
     let least = BigRational::from(power_of_two(26).to_integer() - rest.clone());
-    let domain = Interval::new(
+    let domain = IntegerInterval::new(
         i128::try_from(least.to_integer()).map_err(|error| error.to_string())?,
         (3 << 28) + i128::try_from(rest).map_err(|error| error.to_string())?,
     );
@@ -139,7 +142,7 @@ pub(crate) fn aligned(module: &Module) -> Result<(BigRational, BigRational), Str
             unless(
                 form.is_exact()
                     && value.is_exact()
-                    && is_terms(&form, &[(outer, integer(2))])
+                    && is_terms(form, &[(outer, integer(2))])
                     && is_terms(&value, &[(inner, integer(2))])
                     && high == power_of_two(29)
                     && low == -high,
@@ -181,7 +184,7 @@ fn short_turns_do_not_reach_it(
         let terms: &[(&[Slot], BigRational)] =
             &[(&[*symbol], sign.clone()), (&[], constant.clone())];
         unless(
-            form.is_exact() && sign.abs().is_one() && is_terms(&form, terms),
+            form.is_exact() && sign.abs().is_one() && is_terms(form, terms),
             not_understood,
         )?;
         let largest = integer(UP_MAX) + constant.abs();
@@ -195,7 +198,7 @@ fn short_turns_do_not_reach_it(
         let (Ok(low), Ok(high)) = (low, high) else {
             return Err(not_understood.to_owned());
         };
-        domain[word] = Interval::new(low, high);
+        domain[word] = IntegerInterval::new(low, high);
     }
     unless(seen.len() == program.arguments.len(), not_understood)?;
     // All short ones end in one constant, so that the branch with the call is not reached.

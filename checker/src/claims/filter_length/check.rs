@@ -7,7 +7,7 @@
 //!    the range of n.
 //! 2. `scaled_correction`: direction times gain is then no longer than a bound, C.
 //! 3. `turned`: without the correction the squares of the sum are, as polynomials, those of
-//!    q times 1 + ‖h‖², h the half-angles. So the sum's length is known to within C and rounding.
+//!    q times 1 + ‖h‖², h the half-angles. So the sum's norm is known to within C and rounding.
 //! 4. `normalised`: its result is q S(ε), ε the excess of ‖q‖² over 1, and (1 + ε) S(ε)² is 1 to
 //!    within 5ε³/8 or so, the coefficients being those of the source.
 //! 5. `aligned`: four times a unit vector from `unit_q28`, which is one by 1.
@@ -28,7 +28,7 @@ use crate::claims::filter_length::correction::correction;
 use crate::claims::filter_length::normalised::normalised;
 use crate::claims::filter_length::sources::Sources;
 use crate::claims::filter_length::turned::turned;
-use crate::claims::outcome::Outcome;
+use crate::claims::outcome::ClaimOutcome;
 use crate::exact::rational::{power_of_two, rounded_up};
 use crate::language::module::Module;
 use crate::program::contract::Contract;
@@ -38,7 +38,7 @@ pub const TOLERANCE_BITS: i32 = 11;
 
 /// What was found of the squared length.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lengths {
+pub struct SquaredNorms {
     /// Least and largest after a step with the correction, before it is normalised.
     pub before: (BigRational, BigRational),
     /// Least and largest after a step.
@@ -48,8 +48,8 @@ pub struct Lengths {
 }
 
 /// What comes of the claim.
-pub fn by_exact_arithmetic(module: &Module, contracts: &HashMap<usize, Contract>) -> Outcome {
-    Outcome::proved(check(module, contracts).map(|lengths| {
+pub fn by_exact_arithmetic(module: &Module, contracts: &HashMap<usize, Contract>) -> ClaimOutcome {
+    ClaimOutcome::proved(check(module, contracts).map(|lengths| {
         format!(
             "squared length after a step: {}; after an alignment: {}",
             distances(&lengths.after_step),
@@ -58,11 +58,14 @@ pub fn by_exact_arithmetic(module: &Module, contracts: &HashMap<usize, Contract>
     }))
 }
 
-/// Claim `filter-length`. `contracts` are those that [`crate::claims::filter_total::proved`] allows.
+/// Claim `filter-length`. `contracts` are those that [`crate::claims::primitives::proved`] allows.
 ///
 /// # Errors
 /// A sentence on what could not be shown.
-pub fn check(module: &Module, contracts: &HashMap<usize, Contract>) -> Result<Lengths, String> {
+pub fn check(
+    module: &Module,
+    contracts: &HashMap<usize, Contract>,
+) -> Result<SquaredNorms, String> {
     clamp_is_nearest(module)?;
     let tolerance = power_of_two(-TOLERANCE_BITS);
     let around_one = (
@@ -81,7 +84,7 @@ pub fn check(module: &Module, contracts: &HashMap<usize, Contract>) -> Result<Le
             ));
         }
     }
-    Ok(Lengths {
+    Ok(SquaredNorms {
         before,
         after_step,
         after_alignment,

@@ -1,9 +1,9 @@
 //! That `clamp` gives the nearest value between two ends, for all words.
 
 use crate::domains::machine::Machine;
-use crate::domains::walk::{ContractedCall, Domain, Side, Site, start, walk};
+use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::language::module::Module;
-use crate::program::steps::{Arithmetic, Comparison, Join, Slot};
+use crate::program::steps::{Arithmetic, Join, Slot, WordComparison};
 use crate::program::types::Integer;
 
 use crate::claims::filter_length::algebra::unless;
@@ -84,7 +84,7 @@ impl Domain for Choices {
         &mut self,
         site: &Site<Choice>,
         _to: Slot,
-        _comparison: Comparison,
+        _comparison: WordComparison,
         (a, b): (Slot, Slot),
     ) -> Chosen {
         match (site.word(a), site.word(b)) {
@@ -133,7 +133,7 @@ impl Domain for Choices {
         _site: &Site<Choice>,
         _condition: Slot,
         _joins: &[Join],
-        [then, otherwise]: [Side<Choice>; 2],
+        [then, otherwise]: [BranchEnd<Choice>; 2],
     ) -> Result<Vec<Choice>, MoreThanChoices> {
         let both = then.words.iter().zip(&otherwise.words);
         both.map(|sides| match sides {

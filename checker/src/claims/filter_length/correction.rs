@@ -7,7 +7,7 @@ use crate::claims::filter_length::algebra::{
     clamp_of, is_terms, number, sum_of_squares, unless, with_calls,
 };
 use crate::claims::filter_length::inverse_root::{SCALED_ONE, inverse_root};
-use crate::domains::intervals::Interval;
+use crate::domains::intervals::IntegerInterval;
 use crate::domains::polynomials::Words;
 use crate::exact::rational::{integer, power_of_two, root_above};
 use crate::language::contracts::stated;
@@ -31,7 +31,7 @@ fn magnitudes_squared(ranges: &[(Slot, i128, i128)]) -> BigRational {
 pub(crate) fn correction(module: &Module, beta: &BigRational) -> Result<BigRational, String> {
     const NAME: &str = "madgwick::scaled_correction";
     let not_understood = "`scaled_correction` is not a direction and β over its length";
-    let whole = Interval::new(0, (1 << 30) - 1);
+    let whole = IntegerInterval::new(0, (1 << 30) - 1);
     inverse_root(
         module,
         "root::coarse_inverse_length",
@@ -47,7 +47,7 @@ pub(crate) fn correction(module: &Module, beta: &BigRational) -> Result<BigRatio
     let program = with_calls(module, NAME, &through)?;
     let words = Words::of(&program);
     let beta_symbol = *program.arguments.last().ok_or(not_understood)?;
-    // Lengths of directions are those of the contract of `scaled_up4`.
+    // SquaredNorms of directions are those of the contract of `scaled_up4`.
     let scaled_up = number(module, "scaling::scaled_up4")?;
     let contract = stated(module, scaled_up).ok_or(not_understood)?;
     let stated: Vec<_> = contract
@@ -77,7 +77,7 @@ pub(crate) fn correction(module: &Module, beta: &BigRational) -> Result<BigRatio
             .ok_or(not_understood)?;
         let product: &[Slot] = &[inverse.results[0], beta_symbol];
         unless(
-            is_terms(&gain, &[(product, power_of_two(-32))]),
+            is_terms(gain, &[(product, power_of_two(-32))]),
             not_understood,
         )?;
         // n: four times the clamped sum of squares.

@@ -1,7 +1,7 @@
 //! 1: inverse square roots, by halving the range of their argument.
 
 use crate::claims::filter_length::algebra::unless;
-use crate::domains::intervals::{Interval, ranges};
+use crate::domains::intervals::{IntegerInterval, ranges};
 use crate::exact::rational::{integer, power_of_two};
 use crate::language::module::Module;
 
@@ -16,7 +16,7 @@ pub(crate) const SCALED_ONE: i128 = 1 << 26;
 pub(crate) fn inverse_root(
     module: &Module,
     name: &str,
-    domain: Interval,
+    domain: IntegerInterval,
     bits: i32,
     is_two_sided: bool,
 ) -> Result<(), String> {
@@ -50,8 +50,8 @@ pub(crate) fn inverse_root(
             ));
         }
         let middle = n.low + (n.high - n.low) / 2;
-        pending.push(Interval::new(n.low, middle));
-        pending.push(Interval::new(middle + 1, n.high));
+        pending.push(IntegerInterval::new(n.low, middle));
+        pending.push(IntegerInterval::new(middle + 1, n.high));
     }
     Ok(())
 }

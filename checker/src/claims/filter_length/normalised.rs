@@ -54,7 +54,7 @@ pub(crate) fn normalised(
         .ok_or(not_understood)?;
     let definition = words.form(change);
     let multiple = multiple
-        .substituted(change, &definition)
+        .substituted(change, definition)
         .ok_or(not_understood)?;
     let excess = definition
         .terms

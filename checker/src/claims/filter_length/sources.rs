@@ -7,7 +7,7 @@ use num_traits::{Signed, Zero};
 
 use crate::claims::filter_length::algebra::{FRACTION_BITS, every_word, unless};
 use crate::claims::filter_total::{Invariant, analysed};
-use crate::domains::intervals::Interval;
+use crate::domains::intervals::IntegerInterval;
 use crate::domains::polynomials::Words;
 use crate::exact::rational::power_of_two;
 use crate::language::module::Module;
@@ -31,7 +31,7 @@ impl Sources {
         let mut sources = Sources {
             beta: BigRational::zero(),
         };
-        let component = Interval::new(-invariant.component, invariant.component);
+        let component = IntegerInterval::new(-invariant.component, invariant.component);
         let mut extended = contracts.clone();
         let half_angle = 4..7;
         for (name, narrow, to) in [

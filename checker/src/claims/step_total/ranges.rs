@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use crate::certificate::reader::Certificate;
 use crate::claims::filter_total::{Invariant, analysed};
-use crate::claims::outcome::Outcome;
-use crate::domains::intervals::Interval;
+use crate::claims::outcome::ClaimOutcome;
+use crate::domains::intervals::IntegerInterval;
 use crate::language::module::Module;
 use crate::program::contract::Contract;
 use crate::program::steps::Program;
@@ -15,12 +15,12 @@ pub fn by_intervals(
     module: &Module,
     certificate: &Certificate,
     contracts: &HashMap<usize, Contract>,
-) -> Outcome {
+) -> ClaimOutcome {
     let drive = &certificate.drive;
     let span = drive.duty_max.saturating_sub(drive.duty_zero);
     let low = drive.duty_zero.saturating_sub(span);
     let checked = check(module, contracts, low, drive.duty_zero, drive.duty_max);
-    Outcome::proved(checked.map(|()| format!("duty within {low} to {}", drive.duty_max)))
+    ClaimOutcome::proved(checked.map(|()| format!("duty within {low} to {}", drive.duty_max)))
 }
 
 /// Raw counts of any value give a duty within `low` and `high`, and exactly `zero` when
@@ -48,15 +48,15 @@ pub fn check(
         .position(|name| name == "self.is_armed")
         .ok_or("the controller has no flag is_armed")?;
     let is_armed_at_start = start[start.len() - own_words(program) + armed];
-    if is_armed_at_start != Interval::point(0) {
+    if is_armed_at_start != IntegerInterval::point(0) {
         return Err("a new controller is armed".to_owned());
     }
     let cases = [
-        (0, Interval::point(zero.into())),
-        (1, Interval::new(low.into(), high.into())),
+        (0, IntegerInterval::point(zero.into())),
+        (1, IntegerInterval::new(low.into(), high.into())),
     ];
     for (flag, wanted) in cases {
-        let fixed = [(armed, Interval::point(flag))];
+        let fixed = [(armed, IntegerInterval::point(flag))];
         let results = analysed(module, contracts, name, &invariant, &fixed)?;
         if !results[0].is_within(wanted) {
             return Err(format!(

@@ -18,7 +18,7 @@ use plant::Kind;
 
 use self::half_cycles::{Crossing, dying_part, half_cycles};
 use self::law::laws;
-use crate::records::{Output, Record, angle_samples, noise_std};
+use crate::records::{Output, Record, angle_samples, median, noise_std};
 
 pub use self::law::DecayLaw;
 pub use self::point::{AtAmplitude, Estimate};
@@ -81,16 +81,11 @@ pub fn decay(record: &Record) -> Option<Decay> {
     shift(&mut samples, 0.5 * (low + high));
     let mut found = half_cycles(&samples, least, noise, quantum);
     for _ in 0..2 {
-        let mut middles: Vec<f64> = found
+        let middles = found
             .1
             .windows(3)
-            .map(|three| 0.25 * (three[0].angle + 2.0 * three[1].angle + three[2].angle))
-            .collect();
-        if middles.is_empty() {
-            return None;
-        }
-        middles.sort_by(f64::total_cmp);
-        shift(&mut samples, middles[middles.len() / 2]);
+            .map(|three| 0.25 * (three[0].angle + 2.0 * three[1].angle + three[2].angle));
+        shift(&mut samples, median(middles)?);
         found = half_cycles(&samples, least, noise, quantum);
     }
     let (crossings, peaks) = dying_part(found);

@@ -35,7 +35,7 @@ use plant::Model;
 use rayon::prelude::*;
 
 use self::coordinate::coordinates;
-use self::series::{Context, Series, adjust, output_series, torque_series};
+use self::series::{Context, ResidualSeries, adjust, output_series, torque_series};
 use super::missing_torque::{MeasuredMotion, TorqueOn, half_bump};
 use crate::fit::{Trace, Window};
 use crate::records::Record;
@@ -52,8 +52,8 @@ struct Seen {
     /// For each coordinate its value in every interval.
     places: Vec<Vec<f64>>,
     /// The missing torques with their slopes.
-    torques: Vec<(TorqueOn, Series, Vec<Vec<f64>>)>,
-    outputs: Vec<Series>,
+    torques: Vec<(TorqueOn, ResidualSeries, Vec<Vec<f64>>)>,
+    outputs: Vec<ResidualSeries>,
 }
 
 fn seen(
@@ -105,9 +105,9 @@ pub fn breakdown(
     let mut map = FailureMap::default();
     let mut places: Vec<Vec<Vec<f64>>> = vec![];
     let mut motions: Vec<Option<MeasuredMotion>> = vec![];
-    let mut torques: Vec<(TorqueOn, Series)> = vec![];
+    let mut torques: Vec<(TorqueOn, ResidualSeries)> = vec![];
     let mut slopes: Vec<Vec<Vec<f64>>> = vec![];
-    let mut outputs: Vec<Series> = vec![];
+    let mut outputs: Vec<ResidualSeries> = vec![];
     let seen: Vec<Seen> = (0..records.len())
         .into_par_iter()
         .map(|index| {
@@ -125,7 +125,7 @@ pub fn breakdown(
         outputs.extend(one.outputs);
     }
     for on in [TorqueOn::Body, TorqueOn::BodyByCommand, TorqueOn::Wheel] {
-        let mut group: Vec<(&mut Series, &[Vec<f64>])> = torques
+        let mut group: Vec<(&mut ResidualSeries, &[Vec<f64>])> = torques
             .iter_mut()
             .zip(&slopes)
             .filter(|((which, _), _)| *which == on)
@@ -139,7 +139,7 @@ pub fn breakdown(
         motions: &motions,
     };
     for on in [TorqueOn::Body, TorqueOn::BodyByCommand, TorqueOn::Wheel] {
-        let group: Vec<&Series> = torques
+        let group: Vec<&ResidualSeries> = torques
             .iter()
             .filter(|(which, _)| *which == on)
             .map(|(_, series)| series)

@@ -4,7 +4,7 @@ use super::super::correlation::effective_samples;
 use super::super::structure::structure;
 use super::coordinate::{Coordinate, bin_of, edges};
 use super::failure_map::{Bin, Breakdown, Quantity, Region};
-use super::series::{Context, Series};
+use super::series::{Context, ResidualSeries};
 use super::steps::shortest_run;
 
 /// Structure in an output below this part of its noise is not worth a place: it raises the RMSE by
@@ -16,7 +16,7 @@ impl Context<'_> {
     /// in which four fifths of the excess lie in the smallest part of the samples.
     pub(super) fn break_output_down(
         &self,
-        series: &Series,
+        series: &ResidualSeries,
         out: &mut Vec<Breakdown>,
     ) -> Option<Region> {
         let n = series.values.len();

@@ -15,7 +15,7 @@ use crate::records::{Output, Record};
 const FEEDBACK: f64 = 0.02;
 
 /// One residual of one record, ready to be broken down.
-pub(super) struct Series {
+pub(super) struct ResidualSeries {
     pub(super) record: usize,
     pub(super) channel: &'static str,
     pub(super) noise_std: f64,
@@ -31,15 +31,19 @@ pub(super) struct Series {
     pub(super) wheel: bool,
 }
 
-impl Series {
+impl ResidualSeries {
     /// Squared values above the noise.
     pub(super) fn excess(&self) -> f64 {
         self.values.iter().map(|value| value * value - 1.0).sum()
     }
 }
 
-pub(super) fn torque_series(index: usize, record: &Record, missing: &MissingTorque) -> Series {
-    Series {
+pub(super) fn torque_series(
+    index: usize,
+    record: &Record,
+    missing: &MissingTorque,
+) -> ResidualSeries {
+    ResidualSeries {
         record: index,
         channel: missing.on.channel(),
         noise_std: missing.noise_std_nm,
@@ -64,7 +68,11 @@ pub(super) fn torque_series(index: usize, record: &Record, missing: &MissingTorq
 }
 
 /// The residuals of the channels of a record, without the rounding that the model foresees.
-pub(super) fn output_series(index: usize, record: &Record, traces: &[Trace]) -> Vec<Series> {
+pub(super) fn output_series(
+    index: usize,
+    record: &Record,
+    traces: &[Trace],
+) -> Vec<ResidualSeries> {
     record
         .channels
         .iter()
@@ -87,7 +95,7 @@ pub(super) fn output_series(index: usize, record: &Record, traces: &[Trace]) -> 
             let counted: Vec<usize> = (0..record.len() - 1)
                 .filter(|&k| residual[k].is_finite() && record.weight[k] > 0.0)
                 .collect();
-            Series {
+            ResidualSeries {
                 record: index,
                 channel: channel.output.name(),
                 noise_std: channel.noise_std,
@@ -107,7 +115,7 @@ pub(super) fn output_series(index: usize, record: &Record, traces: &[Trace]) -> 
 /// Takes out of a torque what wrong parameters explain, by least squares over all logs. A fit whose
 /// model lacks something bends its parameters, and the torque that then seems to be missing is the
 /// lack and, everywhere else, the bending.
-pub(super) fn adjust(group: &mut [(&mut Series, &[Vec<f64>])], parameters: usize) {
+pub(super) fn adjust(group: &mut [(&mut ResidualSeries, &[Vec<f64>])], parameters: usize) {
     let mut square = DMatrix::<f64>::zeros(parameters, parameters);
     let mut right = DVector::<f64>::zeros(parameters);
     for (series, slopes) in group.iter() {
@@ -153,7 +161,7 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    pub(super) fn speed(&self, series: &Series, interval: usize) -> f64 {
+    pub(super) fn speed(&self, series: &ResidualSeries, interval: usize) -> f64 {
         self.motions[series.record].as_ref().map_or(0.0, |motion| {
             let state = &motion.state[interval];
             if series.wheel {
@@ -165,7 +173,7 @@ impl Context<'_> {
     }
 
     /// What the motion seems to explain of noise alone because a controller makes motion of noise.
-    pub(super) fn feedback(&self, series: &Series) -> f64 {
+    pub(super) fn feedback(&self, series: &ResidualSeries) -> f64 {
         match self.records[series.record].kind {
             Kind::Balance => FEEDBACK * series.values.len() as f64,
             _ => 0.0,
@@ -173,7 +181,7 @@ impl Context<'_> {
     }
 
     /// Where the values of a series lie in a coordinate.
-    pub(super) fn seen(&self, series: &Series, coordinate: usize) -> Vec<f64> {
+    pub(super) fn seen(&self, series: &ResidualSeries, coordinate: usize) -> Vec<f64> {
         let place = &self.places[series.record][coordinate];
         series
             .looks

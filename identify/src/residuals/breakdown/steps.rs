@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::coordinate::bin_of;
-use super::series::Series;
+use super::series::ResidualSeries;
 
 /// A region is the shortest run of bins with this part of what the coordinate explains: enough to
 /// bound a thing as a whole (a magnet pulls on one side of its place and pushes on the other, each
@@ -34,7 +34,7 @@ pub(super) struct StepFit {
 /// `is_turn`: the coordinate goes round; a bump in which the wheel turns by half a turn or more says
 /// nothing of any angle.
 pub(super) fn fit_steps(
-    series: &[&Series],
+    series: &[&ResidualSeries],
     edges: &[f64],
     (with_sign, is_turn): (bool, bool),
     at: &dyn Fn(usize, usize) -> (f64, f64),

@@ -7,7 +7,7 @@ use super::super::missing_torque::TorqueOn;
 use super::super::structure::SIGNIFICANT;
 use super::coordinate::{Coordinate, edges};
 use super::failure_map::{Bin, Breakdown, Explained, FailureMap, Quantity, Region};
-use super::series::{Context, Series};
+use super::series::{Context, ResidualSeries};
 use super::steps::{StepFit, fit_steps, shortest_run};
 
 /// Coordinates whose shares differ by less than this factor explain a torque equally well: a function
@@ -22,7 +22,12 @@ struct Attempt {
 }
 
 impl Context<'_> {
-    pub(super) fn break_torque_down(&self, on: TorqueOn, group: &[&Series], map: &mut FailureMap) {
+    pub(super) fn break_torque_down(
+        &self,
+        on: TorqueOn,
+        group: &[&ResidualSeries],
+        map: &mut FailureMap,
+    ) {
         let all_excess: f64 = group.iter().map(|series| series.excess()).sum();
         let coordinates: Vec<usize> = (0..Coordinate::ALL.len())
             .filter(|&index| {
@@ -55,14 +60,20 @@ impl Context<'_> {
     }
 
     /// Explains the torque of a group of series by one coordinate.
-    fn attempt(&self, index: usize, on: TorqueOn, group: &[&Series], all_excess: f64) -> Attempt {
+    fn attempt(
+        &self,
+        index: usize,
+        on: TorqueOn,
+        group: &[&ResidualSeries],
+        all_excess: f64,
+    ) -> Attempt {
         let coordinate = Coordinate::ALL[index];
-        let having: Vec<&Series> = group
+        let having: Vec<&ResidualSeries> = group
             .iter()
             .copied()
             .filter(|series| !self.places[series.record][index].is_empty())
             .collect();
-        let sets: Vec<Vec<&Series>> = if coordinate.is_common() {
+        let sets: Vec<Vec<&ResidualSeries>> = if coordinate.is_common() {
             vec![having]
         } else {
             having.into_iter().map(|series| vec![series]).collect()

@@ -266,14 +266,7 @@ pub fn setup(records: Vec<Record>) -> Setup {
     Setup::from_records(records, known, Default::default()).expect("records")
 }
 
-/// A file of the measurements outside the project; says so where it is absent.
-pub fn data(path: &str) -> Option<std::path::PathBuf> {
-    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared/data")
-        .join(path);
-    if file.exists() {
-        return Some(file);
-    }
-    eprintln!("skipped: {} is not there", file.display());
-    None
+/// A file of the recordings that are no part of the project; only for tests that need them.
+pub fn data(path: &str) -> std::path::PathBuf {
+    std::path::Path::new(env!("FLYWHEEL_RECORDINGS")).join(path)
 }

@@ -9,9 +9,9 @@ use crate::simulated::data;
 /// The columns of most recordings.
 const STANDARD: &str = "columns = { time = \"t_s\", angle = \"angle_rad\" }";
 
-/// A bench of one free swing; `None` where the recording is not there.
-fn bench(file: &str, extra: &str) -> Option<Setup> {
-    let path = data(&format!("real/{file}"))?;
+/// A bench of one recorded free swing.
+fn bench(file: &str, extra: &str) -> Setup {
+    let path = data(&format!("real/{file}"));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = format!(
         "[[experiment]]\nname = \"swing\"\nkind = \"free-swing\"\nfile = \"{}\"\n{extra}\n",
@@ -19,7 +19,7 @@ fn bench(file: &str, extra: &str) -> Option<Setup> {
     );
     std::fs::write(folder.path().join("bench.toml"), text).expect("written");
     let bench = Bench::load(folder.path()).unwrap_or_else(|error| panic!("{error}"));
-    Some(Setup::new(&bench).expect("records"))
+    Setup::new(&bench).expect("records")
 }
 
 fn decay_of(setup: &Setup) -> Decay {
@@ -52,10 +52,9 @@ fn decay_of(setup: &Setup) -> Decay {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_period_of_the_thesis_swing_falls_by_four_percent() {
-    let Some(setup) = bench("orig_freeswing_reibung.csv", STANDARD) else {
-        return;
-    };
+    let setup = bench("orig_freeswing_reibung.csv", STANDARD);
     let found = decay_of(&setup);
     let drift = found.period_drift_percent;
     assert!((drift.value + 3.9).abs() < 2.0 * drift.std, "{drift:?}");
@@ -63,13 +62,12 @@ fn the_period_of_the_thesis_swing_falls_by_four_percent() {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_cart_pendulum_dies_out_by_dry_friction_and_quadratic_drag() {
-    let Some(setup) = bench(
+    let setup = bench(
         "bookip_cdip_freeswing_1kHz.csv",
         &format!("{STANDARD}\nfrom = 8.5"),
-    ) else {
-        return;
-    };
+    );
     let found = decay_of(&setup);
     assert_eq!(found.laws[0].has, [true, false, true]);
     // Relative to the first amplitude, as the independent envelope fit states it: 0.074 % against
@@ -83,31 +81,28 @@ fn the_cart_pendulum_dies_out_by_dry_friction_and_quadratic_drag() {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_cubli_swing_dies_out_by_dry_friction() {
     let extra = "columns = { time = \"t_s\", angle = \"angle_rad_from_pot_scale\" }\n\
                  offset = { angle = -0.72 }";
-    let Some(setup) = bench("aau_cubli_freeswing_00.csv", extra) else {
-        return;
-    };
+    let setup = bench("aau_cubli_freeswing_00.csv", extra);
     let found = decay_of(&setup);
     assert!(found.laws[0].has[0], "{:?}", found.laws[0]);
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_other_reaction_wheel_pendulum_dies_out_by_dry_friction_and_quadratic_drag() {
     let extra = "columns = { time = \"t_s\", angle = \"pend_rad\" }";
-    let Some(setup) = bench("tud_rwp_freeswing_A_20Hz.csv", extra) else {
-        return;
-    };
+    let setup = bench("tud_rwp_freeswing_A_20Hz.csv", extra);
     let found = decay_of(&setup);
     assert_eq!(found.laws[0].has, [true, false, true]);
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_thesis_swing_is_fitted_as_well_as_an_independent_program_did() {
-    let Some(setup) = bench("orig_freeswing_reibung.csv", STANDARD) else {
-        return;
-    };
+    let setup = bench("orig_freeswing_reibung.csv", STANDARD);
     // mrad; independent fits gave 22.3, 19.1 and 8.4.
     for (effect, limit) in [
         (None, 22.3),

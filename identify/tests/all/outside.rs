@@ -2,7 +2,8 @@
 
 use identify::{Identification, MAX_UNKNOWNS, Unknowns, Window, identify, normal};
 use plant::{
-    Effect, EffectId, EffectInfo, Instant, Kind, Model, ParameterInfo, Role, Scalar, Smoothing,
+    Definition, Effect, EffectId, EffectInfo, Instant, Kind, Model, ParameterInfo, Role, Scalar,
+    Smoothing,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -86,7 +87,8 @@ impl Effect for Curve {
     const INFO: EffectInfo = EffectInfo {
         name: "curve",
         equation: "Σ cⱼ max(0, 1 − |α/w − j|)",
-        parameters: &[parameter("knot", "N m", true); KNOTS],
+        // Named when it is defined.
+        parameters: &[],
         starts: &[&[0.0; KNOTS]],
         absent: Some(&[0.0; KNOTS]),
         ..Magnet::INFO
@@ -162,7 +164,17 @@ fn an_effect_of_five_parameters_from_outside_is_recovered() {
 /// With more unknowns than one simulation carries, the normal equations are those of the parts.
 #[test]
 fn more_unknowns_than_one_simulation_carries_are_taken_in_parts() {
-    let curve = EffectId::of::<Curve>().expect("a sound description");
+    let curve = EffectId::external("a curve of straight pieces", || {
+        let named = (0..KNOTS).map(|knot| parameter(format!("knot_{knot}").leak(), "N m", true));
+        Definition {
+            info: EffectInfo {
+                parameters: named.collect::<Vec<_>>().leak(),
+                ..Curve::INFO
+            },
+            ..Definition::of::<Curve>()
+        }
+    })
+    .expect("a sound description");
     let experiment = free_swing("free swing 52 deg", 52f64.to_radians(), 2.0);
     let record = simulate(
         &Physics::base(),

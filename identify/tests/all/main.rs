@@ -2,10 +2,15 @@
 //! simulated logs, and figures of real ones.
 
 mod breakdown;
+mod common;
 mod contradiction;
 mod correlation;
 mod other_rig;
 mod outside;
+mod pushes;
 mod real;
 mod recovery;
+mod scales;
 mod simulated;
+mod solver;
+mod standard_errors;

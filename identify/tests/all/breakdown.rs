@@ -187,11 +187,9 @@ fn the_right_model_fails_nowhere_and_still_says_where_its_error_is_largest() {
 }
 
 #[test]
+#[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_unknown_magnet_of_the_reference_bench_is_found_near_its_angle() {
-    let Some(folder) = data("hidden/f-unknown-magnet") else {
-        return;
-    };
-    let bench = bench_files::Bench::load(&folder).expect("a bench");
+    let bench = bench_files::Bench::load(&data("hidden/f-unknown-magnet")).expect("a bench");
     let setup = Setup::new(&bench).expect("records");
     let map = failure_map(&setup, &[EffectId::BodyCoulombFriction]);
     let top = &map.regions[0];

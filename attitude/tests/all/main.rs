@@ -1,0 +1,3 @@
+//! Tests of what a user of the crate sees.
+
+mod physics;

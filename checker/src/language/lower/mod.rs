@@ -1,0 +1,11 @@
+//! From the body of a function to a [`crate::program::Program`]: types are checked, names resolved,
+//! calls put in place, and every construct that is not understood is refused with its place.
+
+mod branches;
+mod builder;
+mod calls;
+mod expressions;
+mod operators;
+pub mod programs;
+mod statements;
+mod types;

@@ -1,0 +1,471 @@
+//! The declarations of an emitted crate: files, types, constants and functions.
+//!
+//! The language is the one that the generator documents for its output, read from that document
+//! and written anew here: 32-bit fixed-point aliases, structs, arrays, plain functions, no loops,
+//! no generics, no traits but `Default`, no macro but `assert!` in a constant. Anything else is
+//! refused with its place. Bodies are read in [`crate::language::lower`].
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use syn::spanned::Spanned;
+use syn::visit::Visit;
+
+use crate::language::attributes::{inner_attributes, no_attributes, no_generics, outer_attributes};
+use crate::language::declarations::{
+    Constant, Declarations, Function, Named, Read, SourceFile, Struct, refuse, shown,
+};
+use crate::language::signatures::{fixed_named, fixed_type};
+use crate::program::place::{SourceError, SourcePlace};
+use crate::program::types::{Integer, Type};
+
+impl Declarations {
+    /// Reads all files of a crate, given as (path, text).
+    ///
+    /// # Errors
+    /// [`SourceError`] for Rust that does not parse and for every construct outside the language.
+    pub fn read(sources: &[(&str, &str)]) -> Read<Declarations> {
+        let mut declarations = Declarations::default();
+        let mut parsed = Vec::new();
+        for (path, text) in sources {
+            let path: Arc<str> = (*path).into();
+            let file = syn::parse_file(text).map_err(|error| SourceError {
+                place: SourcePlace::of(&path, error.span()),
+                message: format!("this is no Rust: {error}"),
+            })?;
+            declarations.files.push(SourceFile {
+                module: module_name(&path),
+                path: path.clone(),
+                names: HashMap::new(),
+            });
+            parsed.push((path, file));
+        }
+        for (module, (path, file)) in parsed.iter().enumerate() {
+            inner_attributes(path, &file.attrs)?;
+            if declarations.files[module].module.is_empty() {
+                declarations.root(path, file)?;
+            }
+            for item in &file.items {
+                declarations.item_name(module, path, item)?;
+            }
+        }
+        declarations.imports(&parsed)?;
+        for (module, (path, file)) in parsed.iter().enumerate() {
+            for item in &file.items {
+                declarations.item_types(module, path, item)?;
+            }
+        }
+        for (module, (path, file)) in parsed.iter().enumerate() {
+            for item in &file.items {
+                declarations.item_bodies(module, path, item)?;
+            }
+        }
+        Ok(declarations)
+    }
+
+    /// First pass: which structs there are, so that types can name each other.
+    fn item_name(&mut self, module: usize, path: &Arc<str>, item: &syn::Item) -> Read<()> {
+        if let syn::Item::Struct(item) = item {
+            outer_attributes(path, &item.attrs)?;
+            let number = self.structs.len();
+            self.structs.push(Struct {
+                name: item.ident.to_string(),
+                fields: Vec::new(),
+                is_open: item
+                    .fields
+                    .iter()
+                    .any(|field| !matches!(field.vis, syn::Visibility::Inherited)),
+            });
+            self.define(module, path, &item.ident, Named::Type(Type::Struct(number)))?;
+        }
+        if let syn::Item::Type(item) = item {
+            outer_attributes(path, &item.attrs)?;
+            no_generics(path, &item.generics)?;
+            let type_ = fixed_type(path, &item.ty)?;
+            self.define(module, path, &item.ident, Named::Type(type_))?;
+        }
+        if let syn::Item::Const(item) = item
+            && item.ident != "_"
+        {
+            let number = self.constants.len();
+            self.constants.push(Constant {
+                name: item.ident.to_string(),
+                module,
+                type_: Type::Bool,
+                expression: (*item.expr).clone(),
+                place: SourcePlace::of(
+                    path,
+                    item.vis
+                        .span()
+                        .join(item.ident.span())
+                        .unwrap_or(item.ident.span()),
+                ),
+                is_public: matches!(item.vis, syn::Visibility::Public(_)),
+            });
+            self.define(module, path, &item.ident, Named::Constant(number))?;
+        }
+        if let syn::Item::Fn(item) = item {
+            let number = self.functions.len();
+            self.functions.push(Function {
+                name: item.sig.ident.to_string(),
+                module,
+                owner: None,
+                arguments: Vec::new(),
+                result: Type::Tuple(Vec::new()),
+                body: (*item.block).clone(),
+                place: SourcePlace::of(path, item.sig.ident.span()),
+                attributes: item.attrs.clone(),
+                is_public: matches!(item.vis, syn::Visibility::Public(_)),
+            });
+            self.define(module, path, &item.sig.ident, Named::Function(number))?;
+        }
+        Ok(())
+    }
+
+    fn define(
+        &mut self,
+        module: usize,
+        path: &Arc<str>,
+        name: &syn::Ident,
+        named: Named,
+    ) -> Read<()> {
+        let text = name.to_string();
+        // Rust would take the new meaning where this reader takes the usual one.
+        let is_taken = Integer::named(&text).is_some() || TAKEN_NAMES.contains(&text.as_str());
+        if is_taken {
+            return refuse(path, name.span(), format!("`{name}` has a meaning in Rust"));
+        }
+        if self.files[module].names.insert(text, named).is_some() {
+            return refuse(path, name.span(), format!("`{name}` is defined twice"));
+        }
+        Ok(())
+    }
+
+    /// `src/lib.rs` forbids unsafe code, needs no standard library, and declares every file.
+    fn root(&self, path: &Arc<str>, file: &syn::File) -> Read<()> {
+        let start = proc_macro2::Span::call_site();
+        for (name, argument) in [("no_std", None), ("forbid", Some("unsafe_code"))] {
+            let is_there = file.attrs.iter().any(|attribute| {
+                attribute.path().is_ident(name)
+                    && attribute
+                        .meta
+                        .require_list()
+                        .ok()
+                        .map(|list| list.tokens.to_string())
+                        .as_deref()
+                        == argument
+            });
+            if !is_there {
+                let shown = argument.map_or(name.to_owned(), |text| format!("{name}({text})"));
+                return refuse(path, start, format!("`#![{shown}]` is missing"));
+            }
+        }
+        let is_declared = |name: &str| {
+            file.items
+                .iter()
+                .any(|item| matches!(item, syn::Item::Mod(item) if item.ident == name))
+        };
+        for other in &self.files {
+            if !other.module.is_empty() && !is_declared(&other.module) {
+                let message = format!("`{}` is a file of no module", other.path);
+                return refuse(path, start, message);
+            }
+        }
+        for item in &file.items {
+            let (vis, span) = match item {
+                syn::Item::Mod(item) => (&item.vis, item.span()),
+                syn::Item::Use(item) => (&item.vis, item.span()),
+                _ => continue,
+            };
+            if !matches!(vis, syn::Visibility::Public(_)) {
+                return refuse(path, span, format!("{} is not public", shown(item)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Second pass: `use`, repeated because a name may be passed on.
+    fn imports(&mut self, parsed: &[(Arc<str>, syn::File)]) -> Read<()> {
+        let mut pending = Vec::new();
+        for (module, (path, file)) in parsed.iter().enumerate() {
+            for item in &file.items {
+                if let syn::Item::Use(item) = item {
+                    outer_attributes(path, &item.attrs)?;
+                    let mut prefix = Vec::new();
+                    use_paths(path, &item.tree, &mut prefix, &mut |segments, span| {
+                        pending.push((module, path.clone(), segments, span));
+                    })?;
+                }
+            }
+        }
+        while !pending.is_empty() {
+            let before = pending.len();
+            let mut left = Vec::new();
+            for (module, path, segments, span) in pending {
+                match self.import(module, &segments) {
+                    Some(named) => {
+                        let name = segments.last().cloned().unwrap_or_default();
+                        let names = &mut self.files[module].names;
+                        if names.insert(name.clone(), named).is_some() {
+                            return refuse(&path, span, format!("`{name}` is defined twice"));
+                        }
+                    }
+                    None => left.push((module, path, segments, span)),
+                }
+            }
+            if left.len() == before {
+                let (_, path, segments, span) = &left[0];
+                return refuse(
+                    path,
+                    *span,
+                    format!("`{}` is not known in this crate", segments.join("::")),
+                );
+            }
+            pending = left;
+        }
+        Ok(())
+    }
+
+    fn import(&self, module: usize, segments: &[String]) -> Option<Named> {
+        let parts: Vec<_> = segments.iter().map(String::as_str).collect();
+        let is_root = self.files[module].module.is_empty();
+        match parts.as_slice() {
+            ["fixed", "types", name] => fixed_named(name).map(Named::Type),
+            ["super" | "crate", file, name] => self.lookup(file, name),
+            [file, name] if is_root => self.lookup(file, name),
+            _ => None,
+        }
+    }
+
+    /// Third pass: types of fields, constants and signatures.
+    fn item_types(&mut self, module: usize, path: &Arc<str>, item: &syn::Item) -> Read<()> {
+        match item {
+            syn::Item::Struct(item) => {
+                no_generics(path, &item.generics)?;
+                let mut fields = Vec::new();
+                for (index, field) in item.fields.iter().enumerate() {
+                    outer_attributes(path, &field.attrs)?;
+                    let name = field
+                        .ident
+                        .as_ref()
+                        .map_or(index.to_string(), ToString::to_string);
+                    fields.push((name, self.type_(module, path, &field.ty)?));
+                }
+                let Some(Named::Type(Type::Struct(number))) =
+                    self.files[module].names.get(&item.ident.to_string())
+                else {
+                    return refuse(path, item.ident.span(), "a struct is expected".to_owned());
+                };
+                let number = *number;
+                self.structs[number].fields = fields;
+            }
+            syn::Item::Const(item) => {
+                outer_attributes(path, &item.attrs)?;
+                no_generics(path, &item.generics)?;
+                no_attributes(path, |finder| finder.visit_expr(&item.expr))?;
+                let type_ = self.type_(module, path, &item.ty)?;
+                if item.ident == "_" {
+                    self.constants.push(Constant {
+                        name: "_".to_owned(),
+                        module,
+                        type_,
+                        expression: (*item.expr).clone(),
+                        place: SourcePlace::of(path, item.const_token.span()),
+                        is_public: false,
+                    });
+                } else if let Some(Named::Constant(number)) =
+                    self.files[module].names.get(&item.ident.to_string())
+                {
+                    let number = *number;
+                    self.constants[number].type_ = type_;
+                }
+            }
+            syn::Item::Fn(item) => {
+                outer_attributes(path, &item.attrs)?;
+                no_attributes(path, |finder| {
+                    finder.visit_signature(&item.sig);
+                    finder.visit_block(&item.block);
+                })?;
+                let (arguments, result) = self.signature(module, path, &item.sig, None)?;
+                if let Some(Named::Function(number)) =
+                    self.files[module].names.get(&item.sig.ident.to_string())
+                {
+                    let number = *number;
+                    self.functions[number].arguments = arguments;
+                    self.functions[number].result = result;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Fourth pass: methods, and the refusal of every other item.
+    fn item_bodies(&mut self, module: usize, path: &Arc<str>, item: &syn::Item) -> Read<()> {
+        match item {
+            syn::Item::Struct(_)
+            | syn::Item::Const(_)
+            | syn::Item::Fn(_)
+            | syn::Item::Type(_)
+            | syn::Item::Use(_) => Ok(()),
+            syn::Item::Mod(item) => {
+                outer_attributes(path, &item.attrs)?;
+                if item.content.is_some() || !self.files[module].module.is_empty() {
+                    return refuse(
+                        path,
+                        item.span(),
+                        "modules are declared in src/lib.rs, each with a file of its own"
+                            .to_owned(),
+                    );
+                }
+                if ["fixed", "core", "std", "alloc"]
+                    .iter()
+                    .any(|name| item.ident == name)
+                {
+                    return refuse(
+                        path,
+                        item.span(),
+                        format!("`{}` is the name of another crate", item.ident),
+                    );
+                }
+                if self.module(&item.ident.to_string()).is_none() {
+                    return refuse(
+                        path,
+                        item.span(),
+                        format!("there is no file src/{}.rs", item.ident),
+                    );
+                }
+                Ok(())
+            }
+            syn::Item::Impl(item) => self.methods(module, path, item),
+            other => refuse(
+                path,
+                other.span(),
+                format!(
+                    "found {}; emitted files hold types, structs, constants, functions and methods",
+                    shown(other)
+                ),
+            ),
+        }
+    }
+
+    fn methods(&mut self, module: usize, path: &Arc<str>, item: &syn::ItemImpl) -> Read<()> {
+        outer_attributes(path, &item.attrs)?;
+        no_generics(path, &item.generics)?;
+        if let Some((name, _)) = &item.trait_
+            && !name.is_ident("Default")
+        {
+            return refuse(
+                path,
+                name.span(),
+                format!(
+                    "found the trait {}; only `Default` is implemented",
+                    shown(name)
+                ),
+            );
+        }
+        let Type::Struct(owner) = self.type_(module, path, &item.self_ty)? else {
+            return refuse(
+                path,
+                item.self_ty.span(),
+                "methods belong to structs".to_owned(),
+            );
+        };
+        for item in &item.items {
+            let syn::ImplItem::Fn(function) = item else {
+                return refuse(
+                    path,
+                    item.span(),
+                    format!("found {}; an `impl` holds functions", shown(item)),
+                );
+            };
+            outer_attributes(path, &function.attrs)?;
+            no_attributes(path, |finder| {
+                finder.visit_signature(&function.sig);
+                finder.visit_block(&function.block);
+            })?;
+            let (arguments, result) = self.signature(module, path, &function.sig, Some(owner))?;
+            // What a step keeps about a state holds only if nothing else can write it.
+            let is_mutating = arguments.first().is_some_and(|first| first.is_mutable);
+            if is_mutating && self.structs[owner].is_open {
+                return refuse(
+                    path,
+                    function.sig.ident.span(),
+                    format!(
+                        "`{}` has a field that others can write, and a method that changes it",
+                        self.structs[owner].name
+                    ),
+                );
+            }
+            let number = self.functions.len();
+            let name = function.sig.ident.to_string();
+            self.functions.push(Function {
+                name: format!("{}::{name}", self.structs[owner].name),
+                module,
+                owner: Some(owner),
+                arguments,
+                result,
+                body: function.block.clone(),
+                place: SourcePlace::of(path, function.sig.ident.span()),
+                attributes: function.attrs.clone(),
+                is_public: matches!(function.vis, syn::Visibility::Public(_)),
+            });
+            if self.methods.insert((owner, name), number).is_some() {
+                return refuse(
+                    path,
+                    function.sig.ident.span(),
+                    format!("{} is defined twice", shown(&function.sig.ident)),
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+fn module_name(path: &str) -> String {
+    let name = path.rsplit('/').next().unwrap_or(path);
+    let stem = name.strip_suffix(".rs").unwrap_or(name);
+    if stem == "lib" {
+        String::new()
+    } else {
+        stem.to_owned()
+    }
+}
+
+/// Paths of a `use`, with their last name.
+fn use_paths(
+    path: &Arc<str>,
+    tree: &syn::UseTree,
+    prefix: &mut Vec<String>,
+    found: &mut impl FnMut(Vec<String>, proc_macro2::Span),
+) -> Read<()> {
+    match tree {
+        syn::UseTree::Path(tree) => {
+            prefix.push(tree.ident.to_string());
+            use_paths(path, &tree.tree, prefix, found)?;
+            prefix.pop();
+            Ok(())
+        }
+        syn::UseTree::Name(name) => {
+            let mut segments = prefix.clone();
+            segments.push(name.ident.to_string());
+            found(segments, name.ident.span());
+            Ok(())
+        }
+        syn::UseTree::Group(group) => group
+            .items
+            .iter()
+            .try_for_each(|tree| use_paths(path, tree, prefix, found)),
+        other => refuse(
+            path,
+            other.span(),
+            format!("found {}; a `use` lists names", shown(other)),
+        ),
+    }
+}
+
+/// Names that Rust gives a meaning where nothing else has them; integers are known beside these.
+const TAKEN_NAMES: [&str; 18] = [
+    "bool", "char", "str", "isize", "usize", "u128", "f16", "f32", "f64", "f128", "Option", "Some",
+    "None", "Result", "Ok", "Err", "Default", "Self",
+];

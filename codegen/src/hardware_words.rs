@@ -1,0 +1,185 @@
+//! The words of the hardware around the control law, and of its straight lines.
+//!
+//! Raw counts come in (inertial sensor, converter of the wheel's speed), a duty goes out. Every
+//! line is rounded once, to a slope of 30 bits.
+
+use attitude::AttitudeSpec;
+
+use crate::attitude::{self as attitude_words, AttitudeRefusal};
+use crate::hardware::BiasObserverSpec;
+use crate::helpers::bias_observer::BiasObserver;
+use crate::helpers::filter::FilterConstants;
+use crate::helpers::line::Line;
+use crate::ir::IntegerLaw;
+use crate::spec::ModuleSpec;
+
+/// The observer that does nothing.
+const NO_OBSERVER: BiasObserver = BiasObserver {
+    unit: 0,
+    decay: 0,
+    direct: [0; 3],
+    from_states: [0; 3],
+    from_current: 0,
+    state_shift: 1,
+    angle_shift: 1,
+    limit: 0,
+};
+
+/// All words of the emitted constants.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HardwareWords {
+    /// Of the attitude filter.
+    pub filter: FilterConstants,
+    /// Mounting angle in Q28 rad.
+    pub mounting_angle: i32,
+    /// Largest angle whose word fits, less the largest bias, in Q28 rad.
+    pub angle_max: i32,
+    /// From Q28 rad to the word of the angle, before the shift: a power of two.
+    pub angle_factor: i32,
+    /// Bits that the angle's word has less than Q28.
+    pub angle_shift: u32,
+    /// From half-angles a step in Q32 to the word of the rate.
+    pub rate: Line,
+    /// From the converter's counts to the word of the wheel speed.
+    pub wheel_speed: Line,
+    /// From the word of the current to the duty.
+    pub duty: Line,
+    /// Duty at zero current.
+    pub zero_current: u16,
+    /// Observer of the angle's bias.
+    pub bias_observer: BiasObserver,
+}
+
+/// The words for `spec`, whose control law is `law`.
+///
+/// # Errors
+/// [`AttitudeRefusal`] for numbers that are not finite or do not fit their format.
+pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, AttitudeRefusal> {
+    let hardware = &spec.hardware;
+    let filter_spec = AttitudeSpec {
+        sample_time_s: spec.sample_time_s,
+        ..hardware.attitude
+    };
+    let [angle, rate, wheel_speed] = &law.terms;
+    let unit = |bits: u32| 2f64.powi(bits as i32);
+    let angle_bits = angle.input.format.fraction_bits;
+    let rate_unit = unit(rate.input.format.fraction_bits);
+    let wheel_unit = unit(wheel_speed.input.format.fraction_bits);
+    let current_unit = unit(law.current.fraction_bits);
+
+    let bias_observer = match &hardware.bias_observer {
+        None => NO_OBSERVER,
+        Some(observer) => observer_words(observer, law)?,
+    };
+    // So that angle − bias cannot overflow.
+    let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
+    let wheel_max = word_at_most(spec.ranges.wheel_speed_rad_s * wheel_unit);
+    let drive = &spec.drive;
+    let counts = i32::from(drive.counts());
+    let zero = i32::from(drive.duty_zero);
+    let duty_per_current = f64::from(counts) / drive.current_range_a / current_unit;
+    Ok(HardwareWords {
+        filter: attitude_words::derive(&filter_spec)?,
+        mounting_angle: attitude_words::mounting_word(filter_spec.mounting_angle_rad)?,
+        angle_max,
+        angle_factor: 1 << angle_bits.saturating_sub(28),
+        angle_shift: 28u32.saturating_sub(angle_bits),
+        rate: line(
+            "the rate",
+            2.0 / spec.sample_time_s * rate_unit / 2f64.powi(32),
+            0.0,
+            -i32::MAX,
+            i32::MAX,
+        )?,
+        wheel_speed: line(
+            "the wheel speed",
+            hardware.wheel_speed_per_count * wheel_unit,
+            hardware.wheel_speed_at_zero * wheel_unit,
+            -wheel_max,
+            wheel_max,
+        )?,
+        duty: line(
+            "the duty",
+            duty_per_current,
+            f64::from(zero),
+            (zero - counts).max(0),
+            zero + counts,
+        )?,
+        zero_current: drive.duty_zero,
+        bias_observer,
+    })
+}
+
+/// The largest word at or below `value`, which is positive.
+fn word_at_most(value: f64) -> i32 {
+    value.floor().min(f64::from(i32::MAX)) as i32
+}
+
+/// The line `slope`·word + `at_zero`, rounded to the nearest, as words.
+fn line(
+    what: &'static str,
+    slope: f64,
+    at_zero: f64,
+    low: i32,
+    high: i32,
+) -> Result<Line, AttitudeRefusal> {
+    // The shift that brings the slope into [2²⁹, 2³⁰).
+    let shift = 29.0 - slope.abs().log2().floor();
+    let refused = |value: f64| AttitudeRefusal::NoLine { what, value };
+    if !(1.0..=62.0).contains(&shift) {
+        return Err(refused(slope));
+    }
+    let scale = 2f64.powf(shift);
+    let offset = (at_zero + 0.5) * scale;
+    if !offset.is_finite() || offset.abs() > 2f64.powi(61) {
+        return Err(refused(at_zero));
+    }
+    Ok(Line {
+        scale: (slope * scale).round() as i32,
+        offset: offset.round() as i64,
+        shift: shift as u32,
+        low,
+        high,
+    })
+}
+
+/// The observer's words, with as many fraction bits in the products as fit 64 bits.
+fn observer_words(
+    spec: &BiasObserverSpec,
+    law: &IntegerLaw,
+) -> Result<BiasObserver, AttitudeRefusal> {
+    const STATE_BITS: i32 = 30;
+    let angle_bits = law.terms[0].input.format.fraction_bits as i32;
+    let limit = (spec.limit_rad * 2f64.powi(angle_bits)).round();
+    let refused = |what: &'static str, value: f64| AttitudeRefusal::NoLine { what, value };
+    if !(limit >= 1.0 && limit <= 2f64.powi(29)) {
+        return Err(refused("the limit of the angle's bias", spec.limit_rad));
+    }
+    for product_bits in (STATE_BITS.max(angle_bits) + 1..=60).rev() {
+        let word = |value: f64, bits: i32| (value * 2f64.powi(product_bits - bits)).round();
+        let of_states = |values: [f64; 3]| {
+            [0, 1, 2].map(|i| word(values[i], law.terms[i].input.format.fraction_bits as i32))
+        };
+        let unit = word(1.0, STATE_BITS);
+        let decay = word(spec.decay, STATE_BITS);
+        let direct = of_states(spec.direct);
+        let from_states = of_states(spec.from_states);
+        let from_current = word(spec.from_current, law.current.fraction_bits as i32);
+        let sum = |values: [f64; 3]| values.iter().map(|value| value.abs()).sum::<f64>();
+        let largest = (unit + sum(direct)).max(decay.abs() + sum(from_states) + from_current.abs());
+        // Words below 2³¹ times this, and a half, stay below 2⁶³.
+        if largest < 2f64.powi(31) {
+            return Ok(BiasObserver {
+                unit: unit as i32,
+                decay: decay as i32,
+                direct: direct.map(|value| value as i32),
+                from_states: from_states.map(|value| value as i32),
+                from_current: from_current as i32,
+                state_shift: (product_bits - STATE_BITS) as u32,
+                angle_shift: (product_bits - angle_bits) as u32,
+                limit: limit as i32,
+            });
+        }
+    }
+    Err(refused("the bias observer", spec.direct[1]))
+}

@@ -1,0 +1,101 @@
+//! Without a known torque parameters are found per unit of inertia.
+
+use crate::common::{fitted, log, parameter, short_bench};
+use crate::simulated::{Physics, VALUES, spin_up};
+use identify::{Record, Setup};
+use plant::{EffectId, Kind, Model};
+
+#[test]
+fn without_a_known_torque_parameters_are_per_unit_of_inertia() {
+    let records = short_bench(&Physics::base(), 2500);
+    let swings: Vec<Record> = records
+        .into_iter()
+        .filter(|record| record.kind == Kind::FreeSwing)
+        .collect();
+    let setup = Setup::from_records(swings, [None; 4], Default::default()).expect("records");
+    let found = fitted(&setup, &[]);
+    let (gravity, std) = parameter(&found, "gravity_torque");
+    let truth = VALUES[2] / VALUES[0];
+    assert!((gravity / truth - 1.0).abs() < 1e-3, "{gravity} ± {std}");
+    let position = found.fit.model.position_of("gravity_torque").expect("base");
+    assert!(
+        setup
+            .unit(&found.fit.model, position)
+            .ends_with("per kg m2")
+    );
+    assert!(
+        found
+            .statements
+            .iter()
+            .any(|s| s.contains("per unit of inertia"))
+    );
+}
+
+/// The back-EMF constant is the torque constant, and stands per unit of inertia where that does: so do the
+/// voltage and the resistance, and only their ratios to it mean anything.
+#[test]
+fn a_supply_limit_without_a_known_torque_is_per_unit_of_inertia() {
+    let records = vec![log(
+        &Physics::base(),
+        &spin_up("spin-up", &|_| 0.5, 5.0),
+        2607,
+    )];
+    let model = Model::base().with(EffectId::BackEmfLimit);
+    let starts = |known: [Option<f64>; 4]| {
+        let setup =
+            Setup::from_records(records.clone(), known, Default::default()).expect("records");
+        let base: Vec<f64> = setup.start_values(&model)[..4].to_vec();
+        let base = [base[0], base[1], base[2], base[3]];
+        let position = model.position(EffectId::BackEmfLimit).expect("added");
+        let unit = setup.unit(&model, position);
+        let starts = setup.starts(&setup.all_records(), EffectId::BackEmfLimit, &base);
+        // The speed at which no current is left, rad/s, and the current that is left at standstill, A.
+        let ends: Vec<(f64, f64)> = starts
+            .iter()
+            .map(|start| (start[0] / base[3], start[0] / start[1]))
+            .collect();
+        (unit, ends)
+    };
+    let (unit, known) = starts([None, None, None, Some(VALUES[3])]);
+    assert_eq!(unit, "V");
+    let (unit, per_inertia) = starts([None; 4]);
+    assert_eq!(unit, "V per kg m2");
+    assert_eq!(known.len(), per_inertia.len());
+    for ((speed, current), (speed_per, current_per)) in known.iter().zip(&per_inertia) {
+        assert!(
+            (current_per / current - 1.0).abs() < 0.05,
+            "{current} {current_per} A"
+        );
+        assert!(
+            (speed_per / speed - 1.0).abs() < 0.05,
+            "{speed} {speed_per} rad/s"
+        );
+    }
+}
+
+#[test]
+fn a_spin_up_whose_current_nobody_wrote_down_gives_its_time_constant() {
+    let current = |_: f64| 0.7;
+    for seed in 2600..2604 {
+        let mut record = log(&Physics::base(), &spin_up("spin-up", &current, 20.0), seed);
+        let speed = record.channels.remove(0).samples;
+        let outputs = [None, None, Some(speed)];
+        let record = Record::new("spin-up", Kind::SpinUp, record.time_s, outputs, None, false);
+        let known = [None, None, None, Some(VALUES[3])];
+        let setup = Setup::from_records(vec![record], known, Default::default()).expect("a record");
+        let found = fitted(&setup, &[]);
+        let (friction, _) = parameter(&found, "wheel_viscous_friction");
+        let (inertia, _) = parameter(&found, "wheel_inertia");
+        let ratio = (friction / inertia) / (VALUES[5] / VALUES[1]);
+        assert!((ratio - 1.0).abs() < 0.02, "seed {seed}: {ratio}");
+        assert!(found.traces[0][0].rmse < 1.1 * 0.6, "seed {seed}");
+        assert!(
+            found
+                .statements
+                .iter()
+                .any(|s| s.contains("per unit of inertia")),
+            "{:?}",
+            found.statements
+        );
+    }
+}

@@ -1,0 +1,127 @@
+//! Some tests need what not every machine has: a solver, recordings that are no part of the project.
+//! Such a test carries the condition, so that cargo's own summary counts it as ignored, and why:
+//!
+//! ```text
+//! #[test]
+//! #[cfg_attr(not(have_z3), ignore = "needs z3")]
+//! fn z3_agrees() { … }
+//! ```
+//!
+//! The crate's build script finds out what is there:
+//!
+//! ```no_run
+//! // build.rs
+//! # use test_conditions::Condition;
+//! test_conditions::declare(&[Condition::Z3]);
+//! ```
+//!
+//! The reason is "needs z3", "needs rustfmt" or "needs the recordings": `.ci/run` looks for these words
+//! and fails where a test was ignored for something that the machine has.
+
+use std::env;
+use std::path::{Path, PathBuf};
+
+/// Environment variable that names the folder of the recordings, by an absolute path.
+pub const RECORDINGS: &str = "FLYWHEEL_RECORDINGS";
+
+/// Something that a test may need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// The solver z3 on the path of programs: `have_z3`.
+    Z3,
+    /// The formatter of Rust on the path of programs: `have_rustfmt`.
+    Rustfmt,
+    /// Recordings of real rigs (`real/`) and the benches of an independent simulator (`hidden/`), in the
+    /// folder that [`RECORDINGS`] names or else in `../shared/data` beside the project:
+    /// `have_recordings`. Tests read the folder from `env!("FLYWHEEL_RECORDINGS")`.
+    Recordings,
+}
+
+impl Condition {
+    /// The flag for `#[cfg]`.
+    pub fn flag(self) -> &'static str {
+        match self {
+            Condition::Z3 => "have_z3",
+            Condition::Rustfmt => "have_rustfmt",
+            Condition::Recordings => "have_recordings",
+        }
+    }
+}
+
+/// Tells cargo which of these conditions hold, and when to look again. To be called by build scripts.
+///
+/// Where the recordings are absent, only a change of [`RECORDINGS`] makes cargo look again: it would
+/// build a crate anew every time that waits for a file that is not there.
+pub fn declare(conditions: &[Condition]) {
+    for &condition in conditions {
+        let flag = condition.flag();
+        println!("cargo::rustc-check-cfg=cfg({flag})");
+        let holds = match condition {
+            Condition::Z3 => watch_program("z3"),
+            Condition::Rustfmt => watch_program("rustfmt"),
+            Condition::Recordings => watch_recordings(),
+        };
+        if holds {
+            println!("cargo::rustc-cfg={flag}");
+        }
+    }
+}
+
+/// Whether there is such a program. Cargo looks again when it changes, or, where there is none, when
+/// something is installed.
+fn watch_program(name: &str) -> bool {
+    println!("cargo::rerun-if-env-changed=PATH");
+    let path = env::var_os("PATH").unwrap_or_default();
+    let folders: Vec<PathBuf> = env::split_paths(&path).collect();
+    match program(name, &folders) {
+        Some(file) => {
+            println!("cargo::rerun-if-changed={}", file.display());
+            true
+        }
+        None => {
+            for folder in folders.iter().filter(|folder| folder.is_dir()) {
+                println!("cargo::rerun-if-changed={}", folder.display());
+            }
+            false
+        }
+    }
+}
+
+/// The first of these folders' files with this name.
+fn program(name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+    let name = format!("{name}{}", env::consts::EXE_SUFFIX);
+    let files = folders.iter().map(|folder| folder.join(&name));
+    files.into_iter().find(|file| file.is_file())
+}
+
+/// Whether the recordings are there; gives their folder to the tests.
+fn watch_recordings() -> bool {
+    println!("cargo::rerun-if-env-changed={RECORDINGS}");
+    let folder = env::var_os(RECORDINGS).map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
+        PathBuf::from,
+    );
+    println!("cargo::rustc-env={RECORDINGS}={}", folder.display());
+    let holds = ["real", "hidden"].map(|part| folder.join(part).is_dir()) == [true, true];
+    if holds {
+        println!("cargo::rerun-if-changed={}", folder.display());
+    }
+    holds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_is_found_in_the_folders_that_are_searched() {
+        let own = env::current_exe().expect("the test's own file");
+        let folder = own.parent().expect("a folder").to_path_buf();
+        let name = own.file_stem().and_then(|name| name.to_str());
+        let name = name.expect("a name in UTF-8");
+        let elsewhere = folder.join("no-such-folder");
+        let found = program(name, &[elsewhere.clone(), folder]);
+        assert_eq!(found.as_ref(), Some(&own));
+        assert_eq!(program(name, &[elsewhere]), None);
+    }
+}
