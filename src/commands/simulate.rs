@@ -44,6 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let settings = SimulationSettings {
         seed: arguments.seed,
         bench: bench.as_ref(),
+        ..Default::default()
     };
     let report = with_progress(|progress| designed.simulate(&settings, progress))?;
     let out = arguments.out.clone();

@@ -24,6 +24,7 @@ use crate::control_design::ControlDesign;
 use crate::error::Error;
 use crate::measured_linearity::{MeasuredSwings, PERIODS, SpinUpLinearity, SwingLinearity};
 use crate::named;
+use crate::session::with_changes;
 
 /// Starts on each boundary of the region of attraction.
 const STARTS: usize = 600;
@@ -252,6 +253,9 @@ pub struct SimulationSettings<'a> {
     pub seed: u64,
     /// A bench whose free swings, spin-ups and balance logs are laid under the simulations.
     pub bench: Option<&'a Bench>,
+    /// Parameters of the simulated bench that differ from those of the model, by name, in the units of
+    /// the model: the controller stays the one that was designed.
+    pub parameters: &'a [(&'a str, f64)],
 }
 
 impl Default for SimulationSettings<'_> {
@@ -259,6 +263,7 @@ impl Default for SimulationSettings<'_> {
         SimulationSettings {
             seed: 1,
             bench: None,
+            parameters: &[],
         }
     }
 }
@@ -267,7 +272,8 @@ impl ControlDesign {
     /// Runs the emitted law from its source on the nonlinear bench. Takes about a second.
     ///
     /// # Errors
-    /// [`Error::Simulate`]; those of [`ControlDesign::generate`]; [`Error::Cancelled`].
+    /// [`Error::Simulate`]; [`Error::UnknownParameter`]; those of [`ControlDesign::generate`];
+    /// [`Error::Cancelled`].
     pub fn simulate(
         &self,
         settings: &SimulationSettings,
@@ -275,8 +281,9 @@ impl ControlDesign {
     ) -> Result<SimulationReport, Error> {
         progress.check()?;
         (progress.say)("simulating");
-        let plant = Plant::new(self.model(), self.values(), Kind::Balance);
-        let mut laws = Laws::new(self, &plant, settings.seed)?;
+        let values = with_changes(self.model(), self.values(), settings.parameters)?;
+        let plant = Plant::new(self.model(), &values, Kind::Balance);
+        let mut laws = Laws::new(self, &plant, &values, settings.seed)?;
         let runs = laws.scenarios()?;
         progress.check()?;
         let raw_counts = laws.raw_counts()?;
@@ -336,6 +343,8 @@ impl ControlDesign {
 struct Laws<'a> {
     designed: &'a ControlDesign,
     plant: &'a Plant<f64>,
+    /// The parameters of the plant.
+    values: &'a [f64],
     scale: Scale,
     seed: u64,
     exact: ExactLaw,
@@ -368,6 +377,7 @@ impl<'a> Laws<'a> {
     fn new(
         designed: &'a ControlDesign,
         plant: &'a Plant<f64>,
+        values: &'a [f64],
         seed: u64,
     ) -> Result<Laws<'a>, Error> {
         let failed = |source| designed.simulate_error(source);
@@ -381,6 +391,7 @@ impl<'a> Laws<'a> {
         let module = generated.module(&designed.path())?;
         Ok(Laws {
             plant,
+            values,
             scale: Scale::new(designed.values(), limit_a).map_err(failed)?,
             seed,
             exact: ExactLaw {
@@ -501,7 +512,7 @@ impl<'a> Laws<'a> {
         };
         let found = compare_filters(
             self.designed.model(),
-            self.designed.values(),
+            self.values,
             &sensors,
             &attitude,
             SWING_START_RAD,
@@ -562,7 +573,7 @@ impl<'a> Laws<'a> {
     fn effects(&self) -> Result<Vec<EffectOnTransient>, Error> {
         let found = effects_on_transient(
             self.designed.model(),
-            self.designed.values(),
+            self.values,
             &self.bench(),
             &Scenario::transient(&self.scale),
             &mut self.emitted.clone(),

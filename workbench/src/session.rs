@@ -508,17 +508,7 @@ impl Predictor {
     /// # Errors
     /// [`Error::UnknownParameter`].
     pub fn curves(&self, changes: &[(&str, f64)]) -> Result<Vec<ExperimentCurves>, Error> {
-        let mut values = self.0.minimum.values.clone();
-        for (name, value) in changes {
-            let position = self.0.model.position_of(name).ok_or_else(|| {
-                let infos = self.0.model.parameters();
-                Error::UnknownParameter {
-                    name: (*name).to_owned(),
-                    present: infos.iter().map(|info| info.name.to_owned()).collect(),
-                }
-            })?;
-            values[position] = *value;
-        }
+        let values = with_changes(&self.0.model, &self.0.minimum.values, changes)?;
         let traces = self.0.traces(&values);
         let records = self.0.setup.records.iter();
         Ok(records
@@ -535,4 +525,24 @@ fn place_of(bench: &Bench) -> PathBuf {
     } else {
         bench.folder.clone()
     }
+}
+
+/// The parameter vector of a model with some parameters changed by name.
+pub(crate) fn with_changes(
+    model: &Model,
+    values: &[f64],
+    changes: &[(&str, f64)],
+) -> Result<Vec<f64>, Error> {
+    let mut values = values.to_vec();
+    for (name, value) in changes {
+        let position = model.position_of(name).ok_or_else(|| {
+            let infos = model.parameters();
+            Error::UnknownParameter {
+                name: (*name).to_owned(),
+                present: infos.iter().map(|info| info.name.to_owned()).collect(),
+            }
+        })?;
+        values[position] = *value;
+    }
+    Ok(values)
 }

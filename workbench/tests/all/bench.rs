@@ -7,8 +7,8 @@ const BENCH: &str = r#"
 name = "two logs"
 
 [known]
-torque_constant = 0.0335
-gravity_torque = 0.245158
+torque_constant = 0.033
+gravity_torque = 0.238383
 
 [[experiment]]
 name = "spin-up"

@@ -63,6 +63,15 @@ fn what_is_generated_is_simulated_and_stands() {
     let report = design
         .simulate(&SimulationSettings::default(), &silent())
         .expect("a closed loop");
+    // On a bench with more gravity than the model says, the motor lifts less.
+    let gravity = design.file().parameter("gravity_torque").expect("G").value;
+    let heavier = SimulationSettings {
+        parameters: &[("gravity_torque", 1.1 * gravity)],
+        ..Default::default()
+    };
+    let heavier = design.simulate(&heavier, &silent()).expect("a closed loop");
+    assert!(heavier.recovery.emitted_law_rad < report.recovery.emitted_law_rad);
+    assert_eq!(heavier.gains, report.gains);
     assert!(report.runs.iter().all(|run| !run.fell));
     let files = report.files().expect("figures and tables");
     let figures = files.iter().filter(|file| file.is_figure());

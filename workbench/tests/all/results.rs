@@ -84,6 +84,7 @@ fn results_come_back() {
     let settings = SimulationSettings {
         seed: 3,
         bench: Some(session.bench()),
+        ..Default::default()
     };
     let loops = design.simulate(&settings, &silent()).expect("closed loops");
     let (json, _) = there_and_back(&loops);

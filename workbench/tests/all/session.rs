@@ -43,7 +43,11 @@ fn what_is_added_and_removed_again_leaves_the_parameters_as_they_were() {
     assert_eq!(added.rmse_before, before.rmse);
     let angle =
         |numbers: &workbench::PerSeries| numbers.get("swing", Output::Angle).expect("an angle");
-    assert!(angle(&added.after.rmse) < 0.1 * angle(&added.rmse_before));
+    // The misfit shows, and falls to the noise of the sensor.
+    let noise = angle(&added.after.sensor_noise);
+    let (before_rmse, after_rmse) = (angle(&added.rmse_before), angle(&added.after.rmse));
+    assert!(before_rmse > 3.0 * noise, "{before_rmse} {noise}");
+    assert!(after_rmse < 1.1 * noise, "{after_rmse} {noise}");
     let torque = added.after.parameter("body_coulomb_torque");
     let torque = torque.expect("the effect's parameter");
     let std = torque.std.expect("a standard error");
