@@ -187,7 +187,7 @@ fn a_magnet_takes_no_energy_from_the_swing() {
         for state in &states {
             assert!((energy(state) - first).abs() < 1e-6 * swing_j, "{effect:?}");
         }
-        let plain = Plant::new(&Model::base(), &values[0][..], Kind::FreeSwing);
+        let plain = Plant::new(&Model::base(), values[0], Kind::FreeSwing);
         let other = swing(&plain, 0.3, 1e-3, 1500);
         assert!((other[1500].angle_rad - states[1500].angle_rad).abs() > 1e-3);
     }
@@ -230,12 +230,13 @@ fn a_description_that_contradicts_itself_is_refused() {
         role: Role::Sensor,
         ..Magnet::INFO
     };
+    const OF_THE_BASE_MODEL: &[plant::ParameterInfo] = &[
+        parameter("gravity_torque", "N m"),
+        parameter("magnet_angle", "rad"),
+        parameter("magnet_width", "rad"),
+    ];
     let base = EffectInfo {
-        parameters: &[
-            parameter("gravity_torque", "N m"),
-            parameter("magnet_angle", "rad"),
-            parameter("magnet_width", "rad"),
-        ],
+        parameters: OF_THE_BASE_MODEL,
         ..Magnet::INFO
     };
     for (content, info) in [

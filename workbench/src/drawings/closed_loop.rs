@@ -13,6 +13,9 @@ use crate::words;
 /// Columns of a table, with their names.
 type Columns<'a> = Vec<(String, &'a [f64])>;
 
+/// An experiment over its time in s: linear model, measurement, nonlinear model; and a note.
+type LinearRun<'a> = (&'a [f64], [Vec<f64>; 3], String);
+
 impl SimulationReport {
     /// Every run as a figure and as a table of its samples.
     ///
@@ -238,7 +241,7 @@ impl SimulationReport {
             let note = off_by(&swing.experiment, swing.nonlinear_error, swing.linear_error);
             Some((&over.time_s[..], series.map(|angle| degrees(angle)), note))
         });
-        let swings: Vec<(&[f64], [Vec<f64>; 3], String)> = swings.collect();
+        let swings: Vec<LinearRun> = swings.collect();
         self.models_over_measurement(
             &format!(
                 "{}: where the linear model leaves the measured swing",
@@ -265,7 +268,7 @@ impl SimulationReport {
             let note = off_by(experiment, *nonlinear_error, *linear_error);
             Some((&over.time_s[..], series.map(Clone::clone), note))
         });
-        let spin_ups: Vec<(&[f64], [Vec<f64>; 3], String)> = spin_ups.collect();
+        let spin_ups: Vec<LinearRun> = spin_ups.collect();
         self.models_over_measurement(
             &format!(
                 "{}: where the linear model leaves the measured spin-up",
@@ -277,13 +280,13 @@ impl SimulationReport {
         )
     }
 
-    /// One panel an experiment: time, (linear model, measurement, nonlinear model), note.
+    /// One panel an experiment.
     fn models_over_measurement(
         &self,
         title: &str,
         subtitle: &str,
         (name, unit): (&str, &str),
-        experiments: &[(&[f64], [Vec<f64>; 3], String)],
+        experiments: &[LinearRun],
     ) -> Result<String, Error> {
         let lines: Vec<[Line; 3]> = experiments
             .iter()
