@@ -2,6 +2,7 @@
 //! controller. One file per command in `commands/`: its arguments, one call of the library
 //! `workbench`, and a view of the result (`views/`).
 
+mod arguments;
 mod cli;
 mod commands;
 mod failure;
@@ -15,7 +16,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::cli::{Cli, Output};
+use crate::arguments::Output;
+use crate::cli::Cli;
 use crate::failure::Failure;
 use crate::report::Report;
 

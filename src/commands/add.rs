@@ -7,7 +7,7 @@ use plant::EffectId;
 use workbench::Progress;
 use workbench::{EffectChange, Error, Session};
 
-use crate::cli::{BenchFiles, Output, save_model};
+use crate::arguments::{BenchFiles, Output, save_model};
 use crate::commands::identify::{has_design, written};
 use crate::failure::Failure;
 use crate::progress::with_progress;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::{BenchFiles, Output};
+use crate::arguments::{BenchFiles, Output};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::{Report, WithFigures, listed, write_files};

@@ -11,7 +11,7 @@ use workbench::{
     SimulationSettings,
 };
 
-use crate::cli::{Output, save_model};
+use crate::arguments::{Output, save_model};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::table::{Align, Table};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use workbench::ControlDesign;
 
-use crate::cli::{Output, out_beside};
+use crate::arguments::{Output, out_beside};
 use crate::failure::Failure;
 use crate::report::{Report, WithFigures, listed, write_files};
 use crate::views::design;

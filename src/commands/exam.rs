@@ -12,7 +12,7 @@ use figures::{Confusion, Reliability, ReliabilityBin};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use crate::cli::Output;
+use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::report::table::{Align, Table};

@@ -7,7 +7,7 @@ use serde::Serialize;
 use workbench::numbers::significant;
 use workbench::{ControlDesign, GeneratedController};
 
-use crate::cli::Output;
+use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::report::Report;
 

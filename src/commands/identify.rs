@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use workbench::Session;
 
-use crate::cli::{BenchFiles, Output, save_model};
+use crate::arguments::{BenchFiles, Output, save_model};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::Report;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use checker::mutate::{MutantVerdict, Summary};
 use workbench::mutate;
 
-use crate::cli::Output;
+use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::Report;

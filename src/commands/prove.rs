@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use workbench::{ProofSettings, prove};
 
-use crate::cli::Output;
+use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::Report;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 
-use crate::cli::{BenchFiles, Output};
+use crate::arguments::{BenchFiles, Output};
 use crate::commands::add::{change, effect_names};
 use crate::failure::Failure;
 use crate::report::Report;
