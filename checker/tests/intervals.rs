@@ -74,7 +74,7 @@ proptest! {
 /// What a branch narrows is narrowed on its side alone: behind it the word has its whole range.
 #[test]
 fn behind_a_branch_the_words_are_whole_again() {
-    let text = "pub fn f(a: i16, b: i16) -> (i32, i32) {\n    let c = if a < b { if b < 5 { b } \
+    let text = "pub fn f(a: i16, b: i16) -> (i32, i32) {\n    let c: i16 = if a < b { if b < 5 { b } \
                 else { 5 } } else { a };\n    (a as i32 + b as i32, c as i32)\n}\n";
     let module = Module::parse(&[("src/x.rs", text)]).unwrap();
     let box_ = [IntegerInterval::new(-7, 9), IntegerInterval::new(2, 20)];

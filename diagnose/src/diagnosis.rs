@@ -45,16 +45,6 @@ impl Default for Options<'_> {
     }
 }
 
-/// Diagnoses a fitted model. `say` is told in words what is going on. As [`diagnose_with`] with the
-/// usual options, where nobody calls the work off.
-pub fn diagnose(setup: &Setup, model: &Model, minimum: Minimum, say: &dyn Fn(&str)) -> Diagnosis {
-    let options = Options::default();
-    match diagnose_with(setup, model, minimum, &options, &Progress::saying(say)) {
-        Ok(diagnosis) => diagnosis,
-        Err(Cancelled) => unreachable!("nobody calls it off"),
-    }
-}
-
 /// Diagnoses a fitted model.
 ///
 /// # Errors

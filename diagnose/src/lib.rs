@@ -59,7 +59,7 @@ mod verdict;
 pub use applicable::applicable;
 pub use bench::{Bench, IsCancelled};
 pub use candidate::{Candidate, names};
-pub use diagnosis::{Options, diagnose, diagnose_with};
+pub use diagnosis::{Options, diagnose_with};
 pub use imperfection::{Imperfection, Imperfections, imperfection};
 pub use next_experiment::propose;
 pub use pool::Search;

@@ -267,13 +267,16 @@ const NO_READING: Reading<f64> = Reading {
     wheel_speed_rad_s: 0.0,
 };
 
+/// Takes an input and the partial derivative with respect to it.
+type Pair<'a, S> = dyn FnMut(S, f64) + 'a;
+
 /// Calls `evaluate` with the values of the parameters and lifts what it returns by the chain rule:
 /// df = Σ ∂f/∂x dx over the parameters and over the further inputs, of which `pairs` hands out
 /// every one with its partial derivative.
 fn lifted<S: Scalar>(
     p: &[S],
     evaluate: &mut dyn FnMut(&[f64], &mut Partials) -> f64,
-    pairs: &dyn Fn(&Partials, &mut dyn FnMut(S, f64)),
+    pairs: &dyn Fn(&Partials, &mut Pair<S>),
 ) -> S {
     let mut stack = [0.0; 2 * FEW_PARAMETERS];
     let mut heap = vec![];
@@ -309,7 +312,7 @@ fn lifted<S: Scalar>(
 }
 
 /// The members of the instant with their partial derivatives.
-fn of_instant<S: Scalar>(at: &Instant<S>, partials: &Partials, add: &mut dyn FnMut(S, f64)) {
+fn of_instant<S: Scalar>(at: &Instant<S>, partials: &Partials, add: &mut Pair<S>) {
     add(at.angle_rad, partials.at.angle_rad);
     add(at.rate_rad_s, partials.at.rate_rad_s);
     add(at.wheel_angle_rad, partials.at.wheel_angle_rad);
@@ -393,12 +396,14 @@ struct Adapted<E>(PhantomData<E>);
 /// Variables that are differentiated at once.
 const AT_ONCE: usize = 8;
 type Numbers = Dual<AT_ONCE>;
+/// Makes a variable out of a value and its index.
+type Variable<'a> = dyn Fn(f64, usize) -> Numbers + 'a;
 
 /// Calls `evaluate` as often as it takes to differentiate with respect to `count` variables: `variable(value,
 /// index)` is the one with this index, and `each` gets the index and the derivative. Returns the value.
 fn differentiated(
     count: usize,
-    evaluate: &mut dyn FnMut(&dyn Fn(f64, usize) -> Numbers) -> Numbers,
+    evaluate: &mut dyn FnMut(&Variable) -> Numbers,
     each: &mut dyn FnMut(usize, f64),
 ) -> f64 {
     let mut value = 0.0;
@@ -418,7 +423,7 @@ fn differentiated(
 }
 
 /// The parameters as variables, behind `before` others.
-fn parameters(p: &[f64], before: usize, variable: &dyn Fn(f64, usize) -> Numbers) -> Vec<Numbers> {
+fn parameters(p: &[f64], before: usize, variable: &Variable) -> Vec<Numbers> {
     p.iter()
         .enumerate()
         .map(|(index, &value)| variable(value, before + index))
@@ -426,7 +431,7 @@ fn parameters(p: &[f64], before: usize, variable: &dyn Fn(f64, usize) -> Numbers
 }
 
 /// The instant as the first four variables.
-fn instant(at: &Instant<f64>, variable: &dyn Fn(f64, usize) -> Numbers) -> Instant<Numbers> {
+fn instant(at: &Instant<f64>, variable: &Variable) -> Instant<Numbers> {
     Instant {
         angle_rad: variable(at.angle_rad, 0),
         rate_rad_s: variable(at.rate_rad_s, 1),

@@ -3,10 +3,12 @@
 //! The base model has been refitted to the logs without noise; what it leaves is the trace of the hidden term.
 //! Every suspect, in several shapes, every free parameter of the base model and every start of a window
 //! makes a trace of its own beside it, found by the exam's own simulator as the difference of two motions.
-//! The part of the hidden term's trace that is orthogonal to all of them at once (linear least squares)
-//! cannot be taken by any combination of them that is small enough to be linear. No fit of the diagnosis is
-//! asked, so that its failures cannot choose its questions. As many suspects as there are at once take more
-//! than the four that a diagnosis adds at most, which makes the rule strict towards outsiders.
+//! For every set of four suspects, as many as a diagnosis adds at most, the part of the hidden term's trace is
+//! found that is orthogonal to all of theirs (linear least squares): no combination of them that is small enough to be linear
+//! can take it. What is left by the set that takes most counts. A suspect is taken with all of its
+//! shapes at once, which is more than a fit can do and makes the rule strict towards outsiders. Sets that hold
+//! the three powers of the angle with which any torque over the angle can be fitted are no explanation
+//! and are passed over. No fit of the diagnosis is asked, so that its failures cannot choose its questions.
 
 use std::ops::Range;
 
@@ -29,8 +31,13 @@ const SECONDS: [f64; 2] = [0.0, 0.5];
 const STEP: f64 = 1e-3;
 /// A trace of a suspect is found at about this size, in units of noise: that of what is hidden.
 const SIZE: f64 = 3.0;
-/// Directions in which the traces together have less than this share of their squares are rounding.
-const RANK: f64 = 1e-9;
+/// What is added to the squares of the traces of unit length, so that what is the same but for rounding is taken
+/// once.
+const RIDGE: f64 = 1e-9;
+/// Suspects in a set.
+const TOGETHER: usize = 4;
+/// Powers of the angle whose terms together fit any torque over the angle.
+const POWER_SERIES: [u32; 3] = [0, 1, 3];
 
 /// A part of a log with a start of its own.
 struct Segment<'a> {
@@ -148,7 +155,48 @@ fn terms(suspects: &[EffectId], place: &HidingPlace) -> Vec<(EffectId, HidingPla
     terms
 }
 
-/// What is left of the trace of what hides in logs without noise by every small combination of the suspects,
+/// All sets of `count` members.
+fn sets(members: &[EffectId], count: usize) -> Vec<Vec<EffectId>> {
+    match members.split_first() {
+        _ if count == 0 => vec![vec![]],
+        None => vec![],
+        Some((first, rest)) => {
+            let mut with = sets(rest, count - 1);
+            for set in &mut with {
+                set.push(*first);
+            }
+            with.extend(sets(rest, count));
+            with
+        }
+    }
+}
+
+/// Whether a set fits any torque over the angle.
+fn fits_any_curve(set: &[EffectId]) -> bool {
+    let has = |power: &u32| {
+        let mut powers = set.iter().map(|effect| effect.info().angle_power);
+        powers.any(|own| own == Some(*power))
+    };
+    POWER_SERIES.iter().all(has)
+}
+
+/// The shares of the traces at these positions in the least-squares fit, and the squares that they take.
+fn least_squares(
+    normal: &DMatrix<f64>,
+    right: &DVector<f64>,
+    at: &[usize],
+) -> Option<(DVector<f64>, f64)> {
+    let count = at.len();
+    let own = DMatrix::from_fn(count, count, |i, j| {
+        normal[(at[i], at[j])] + if i == j { RIDGE } else { 0.0 }
+    });
+    let right = DVector::from_fn(count, |i, _| right[at[i]]);
+    let shares = own.cholesky()?.solve(&right);
+    let taken = shares.dot(&right);
+    Some((shares, taken))
+}
+
+/// What is left of the trace of what hides in logs without noise by every small combination of four suspects,
 /// of the base parameters and of the starts: the root mean square of the worst series, in units of its noise.
 /// `None` where the motion leaves the finite numbers.
 pub fn left_by_combinations(
@@ -195,13 +243,13 @@ pub fn left_by_combinations(
             })
             .collect()
     };
-    let mut varied: Vec<Vec<DVector<f64>>> = clean
+    let mut varied: Vec<(Option<EffectId>, Vec<DVector<f64>>)> = clean
         .free(&model)
         .into_par_iter()
         .map(|position| {
             let mut values = values.clone();
             values[position] *= 1.0 + STEP;
-            trace(&truth_of(&values))
+            (None, trace(&truth_of(&values)))
         })
         .collect();
     varied.par_extend(
@@ -215,15 +263,16 @@ pub fn left_by_combinations(
                 let guess = effect.info().first_guess();
                 let first = with(guess);
                 let size = worst(&segments, &rows, &first);
-                if size > 0.0 && size.is_finite() {
+                let trace = if size > 0.0 && size.is_finite() {
                     with(guess * (SIZE / size).clamp(1e-3, 1e3))
                 } else {
                     first
-                }
+                };
+                (Some(effect), trace)
             }),
     );
     // What goes where it means nothing is no direction.
-    varied.retain(|trace| {
+    varied.retain(|(_, trace)| {
         let sum: f64 = trace.iter().map(DVector::norm_squared).sum();
         sum > 0.0 && sum.is_finite()
     });
@@ -241,12 +290,12 @@ pub fn left_by_combinations(
         };
         let without = |trace: &mut DVector<f64>| *trace -= &basis * (basis.transpose() * &*trace);
         without(&mut rows[index].values);
-        for trace in &mut varied {
+        for (_, trace) in &mut varied {
             without(&mut trace[index]);
         }
     }
     // Linear least squares over all segments, by the normal equations of traces of unit length.
-    for trace in &mut varied {
+    for (_, trace) in &mut varied {
         let norm = trace.iter().map(DVector::norm_squared).sum::<f64>().sqrt();
         for part in trace.iter_mut() {
             *part /= norm.max(f64::MIN_POSITIVE);
@@ -257,23 +306,26 @@ pub fn left_by_combinations(
     };
     let hidden: Vec<DVector<f64>> = rows.iter().map(|rows| rows.values.clone()).collect();
     let count = varied.len();
-    let normal = DMatrix::from_fn(count, count, |i, j| dot(&varied[i], &varied[j]));
-    let right = DVector::from_iterator(count, varied.iter().map(|trace| dot(trace, &hidden)));
-    if !normal
-        .iter()
-        .chain(right.iter())
-        .all(|value| value.is_finite())
-    {
-        return None;
-    }
-    let taken = normal.svd(true, true).solve(&right, RANK).ok()?;
+    let normal = DMatrix::from_fn(count, count, |i, j| dot(&varied[i].1, &varied[j].1));
+    let right = DVector::from_iterator(count, varied.iter().map(|(_, trace)| dot(trace, &hidden)));
+    let together = TOGETHER.min(suspects.len());
+    let (at, shares, _) = sets(suspects, together)
+        .into_par_iter()
+        .filter(|set| !fits_any_curve(set))
+        .filter_map(|set| {
+            let is_in = |owner: Option<EffectId>| owner.is_none_or(|owner| set.contains(&owner));
+            let at: Vec<usize> = (0..count).filter(|&at| is_in(varied[at].0)).collect();
+            let (shares, taken) = least_squares(&normal, &right, &at)?;
+            taken.is_finite().then_some((at, shares, taken))
+        })
+        .max_by(|(_, _, a), (_, _, b)| a.total_cmp(b))?;
     let left: Vec<DVector<f64>> = hidden
         .iter()
         .enumerate()
         .map(|(index, hidden)| {
             let mut left = hidden.clone();
-            for (trace, share) in varied.iter().zip(taken.iter()) {
-                left -= &trace[index] * *share;
+            for (&at, share) in at.iter().zip(shares.iter()) {
+                left -= &varied[at].1[index] * *share;
             }
             left
         })

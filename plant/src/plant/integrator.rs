@@ -23,6 +23,9 @@ pub enum Current<'a, S> {
     Held(S),
 }
 
+/// What is done with index, reading and state at every sample of a run.
+type Each<'a, S> = dyn FnMut(usize, &Reading<S>, &State<S>) + 'a;
+
 /// Most parts into which the interval between two samples is divided. Parameters that would need
 /// more have no meaning on the bench that was sampled at this rate; a fit that strays there must be
 /// told so by a bad result, not by one that never comes.
@@ -183,7 +186,7 @@ impl<S: Scalar> Plant<S> {
         samples: std::ops::Range<usize>,
         current: Current<S>,
         push: Option<&dyn Fn(f64) -> f64>,
-        each: &mut dyn FnMut(usize, &Reading<S>, &State<S>),
+        each: &mut Each<S>,
     ) {
         let mut state = start;
         if let (Some(lag), Current::Recorded(input)) = (self.lag_s, current)
