@@ -26,7 +26,7 @@ const CONTRADICTION: f64 = 4.0;
 /// allow a few per cent.
 const SCALE_ERROR_MAX: f64 = 0.05;
 
-/// What the recordings of `[calibration]` give: the result of [`calibrate`].
+/// What the recordings of `[calibration]` give: the result of [`calibrate()`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SensorCalibrationReport {
     /// m/s² of counts.

@@ -13,8 +13,14 @@ use crate::words;
 /// Columns of a table, with their names.
 type Columns<'a> = Vec<(String, &'a [f64])>;
 
-/// An experiment over its time in s: linear model, measurement, nonlinear model; and a note.
-type LinearRun<'a> = (&'a [f64], [Vec<f64>; 3], String);
+/// Both models over the log of one experiment.
+struct ModelsOverLog<'a> {
+    time_s: &'a [f64],
+    /// Linear model, measurement, nonlinear model.
+    series: [Vec<f64>; 3],
+    /// What stands beside the panel.
+    note: String,
+}
 
 impl SimulationReport {
     /// Every run as a figure and as a table of its samples.
@@ -239,9 +245,13 @@ impl SimulationReport {
             let over = swing.curves.as_ref()?;
             let series = [&over.linear_rad, &over.measured_rad, &over.whole_rad];
             let note = off_by(&swing.experiment, swing.nonlinear_error, swing.linear_error);
-            Some((&over.time_s[..], series.map(|angle| degrees(angle)), note))
+            Some(ModelsOverLog {
+                time_s: &over.time_s,
+                series: series.map(|angle| degrees(angle)),
+                note,
+            })
         });
-        let swings: Vec<LinearRun> = swings.collect();
+        let swings: Vec<ModelsOverLog> = swings.collect();
         self.models_over_measurement(
             &format!(
                 "{}: where the linear model leaves the measured swing",
@@ -266,9 +276,13 @@ impl SimulationReport {
             let over = curves.as_ref()?;
             let series = [&over.linear_rad_s, &over.measured_rad_s, &over.whole_rad_s];
             let note = off_by(experiment, *nonlinear_error, *linear_error);
-            Some((&over.time_s[..], series.map(Clone::clone), note))
+            Some(ModelsOverLog {
+                time_s: &over.time_s,
+                series: series.map(Clone::clone),
+                note,
+            })
         });
-        let spin_ups: Vec<LinearRun> = spin_ups.collect();
+        let spin_ups: Vec<ModelsOverLog> = spin_ups.collect();
         self.models_over_measurement(
             &format!(
                 "{}: where the linear model leaves the measured spin-up",
@@ -286,15 +300,16 @@ impl SimulationReport {
         title: &str,
         subtitle: &str,
         (name, unit): (&str, &str),
-        experiments: &[LinearRun],
+        experiments: &[ModelsOverLog],
     ) -> Result<String, Error> {
         let lines: Vec<[Line; 3]> = experiments
             .iter()
-            .map(|(time_s, [linear, measured, whole], _)| {
+            .map(|experiment| {
+                let [linear, measured, whole] = &experiment.series;
                 let line = |name, role, y| Line {
                     name,
                     role,
-                    x: time_s,
+                    x: experiment.time_s,
                     y,
                 };
                 [
@@ -307,7 +322,7 @@ impl SimulationReport {
         let panels: Vec<Panel> = lines
             .iter()
             .zip(experiments)
-            .map(|(lines, (_, _, note))| panel(name, unit, lines, &[], note))
+            .map(|(lines, experiment)| panel(name, unit, lines, &[], &experiment.note))
             .collect();
         Ok(figures::series(&figures::Series {
             title,
