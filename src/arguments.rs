@@ -9,7 +9,7 @@ use crate::failure::Failure;
 
 /// Where the result goes.
 #[derive(Args)]
-pub struct Output {
+pub struct JsonOutput {
     /// Write everything that the text says to FILE as JSON ("-": standard output, instead of text)
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::arguments::Output;
+use crate::arguments::JsonOutput;
 use crate::commands::{
     add, calibrate, compare, demo, design, diagnose, exam, generate, identify, mutate, prove,
     remove, simulate,
@@ -76,7 +76,7 @@ impl Command {
     }
 
     /// Where the command's result goes.
-    pub fn output(&self) -> &Output {
+    pub fn output(&self) -> &JsonOutput {
         match self {
             Command::Demo(arguments) => &arguments.output,
             Command::Identify(arguments) => &arguments.output,

@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::arguments::Output;
+use crate::arguments::JsonOutput;
 use crate::cli::Cli;
 use crate::failure::Failure;
 use crate::report::Report;
@@ -47,7 +47,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
 }
 
 /// Prints the text, or writes the JSON; with `--json -` the JSON takes the text's place.
-fn deliver(report: &Report, output: &Output) -> Result<(), Failure> {
+fn deliver(report: &Report, output: &JsonOutput) -> Result<(), Failure> {
     match output.json.as_deref() {
         Some(path) if path.as_os_str() == "-" => print(&report.json),
         Some(path) => {

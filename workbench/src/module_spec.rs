@@ -127,7 +127,7 @@ fn hardware(calibration: &Calibration) -> HardwareSpec {
 }
 
 /// A sensor as `calibrate` has it.
-fn sensor(found: &bench_files::SensorCalibration) -> SensorCalibration {
+fn sensor(found: &bench_files::StoredSensorCalibration) -> SensorCalibration {
     SensorCalibration {
         line: SensorLine {
             bias_counts: found.bias_counts.into(),

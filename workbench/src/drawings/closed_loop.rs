@@ -1,7 +1,7 @@
 //! The closed loop: runs, attitude filters, and where the linear model stops.
 
-use figures::{Line, Panel, Quantity, Role};
-use simulate::{Overlay, Trace};
+use figures::{Line, LineRole, Panel, Quantity};
+use simulate::{LoggedLoop, LoopTrace};
 
 use crate::closed_loop::{FilterRun, LinearRangeReport, LoopRun, SimulationReport};
 use crate::error::Error;
@@ -90,18 +90,18 @@ impl SimulationReport {
 
     fn run_figure(&self, run: &LoopRun) -> Result<String, Error> {
         let (exact, emitted) = (&run.exact, &run.emitted);
-        let angles = [exact, emitted].map(|trace: &Trace| degrees(&trace.angle_rad));
+        let angles = [exact, emitted].map(|trace: &LoopTrace| degrees(&trace.angle_rad));
         let lines = |exact_y, emitted_y| {
             [
                 Line {
                     name: "exact law",
-                    role: Role::Float,
+                    role: LineRole::Float,
                     x: &exact.time_s,
                     y: exact_y,
                 },
                 Line {
                     name: "emitted fixed-point law",
-                    role: Role::FixedPoint,
+                    role: LineRole::FixedPoint,
                     x: &emitted.time_s,
                     y: emitted_y,
                 },
@@ -141,14 +141,19 @@ impl SimulationReport {
 
     fn filter_figure(&self, filters: &FilterRun) -> Result<String, Error> {
         let FilterRun { lever_arm_m, found } = filters;
-        let estimates: Vec<(&str, Role, Vec<f64>, Vec<f64>)> = found
+        let estimates: Vec<(&str, LineRole, Vec<f64>, Vec<f64>)> = found
             .estimates()
             .into_iter()
             .enumerate()
             .map(|(index, (name, angle))| {
                 let errors = angle.iter().zip(&found.truth_rad);
                 let errors = errors.map(|(angle, truth)| (angle - truth).to_degrees());
-                (name, Role::Other(index), degrees(angle), errors.collect())
+                (
+                    name,
+                    LineRole::Other(index),
+                    degrees(angle),
+                    errors.collect(),
+                )
             })
             .collect();
         let line = |name, role, y| Line {
@@ -158,7 +163,7 @@ impl SimulationReport {
             y,
         };
         let truth = degrees(&found.truth_rad);
-        let mut angles = vec![line("truth", Role::Measurement, &truth[..])];
+        let mut angles = vec![line("truth", LineRole::Measurement, &truth[..])];
         let mut errors = Vec::new();
         // The accelerometer alone would hide the others; its error stands in the text.
         for (name, role, angle, error) in estimates.iter().skip(1) {
@@ -192,13 +197,13 @@ impl SimulationReport {
             [
                 Line {
                     name: "nonlinear model",
-                    role: Role::Model,
+                    role: LineRole::Model,
                     x: time_s,
                     y: whole,
                 },
                 Line {
                     name: "linear model",
-                    role: Role::Other(0),
+                    role: LineRole::Other(0),
                     x: time_s,
                     y: linear,
                 },
@@ -313,9 +318,9 @@ impl SimulationReport {
                     y,
                 };
                 [
-                    line("linear model", Role::Other(0), linear),
-                    line("measurement", Role::Measurement, measured),
-                    line("nonlinear model", Role::Model, whole),
+                    line("linear model", LineRole::Other(0), linear),
+                    line("measurement", LineRole::Measurement, measured),
+                    line("nonlinear model", LineRole::Model, whole),
                 ]
             })
             .collect();
@@ -333,7 +338,7 @@ impl SimulationReport {
         })?)
     }
 
-    fn overlay_figure(&self, experiment: &str, found: &Overlay) -> Result<String, Error> {
+    fn overlay_figure(&self, experiment: &str, found: &LoggedLoop) -> Result<String, Error> {
         let quantity = |name: &str| match name {
             "angle" => ("angle from upright", "rad"),
             "rate" => ("rate", "rad/s"),
@@ -351,8 +356,8 @@ impl SimulationReport {
                     y,
                 };
                 [
-                    line("measurement", Role::Measurement, &channel.measured[..]),
-                    line("simulation", Role::Model, &channel.simulated),
+                    line("measurement", LineRole::Measurement, &channel.measured[..]),
+                    line("simulation", LineRole::Model, &channel.simulated),
                 ]
             })
             .collect();
