@@ -264,7 +264,19 @@ mod tests {
                 prop_assume!(mode.norm() < 0.99 || reach(&a, &b, mode).unwrap() > 0.02);
             }
             let solution = solve_dare(&a, &b, &cost).unwrap();
-            prop_assert!(solution.residual < 1e-11, "residual {:e}", solution.residual);
+            // Every doubling solves with I + G H, which becomes I + G X: its condition number multiplies the
+            // rounding (of 20,000 draws the worst residual was 2.6 times that).
+            let weight = cost.input.clone().lu();
+            let reach_by_cost = &b * weight.solve(&b.transpose()).unwrap();
+            let solved = DMatrix::identity(size, size) + reach_by_cost * &solution.cost_to_go;
+            let stretches = solved.singular_values();
+            let rounding = f64::EPSILON * stretches.max() / stretches.min();
+            let allowed = 1e-13 + 20.0 * rounding;
+            prop_assert!(
+                solution.residual < allowed,
+                "residual {:e}, allowed {allowed:e}",
+                solution.residual
+            );
             let radius = spectral_radius(&(&a - &b * &solution.gain)).unwrap();
             prop_assert!(radius < 1.0);
             prop_assert!(smallest_scaled_eigenvalue(&solution.cost_to_go) > 0.0);
