@@ -2,6 +2,7 @@
 //! controller. One file per command in `commands/`: its arguments, one call of the library
 //! `workbench`, and a view of the result (`views/`).
 
+mod arguments;
 mod cli;
 mod commands;
 mod failure;
@@ -15,7 +16,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::cli::{Cli, Output};
+use crate::arguments::JsonOutput;
+use crate::cli::Cli;
 use crate::failure::Failure;
 use crate::report::Report;
 
@@ -45,7 +47,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
 }
 
 /// Prints the text, or writes the JSON; with `--json -` the JSON takes the text's place.
-fn deliver(report: &Report, output: &Output) -> Result<(), Failure> {
+fn deliver(report: &Report, output: &JsonOutput) -> Result<(), Failure> {
     match output.json.as_deref() {
         Some(path) if path.as_os_str() == "-" => print(&report.json),
         Some(path) => {

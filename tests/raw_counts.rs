@@ -10,7 +10,7 @@ use std::process::Command;
 use attitude::{AttitudeSpec, SensorLine};
 use nalgebra::Rotation3;
 use plant::{Kind, Plant};
-use simulate::{InterpretedController, RawLoop, RawSensors, Trace};
+use simulate::{InterpretedController, LoopTrace, RawLoop, RawSensors};
 
 /// What `flywheel generate` writes for `model`: the controller, and `src/constants.rs`.
 fn controller_of(model: &str) -> (InterpretedController, String) {
@@ -48,7 +48,7 @@ fn sensors() -> RawSensors {
     sensors
 }
 
-fn run(sensors: RawSensors, start_rad: f64, controller: &mut InterpretedController) -> Trace {
+fn run(sensors: RawSensors, start_rad: f64, controller: &mut InterpretedController) -> LoopTrace {
     let plant = plant();
     RawLoop::new(&plant, sensors, 5)
         .run(start_rad, 20.0, controller, true)
@@ -193,7 +193,7 @@ fn the_lever_arm_of_the_model_reaches_the_emitted_module() {
     assert!(constants.contains("lever arm (0.05, 0) m"), "{constants}");
     // Without dry friction and bias: what is left is the lever arm, and noise.
     let start_rad = 12_f64.to_radians();
-    let worst = |trace: &Trace| {
+    let worst = |trace: &LoopTrace| {
         let errors = trace.angle_rad.iter().zip(&trace.measured_angle_rad);
         errors.fold(0.0_f64, |worst, (truth, told)| {
             worst.max((truth - told).abs())

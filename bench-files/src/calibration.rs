@@ -420,7 +420,7 @@ fn plumb_lines(section: &Section) -> Result<Option<PlumbLines>, Error> {
 
 /// A three-axis sensor: value = `matrix` (counts − `bias_counts`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SensorCalibration {
+pub struct StoredSensorCalibration {
     /// Reading at zero input, counts.
     pub bias_counts: [f64; 3],
     /// Its standard errors, counts.
@@ -495,16 +495,16 @@ pub struct LineCalibration {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Calibration {
     /// Accelerometer, m/s² per count.
-    pub accelerometer: Option<SensorCalibration>,
+    pub accelerometer: Option<StoredSensorCalibration>,
     /// Gyroscope, rad/s per count.
-    pub gyroscope: Option<SensorCalibration>,
+    pub gyroscope: Option<StoredSensorCalibration>,
     /// Madgwick's β from the gyroscope's noise, rad/s (`beta` under `[calibration.gyroscope]`). The
     /// filter turns the estimate back by at most 2β: where the gyroscope's bias wanders by more
     /// after the recording, with warmth say, a larger β is to be written here. Another calibration
     /// of the gyroscope writes it anew.
     pub beta_rad_s: Option<f64>,
     /// Magnetometer, µT per count.
-    pub magnetometer: Option<SensorCalibration>,
+    pub magnetometer: Option<StoredSensorCalibration>,
     /// Place of the sensor on the body.
     pub mounting: Option<MountingCalibration>,
     /// Place of the accelerometer, for which the filter corrects.
@@ -527,7 +527,7 @@ impl Calibration {
             "wheel_speed",
             "current",
         ])?;
-        let sensor = |key: &str| -> Result<Option<SensorCalibration>, Error> {
+        let sensor = |key: &str| -> Result<Option<StoredSensorCalibration>, Error> {
             let Some(table) = section.section(key)? else {
                 return Ok(None);
             };
@@ -536,7 +536,7 @@ impl Calibration {
                 known.push("beta");
             }
             table.allow_only(&known)?;
-            Ok(Some(SensorCalibration {
+            Ok(Some(StoredSensorCalibration {
                 bias_counts: vector(&table, "bias_counts")?,
                 bias_std: vector(&table, "bias_std")?,
                 matrix: matrix(&table, "matrix")?,

@@ -29,7 +29,7 @@ mod write;
 pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
 pub use calibration::{
     Calibration, CalibrationRecordings, CountsRecording, LeverArmCalibration, LineCalibration,
-    MountingCalibration, PlumbLines, SensorCalibration,
+    MountingCalibration, PlumbLines, StoredSensorCalibration,
 };
 pub use channel::Channel;
 pub use correlation::Correlation;

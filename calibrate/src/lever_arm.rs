@@ -42,7 +42,7 @@ type Moments = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 /// The accelerometer's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LeverArm {
+pub struct LeverArmEstimate {
     /// From the pivot axis along x and y of the aligned sensor, m.
     pub position_m: [f64; 2],
     /// Standard errors, m.
@@ -81,7 +81,7 @@ pub fn lever_arm(
     accel: &SensorCalibration,
     mounting: &Mounting,
     sample_time_s: f64,
-) -> Result<LeverArm, CalibrationError> {
+) -> Result<LeverArmEstimate, CalibrationError> {
     let period = positive("the sample time", sample_time_s)?;
     let half = ((WINDOW_S / period).round() as usize).max(2);
     at_least("samples of the swing", swing.len(), 2 * half + 10 * BLOCKS)?;
@@ -153,7 +153,7 @@ pub fn lever_arm(
         variance += change.component_mul(&change);
     }
     let std = variance.map(f64::sqrt);
-    Ok(LeverArm {
+    Ok(LeverArmEstimate {
         position_m: [found.at[3], found.at[4]],
         position_std_m: [std[3], std[4]],
         gyro_scale_error: found.at[1],

@@ -22,7 +22,7 @@ mod still_poses;
 
 pub use error::CalibrationError;
 pub use gyroscope::{GyroscopeRest, gyroscope_rest};
-pub use lever_arm::{LeverArm, lever_arm};
+pub use lever_arm::{LeverArmEstimate, lever_arm};
 pub use line_fit::{LineFit, fit_line};
 pub use magnetometer::{
     COVERAGE_MIN, MagnetometerCalibration, magnetometer, mean_field_ut, sphere_coverage,

@@ -57,5 +57,5 @@ pub use recovery::recovery_angle_rad;
 pub use sampled_cost::QuadraticCost;
 pub use structural::{StructuralRank, controllability, observability};
 pub use uncertainty::{PoleUncertainty, UncertainParameters, UncertainPole, pole_uncertainty};
-pub use wheel_sizing::{ChartPoint, Push, Sizing, wheel_energy_j};
+pub use wheel_sizing::{ChartPoint, Sizing, SizingPush, wheel_energy_j};
 pub use zero_order_hold::{DelayedDiscrete, Discrete};

@@ -36,7 +36,7 @@ pub struct Sizing {
 
 /// The least that the wheel must do to bring the body up from rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Push {
+pub struct SizingPush {
     /// Energy that the body lacks, in J.
     pub energy_j: f64,
     /// How long the motor pushes, in s.
@@ -100,7 +100,7 @@ impl Sizing {
     ///
     /// # Errors
     /// Quantities that are not positive.
-    pub fn least_push(&self, angle_rad: f64) -> Result<Option<Push>, DesignError> {
+    pub fn least_push(&self, angle_rad: f64) -> Result<Option<SizingPush>, DesignError> {
         check_positive("the angle from upright in rad", angle_rad)?;
         if angle_rad >= self.angle_at_current_limit_rad()? {
             return Ok(None);
@@ -126,7 +126,7 @@ impl Sizing {
         }
         let release_rate_rad_s =
             (2.0 * self.energy_to_recover_j(release_angle_rad) / inertia).sqrt();
-        Ok(Some(Push {
+        Ok(Some(SizingPush {
             energy_j,
             duration_s,
             release_angle_rad,

@@ -1,12 +1,12 @@
 //! Which effects of the library are suspects at all, before anything is fitted.
 
-use identify::{Record, RecordedCurrent, Setup, rate_against_angle};
+use identify::{FitProblem, Record, RecordedCurrent, rate_against_angle};
 use plant::{EffectId, Kind, Model, RateFault, Role};
 
 /// Whether any record of the bench can show the effect at all.
-pub fn applicable(setup: &Setup, effect: EffectId) -> bool {
+pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
     let info = effect.info();
-    setup.records.iter().any(|record| {
+    problem.records.iter().any(|record| {
         let commanded = matches!(record.current, RecordedCurrent::Known(_));
         let sees = match info.role {
             Role::Body => record.kind != Kind::SpinUp,

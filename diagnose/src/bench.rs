@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use identify::{Cancelled, Record, Setup};
+use identify::{Cancelled, FitProblem, Record};
 use plant::EffectId;
 
 use crate::candidate::Candidate;
@@ -14,9 +14,9 @@ pub type IsCancelled<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// What a search works on.
 #[derive(Clone)]
-pub struct Bench<'a> {
+pub struct SearchBench<'a> {
     /// The bench with what is known of it.
-    pub setup: &'a Setup,
+    pub problem: &'a FitProblem,
     /// Its records.
     pub records: Vec<&'a Record>,
     /// Length of the short windows in s, where the model as it was drifts away from the logs.
@@ -31,18 +31,18 @@ pub struct Bench<'a> {
     imperfections: Arc<Imperfections>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> SearchBench<'a> {
     /// A bench whose logs are read in one piece. What is known of `imperfections` must be of these very logs.
     pub fn whole(
-        setup: &'a Setup,
+        problem: &'a FitProblem,
         suspects: &'a [EffectId],
         thresholds: &'a Thresholds,
         is_cancelled: IsCancelled<'a>,
         imperfections: Arc<Imperfections>,
-    ) -> Bench<'a> {
-        Bench {
-            setup,
-            records: setup.all_records(),
+    ) -> SearchBench<'a> {
+        SearchBench {
+            problem,
+            records: problem.all_records(),
             window_s: None,
             suspects,
             least_gain: thresholds.least_gain,
@@ -79,7 +79,8 @@ impl<'a> Bench<'a> {
 
     /// What the smoothed sign of dry friction alone leaves of a candidate.
     pub fn imperfection(&self, candidate: &Candidate) -> Arc<Imperfection> {
-        self.imperfections.of(self.setup, &self.records, candidate)
+        self.imperfections
+            .of(self.problem, &self.records, candidate)
     }
 
     /// The largest structured remainder over all series that is not what a smoothed sign of dry friction

@@ -1,6 +1,6 @@
 //! A model that was tried: which effects it adds, how it was fitted, what it leaves. Plain data.
 
-use identify::{Minimum, Record, Setup, Trace, traces};
+use identify::{FitProblem, Minimum, PredictedSeries, Record, traces};
 use plant::{EffectId, Model};
 
 use crate::remainder::remainders;
@@ -15,7 +15,7 @@ pub struct Candidate {
     /// Its fit to all records.
     pub minimum: Minimum,
     /// For every record and channel, model against measurement.
-    pub traces: Vec<Vec<Trace>>,
+    pub traces: Vec<Vec<PredictedSeries>>,
     /// For every record and channel, the structured remainder in units of its noise (0 where not significant).
     pub remainders: Vec<Vec<f64>>,
     /// The same model fitted in windows of a few periods, each with a start of its own, where the
@@ -28,19 +28,19 @@ pub struct Candidate {
 impl Candidate {
     /// Describes a finished fit.
     pub fn new(
-        setup: &Setup,
+        problem: &FitProblem,
         records: &[&Record],
         added: Vec<EffectId>,
         model: Model,
         minimum: Minimum,
         windowed: Option<Minimum>,
     ) -> Candidate {
-        let traces: Vec<Vec<Trace>> = records
+        let traces: Vec<Vec<PredictedSeries>> = records
             .iter()
             .zip(&minimum.windows)
             .map(|(record, windows)| traces(record, windows, &model, &minimum.values))
             .collect();
-        let parameters = setup
+        let parameters = problem
             .free(&model)
             .len()
             .saturating_sub(minimum.on_bound.iter().filter(|held| **held).count());

@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use identify::{Cancelled, Effort, Minimum, Progress, Setup, joined, refit};
+use identify::{Cancelled, Effort, FitProblem, Minimum, Progress, joined, refit};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
 use crate::applicable::is_cleared;
-use crate::bench::{Bench, IsCancelled};
+use crate::bench::{IsCancelled, SearchBench};
 use crate::candidate::Candidate;
 use crate::economy::{MOST_REVISIONS, MOST_SUSPECTS, SAMPLES_PER_PERIOD};
 use crate::genuine::genuine;
@@ -50,52 +50,52 @@ impl Default for Options<'_> {
 /// # Errors
 /// [`Cancelled`] soon after `progress` answers that the work is called off.
 pub fn diagnose_with(
-    setup: &Setup,
+    problem: &FitProblem,
     model: &Model,
     minimum: Minimum,
     options: &Options,
     progress: &Progress,
 ) -> Result<Diagnosis, Cancelled> {
     progress.check()?;
-    let cleared = setup.with_more_pushes(model, &minimum.values);
+    let cleared = problem.with_more_pushes(model, &minimum.values);
     let has_more_pushes = cleared.is_some();
-    let mut setup = cleared.unwrap_or_else(|| setup.clone());
-    let cut = match setup.suited_to(model) {
+    let mut problem = cleared.unwrap_or_else(|| problem.clone());
+    let cut = match problem.suited_to(model) {
         Cow::Owned(cut) => Some(cut),
         Cow::Borrowed(_) => None,
     };
     let is_fitted = !has_more_pushes && cut.is_none();
-    setup = cut.unwrap_or(setup);
-    let begin = |setup: &Setup, is_fitted: bool| -> Result<Start, Cancelled> {
+    problem = cut.unwrap_or(problem);
+    let begin = |problem: &FitProblem, is_fitted: bool| -> Result<Start, Cancelled> {
         progress.check()?;
         let (thresholds, cancelled) = (&options.thresholds, progress.cancelled);
         let suspects = options.suspects;
         Ok(Start::new(
-            setup, model, &minimum, is_fitted, suspects, thresholds, cancelled,
+            problem, model, &minimum, is_fitted, suspects, thresholds, cancelled,
         ))
     };
-    let mut start = begin(&setup, is_fitted)?;
+    let mut start = begin(&problem, is_fitted)?;
     // What is plain at once need not be found by a search over logs in one piece.
-    if let Some(cut) = start.in_windows(&start.candidate, &setup) {
-        setup = cut;
-        start = begin(&setup, false)?;
+    if let Some(cut) = start.in_windows(&start.candidate, &problem) {
+        problem = cut;
+        start = begin(&problem, false)?;
     }
     let mut searched = Searched::new(start, progress)?;
     for _ in 0..MOST_REVISIONS {
-        let Some(revised) = searched.revised(&setup) else {
+        let Some(revised) = searched.revised(&problem) else {
             break;
         };
         (progress.say)("searching again: the logs are read differently with what was found");
-        setup = revised;
-        searched = Searched::new(begin(&setup, false)?, progress)?;
+        problem = revised;
+        searched = Searched::new(begin(&problem, false)?, progress)?;
     }
-    searched.diagnosis(&setup, progress)
+    searched.diagnosis(&problem, progress)
 }
 
 /// What a search starts from.
 struct Start<'a> {
     /// The bench with its logs thinned.
-    thin: Setup,
+    thin: FitProblem,
     /// For every record the step by which.
     thinning: Vec<usize>,
     suspects: Vec<EffectId>,
@@ -123,7 +123,7 @@ struct Searched<'a> {
 impl<'a> Start<'a> {
     /// `is_fitted`: the minimum is that of this very setup.
     fn new(
-        setup: &Setup,
+        problem: &FitProblem,
         model: &Model,
         given: &Minimum,
         is_fitted: bool,
@@ -131,7 +131,7 @@ impl<'a> Start<'a> {
         thresholds: &'a Thresholds,
         is_cancelled: IsCancelled<'a>,
     ) -> Start<'a> {
-        let (thin, thinning) = setup.thinned(SAMPLES_PER_PERIOD);
+        let (thin, thinning) = problem.thinned(SAMPLES_PER_PERIOD);
         let records = thin.all_records();
         let mut suspects = suspects.to_vec();
         suspects.retain(|&effect| !is_cleared(&records, effect, thresholds.plain_fault));
@@ -159,8 +159,8 @@ impl<'a> Start<'a> {
     }
 
     /// What the search works on.
-    fn bench(&self) -> Bench<'_> {
-        Bench::whole(
+    fn bench(&self) -> SearchBench<'_> {
+        SearchBench::whole(
             &self.thin,
             &self.suspects,
             self.thresholds,
@@ -171,12 +171,12 @@ impl<'a> Start<'a> {
 
     /// The bench with driven logs in short windows, where an effect that makes them unpredictable in one piece
     /// asks for it beside what a candidate has.
-    fn in_windows(&self, candidate: &Candidate, setup: &Setup) -> Option<Setup> {
+    fn in_windows(&self, candidate: &Candidate, problem: &FitProblem) -> Option<FitProblem> {
         let cut = self.thin.in_windows()?;
         let remains = candidate.largest_remainder() > self.thresholds.remains;
         let asks =
             remains && shows_in_short_windows(&cut, candidate, &self.suspects, self.thresholds);
-        asks.then(|| setup.in_windows())?
+        asks.then(|| problem.in_windows())?
     }
 }
 
@@ -213,17 +213,17 @@ impl<'a> Searched<'a> {
     /// The bench as it must be read with what was found, where that is not enough and the logs themselves
     /// look different with it: pushes that the first model hid, or driven logs that cogging has made
     /// unpredictable in one piece.
-    fn revised(&self, setup: &Setup) -> Option<Setup> {
+    fn revised(&self, problem: &FitProblem) -> Option<FitProblem> {
         if matches!(self.verdict, Verdict::NothingMissing | Verdict::Explained) {
             return None;
         }
         let best = &self.found.pool[self.found.best];
-        setup
+        problem
             .with_more_pushes(&best.model, &best.minimum.values)
-            .or_else(|| self.start.in_windows(best, setup))
+            .or_else(|| self.start.in_windows(best, problem))
     }
 
-    fn diagnosis(self, setup: &Setup, progress: &Progress) -> Result<Diagnosis, Cancelled> {
+    fn diagnosis(self, problem: &FitProblem, progress: &Progress) -> Result<Diagnosis, Cancelled> {
         (progress.say)("predicting experiments that the fit has not seen");
         let Searched {
             start,
@@ -257,9 +257,9 @@ impl<'a> Searched<'a> {
                     let known = start.whole.as_ref().filter(|_| effect.is_none());
                     let minimum = match known {
                         Some(known) => known.clone(),
-                        None => whole_fit(setup, thinning, candidate),
+                        None => whole_fit(problem, thinning, candidate),
                     };
-                    Ok(whole_step(setup, effect, candidate, minimum, look))
+                    Ok(whole_step(problem, effect, candidate, minimum, look))
                 } else {
                     Ok(Step {
                         effect,
@@ -282,7 +282,7 @@ impl<'a> Searched<'a> {
             .map(|&index| found.pool[index].set())
             .collect();
         let next_experiment = match (found.ties.as_slice(), verdict) {
-            ([a, b, ..], Verdict::Ambiguous) => propose(setup, &found.pool[*a], &found.pool[*b]),
+            ([a, b, ..], Verdict::Ambiguous) => propose(problem, &found.pool[*a], &found.pool[*b]),
             (_, Verdict::Unexplained) => {
                 "Repeat the experiment in which the error is largest: what \
              comes back at the same place is physics that the library lacks, what does not is a \
@@ -303,7 +303,7 @@ impl<'a> Searched<'a> {
 }
 
 /// The effects that are reported as suspects.
-fn most_probable(bench: &Bench, found: &Search, verdict: Verdict) -> Vec<Ranked> {
+fn most_probable(bench: &SearchBench, found: &Search, verdict: Verdict) -> Vec<Ranked> {
     let (base, best) = (&found.pool[0], &found.pool[found.best]);
     // Sets that add to the best one what no sensor would show do not vote.
     let is_needless: Vec<bool> = found

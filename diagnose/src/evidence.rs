@@ -14,7 +14,7 @@ use identify::{Record, effective_samples};
 use plant::{Kind, period_s};
 
 use crate::applicable::applicable;
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::remainder::{noise, residual};
 
@@ -104,13 +104,13 @@ fn log_choices(suspects: usize, chosen: usize) -> f64 {
 }
 
 /// The evidence for every candidate, with the effective sample sizes that the best of them leaves.
-pub fn evidences(bench: &Bench, pool: &[Candidate]) -> Vec<f64> {
+pub fn evidences(bench: &SearchBench, pool: &[Candidate]) -> Vec<f64> {
     evidences_beyond(bench, pool, &|_| None)
 }
 
 /// As [`evidences`], with errors from which is taken what is `excused`.
 pub fn evidences_beyond(
-    bench: &Bench,
+    bench: &SearchBench,
     pool: &[Candidate],
     excused: &dyn Fn(&Candidate) -> Option<Vec<f64>>,
 ) -> Vec<f64> {
@@ -123,7 +123,7 @@ pub fn evidences_beyond(
     let suspects = bench
         .suspects
         .iter()
-        .filter(|&&effect| applicable(bench.setup, effect))
+        .filter(|&&effect| applicable(bench.problem, effect))
         .count();
     pool.iter()
         .map(|candidate| match excused(candidate) {

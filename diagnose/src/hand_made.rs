@@ -1,6 +1,6 @@
 //! Candidates made by hand, for the tests of what is said about pools.
 
-use identify::{Minimum, Outcome, Output, Trace};
+use identify::{Minimum, Outcome, Output, PredictedSeries};
 use nalgebra::DMatrix;
 use plant::{EffectId, Model};
 
@@ -25,7 +25,7 @@ pub fn candidate(added: &[EffectId], cost: f64, remainder: f64) -> Candidate {
             evaluations: 1,
         },
         model,
-        traces: vec![vec![Trace {
+        traces: vec![vec![PredictedSeries {
             output: Output::Angle,
             predicted: vec![],
             rmse: remainder,

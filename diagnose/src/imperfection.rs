@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use identify::{Effort, Record, Setup, Trace, refit, stuck, traces};
+use identify::{Effort, FitProblem, PredictedSeries, Record, refit, stuck, traces};
 
 use plant::EffectId;
 
@@ -42,7 +42,7 @@ impl Imperfections {
     /// As [`imperfection()`], computed once for each fit of the bench.
     pub fn of(
         &self,
-        setup: &Setup,
+        problem: &FitProblem,
         records: &[&Record],
         candidate: &Candidate,
     ) -> Arc<Imperfection> {
@@ -53,13 +53,17 @@ impl Imperfections {
             return known.clone();
         }
         // Not under the lock: two threads at worst work out the same.
-        let new = Arc::new(imperfection(setup, records, candidate));
+        let new = Arc::new(imperfection(problem, records, candidate));
         found().entry(key).or_insert(new).clone()
     }
 }
 
 /// What the smoothed sign of dry friction alone would leave of a candidate.
-pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -> Imperfection {
+pub fn imperfection(
+    problem: &FitProblem,
+    records: &[&Record],
+    candidate: &Candidate,
+) -> Imperfection {
     let (model, minimum) = (&candidate.model, &candidate.minimum);
     if !model.effects().iter().any(|effect| effect.info().has_kink) {
         let rmse_without = candidate.rmse();
@@ -100,7 +104,7 @@ pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -
         model,
         minimum.values.clone(),
         minimum.windows.clone(),
-        &setup.free(model),
+        &problem.free(model),
         Effort::ROUGH,
     );
     let mut found = Imperfection {
@@ -124,7 +128,7 @@ pub fn imperfection(setup: &Setup, records: &[&Record], candidate: &Candidate) -
             let channel = &record.channels[channel];
             found.rms_over_noise.push(fitted.rmse / sticks.noise_std);
             remainders.push(remainder(channel, &predicted, &record.weight));
-            let without = Trace::new(channel, predicted, &record.weight);
+            let without = PredictedSeries::new(channel, predicted, &record.weight);
             found.rmse_without.push(without.rmse);
         }
         found.remainders_without.push(remainders);

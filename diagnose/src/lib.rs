@@ -57,7 +57,7 @@ mod validation;
 mod verdict;
 
 pub use applicable::applicable;
-pub use bench::{Bench, IsCancelled};
+pub use bench::{IsCancelled, SearchBench};
 pub use candidate::{Candidate, names};
 pub use diagnosis::{Options, diagnose_with};
 pub use imperfection::{Imperfection, Imperfections, imperfection};

@@ -4,7 +4,7 @@
 //! the difference of their answers in units of the sensors' noise; the experiment with the largest
 //! difference is proposed.
 
-use identify::{Output, Record, Setup};
+use identify::{FitProblem, Output, Record};
 use plant::{Current, Hold, Input, Kind, Plant, State};
 
 use crate::candidate::Candidate;
@@ -26,7 +26,7 @@ const STEP_S: f64 = 0.004;
 /// 0.5 rad/s, what a modest encoder and gyroscope reach.
 const USUAL_NOISE: [f64; 3] = [1e-3, 5e-3, 0.5];
 
-fn proposals(setup: &Setup) -> Vec<Proposal> {
+fn proposals(problem: &FitProblem) -> Vec<Proposal> {
     let mut list = vec![];
     for degrees in [3.0, 10.0, 20.0, 50.0, 90.0] {
         list.push(Proposal {
@@ -39,7 +39,7 @@ fn proposals(setup: &Setup) -> Vec<Proposal> {
             duration_s: 30.0,
         });
     }
-    let largest = setup
+    let largest = problem
         .records
         .iter()
         .flat_map(|record| &record.current_a)
@@ -92,7 +92,12 @@ fn proposals(setup: &Setup) -> Vec<Proposal> {
 
 /// Root mean square difference of two models' answers in units of noise, with the channel that
 /// shows it best.
-fn separation(setup: &Setup, proposal: &Proposal, a: &Candidate, b: &Candidate) -> (f64, Output) {
+fn separation(
+    problem: &FitProblem,
+    proposal: &Proposal,
+    a: &Candidate,
+    b: &Candidate,
+) -> (f64, Output) {
     let steps = (proposal.duration_s / STEP_S) as usize;
     let time_s: Vec<f64> = (0..steps).map(|k| k as f64 * STEP_S).collect();
     let current: Vec<f64> = time_s
@@ -133,7 +138,7 @@ fn separation(setup: &Setup, proposal: &Proposal, a: &Candidate, b: &Candidate) 
             _ => true,
         };
         let has = |record: &&Record| record.channel(output).is_some();
-        let Some(noise) = setup
+        let Some(noise) = problem
             .records
             .iter()
             .find(has)
@@ -158,10 +163,10 @@ fn separation(setup: &Setup, proposal: &Proposal, a: &Candidate, b: &Candidate) 
 }
 
 /// One sentence: the experiment that separates two explanations best, and by how much.
-pub fn propose(setup: &Setup, a: &Candidate, b: &Candidate) -> String {
-    let best = proposals(setup)
+pub fn propose(problem: &FitProblem, a: &Candidate, b: &Candidate) -> String {
+    let best = proposals(problem)
         .into_iter()
-        .map(|proposal| (separation(setup, &proposal, a, b), proposal))
+        .map(|proposal| (separation(problem, &proposal, a, b), proposal))
         .max_by(|x, y| x.0.0.total_cmp(&y.0.0));
     match best {
         Some(((size, output), proposal)) if size > 0.5 => format!(

@@ -1,6 +1,6 @@
 //! What a model leaves of every series, in units of the series' noise.
 
-use identify::{Channel, Record, Trace, structure, without_rounding};
+use identify::{PredictedSeries, Record, RecordedChannel, structure, without_rounding};
 
 /// The noise of every series, record by record and channel by channel.
 pub fn noise(records: &[&Record]) -> Vec<f64> {
@@ -21,7 +21,7 @@ pub fn residual(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
 
 /// The structured remainder of a channel beside what is predicted, in units of its noise (0 where not
 /// significant).
-pub fn remainder(channel: &Channel, predicted: &[f64], weight: &[f64]) -> f64 {
+pub fn remainder(channel: &RecordedChannel, predicted: &[f64], weight: &[f64]) -> f64 {
     let left = match channel.quantum {
         Some(quantum) => without_rounding(&channel.samples, predicted, channel.noise_std, quantum),
         None => residual(&channel.samples, predicted),
@@ -35,7 +35,7 @@ pub fn remainder(channel: &Channel, predicted: &[f64], weight: &[f64]) -> f64 {
 }
 
 /// As [`remainder`], for every record and channel.
-pub fn remainders(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<Vec<f64>> {
+pub fn remainders(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> Vec<Vec<f64>> {
     records
         .iter()
         .zip(traces)

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use identify::{Cancelled, Fit, Minimum, Setup, finish};
+use identify::{Cancelled, Fit, FitProblem, Minimum, finish};
 use plant::EffectId;
 use rayon::prelude::*;
 
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::pool::Search;
 use crate::ranking::Ranked;
@@ -80,7 +80,7 @@ pub struct Look {
 
 /// A look at each of these candidates of the pool, once.
 pub fn looks(
-    bench: &Bench,
+    bench: &SearchBench,
     found: &Search,
     indices: impl Iterator<Item = usize>,
 ) -> Result<BTreeMap<usize, Look>, Cancelled> {
@@ -91,7 +91,7 @@ pub fn looks(
             bench.check()?;
             let candidate = &found.pool[index];
             let (model, minimum) = (&candidate.model, &candidate.minimum);
-            let free = bench.setup.free(model);
+            let free = bench.problem.free(model);
             let look = Look {
                 fit: finish(&bench.records, model, &free, minimum.clone()),
                 held_out: held_out(bench, model, minimum),
@@ -104,25 +104,25 @@ pub fn looks(
 /// A step whose fit is made with all samples of the bench; what the fit has not seen is predicted
 /// with the thinned ones.
 pub fn whole_step(
-    setup: &Setup,
+    problem: &FitProblem,
     effect: Option<EffectId>,
     candidate: &Candidate,
     minimum: Minimum,
     look: &Look,
 ) -> Step {
-    let records = setup.all_records();
+    let records = problem.all_records();
     let (added, model) = (candidate.added.clone(), candidate.model.clone());
     Step {
         effect,
-        fit: finish(&records, &model, &setup.free(&model), minimum.clone()),
+        fit: finish(&records, &model, &problem.free(&model), minimum.clone()),
         validation_fit_percent: mean_fit_percent(&look.held_out),
         held_out: look.held_out.clone(),
-        candidate: Candidate::new(setup, &records, added, model, minimum, None),
+        candidate: Candidate::new(problem, &records, added, model, minimum, None),
     }
 }
 
 /// A suspect as it is reported.
-pub fn suspect(bench: &Bench, found: &Search, look: &Look, ranked: Ranked) -> Suspect {
+pub fn suspect(bench: &SearchBench, found: &Search, look: &Look, ranked: Ranked) -> Suspect {
     let (base, candidate) = (&found.pool[0], &found.pool[ranked.index]);
     Suspect {
         effect: ranked.effect,
@@ -135,7 +135,12 @@ pub fn suspect(bench: &Bench, found: &Search, look: &Look, ranked: Ranked) -> Su
 }
 
 /// What a person would look for, and the series in which the effect helps most.
-fn fingerprint(bench: &Bench, effect: EffectId, base: &Candidate, with: &Candidate) -> String {
+fn fingerprint(
+    bench: &SearchBench,
+    effect: EffectId,
+    base: &Candidate,
+    with: &Candidate,
+) -> String {
     let names = bench
         .records
         .iter()

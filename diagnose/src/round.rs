@@ -1,11 +1,11 @@
 //! One round of trials: a score test for every suspect, and a fit of those that promise something.
 
-use identify::{Cancelled, KnownPromise, Unknowns, acts, promise, ratios};
+use identify::{Cancelled, KnownScore, Unknowns, acts, ratios, score_test};
 use plant::{EffectId, StartFrom};
 use rayon::prelude::*;
 
 use crate::applicable::{applicable, completes_series};
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::economy::{LARGE_ZERO_RAD, LEAST_SHARE, MOST_FITS, SIMPLER_SHARE};
 use crate::score::{Start, absent_starts, is_scored_where_absent, starts, zero_start};
@@ -29,7 +29,7 @@ pub struct Round<'a> {
 /// # Errors
 /// [`Cancelled`] if the work is called off.
 pub fn try_all(
-    bench: &Bench,
+    bench: &SearchBench,
     from: &Candidate,
     round: &Round,
 ) -> Result<Vec<Candidate>, Cancelled> {
@@ -49,7 +49,9 @@ pub fn try_all(
         .suspects
         .iter()
         .copied()
-        .filter(|&effect| from.model.with(effect) != from.model && applicable(bench.setup, effect))
+        .filter(|&effect| {
+            from.model.with(effect) != from.model && applicable(bench.problem, effect)
+        })
         .filter(|&effect| !completes_series(&from.model, effect))
         .filter(|&effect| {
             !round.only_where_something_remains || shows_where_something_remains(effect)
@@ -78,12 +80,12 @@ pub fn try_all(
     let (absent, others): (Vec<EffectId>, Vec<EffectId>) = suspects
         .into_iter()
         .partition(|&effect| is_scored_where_absent(effect) && !has_cable);
-    let unknowns = Unknowns::new(&from.model, &bench.setup.free(&from.model));
-    let known = KnownPromise {
+    let unknowns = Unknowns::new(&from.model, &bench.problem.free(&from.model));
+    let known = KnownScore {
         model: &from.model,
         values: &point.values,
         unknowns: &unknowns,
-        promise: &promise(
+        score_test: &score_test(
             &bench.records,
             &from.model,
             &point.values,
@@ -138,7 +140,7 @@ pub fn try_all(
     });
     // What the model misses, in χ² beyond the noise, in the experiments in which an effect acts.
     let missed = |effect: EffectId| -> f64 {
-        let records = bench.records.iter().zip(&known.promise.records);
+        let records = bench.records.iter().zip(&known.score_test.records);
         records
             .filter(|(record, _)| acts(effect, record.kind))
             .map(|(record, share)| (share.cost - record.observations() as f64).max(0.0))

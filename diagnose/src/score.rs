@@ -1,14 +1,14 @@
 //! The score test: what each suspect promises, and from where it may be fitted.
 
 use identify::{
-    KnownPromise, Local, MAX_UNKNOWNS, Minimum, Output, Record, Unknowns, Window, carry_over,
-    cogging_start, guessed, promise, settled,
+    KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, Unknowns, Window, carry_over,
+    cogging_start, guessed, score_test, settled,
 };
 use plant::{EffectId, Model, Role, StartFrom};
 use rayon::prelude::*;
 
 use crate::applicable::refines;
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::economy::MOST_LOCALS;
 
@@ -41,15 +41,15 @@ pub fn is_scored_where_absent(effect: EffectId) -> bool {
 /// model, so that one simulation carries the sensitivities of many of them: the score of each is that
 /// of the model in which the amplitudes of the others stay at zero.
 pub fn absent_starts(
-    bench: &Bench,
+    bench: &SearchBench,
     from: &Candidate,
     point: &Minimum,
-    known: KnownPromise,
+    known: KnownScore,
     effects: &[EffectId],
 ) -> Vec<Start> {
-    let (setup, records) = (bench.setup, &bench.records);
+    let (problem, records) = (bench.problem, &bench.records);
     let room = MAX_UNKNOWNS
-        .saturating_sub(setup.free(&from.model).len() + MOST_LOCALS)
+        .saturating_sub(problem.free(&from.model).len() + MOST_LOCALS)
         .max(1);
     let with = |model: &Model, values: &[f64], effect: EffectId| {
         let larger = model.with(effect);
@@ -67,9 +67,9 @@ pub fn absent_starts(
             for &effect in group {
                 (model, values) = with(&model, &values, effect);
             }
-            let unknowns = Unknowns::new(&model, &setup.free(&model));
+            let unknowns = Unknowns::new(&model, &problem.free(&model));
             let windows = &point.windows;
-            let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
+            let score_test = score_test(records, &model, &values, windows, &unknowns, Some(known));
             let own: Vec<Option<usize>> = group.iter().map(|&e| model.position(e)).collect();
             group
                 .iter()
@@ -79,7 +79,7 @@ pub fn absent_starts(
                         .iter()
                         .map(|&at| model.position(effect) == Some(at) || !own.contains(&Some(at)))
                         .collect();
-                    let promised_cost = promise.step(&values, &unknowns, &moves).cost;
+                    let promised_cost = score_test.step(&values, &unknowns, &moves).cost;
                     let (model, values) = with(&from.model, &point.values, effect);
                     Start {
                         effect,
@@ -97,20 +97,20 @@ pub fn absent_starts(
 /// The starts of an effect on top of the model of `known`, fitted over the `whole` logs and, in the windows of
 /// the score test, to `point`.
 pub fn starts(
-    bench: &Bench,
+    bench: &SearchBench,
     whole: &Minimum,
     point: &Minimum,
-    known: KnownPromise,
+    known: KnownScore,
     effect: EffectId,
 ) -> Vec<Start> {
-    let (setup, records) = (bench.setup, &bench.records);
+    let (problem, records) = (bench.problem, &bench.records);
     let model = known.model.with(effect);
     let Some(at) = model.position(effect) else {
         return vec![];
     };
     let base = [0, 1, 2, 3].map(|position| point.values[position]);
     let info = effect.info();
-    let mut parameter_sets = setup.starts(records, effect, &base);
+    let mut parameter_sets = problem.starts(records, effect, &base);
     if let (Some(absent), true) = (info.absent, is_scored_where_absent(effect)) {
         parameter_sets = vec![absent.to_vec()];
     }
@@ -151,7 +151,7 @@ pub fn starts(
             if let (Some((one, other)), true) = (info.limit, is_taking_over) {
                 values[at + one] = values[at + other];
             }
-            let unknowns = Unknowns::new(&model, &setup.free(&model));
+            let unknowns = Unknowns::new(&model, &problem.free(&model));
             // Windows that start on the wrong side of a tooth would promise nothing.
             let windows = if needs_settling {
                 &settled(records, &model, &values, point.windows.clone())
@@ -162,13 +162,13 @@ pub fn starts(
             let leaves_no_trace = |record: &Record| {
                 info.is_limit && !is_reached(effect, &[record], &chosen, torque_constant)
             };
-            let known = KnownPromise {
+            let known = KnownScore {
                 leaves_no_trace: &leaves_no_trace,
                 ..known
             };
-            let promise = promise(records, &model, &values, windows, &unknowns, Some(known));
+            let score_test = score_test(records, &model, &values, windows, &unknowns, Some(known));
             let all = vec![true; unknowns.free.len()];
-            let promised_cost = promise.step(&values, &unknowns, &all).cost;
+            let promised_cost = score_test.step(&values, &unknowns, &all).cost;
             if is_taking_over && index < last {
                 let infos = model.parameters();
                 let moves: Vec<bool> = unknowns
@@ -176,7 +176,7 @@ pub fn starts(
                     .iter()
                     .map(|&at| !(own.contains(&at) && infos[at].logarithmic))
                     .collect();
-                let held_cost = promise.step(&values, &unknowns, &moves).cost;
+                let held_cost = score_test.step(&values, &unknowns, &moves).cost;
                 if point.cost - held_cost < bench.least_gain {
                     return None;
                 }
@@ -194,9 +194,14 @@ pub fn starts(
 
 /// The start of an effect that shifts the angle's zero, at the zero that the free swings themselves show, with the inertia,
 /// gravity and friction that they show around it.
-pub fn zero_start(bench: &Bench, point: &Minimum, absent: &Start, angle_zero_rad: f64) -> Start {
+pub fn zero_start(
+    bench: &SearchBench,
+    point: &Minimum,
+    absent: &Start,
+    angle_zero_rad: f64,
+) -> Start {
     let model = absent.model.clone();
-    let shown = bench.setup.start_values(&model);
+    let shown = bench.problem.start_values(&model);
     let mut values = absent.values.clone();
     values[..plant::BASE_PARAMETERS.len()].copy_from_slice(&shown[..plant::BASE_PARAMETERS.len()]);
     for &effect in model.effects() {
@@ -210,7 +215,7 @@ pub fn zero_start(bench: &Bench, point: &Minimum, absent: &Start, angle_zero_rad
             _ => {}
         }
     }
-    let unknowns = Unknowns::new(&model, &bench.setup.free(&model));
+    let unknowns = Unknowns::new(&model, &bench.problem.free(&model));
     let all = vec![true; unknowns.free.len()];
     // The body starts as the samples show, less the zero.
     let mut windows = vec![];
@@ -218,17 +223,17 @@ pub fn zero_start(bench: &Bench, point: &Minimum, absent: &Start, angle_zero_rad
         windows.push(guessed(record, &values, fitted));
     }
     for (record, windows) in bench.records.iter().zip(&mut windows) {
-        let locals = Local::of(record);
-        if let Some(at) = locals.iter().position(|&local| local == Local::Angle) {
+        let nuisances = Nuisance::of(record);
+        if let Some(at) = nuisances.iter().position(|&local| local == Nuisance::Angle) {
             for window in windows {
-                window.locals[at] -= angle_zero_rad;
+                window.nuisances[at] -= angle_zero_rad;
             }
         }
     }
-    let promise = promise(&bench.records, &model, &values, &windows, &unknowns, None);
+    let score_test = score_test(&bench.records, &model, &values, &windows, &unknowns, None);
     Start {
         effect: absent.effect,
-        promised_cost: promise.step(&values, &unknowns, &all).cost,
+        promised_cost: score_test.step(&values, &unknowns, &all).cost,
         model,
         values,
         windows: Some(windows),
@@ -253,13 +258,13 @@ const HARDLY_THERE: f64 = 1e-6;
 /// The starts of a refinement on top of a model and its `fit` in the windows of the score test, which has what
 /// it refines.
 pub fn refined_starts(
-    bench: &Bench,
+    bench: &SearchBench,
     whole: &Minimum,
     (model, fit): (&Model, &Minimum),
     effect: EffectId,
 ) -> Vec<Start> {
-    let unknowns = Unknowns::new(model, &bench.setup.free(model));
-    let promise = promise(
+    let unknowns = Unknowns::new(model, &bench.problem.free(model));
+    let score_test = score_test(
         &bench.records,
         model,
         &fit.values,
@@ -267,11 +272,11 @@ pub fn refined_starts(
         &unknowns,
         None,
     );
-    let known = KnownPromise {
+    let known = KnownScore {
         model,
         values: &fit.values,
         unknowns: &unknowns,
-        promise: &promise,
+        score_test: &score_test,
         leaves_no_trace: &|_| false,
     };
     let mut starts = starts(bench, whole, fit, known, effect);

@@ -4,7 +4,7 @@ use identify::{Cancelled, Effort, Outcome, Progress, fit_windowed, refit};
 use plant::{EffectId, period_s};
 use rayon::prelude::*;
 
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 use crate::candidate::{Candidate, names};
 use crate::economy::{BEAM, FINISHED, MOST_EFFECTS, MOST_FITS, NEAR, WINDOW_PERIODS};
 use crate::evidence::{evidences, evidences_beyond};
@@ -15,7 +15,7 @@ use crate::trial::{Goal, without};
 
 /// As [`evidences`], after the fits of the best candidates whose iterations ran out have been brought
 /// to their minima: a fit that is stuck on its way would be taken for a model that lacks something.
-fn finished_evidences(bench: &Bench, pool: &mut [Candidate]) -> Result<Vec<f64>, Cancelled> {
+fn finished_evidences(bench: &SearchBench, pool: &mut [Candidate]) -> Result<Vec<f64>, Cancelled> {
     for _ in 0..FINISHED {
         let evidence = evidences(bench, pool);
         let mut order: Vec<usize> = (0..pool.len()).collect();
@@ -40,14 +40,14 @@ fn finished_evidences(bench: &Bench, pool: &mut [Candidate]) -> Result<Vec<f64>,
             &unfinished.model,
             unfinished.minimum.values.clone(),
             unfinished.minimum.windows.clone(),
-            &bench.setup.free(&unfinished.model),
+            &bench.problem.free(&unfinished.model),
             Effort::PATIENT.towards(goal),
         );
         if minimum.outcome == Outcome::OutOfIterations {
             minimum.outcome = Outcome::Stalled;
         }
         pool[index] = Candidate::new(
-            bench.setup,
+            bench.problem,
             &bench.records,
             unfinished.added.clone(),
             unfinished.model.clone(),
@@ -59,7 +59,7 @@ fn finished_evidences(bench: &Bench, pool: &mut [Candidate]) -> Result<Vec<f64>,
 }
 
 /// As [`crate::pool::simplest`], where the sensors of the bench show the difference.
-fn simplest(bench: &Bench, pool: &[Candidate], evidence: &[f64], top: usize) -> usize {
+fn simplest(bench: &SearchBench, pool: &[Candidate], evidence: &[f64], top: usize) -> usize {
     let shows = |smaller: &Candidate, larger: &Candidate| shows(bench, &pool[0], smaller, larger);
     crate::pool::simplest(pool, evidence, top, bench.thresholds.tie, shows)
 }
@@ -70,19 +70,19 @@ fn simplest(bench: &Bench, pool: &[Candidate], evidence: &[f64], top: usize) -> 
 /// # Errors
 /// [`Cancelled`] if the work is called off.
 pub fn prepared<'a>(
-    bench: &Bench<'a>,
+    bench: &SearchBench<'a>,
     start: Candidate,
-) -> Result<(Bench<'a>, Candidate), Cancelled> {
+) -> Result<(SearchBench<'a>, Candidate), Cancelled> {
     let (mut start, mut bench) = (start, bench.clone());
-    let setup = bench.setup;
+    let problem = bench.problem;
     if start.largest_remainder() > NEAR {
         bench.check()?;
         // The period is that of the samples, and the fit may start from what they show: the free run of
         // a model that lacks something essential can have strayed to parameters without meaning.
-        let shown = setup.start_values(&start.model);
+        let shown = problem.start_values(&start.model);
         let window_s = WINDOW_PERIODS * period_s(&shown);
         bench.window_s = Some(window_s);
-        let free = setup.free(&start.model);
+        let free = problem.free(&start.model);
         let fits = [start.minimum.values.clone(), shown].map(|values| {
             let (records, model) = (&bench.records, &start.model);
             fit_windowed(records, model, values, &free, window_s, Effort::FULL)
@@ -94,7 +94,7 @@ pub fn prepared<'a>(
             windowed
         };
         start = Candidate::new(
-            setup,
+            problem,
             &bench.records,
             start.added,
             start.model,
@@ -110,7 +110,11 @@ pub fn prepared<'a>(
 ///
 /// # Errors
 /// [`Cancelled`] if the work is called off.
-pub fn search(bench: &Bench, start: Candidate, progress: &Progress) -> Result<Search, Cancelled> {
+pub fn search(
+    bench: &SearchBench,
+    start: Candidate,
+    progress: &Progress,
+) -> Result<Search, Cancelled> {
     let (bench, start) = prepared(bench, start)?;
     let thresholds = bench.thresholds;
     let tie = thresholds.tie;
@@ -191,7 +195,11 @@ pub fn search(bench: &Bench, start: Candidate, progress: &Progress) -> Result<Se
 
 /// Tries what refines the effects of the best candidate, where it leaves nothing else to look for: dry
 /// friction may be the larger part of Stribeck's curve.
-fn refine(bench: &Bench, pool: &mut Vec<Candidate>, best: &mut usize) -> Result<(), Cancelled> {
+fn refine(
+    bench: &SearchBench,
+    pool: &mut Vec<Candidate>,
+    best: &mut usize,
+) -> Result<(), Cancelled> {
     let added = &pool[*best].added;
     let refinements: Vec<EffectId> = bench
         .suspects
@@ -227,7 +235,7 @@ fn refine(bench: &Bench, pool: &mut Vec<Candidate>, best: &mut usize) -> Result<
 
 /// Drops effects that later ones made needless, and tries others in the place of each.
 fn prune_and_swap(
-    bench: &Bench,
+    bench: &SearchBench,
     pool: &mut Vec<Candidate>,
     best: &mut usize,
     extended: &mut Vec<Vec<EffectId>>,
@@ -297,7 +305,7 @@ fn prune_and_swap(
 
 /// Candidates that the measurements cannot tell from the chosen one.
 fn indistinguishable(
-    bench: &Bench,
+    bench: &SearchBench,
     pool: &[Candidate],
     evidence: &[f64],
     best: usize,

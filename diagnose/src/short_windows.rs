@@ -1,7 +1,7 @@
 //! Whether a driven log must be read in short windows, because a ripple over the wheel's angle has made it
-//! unpredictable in one piece (see [`Setup::in_windows`]).
+//! unpredictable in one piece (see [`FitProblem::in_windows`]).
 
-use identify::{Effort, Setup, carry_over, extend, joined, refit};
+use identify::{Effort, FitProblem, carry_over, extend, joined, refit};
 use plant::EffectId;
 
 use crate::candidate::Candidate;
@@ -10,7 +10,7 @@ use crate::thresholds::Thresholds;
 /// Whether a ripple takes most of what `best` misses without it, where driven logs are compared over short
 /// windows.
 pub fn shows_in_short_windows(
-    cut: &Setup,
+    cut: &FitProblem,
     best: &Candidate,
     suspects: &[EffectId],
     thresholds: &Thresholds,
@@ -24,7 +24,12 @@ pub fn shows_in_short_windows(
     ripples.any(|ripple| takes_most(cut, best, ripple, thresholds))
 }
 
-fn takes_most(cut: &Setup, best: &Candidate, ripple: EffectId, thresholds: &Thresholds) -> bool {
+fn takes_most(
+    cut: &FitProblem,
+    best: &Candidate,
+    ripple: EffectId,
+    thresholds: &Thresholds,
+) -> bool {
     let records = cut.all_records();
     let plain = best.model.without(ripple);
     let start = vec![0.0; plain.parameter_count()];

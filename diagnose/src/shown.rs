@@ -2,7 +2,7 @@
 
 use identify::{Record, acts};
 
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::remainder::noise;
 
@@ -27,7 +27,12 @@ pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate)
 
 /// Whether what `larger` adds to `smaller` leaves a trace in any series that a person would see, and
 /// that the imperfections of what was added before cannot be. `start` is the model as it was.
-pub fn shows(bench: &Bench, start: &Candidate, smaller: &Candidate, larger: &Candidate) -> bool {
+pub fn shows(
+    bench: &SearchBench,
+    start: &Candidate,
+    smaller: &Candidate,
+    larger: &Candidate,
+) -> bool {
     let (records, thresholds) = (&bench.records, bench.thresholds);
     let is_refinement = smaller.added.len() == larger.added.len();
     let share = thresholds.least_share_of_trace * largest_trace(records, start, smaller);

@@ -1,6 +1,6 @@
 //! Logs that are read more sparsely than they were recorded, and back.
 
-use identify::{Effort, Minimum, Setup, Window, joined, refit};
+use identify::{Effort, FitProblem, Minimum, Window, joined, refit};
 
 use crate::candidate::Candidate;
 
@@ -17,7 +17,7 @@ pub fn windows_at(
 ) -> Vec<Vec<Window>> {
     let moved = |window: &Window, step: usize| Window {
         samples: place(window.samples.start, step)..place(window.samples.end, step),
-        locals: window.locals.clone(),
+        nuisances: window.nuisances.clone(),
     };
     windows
         .iter()
@@ -27,8 +27,8 @@ pub fn windows_at(
 }
 
 /// The fit of a candidate to all samples of the bench.
-pub fn whole_fit(setup: &Setup, thinning: &[usize], candidate: &Candidate) -> Minimum {
-    let records = setup.all_records();
+pub fn whole_fit(problem: &FitProblem, thinning: &[usize], candidate: &Candidate) -> Minimum {
+    let records = problem.all_records();
     let whole = |start: usize, step: usize| start * step;
     let before = windows_at(&candidate.minimum.windows, thinning, whole);
     let windows = joined(&records, &candidate.minimum.values, &before);
@@ -37,7 +37,7 @@ pub fn whole_fit(setup: &Setup, thinning: &[usize], candidate: &Candidate) -> Mi
         &candidate.model,
         candidate.minimum.values.clone(),
         windows,
-        &setup.free(&candidate.model),
+        &problem.free(&candidate.model),
         Effort::FULL,
     )
 }

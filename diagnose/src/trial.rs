@@ -6,7 +6,7 @@ use identify::{
 };
 use plant::{EffectId, Model};
 
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::economy::{KEPT_SHARE, LEAST_SHARE, MOST_STARTS, MUCH, STILL_MISSES};
 use crate::score::{Start, refined_starts};
@@ -63,7 +63,7 @@ pub struct Rough {
 /// Fits an effect on top of `point` in the windows of the score test, from the starts that promise most.
 /// `None` where that brings nothing: a fit that leaves the effect at nothing is that of the smaller model.
 fn fit_roughly(
-    bench: &Bench,
+    bench: &SearchBench,
     point: &Minimum,
     mut starts: Vec<Start>,
     goal: f64,
@@ -89,7 +89,7 @@ fn fit_roughly(
             &start.model,
             start.values.clone(),
             start.windows.as_ref().unwrap_or(&point.windows).clone(),
-            &bench.setup.free(&start.model),
+            &bench.problem.free(&start.model),
             effort.towards(goal),
         );
         if best
@@ -104,7 +104,7 @@ fn fit_roughly(
 
 /// Whether a fit has come to the end of the range of one of its effect's own parameters and still misses
 /// something: from another start it may come to a place that means something.
-fn has_strayed(bench: &Bench, rough: &Rough) -> bool {
+fn has_strayed(bench: &SearchBench, rough: &Rough) -> bool {
     let (start, minimum) = (&rough.start, &rough.minimum);
     let Some(at) = start.model.position(start.effect) else {
         return false;
@@ -121,7 +121,7 @@ fn has_strayed(bench: &Bench, rough: &Rough) -> bool {
 /// those of the smaller model over the whole logs with the new effect's parameters, whichever lies nearer.
 /// Where the free run drifts away the two are far apart, and a small effect moves neither.
 fn whole_start(
-    bench: &Bench,
+    bench: &SearchBench,
     from: &Candidate,
     rough: &Minimum,
     start: &Start,
@@ -147,19 +147,19 @@ fn whole_start(
 
 /// Fits an effect over the whole logs after [`fit_roughly`].
 fn fit_whole(
-    bench: &Bench,
+    bench: &SearchBench,
     from: &Candidate,
     rough: Rough,
     goal: Goal,
 ) -> Result<Candidate, Cancelled> {
     bench.check()?;
-    let (setup, records) = (bench.setup, &bench.records);
+    let (problem, records) = (bench.problem, &bench.records);
     let point = from.point();
     let Rough {
         minimum: rough,
         start,
     } = rough;
-    let free = setup.free(&start.model);
+    let free = problem.free(&start.model);
     let effort = Effort::FULL.towards(goal.whole);
     let (values, windows) = whole_start(bench, from, &rough, &start);
     let mut minimum = refit(records, &start.model, values, windows, &free, effort);
@@ -197,7 +197,7 @@ fn fit_whole(
         }
     }
     Ok(Candidate::new(
-        setup,
+        problem,
         records,
         added(from, &start.model, start.effect),
         start.model,
@@ -226,7 +226,7 @@ fn refined<T>(effect: EffectId, reached: &[(EffectId, T)], cost: impl Fn(&T) -> 
 /// `refinements` of those on top of them. What remains takes what `least_gain` asks of an effect and a share
 /// of what the best one takes, or is refined by what does.
 pub fn fit_all_roughly(
-    bench: &Bench,
+    bench: &SearchBench,
     from: &Candidate,
     screened: Vec<Vec<Start>>,
     refinements: &[EffectId],
@@ -299,7 +299,7 @@ pub fn fit_all_roughly(
 /// Fits over the whole logs what [`fit_all_roughly`] has left: what refines another effect last, otherwise those
 /// that take most first.
 pub fn fit_all_wholly(
-    bench: &Bench,
+    bench: &SearchBench,
     from: &Candidate,
     mut roughs: Vec<(EffectId, Rough)>,
     mut goal: Goal,
@@ -329,14 +329,14 @@ pub fn fit_all_wholly(
 /// Refits a candidate without one of its effects. `known` is what an earlier fit of that set has reached:
 /// `None` if this one is no better, as far as the short windows show where there are any.
 pub fn without(
-    bench: &Bench,
+    bench: &SearchBench,
     from: &Candidate,
     effect: EffectId,
     known: &dyn Fn(&[EffectId]) -> Option<Candidate>,
 ) -> Result<Option<Candidate>, Cancelled> {
-    let (setup, records) = (bench.setup, &bench.records);
+    let (problem, records) = (bench.problem, &bench.records);
     let model = from.model.without(effect);
-    let free = setup.free(&model);
+    let free = problem.free(&model);
     let mut added = from.added.clone();
     added.retain(|&present| present != effect);
     let mut set = added.clone();
@@ -375,6 +375,6 @@ pub fn without(
         None => again(&carried(&from.minimum), from.minimum.windows.clone())?,
     };
     Ok(Some(Candidate::new(
-        setup, records, added, model, minimum, windowed,
+        problem, records, added, model, minimum, windowed,
     )))
 }

@@ -8,12 +8,12 @@
 //! second.
 
 use identify::{
-    Effort, Minimum, Output, Record, Unknowns, final_windows, minimise, promise, pseudo_inverse,
+    Effort, Minimum, Output, Record, Unknowns, final_windows, minimise, pseudo_inverse, score_test,
     traces,
 };
 use plant::Model;
 
-use crate::bench::Bench;
+use crate::bench::SearchBench;
 
 /// A parameter counts as determined by the other experiments if they hold at least this share of
 /// the information on it.
@@ -34,7 +34,7 @@ pub struct HeldOut {
 
 /// Every series that moves, predicted by parameters that have not seen its experiment; empty where
 /// nothing can be held out.
-pub fn held_out(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+pub fn held_out(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
     let series = by_experiment(bench, model, minimum);
     if series.is_empty() {
         by_halves(bench, model, minimum)
@@ -81,7 +81,7 @@ fn predicted(
 }
 
 /// Whether a channel varies by more than its noise: a fit percent compares with the variation.
-fn moves(channel: &identify::Channel) -> bool {
+fn moves(channel: &identify::RecordedChannel) -> bool {
     let finite = channel.samples.iter().filter(|sample| sample.is_finite());
     let n = finite.clone().count().max(1) as f64;
     let mean = finite.clone().sum::<f64>() / n;
@@ -89,9 +89,9 @@ fn moves(channel: &identify::Channel) -> bool {
     variance > (3.0 * channel.noise_std).powi(2)
 }
 
-fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
-    let unknowns = Unknowns::new(model, &bench.setup.free(model));
-    let whole = promise(
+fn by_experiment(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+    let unknowns = Unknowns::new(model, &bench.problem.free(model));
+    let whole = score_test(
         &bench.records,
         model,
         &minimum.values,
@@ -138,7 +138,7 @@ fn by_experiment(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut
     series
 }
 
-fn by_halves(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+fn by_halves(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
     let mut series = vec![];
     let halves: Vec<(Record, Record)> = bench
         .records
@@ -157,7 +157,7 @@ fn by_halves(bench: &Bench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
         .iter()
         .map(|record| final_windows(record, &minimum.values))
         .collect();
-    let unknowns = Unknowns::new(model, &bench.setup.free(model));
+    let unknowns = Unknowns::new(model, &bench.problem.free(model));
     let fitted = minimise(
         &first,
         model,

@@ -24,9 +24,9 @@ fn said(ready: &Ready, thresholds: &Thresholds) -> String {
         suspects: &ready.bench.suspects,
         thresholds: thresholds.clone(),
     };
-    let (setup, base) = (&ready.bench.setup, Model::base());
+    let (problem, base) = (&ready.bench.problem, Model::base());
     let fitted = ready.fitted.clone();
-    match diagnose_with(setup, &base, fitted, &options, &Progress::silent()) {
+    match diagnose_with(problem, &base, fitted, &options, &Progress::silent()) {
         Ok(found) => {
             let set = found.last().map(|step| step.candidate.set());
             let mut words = found.verdict.name().to_owned();
@@ -54,7 +54,7 @@ fn main() -> Result<(), String> {
         .into_par_iter()
         .filter_map(|seed| {
             let bench = draw(seed)?;
-            let fitted = identify(&bench.setup, &Model::base(), None).ok()?;
+            let fitted = identify(&bench.problem, &Model::base(), None).ok()?;
             Some(Ready {
                 bench,
                 fitted: fitted.fit.minimum,

@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::true_motion::{Beginning, Push, TrueMotion};
+use crate::true_motion::{Beginning, HiddenPush, TrueMotion};
 use crate::truth::Truth;
 
 /// Standard deviations of the sensors' noise.
@@ -20,7 +20,7 @@ pub struct SensorNoise {
 
 /// How an experiment is driven.
 #[derive(Clone, Debug)]
-pub enum Driving {
+pub enum DriveProgram {
     /// No current; the body is let go.
     None,
     /// Current in A from 0.2 s on.
@@ -34,7 +34,7 @@ pub enum Driving {
         /// Largest current in A.
         limit_a: f64,
         /// The pushes.
-        pushes: Vec<Push>,
+        pushes: Vec<HiddenPush>,
     },
 }
 
@@ -50,7 +50,7 @@ pub struct ExperimentPlan {
     /// Wheel speed at the start, rad/s.
     pub wheel_speed_rad_s: f64,
     /// What drives it.
-    pub driving: Driving,
+    pub driving: DriveProgram,
     /// Length in s.
     pub duration_s: f64,
     /// Time between samples in s.
@@ -98,22 +98,22 @@ pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u
             clean[index] + noise.std[index] * e
         });
         let command_a = match &plan.driving {
-            Driving::None => 0.0,
-            Driving::Step(current_a) => {
+            DriveProgram::None => 0.0,
+            DriveProgram::Step(current_a) => {
                 if time_s < 0.2 - 1e-9 {
                     0.0
                 } else {
                     *current_a
                 }
             }
-            Driving::Square(current_a) => {
+            DriveProgram::Square(current_a) => {
                 if (time_s + 1e-9).rem_euclid(2.0) < 1.0 {
                     *current_a
                 } else {
                     -current_a
                 }
             }
-            Driving::Balanced { gains, limit_a, .. } => {
+            DriveProgram::Balanced { gains, limit_a, .. } => {
                 let error = [measured[0] - std::f64::consts::PI, measured[1], measured[2]];
                 let wanted: f64 = gains
                     .iter()
@@ -139,8 +139,8 @@ pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u
         history.push_front(command_a);
         history.truncate(whole as usize + 2);
         let (before_a, after_a) = (history[whole as usize + 1], history[whole as usize]);
-        let pushes: &[Push] = match &plan.driving {
-            Driving::Balanced { pushes, .. } => pushes,
+        let pushes: &[HiddenPush] = match &plan.driving {
+            DriveProgram::Balanced { pushes, .. } => pushes,
             _ => &[],
         };
         motion.advance(

@@ -30,15 +30,15 @@ mod true_motion;
 mod truth;
 
 pub use answer::{Answer, UnknownEffect};
-pub use bench_plan::{Driving, ExamLog, ExperimentPlan, SensorNoise, record};
+pub use bench_plan::{DriveProgram, ExamLog, ExperimentPlan, SensorNoise, record};
 pub use draw::{
     ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SIZES, draw, draw_stated, effects, question,
 };
 pub use marking::{Interval, Mark, MarkError, PLAIN, Paper, mark};
-pub use marks::{Bin, Entry, Marks, Rate};
+pub use marks::{Entry, Marks, Rate, ReliabilityShare};
 pub use report::{BenchReport, CalibrationReport, ExamReport};
 pub use rivals::{CLOSE, EQUAL, fitted};
 pub use sitting::{SitError, Sitting, benches_in, sit, sit_folder, sit_seeds};
 pub use tables::{benches_csv, intervals_csv};
-pub use true_motion::{Push, TrueMotion};
+pub use true_motion::{HiddenPush, TrueMotion};
 pub use truth::{Hidden, Outsider, StatedTorque, TrueInstant, Truth};

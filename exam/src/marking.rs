@@ -9,7 +9,9 @@
 use std::borrow::Cow;
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose_with};
-use identify::{Cancelled, Effort, Fit, IdentifyError, Progress, Setup, identify, joined, refit};
+use identify::{
+    Cancelled, Effort, Fit, FitProblem, IdentifyError, Progress, identify, joined, refit,
+};
 use plant::{EffectId, Model};
 
 use crate::answer::Answer;
@@ -118,23 +120,23 @@ pub enum MarkError {
 /// # Errors
 /// [`MarkError`] if the bench cannot be identified, or the work is called off.
 pub fn mark(
-    setup: &Setup,
+    problem: &FitProblem,
     answer: &Answer,
     suspects: &[EffectId],
     progress: &Progress,
 ) -> Result<Paper, MarkError> {
     let started = std::time::Instant::now();
     let base = Model::base();
-    let found = identify(setup, &base, None)?;
+    let found = identify(problem, &base, None)?;
     let mut minimum = found.fit.minimum.clone();
     let options = Options {
         suspects,
         ..Options::default()
     };
-    let diagnosis = diagnose_with(setup, &base, found.fit.minimum, &options, progress)?;
+    let diagnosis = diagnose_with(problem, &base, found.fit.minimum, &options, progress)?;
     let seconds = started.elapsed().as_secs_f64();
     // What the logs can decide is worked out without the pushes that the diagnosis leaves out, too.
-    let cleared = setup.with_more_pushes(&base, &minimum.values);
+    let cleared = problem.with_more_pushes(&base, &minimum.values);
     if let Some(cleared) = &cleared {
         minimum = refit(
             &cleared.all_records(),
@@ -145,10 +147,10 @@ pub fn mark(
             Effort::FULL,
         );
     }
-    let setup = cleared.as_ref().unwrap_or(setup);
+    let problem = cleared.as_ref().unwrap_or(problem);
     let truth = answer.effects.iter();
     let truth = truth.fold(Model::base(), |model, &effect| model.with(effect));
-    let suited = setup.suited_to(&truth);
+    let suited = problem.suited_to(&truth);
     if let Cow::Owned(cut) = &suited {
         let records = cut.all_records();
         let windows = joined(&records, &minimum.values, &minimum.windows);
@@ -162,17 +164,17 @@ pub fn mark(
             Effort::FULL,
         );
     }
-    let setup = suited.as_ref();
+    let problem = suited.as_ref();
     let (rivals, shown) = if answer.effects.is_empty() || answer.outside {
         (vec![], vec![])
     } else {
-        rivals(setup, &minimum, answer, suspects, progress)?
+        rivals(problem, &minimum, answer, suspects, progress)?
     };
-    Ok(marked(setup, answer, diagnosis, rivals, shown, seconds))
+    Ok(marked(problem, answer, diagnosis, rivals, shown, seconds))
 }
 
 fn marked(
-    setup: &Setup,
+    problem: &FitProblem,
     answer: &Answer,
     diagnosis: Diagnosis,
     rivals: Vec<Rival>,
@@ -241,7 +243,7 @@ fn marked(
     accepted.sort();
     accepted.dedup();
     let intervals = match diagnosis.last() {
-        Some(step) if named == answer.effects => intervals(setup, &step.fit, answer),
+        Some(step) if named == answer.effects => intervals(problem, &step.fit, answer),
         _ => vec![],
     };
     Paper {
@@ -267,7 +269,7 @@ fn marked(
     }
 }
 
-fn intervals(setup: &Setup, fit: &Fit, answer: &Answer) -> Vec<Interval> {
+fn intervals(problem: &FitProblem, fit: &Fit, answer: &Answer) -> Vec<Interval> {
     let mut found = vec![];
     for effect in &answer.effects {
         for (index, info) in effect.info().parameters.iter().enumerate() {
@@ -275,7 +277,7 @@ fn intervals(setup: &Setup, fit: &Fit, answer: &Answer) -> Vec<Interval> {
                 continue;
             };
             // Per unit of inertia there is no true value to compare with.
-            if setup.unit(&fit.model, position) != info.unit {
+            if problem.unit(&fit.model, position) != info.unit {
                 continue;
             }
             let truth = answer.parameters.iter().find(|(name, _)| name == info.name);

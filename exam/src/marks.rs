@@ -1,7 +1,7 @@
 //! The marks of many benches together.
 
 use diagnose::Verdict;
-use identify::Setup;
+use identify::FitProblem;
 use plant::EffectId;
 use serde::Serialize;
 
@@ -37,10 +37,10 @@ impl Entry {
         label: String,
         truth: Vec<String>,
         answer: Answer,
-        setup: &Setup,
+        problem: &FitProblem,
         paper: Paper,
     ) -> Entry {
-        let records = setup.records.iter();
+        let records = problem.records.iter();
         Entry {
             label,
             truth,
@@ -160,7 +160,7 @@ impl Rate {
 
 /// Statements of about one probability.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Bin {
+pub struct ReliabilityShare {
     /// Mean stated probability.
     pub stated: f64,
     /// How many came true.
@@ -189,7 +189,7 @@ pub struct Marks {
     /// 95 % intervals that hold the truth.
     pub coverage: Rate,
     /// Stated probabilities against frequencies, by tenths.
-    pub calibration: Vec<Bin>,
+    pub calibration: Vec<ReliabilityShare>,
     /// Rows of the confusion matrix: what was true.
     pub truths: Vec<String>,
     /// Columns: what was answered.
@@ -286,9 +286,9 @@ fn in_order(names: &mut Vec<String>) {
     names.dedup();
 }
 
-fn calibration(entries: &[Entry]) -> Vec<Bin> {
+fn calibration(entries: &[Entry]) -> Vec<ReliabilityShare> {
     const BINS: usize = 10;
-    let mut bins = vec![Bin::default(); BINS];
+    let mut bins = vec![ReliabilityShare::default(); BINS];
     for entry in entries {
         for (effect, probability) in &entry.paper.suspects {
             let bin = &mut bins[((probability * BINS as f64) as usize).min(BINS - 1)];

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use diagnose::{Bench, Candidate, Round, Thresholds, largest_trace, prepared, try_all};
+use diagnose::{Candidate, Round, SearchBench, Thresholds, largest_trace, prepared, try_all};
 use identify::{
-    Cancelled, Effort, Minimum, Progress, Setup, final_windows, fit_from_scratch, refit,
+    Cancelled, Effort, FitProblem, Minimum, Progress, final_windows, fit_from_scratch, refit,
 };
 use plant::{EffectId, Model};
 
@@ -31,12 +31,17 @@ pub struct Rival {
 }
 
 /// The true set fitted, started at what is known of its parameters.
-pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answer) -> Candidate {
-    let records = setup.all_records();
+pub fn fitted(
+    problem: &FitProblem,
+    base: &Minimum,
+    effects: &[EffectId],
+    answer: &Answer,
+) -> Candidate {
+    let records = problem.all_records();
     let model = effects
         .iter()
         .fold(Model::base(), |model, &effect| model.with(effect));
-    let mut values = setup.start_values(&model);
+    let mut values = problem.start_values(&model);
     for (position, info) in model.parameters().iter().enumerate() {
         let known = answer.parameters.iter().find(|(name, _)| name == info.name);
         if let Some((_, value)) = known {
@@ -45,10 +50,10 @@ pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answ
             values[position] = base.values[at];
         }
     }
-    for (value, known) in values.iter_mut().zip(setup.known) {
+    for (value, known) in values.iter_mut().zip(problem.known) {
         *value = known.unwrap_or(*value);
     }
-    let free = setup.free(&model);
+    let free = problem.free(&model);
     // The starts of the logs are guessed once from the samples, once taken from the base fit; the
     // better end counts. Where both ends are bad, the schedule from short windows finds a better one.
     let guessed = records
@@ -80,7 +85,7 @@ pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answ
     } else {
         minimum
     };
-    Candidate::new(setup, &records, effects.to_vec(), model, minimum, None)
+    Candidate::new(problem, &records, effects.to_vec(), model, minimum, None)
 }
 
 /// All sets that could stand in the place of the true one, by distance, and the true one's traces.
@@ -88,20 +93,20 @@ pub fn fitted(setup: &Setup, base: &Minimum, effects: &[EffectId], answer: &Answ
 /// # Errors
 /// [`Cancelled`] if the work is called off.
 pub fn rivals(
-    setup: &Setup,
+    problem: &FitProblem,
     base: &Minimum,
     answer: &Answer,
     suspects: &[EffectId],
     progress: &Progress,
 ) -> Result<(Vec<Rival>, Vec<f64>), Cancelled> {
     let thresholds = Thresholds::default();
-    let records = setup.all_records();
-    let truth = fitted(setup, base, &answer.effects, answer);
+    let records = problem.all_records();
+    let truth = fitted(problem, base, &answer.effects, answer);
     let observations: usize = records.iter().map(|record| record.observations()).sum();
     let each = (observations.max(2) as f64).ln();
     let mut candidates: Vec<Candidate> = vec![];
     let mut shown = vec![];
-    let start = Candidate::new(setup, &records, vec![], Model::base(), base.clone(), None);
+    let start = Candidate::new(problem, &records, vec![], Model::base(), base.clone(), None);
     candidates.push(start.clone());
     let mut froms = vec![start];
     for effect in &answer.effects {
@@ -110,15 +115,15 @@ pub fn rivals(
         if rest.is_empty() {
             shown.push(largest_trace(&records, &froms[0], &truth));
         } else {
-            let without = fitted(setup, base, &rest, answer);
+            let without = fitted(problem, base, &rest, answer);
             shown.push(largest_trace(&records, &without, &truth));
             candidates.push(without.clone());
             froms.push(without);
         }
     }
     for from in froms {
-        let whole = Bench::whole(
-            setup,
+        let whole = SearchBench::whole(
+            problem,
             suspects,
             &thresholds,
             progress.cancelled,

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use bench_files::Bench;
-use identify::{IdentifyError, Progress, Setup};
+use identify::{FitProblem, IdentifyError, Progress};
 use plant::EffectId;
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -54,12 +54,18 @@ pub struct Sitting {
 pub fn sit(seed: u64) -> Option<Entry> {
     let bench = draw(seed)?;
     let answer = Answer::of(&bench);
-    let paper = mark(&bench.setup, &answer, &bench.suspects, &Progress::silent()).ok()?;
+    let paper = mark(
+        &bench.problem,
+        &answer,
+        &bench.suspects,
+        &Progress::silent(),
+    )
+    .ok()?;
     let truth = bench.question.truth();
     Some(Entry {
         sizes: bench.sizes,
         noise: bench.noise.std.to_vec(),
-        ..Entry::new(format!("seed {seed}"), truth, answer, &bench.setup, paper)
+        ..Entry::new(format!("seed {seed}"), truth, answer, &bench.problem, paper)
     })
 }
 
@@ -129,13 +135,14 @@ pub fn sit_folder(path: &Path) -> Result<Entry, SitError> {
     let answer = Answer::from_names(&truth.effects, parameters)
         .map_err(|error| SitError::Effect(file.clone(), error))?;
     let bench = Bench::load(path)?;
-    let setup = Setup::new(&bench).map_err(|error| SitError::Logs(path.to_owned(), error))?;
-    let paper = mark(&setup, &answer, EffectId::ALL, &Progress::silent())
+    let problem =
+        FitProblem::new(&bench).map_err(|error| SitError::Logs(path.to_owned(), error))?;
+    let paper = mark(&problem, &answer, EffectId::ALL, &Progress::silent())
         .map_err(|error| SitError::Mark(path.to_owned(), error))?;
     let truth = if truth.effects.is_empty() {
         vec!["nothing".to_owned()]
     } else {
         truth.effects
     };
-    Ok(Entry::new(bench.name, truth, answer, &setup, paper))
+    Ok(Entry::new(bench.name, truth, answer, &problem, paper))
 }

@@ -58,7 +58,7 @@ pub struct Beginning {
 
 /// A push on the body, f = peak exp(−((t − centre)/width)²).
 #[derive(Clone, Debug, Default)]
-pub struct Push {
+pub struct HiddenPush {
     /// Centre, s.
     pub time_s: f64,
     /// Peak torque, N m.
@@ -175,7 +175,7 @@ impl TrueMotion {
     }
 
     /// Torques without dry friction: of the motor, and against body and wheel.
-    fn stage(&self, time_s: f64, y: &Motion, push: &[Push]) -> Stage {
+    fn stage(&self, time_s: f64, y: &Motion, push: &[HiddenPush]) -> Stage {
         let [angle, rate, wheel_angle, speed, presliding, current] = *y;
         let torque_constant = self.truth.base[3];
         let mut body = self.truth.base[2] * angle.sin() + self.truth.body_viscous * rate;
@@ -256,7 +256,7 @@ impl TrueMotion {
     }
 
     /// The torque that moves each joint, dry friction of that joint apart: what stick has to hold.
-    fn drive(&self, time_s: f64, y: &Motion, push: &[Push]) -> (f64, f64) {
+    fn drive(&self, time_s: f64, y: &Motion, push: &[HiddenPush]) -> (f64, f64) {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;
         let slides = |direction: Direction, level: f64| direction * level;
@@ -308,7 +308,7 @@ impl TrueMotion {
         self.library(EffectId::WheelCoulombFriction).is_some()
     }
 
-    fn rates(&self, time_s: f64, y: &Motion, command_a: f64, push: &[Push]) -> Motion {
+    fn rates(&self, time_s: f64, y: &Motion, command_a: f64, push: &[HiddenPush]) -> Motion {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;
         let body_friction = self.body * self.body_dry(time_s, y[0], y[1]);
@@ -350,7 +350,7 @@ impl TrueMotion {
         ]
     }
 
-    fn runge_kutta(&self, y: &Motion, step_s: f64, command_a: f64, push: &[Push]) -> Motion {
+    fn runge_kutta(&self, y: &Motion, step_s: f64, command_a: f64, push: &[HiddenPush]) -> Motion {
         let t = self.time_s;
         let moved = |k: &Motion, span: f64| -> Motion {
             std::array::from_fn(|index| y[index] + span * k[index])
@@ -365,7 +365,7 @@ impl TrueMotion {
     }
 
     /// A joint at rest begins to slide, or goes on sticking.
-    fn decide(&mut self, push: &[Push]) {
+    fn decide(&mut self, push: &[HiddenPush]) {
         if self.has_body_dry() && self.motion[1] == 0.0 && self.kind != Kind::SpinUp {
             self.body = 0.0;
             let (body, _) = self.drive(self.time_s, &self.motion, push);
@@ -391,7 +391,7 @@ impl TrueMotion {
     }
 
     /// One step without a change of the command; every reversal inside is found.
-    fn step(&mut self, step_s: f64, command_a: f64, push: &[Push]) {
+    fn step(&mut self, step_s: f64, command_a: f64, push: &[HiddenPush]) {
         if self.library(EffectId::MotorLag).is_none() {
             self.motion[5] = command_a;
         }
@@ -470,7 +470,7 @@ impl TrueMotion {
         until_s: f64,
         sample_s: f64,
         (before_a, change_s, after_a): (f64, f64, f64),
-        push: &[Push],
+        push: &[HiddenPush],
     ) {
         for (end_s, command_a) in [
             (change_s.clamp(self.time_s, until_s), before_a),

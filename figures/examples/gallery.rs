@@ -4,11 +4,11 @@
 //!     cargo run -p figures --example gallery -- FOLDER
 
 use figures::{
-    Breakdown, BreakdownPanel, Channel, Confusion, Decay, DecayPanel, DecayPoint, FigureError,
-    Limit, Line, Marker, Overlay, Panel, Plane, PoleSet, Poles, Quantity, Region, Reliability,
-    ReliabilityBin, ResidualBin, Role, Series, Sphere, Staircase, StaircaseTrace, Suspect,
-    Suspects, breakdown, confusion, decay, overlay, poles, reliability, series, sphere, staircase,
-    suspects,
+    Breakdown, BreakdownPanel, Confusion, Decay, DecayPanel, DecayPoint, FigureError, Limit, Line,
+    LineRole, Marker, Overlay, OverlayChannel, Panel, Plane, PoleSet, Poles, Quantity, Region,
+    Reliability, ReliabilityBin, ResidualBin, Series, Sphere, Staircase, StaircaseTrace,
+    SuspectBar, Suspects, breakdown, confusion, decay, overlay, poles, reliability, series, sphere,
+    staircase, suspects,
 };
 use std::path::PathBuf;
 
@@ -92,7 +92,7 @@ fn free_swing(samples: usize, with_gap: bool) -> Result<String, FigureError> {
         title: "Free swing 52°: the model swings on where the pendulum has stopped",
         subtitle: "Base model with viscous friction alone. Dry friction would end the swing early.",
         time_s: &time_s,
-        channels: &[Channel {
+        channels: &[OverlayChannel {
             quantity: ANGLE,
             measurement: &measurement,
             model: &model,
@@ -146,13 +146,15 @@ fn balance() -> Result<String, FigureError> {
         ("wheel speed", "rad/s", &wheel, &wheel_model, 0.4),
         ("current", "A", &current, &current_model, 0.01),
     ];
-    let channels = data.map(|(name, unit, measurement, model, sensor_std)| Channel {
-        quantity: Quantity { name, unit },
-        measurement,
-        model,
-        sensor_std,
-        note: "fit 93 %",
-    });
+    let channels = data.map(
+        |(name, unit, measurement, model, sensor_std)| OverlayChannel {
+            quantity: Quantity { name, unit },
+            measurement,
+            model,
+            sensor_std,
+            note: "fit 93 %",
+        },
+    );
     let labels = pushes.map(|(_, size)| format!("push {size:+.1} mN m s").replace('-', "−"));
     let markers: Vec<Marker> = pushes
         .iter()
@@ -177,7 +179,7 @@ fn ugly_overlay() -> Result<String, FigureError> {
     let mut lonely = vec![f64::NAN; 40];
     lonely[10] = 7.0;
     let empty = vec![f64::NAN; 40];
-    let channel = |name, measurement, model, note| Channel {
+    let channel = |name, measurement, model, note| OverlayChannel {
         quantity: Quantity { name, unit: "rad" },
         measurement,
         model,
@@ -386,7 +388,7 @@ fn decay_figure() -> Result<String, FigureError> {
 }
 
 fn suspects_figure() -> String {
-    let suspect = |name, probability, evidence| Suspect {
+    let suspect = |name, probability, evidence| SuspectBar {
         name,
         probability,
         evidence,
@@ -449,13 +451,13 @@ fn poles_figure(plane: Plane) -> String {
         sets: &[
             PoleSet {
                 name: "open loop",
-                role: Role::Other(0),
+                role: LineRole::Other(0),
                 poles: &data[0],
                 cloud: &data[2],
             },
             PoleSet {
                 name: "closed loop",
-                role: Role::Model,
+                role: LineRole::Model,
                 poles: &data[1],
                 cloud: &data[3],
             },
@@ -489,13 +491,13 @@ fn transient() -> Result<String, FigureError> {
         [
             Line {
                 name: float,
-                role: Role::Float,
+                role: LineRole::Float,
                 x: &time,
                 y,
             },
             Line {
                 name: "fixed-point law",
-                role: Role::FixedPoint,
+                role: LineRole::FixedPoint,
                 x: &time,
                 y: fixed_y,
             },

@@ -4,7 +4,7 @@ use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Text};
 
 /// Small panels, one for each coordinate.
@@ -61,7 +61,7 @@ pub fn breakdown(figure: &Breakdown) -> String {
     let mut keys = vec![
         Key::new(
             Mark::Dot {
-                color: Role::Residual.color(),
+                color: LineRole::Residual.color(),
             },
             "mean residual in the bin ±2 standard errors",
         ),
@@ -143,12 +143,19 @@ fn cell(page: &mut Page, panel: &BreakdownPanel, left: f64, top: f64, width: f64
     }
     upper.grid(&mut page.svg, false);
     upper.zero_line(&mut page.svg);
-    page.svg.begin_series(Role::Residual.class(), &name);
+    page.svg.begin_series(LineRole::Residual.class(), &name);
     for bin in bins {
         let middle = (bin.from + bin.until) / 2.0;
         let half = 2.0 * bin.mean_std;
         let (low, high) = (bin.mean - half, bin.mean + half);
-        upper.error_bar(&mut page.svg, middle, bin.mean, low, high, Role::Residual);
+        upper.error_bar(
+            &mut page.svg,
+            middle,
+            bin.mean,
+            low,
+            high,
+            LineRole::Residual,
+        );
     }
     page.svg.end();
     upper.border(&mut page.svg);

@@ -5,7 +5,7 @@ use crate::axis::{Axis, extent};
 use crate::error::{FigureError, check_length};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::Stroke;
 
 /// Panels over the amplitude.
@@ -59,13 +59,13 @@ pub fn decay(figure: &Decay) -> Result<String, FigureError> {
         check_length(figure.title, what, expected, found)?;
     }
     let mut page = Page::new(figure.title, figure.subtitle);
-    let color = Role::Measurement.color();
+    let color = LineRole::Measurement.color();
     let mut keys = vec![Key::new(
         Mark::Dot { color },
         "measurement ±2 standard errors",
     )];
     if figure.panels.iter().any(|p| !p.model.is_empty()) {
-        keys.push(Key::line(Role::Model, "model"));
+        keys.push(Key::line(LineRole::Model, "model"));
     }
     page.legend(&keys);
     let height = (460.0 / figure.panels.len().max(1) as f64).clamp(130.0, 280.0);
@@ -123,13 +123,13 @@ fn draw(page: &mut Page, frame: &Frame, panel: &DecayPanel) {
     frame.grid(&mut page.svg, true);
     frame.begin_clip(&mut page.svg);
     if !panel.model.is_empty() {
-        page.svg.begin_series(Role::Model.class(), "model");
-        let stroke = Stroke::solid(Role::Model.color(), 1.8);
+        page.svg.begin_series(LineRole::Model.class(), "model");
+        let stroke = Stroke::solid(LineRole::Model.color(), 1.8);
         frame.line(&mut page.svg, panel.model_amplitude, panel.model, stroke);
         page.svg.end();
     }
     page.svg
-        .begin_series(Role::Measurement.class(), panel.quantity.name);
+        .begin_series(LineRole::Measurement.class(), panel.quantity.name);
     for point in panel.points {
         let half = 2.0 * point.std;
         frame.error_bar(
@@ -138,7 +138,7 @@ fn draw(page: &mut Page, frame: &Frame, panel: &DecayPanel) {
             point.value,
             point.value - half,
             point.value + half,
-            Role::Measurement,
+            LineRole::Measurement,
         );
     }
     page.svg.end();

@@ -3,7 +3,7 @@
 use crate::annotation::Quantity;
 use crate::axis::{Axis, Spacing};
 use crate::decimate;
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Path, Stroke, Svg, Text};
 use crate::text;
 
@@ -265,7 +265,7 @@ impl Frame {
     }
 
     /// A dot with a bar from `low` to `high`.
-    pub fn error_bar(&self, svg: &mut Svg, x: f64, y: f64, low: f64, high: f64, role: Role) {
+    pub fn error_bar(&self, svg: &mut Svg, x: f64, y: f64, low: f64, high: f64, role: LineRole) {
         let Some((px, py)) = self.at(x, y) else {
             return;
         };

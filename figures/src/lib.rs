@@ -2,7 +2,7 @@
 //!
 //! Every kind of figure is one file with one struct of borrowed slices and one
 //! function. None computes results; they draw what the other crates found.
-//! All share one palette ([`Role`]), one page and one set of axes, so that
+//! All share one palette ([`LineRole`]), one page and one set of axes, so that
 //! measurement, model, residual, fixed-point law and float law look the same
 //! everywhere. Pages are light and 900 pixels wide. Text that does not fit is
 //! shortened or wrapped; labels stand beside the data, never on them.
@@ -49,11 +49,11 @@ pub use breakdown::{Breakdown, BreakdownPanel, ResidualBin, breakdown};
 pub use confusion::{Confusion, confusion};
 pub use decay::{Decay, DecayPanel, DecayPoint, decay};
 pub use error::FigureError;
-pub use overlay::{Channel, Overlay, overlay};
+pub use overlay::{Overlay, OverlayChannel, overlay};
 pub use poles::{Plane, PoleSet, Poles, poles};
 pub use reliability::{Reliability, ReliabilityBin, reliability};
 pub use series::{Line, Panel, Series, series};
 pub use sphere::{Sphere, sphere};
 pub use staircase::{Staircase, StaircaseTrace, staircase};
-pub use style::Role;
-pub use suspects::{Suspect, Suspects, suspects};
+pub use style::LineRole;
+pub use suspects::{SuspectBar, Suspects, suspects};

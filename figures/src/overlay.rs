@@ -4,7 +4,7 @@ use crate::annotation::{Marker, Quantity, Region};
 use crate::error::{FigureError, check_length};
 use crate::page::Page;
 use crate::stack::{self, Row, Stack, Trace};
-use crate::style::Role;
+use crate::style::LineRole;
 use std::borrow::Cow;
 
 /// One experiment.
@@ -17,7 +17,7 @@ pub struct Overlay<'a> {
     /// Time of each sample in s; a gap in the log is a NaN in the channels.
     pub time_s: &'a [f64],
     /// The measured channels.
-    pub channels: &'a [Channel<'a>],
+    pub channels: &'a [OverlayChannel<'a>],
     /// Where the model fails, in s.
     pub regions: &'a [Region<'a>],
     /// Pushes and other instants, in s.
@@ -28,7 +28,7 @@ pub struct Overlay<'a> {
 
 /// One sensor of the experiment.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Channel<'a> {
+pub struct OverlayChannel<'a> {
     /// Name and unit of the measured quantity.
     pub quantity: Quantity<'a>,
     /// What the sensor said, one value per sample.
@@ -78,10 +78,10 @@ pub fn overlay(figure: &Overlay) -> Result<String, FigureError> {
             traces: vec![
                 trace(
                     "measurement",
-                    Role::Measurement,
+                    LineRole::Measurement,
                     Cow::Borrowed(channel.measurement),
                 ),
-                trace("model", Role::Model, Cow::Borrowed(channel.model)),
+                trace("model", LineRole::Model, Cow::Borrowed(channel.model)),
             ],
             band: None,
             limits: &[],
@@ -95,7 +95,7 @@ pub fn overlay(figure: &Overlay) -> Result<String, FigureError> {
             height: height * 0.55,
             traces: vec![trace(
                 "residual = measurement − model",
-                Role::Residual,
+                LineRole::Residual,
                 Cow::Owned(residual),
             )],
             band: (channel.sensor_std > 0.0)

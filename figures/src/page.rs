@@ -1,6 +1,6 @@
 //! A page: title, legend, panels from top to bottom, notes at the foot.
 
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Path, Stroke, Svg, Text};
 use crate::text;
 
@@ -47,7 +47,7 @@ impl Key {
         }
     }
 
-    pub fn line(role: Role, name: &str) -> Key {
+    pub fn line(role: LineRole, name: &str) -> Key {
         let mark = Mark::Line {
             color: role.color(),
             width: role.line_width().max(1.6),

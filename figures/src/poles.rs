@@ -4,7 +4,7 @@ use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Path, Stroke, Text};
 
 /// Which plane the poles lie in.
@@ -36,7 +36,7 @@ pub struct PoleSet<'a> {
     /// Name in the legend.
     pub name: &'a str,
     /// Gives the colour.
-    pub role: Role,
+    pub role: LineRole,
     /// Poles as (real, imaginary) part.
     pub poles: &'a [(f64, f64)],
     /// Poles for parameters drawn from their uncertainty; may be empty.

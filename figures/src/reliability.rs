@@ -4,7 +4,7 @@ use crate::annotation::Quantity;
 use crate::axis::Axis;
 use crate::frame::Frame;
 use crate::page::{Key, Mark, Page};
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Path, Stroke, Text};
 
 /// Stated probabilities against frequencies (a calibration curve).
@@ -43,7 +43,7 @@ pub fn reliability(figure: &Reliability) -> String {
     let mut keys = vec![
         Key::new(
             Mark::Dot {
-                color: Role::Model.color(),
+                color: LineRole::Model.color(),
             },
             "frequency with its 95 % interval",
         ),
@@ -150,7 +150,7 @@ fn draw_curve(page: &mut Page, frame: &Frame, figure: &Reliability) {
         .clone()
         .map(|b| (b.stated * 100.0, b.frequency * 100.0))
         .unzip();
-    let stroke = Stroke::solid(Role::Model.color(), 1.4);
+    let stroke = Stroke::solid(LineRole::Model.color(), 1.4);
     frame.line(&mut page.svg, &xs, &ys, stroke);
     for bin in filled {
         frame.error_bar(
@@ -159,7 +159,7 @@ fn draw_curve(page: &mut Page, frame: &Frame, figure: &Reliability) {
             bin.frequency * 100.0,
             bin.low * 100.0,
             bin.high * 100.0,
-            Role::Model,
+            LineRole::Model,
         );
     }
     page.svg.end();

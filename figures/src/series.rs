@@ -4,7 +4,7 @@ use crate::annotation::{Limit, Marker, Quantity, Region};
 use crate::error::{FigureError, check_length};
 use crate::page::Page;
 use crate::stack::{self, Row, Stack, Trace};
-use crate::style::Role;
+use crate::style::LineRole;
 use std::borrow::Cow;
 
 /// Panels on one axis, from top to bottom.
@@ -48,7 +48,7 @@ pub struct Line<'a> {
     /// Name in the legend.
     pub name: &'a str,
     /// What it stands for; gives the colour.
-    pub role: Role,
+    pub role: LineRole,
     /// Horizontal values.
     pub x: &'a [f64],
     /// Vertical values; NaN leaves a gap.

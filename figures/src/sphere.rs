@@ -5,7 +5,7 @@ use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Path, Stroke};
 
 /// Readings of a three-axis sensor.
@@ -34,13 +34,13 @@ pub fn sphere(figure: &Sphere) -> String {
     let mut keys = vec![
         Key::new(
             Mark::Dot {
-                color: Role::Measurement.color(),
+                color: LineRole::Measurement.color(),
             },
             "before calibration",
         ),
         Key::new(
             Mark::Dot {
-                color: Role::Model.color(),
+                color: LineRole::Model.color(),
             },
             "after calibration",
         ),
@@ -77,9 +77,19 @@ fn panel(
     width: f64,
 ) -> f64 {
     let (points, unit, radius, role) = if after {
-        (figure.after, figure.after_unit, figure.radius, Role::Model)
+        (
+            figure.after,
+            figure.after_unit,
+            figure.radius,
+            LineRole::Model,
+        )
     } else {
-        (figure.before, figure.before_unit, 0.0, Role::Measurement)
+        (
+            figure.before,
+            figure.before_unit,
+            0.0,
+            LineRole::Measurement,
+        )
     };
     let gutter = 56.0;
     let size = width - gutter - 40.0;

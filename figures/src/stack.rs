@@ -5,7 +5,7 @@ use crate::annotation::{Limit, Marker, Quantity, Region};
 use crate::axis::{Axis, extent};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Stroke, Text};
 use crate::text;
 use std::borrow::Cow;
@@ -14,7 +14,7 @@ use std::borrow::Cow;
 #[derive(Debug, Clone)]
 pub(crate) struct Trace<'a> {
     pub name: &'a str,
-    pub role: Role,
+    pub role: LineRole,
     pub x: &'a [f64],
     pub y: Cow<'a, [f64]>,
 }
@@ -300,7 +300,7 @@ fn series(page: &mut Page, frame: &Frame, trace: &Trace) {
         .filter(|(x, y)| y.is_finite() && (frame.x.lo..=frame.x.hi).contains(*x))
         .count();
     // Few measurements are points, not a line that nobody measured.
-    if trace.role == Role::Measurement && (shown as f64) < frame.width / 8.0 {
+    if trace.role == LineRole::Measurement && (shown as f64) < frame.width / 8.0 {
         let points = trace.x.iter().copied().zip(trace.y.iter().copied());
         frame.dots(&mut page.svg, points, 4.0, trace.role.color());
     } else {

@@ -5,7 +5,7 @@ use crate::axis::{Axis, extent, three_digits};
 use crate::error::{FigureError, check_length};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Stroke, Text};
 use crate::text;
 
@@ -34,8 +34,8 @@ pub struct StaircaseTrace<'a> {
     pub rmse_over_floor: &'a [f64],
 }
 
-const FIT: Role = Role::Model;
-const HELD_OUT: Role = Role::Other(0);
+const FIT: LineRole = LineRole::Model;
+const HELD_OUT: LineRole = LineRole::Other(0);
 const LABEL_WIDTH: f64 = 260.0;
 
 /// Draws error over floor, on a logarithmic axis, against the steps; the name
@@ -102,7 +102,7 @@ pub fn staircase(figure: &Staircase) -> Result<String, FigureError> {
     Ok(page.finish())
 }
 
-fn role(trace: &StaircaseTrace) -> Role {
+fn role(trace: &StaircaseTrace) -> LineRole {
     if trace.held_out { HELD_OUT } else { FIT }
 }
 

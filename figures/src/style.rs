@@ -9,7 +9,7 @@
 /// What a line or marker stands for. A role has the same colour in every
 /// figure, so a reader learns the colours once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
+pub enum LineRole {
     /// What the sensors said: grey, drawn wide and below everything else.
     Measurement,
     /// What the model says: blue.
@@ -28,16 +28,16 @@ pub enum Role {
 const OTHERS: [&str; 4] = ["#882255", "#8A6D00", "#332288", "#44808F"];
 const OTHERS_PALE: [&str; 4] = ["#DDB3C8", "#DDD2A6", "#BDB7DD", "#B9D3DA"];
 
-impl Role {
+impl LineRole {
     /// The colour as `#rrggbb`.
     pub fn color(self) -> &'static str {
         match self {
-            Role::Measurement => "#8C8C8C",
-            Role::Model => "#0064A8",
-            Role::Residual => "#D55E00",
-            Role::FixedPoint => "#004D38",
-            Role::Float => "#B25CFF",
-            Role::Other(number) => OTHERS[number % OTHERS.len()],
+            LineRole::Measurement => "#8C8C8C",
+            LineRole::Model => "#0064A8",
+            LineRole::Residual => "#D55E00",
+            LineRole::FixedPoint => "#004D38",
+            LineRole::Float => "#B25CFF",
+            LineRole::Other(number) => OTHERS[number % OTHERS.len()],
         }
     }
 
@@ -45,35 +45,35 @@ impl Role {
     /// what is drawn on top of it, so both show where they agree.
     pub(crate) fn line_width(self) -> f64 {
         match self {
-            Role::Measurement => 2.6,
-            Role::Float => 4.0,
-            Role::Model | Role::FixedPoint => 1.2,
-            Role::Residual => 1.0,
-            Role::Other(_) => 1.5,
+            LineRole::Measurement => 2.6,
+            LineRole::Float => 4.0,
+            LineRole::Model | LineRole::FixedPoint => 1.2,
+            LineRole::Residual => 1.0,
+            LineRole::Other(_) => 1.5,
         }
     }
 
     /// A pale version of the colour, for clouds around a point.
     pub(crate) fn pale(self) -> &'static str {
         match self {
-            Role::Measurement => "#CFCFCF",
-            Role::Model => "#A8CBE5",
-            Role::Residual => "#F4C4A1",
-            Role::FixedPoint => "#A3CFC2",
-            Role::Float => "#E3C8F8",
-            Role::Other(number) => OTHERS_PALE[number % OTHERS_PALE.len()],
+            LineRole::Measurement => "#CFCFCF",
+            LineRole::Model => "#A8CBE5",
+            LineRole::Residual => "#F4C4A1",
+            LineRole::FixedPoint => "#A3CFC2",
+            LineRole::Float => "#E3C8F8",
+            LineRole::Other(number) => OTHERS_PALE[number % OTHERS_PALE.len()],
         }
     }
 
     /// Class attribute in the SVG.
     pub(crate) fn class(self) -> &'static str {
         match self {
-            Role::Measurement => "measurement",
-            Role::Model => "model",
-            Role::Residual => "residual",
-            Role::FixedPoint => "fixed-point",
-            Role::Float => "float",
-            Role::Other(_) => "other",
+            LineRole::Measurement => "measurement",
+            LineRole::Model => "model",
+            LineRole::Residual => "residual",
+            LineRole::FixedPoint => "fixed-point",
+            LineRole::Float => "float",
+            LineRole::Other(_) => "other",
         }
     }
 }
@@ -148,12 +148,12 @@ mod tests {
         ]
     }
 
-    const ROLES: [Role; 5] = [
-        Role::Measurement,
-        Role::Model,
-        Role::Residual,
-        Role::FixedPoint,
-        Role::Float,
+    const ROLES: [LineRole; 5] = [
+        LineRole::Measurement,
+        LineRole::Model,
+        LineRole::Residual,
+        LineRole::FixedPoint,
+        LineRole::Float,
     ];
 
     #[test]
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn colours_are_readable_on_white_paper() {
-        let others = (0..OTHERS.len()).map(Role::Other);
+        let others = (0..OTHERS.len()).map(LineRole::Other);
         for role in ROLES.into_iter().chain(others) {
             let rgb = linear_rgb(role.color());
             let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];

@@ -1,7 +1,7 @@
 //! How probable each suspected effect is.
 
 use crate::page::Page;
-use crate::style::{self, Role};
+use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Path, Stroke, Text};
 use crate::text;
 
@@ -13,12 +13,12 @@ pub struct Suspects<'a> {
     /// More about it; may be empty.
     pub subtitle: &'a str,
     /// The suspects.
-    pub suspects: &'a [Suspect<'a>],
+    pub suspects: &'a [SuspectBar<'a>],
 }
 
 /// One suspected effect.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Suspect<'a> {
+pub struct SuspectBar<'a> {
     /// Name of the effect, or a sentence such as "none in the library".
     pub name: &'a str,
     /// Probability, 0 to 1.
@@ -71,7 +71,8 @@ pub fn suspects(figure: &Suspects) -> String {
         let at = Text::new(left - 8.0, y + 13.0, style::LABEL_SIZE, style::TEXT);
         page.svg.text(at.anchor(Anchor::End), &name);
         let bar = width * probability;
-        page.svg.rect(left, y + 2.0, bar, 15.0, Role::Model.color());
+        page.svg
+            .rect(left, y + 2.0, bar, 15.0, LineRole::Model.color());
         let right = style::PAGE_WIDTH - style::PAGE_MARGIN;
         let at = Text::new(right, y + 13.5, style::LABEL_SIZE, style::TEXT).bold();
         page.svg

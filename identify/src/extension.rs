@@ -2,7 +2,7 @@
 
 use plant::{EffectId, Model, StartFrom};
 
-use crate::bench::Setup;
+use crate::bench::FitProblem;
 use crate::fit::{Effort, Minimum, cogging_start, refit};
 use crate::records::Record;
 
@@ -23,14 +23,14 @@ pub fn carry_over(from: &Model, values: &[f64], model: &Model, start: &[f64]) ->
 /// Fits `model` from a minimum of the smaller model `from`, trying every stated start of the
 /// effects that are new, and keeps the best. `effort` is that of the last fit.
 pub fn extend(
-    setup: &Setup,
+    problem: &FitProblem,
     records: &[&Record],
     from: &Model,
     minimum: &Minimum,
     model: &Model,
     effort: Effort,
 ) -> Minimum {
-    let free = setup.free(model);
+    let free = problem.free(model);
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
     let starts = |effect: EffectId| -> Vec<Vec<f64>> {
         match effect.info().start_from {
@@ -38,7 +38,7 @@ pub fn extend(
                 .map(|start| start.parameters_of(effect))
                 .into_iter()
                 .collect(),
-            _ => setup.starts(records, effect, &base),
+            _ => problem.starts(records, effect, &base),
         }
     };
     let new: Vec<EffectId> = model

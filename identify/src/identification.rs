@@ -3,12 +3,14 @@
 use plant::Model;
 use rayon::prelude::*;
 
-use crate::bench::{IdentifyError, Setup};
+use crate::bench::{FitProblem, IdentifyError};
 use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictions, finish};
 use crate::extension::extend;
-use crate::fit::{Effort, Minimum, Trace, Window, cost, fit_from_scratch, joined, refit, traces};
+use crate::fit::{
+    Effort, Minimum, PredictedSeries, Window, cost, fit_from_scratch, joined, refit, traces,
+};
 use crate::progress::Progress;
-use crate::residuals::{Push, PushModel, find_pushes};
+use crate::residuals::{FoundPush, PushModel, find_pushes};
 use crate::statements::{cautions, statements};
 
 /// An identified model with everything that is said about it.
@@ -17,9 +19,9 @@ pub struct Identification {
     /// The fit.
     pub fit: Fit,
     /// For each record the comparison of each of its channels.
-    pub traces: Vec<Vec<Trace>>,
+    pub traces: Vec<Vec<PredictedSeries>>,
     /// For each record the pushes that nobody recorded, sized with the fitted model.
-    pub pushes: Vec<Vec<Push>>,
+    pub pushes: Vec<Vec<FoundPush>>,
     /// What the logs leave open, one sentence each.
     pub statements: Vec<String>,
 }
@@ -30,11 +32,11 @@ pub struct Identification {
 /// # Errors
 /// [`IdentifyError::NotFinite`] if no start leads anywhere.
 pub fn identify(
-    setup: &Setup,
+    problem: &FitProblem,
     model: &Model,
     previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
 ) -> Result<Identification, IdentifyError> {
-    identify_until(setup, model, previous, &Progress::silent())
+    identify_until(problem, model, previous, &Progress::silent())
 }
 
 /// As [`identify`]; the work ends soon after `progress` answers that it is called off: within one evaluation of
@@ -43,16 +45,16 @@ pub fn identify(
 /// # Errors
 /// Those of [`identify`]; [`IdentifyError::Cancelled`].
 pub fn identify_until(
-    setup: &Setup,
+    problem: &FitProblem,
     model: &Model,
     previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
     progress: &Progress,
 ) -> Result<Identification, IdentifyError> {
     let effort = Effort::FULL.until(progress.cancelled);
-    let suited = setup.suited_to(model);
-    let setup = suited.as_ref();
-    let records = setup.all_records();
-    let free = setup.free(model);
+    let suited = problem.suited_to(model);
+    let problem = suited.as_ref();
+    let records = problem.all_records();
+    let free = problem.free(model);
     let minimum = match previous {
         Some((values, windows)) => {
             // The fit before may have been over other windows.
@@ -65,15 +67,15 @@ pub fn identify_until(
             let first = fit_from_scratch(
                 &records,
                 &base,
-                setup.start_values(&base),
-                &setup.free(&base),
+                problem.start_values(&base),
+                &problem.free(&base),
                 effort,
             );
             progress.check()?;
             if *model == base {
                 first
             } else {
-                extend(setup, &records, &base, &first, model, effort)
+                extend(problem, &records, &base, &first, model, effort)
             }
         }
     };
@@ -84,16 +86,16 @@ pub fn identify_until(
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
     }
-    let found = identification(setup, model, minimum, None);
+    let found = identification(problem, model, minimum, None);
     progress.check()?;
     Ok(found)
 }
 
 /// What a fit that was made before says of the bench. `None` where it is not a fit of this bench as the model
 /// reads it: where other windows or other samples counted.
-pub fn describe(setup: &Setup, fit: &Fit) -> Option<Identification> {
-    let setup = setup.suited_to(&fit.model);
-    let records = setup.all_records();
+pub fn describe(problem: &FitProblem, fit: &Fit) -> Option<Identification> {
+    let problem = problem.suited_to(&fit.model);
+    let records = problem.all_records();
     let minimum = &fit.minimum;
     let samples = |windows: &[Vec<Window>]| -> Vec<Vec<std::ops::Range<usize>>> {
         let of_record = |list: &Vec<Window>| list.iter().map(|w| w.samples.clone()).collect();
@@ -104,7 +106,7 @@ pub fn describe(setup: &Setup, fit: &Fit) -> Option<Identification> {
     let is_own = samples(&own) == samples(&minimum.windows)
         && (again - minimum.cost).abs() <= SAME_COST * minimum.cost;
     let (model, minimum) = (&fit.model, minimum.clone());
-    is_own.then(|| identification(&setup, model, minimum, Some(fit.clone())))
+    is_own.then(|| identification(&problem, model, minimum, Some(fit.clone())))
 }
 
 /// Relative difference of two costs that are the same but for rounding.
@@ -113,13 +115,13 @@ const SAME_COST: f64 = 1e-9;
 /// Everything that is said about a minimum of a setup that suits its model; `fit`: the minimum with its
 /// standard errors, where they are known.
 fn identification(
-    setup: &Setup,
+    problem: &FitProblem,
     model: &Model,
     minimum: Minimum,
     fit: Option<Fit>,
 ) -> Identification {
-    let records = setup.all_records();
-    let free = setup.free(model);
+    let records = problem.all_records();
+    let free = problem.free(model);
     // Nothing of this needs another part of it, and one long log would keep one core busy alone.
     let ((fit, contradicted), (traces, pushes)) = rayon::join(
         || {
@@ -130,26 +132,26 @@ fn identification(
                 .collect();
             rayon::join(
                 || fit.unwrap_or_else(|| finish(&records, model, &free, minimum.clone())),
-                || contradictions(setup, model, &minimum.values, &minimum.windows, &on_bound),
+                || contradictions(problem, model, &minimum.values, &minimum.windows, &on_bound),
             )
         },
         || {
             let push_model = PushModel::of(model, &minimum.values);
-            let traces: Vec<Vec<Trace>> = records
+            let traces: Vec<Vec<PredictedSeries>> = records
                 .par_iter()
                 .zip(&minimum.windows)
                 .map(|(record, windows)| traces(record, windows, model, &minimum.values))
                 .collect();
-            let pushes: Vec<Vec<Push>> = records
+            let pushes: Vec<Vec<FoundPush>> = records
                 .par_iter()
                 .map(|record| find_pushes(record, &push_model))
                 .collect();
             (traces, pushes)
         },
     );
-    let mut statements = statements(setup, &fit);
+    let mut statements = statements(problem, &fit);
     statements.extend(contradicted.iter().map(Contradiction::sentence));
-    statements.extend(body_inertia_contradiction(setup, &fit));
+    statements.extend(body_inertia_contradiction(problem, &fit));
     statements.extend(cautions(&records, &traces));
     Identification {
         fit,

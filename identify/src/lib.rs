@@ -26,31 +26,32 @@ mod records;
 mod residuals;
 mod statements;
 
-pub use bench::{IdentifyError, Setup};
+pub use bench::{FitProblem, IdentifyError};
 pub use errors::{
     Contradiction, Fit, Side, body_inertia, body_inertia_contradiction, contradictions, finish,
     pseudo_inverse, stuck,
 };
 pub use extension::{carry_over, extend};
 pub use fit::{
-    CoggingStart, Effort, KnownPromise, Local, MAX_UNKNOWNS, Minimum, Observation, Outcome,
-    Promise, PromisedStep, Ratios, RecordPromise, Trace, Unknowns, Window, WindowNormal, acts,
-    base_values, cogging_start, cost, final_windows, fit_from_scratch, fit_windowed, guessed,
-    joined, minimise, normal, normal_observed, promise, ratios, refit, relevant, settled, simulate,
-    traces,
+    CoggingStart, Effort, KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Observation, Outcome,
+    PredictedSeries, Ratios, RecordScore, ScoreStep, ScoreTest, Unknowns, Window, WindowNormal,
+    acts, base_values, cogging_start, cost, final_windows, fit_from_scratch, fit_windowed, guessed,
+    joined, minimise, normal, normal_observed, ratios, refit, relevant, score_test, settled,
+    simulate, traces,
 };
 pub use identification::{Identification, describe, identify, identify_until};
 pub use model_free::{
-    AtAmplitude, Decay, DecayLaw, Estimate, RateAgainstAngle, decay, rate_against_angle,
+    AtAmplitude, DecayLaw, Estimate, FreeDecay, RateAgainstAngle, decay, rate_against_angle,
 };
 pub use progress::{Cancelled, Progress};
 pub use records::{
-    BALANCE_WINDOW_S, Channel, Output, Record, RecordedCurrent, angle_samples, input_noise_std,
-    noise_std, resolution,
+    BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, angle_samples,
+    input_noise_std, noise_std, resolution,
 };
 pub use residuals::{
-    Bin, Breakdown, Coordinate, CorrelationTest, Explained, FailureMap, LAGS, MeasuredMotion,
-    MissingTorque, Push, PushModel, Quantity, Region, SIGNIFICANT, Structure, TorqueOn,
-    autocorrelation, breakdown, cross_correlation, effective_samples, find_pushes, half_bump,
-    leave_out, missing_torque, missing_torques, structure, without_rounding,
+    BreakdownBin, Coordinate, CorrelationTest, ExplainedTorque, FailureMap, FailureRegion,
+    FoundPush, LAGS, MeasuredMotion, PushModel, ResidualBreakdown, ResidualKind, ResidualStructure,
+    ResidualTorque, SIGNIFICANT, TorqueOn, autocorrelation, breakdown, cross_correlation,
+    effective_samples, find_pushes, half_bump, leave_out, residual_torque, residual_torques,
+    structure, without_rounding,
 };

@@ -2,9 +2,9 @@
 
 use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, WHEEL_INERTIA};
 
-use crate::bench::Setup;
+use crate::bench::FitProblem;
 use crate::errors::Fit;
-use crate::fit::Trace;
+use crate::fit::PredictedSeries;
 use crate::records::{BALANCE_WINDOW_S, Record};
 use crate::residuals::{is_slow, samples_in_window};
 
@@ -12,7 +12,7 @@ use crate::residuals::{is_slow, samples_in_window};
 const OPEN_RELATIVE_STD: f64 = 1.0;
 
 /// Where the numbers of the comparison must not be taken at face value.
-pub(crate) fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String> {
+pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> Vec<String> {
     let mut out = vec![];
     for (record, traces) in records.iter().zip(traces) {
         if record.kind == Kind::Driven && record.window_s.is_finite() {
@@ -53,9 +53,9 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<Trace>]) -> Vec<String
     out
 }
 
-pub(crate) fn statements(setup: &Setup, fit: &Fit) -> Vec<String> {
+pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
     let mut out = vec![];
-    let (body, wheel) = setup.moved();
+    let (body, wheel) = problem.moved();
     if !body {
         out.push(
             "no log moves the body: total_inertia, gravity_torque and body friction are not \
@@ -70,14 +70,14 @@ pub(crate) fn statements(setup: &Setup, fit: &Fit) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if body && !setup.body_scale_known {
+    if body && !problem.body_scale_known {
         out.push(
             "no torque of the body is known (masses and lengths, or gravity_torque, are missing): \
              its torques are identified per unit of inertia only, with total_inertia = 1 kg m2"
                 .to_owned(),
         );
     }
-    if wheel && !setup.wheel_scale_known && !setup.coupled {
+    if wheel && !problem.wheel_scale_known && !problem.coupled {
         out.push(
             "no torque of the wheel is known (torque_constant is missing, or the current was not \
              recorded): its torques are identified per unit of inertia only, with wheel_inertia = \
@@ -110,7 +110,7 @@ pub(crate) fn statements(setup: &Setup, fit: &Fit) -> Vec<String> {
         }
     }
     for position in [WHEEL_INERTIA, TORQUE_CONSTANT] {
-        if wheel && setup.known[position].is_none() && !fit.unknowns.free.contains(&position) {
+        if wheel && problem.known[position].is_none() && !fit.unknowns.free.contains(&position) {
             out.push(format!(
                 "{} is not identified by these logs",
                 BASE_PARAMETERS[position].name

@@ -9,6 +9,7 @@
 //! | `scalar` | numbers with and without derivatives |
 //! | `effect` | what an effect is |
 //! | `hiding` | how the exam hides an effect |
+//! | `hidden` | its parameters, hidden in a given bench |
 //! | `external` | effects that come while the program runs |
 //! | `effects/` | the library, one file an effect |
 //! | `model` | which effects a model has; the layout of its parameter vector |
@@ -22,6 +23,7 @@ mod effect;
 mod effects;
 mod experiment;
 mod external;
+mod hidden;
 mod hiding;
 mod input;
 mod linear;

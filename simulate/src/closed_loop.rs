@@ -63,7 +63,7 @@ pub struct ClosedLoop<'a> {
 
 /// The record of a run: one entry a sample.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trace {
+pub struct LoopTrace {
     /// Time in s.
     pub time_s: Vec<f64>,
     /// True body angle from upright in rad, within ±π.
@@ -117,7 +117,7 @@ pub struct Deviation {
     pub current_a: f64,
 }
 
-impl Trace {
+impl LoopTrace {
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()
@@ -147,7 +147,7 @@ impl Trace {
     }
 
     /// Largest differences to `other` over the samples that both have.
-    pub fn deviation(&self, other: &Trace) -> Deviation {
+    pub fn deviation(&self, other: &LoopTrace) -> Deviation {
         let largest = |left: &[f64], right: &[f64]| {
             left.iter()
                 .zip(right)
@@ -195,7 +195,7 @@ impl ClosedLoop<'_> {
         duration_s: f64,
         law: &mut dyn Law,
         until_fall: bool,
-    ) -> Result<Trace, SimulateError> {
+    ) -> Result<LoopTrace, SimulateError> {
         self.run_until(start, duration_s, law, |trace| {
             until_fall && trace.fell_at_s.is_some()
         })
@@ -208,8 +208,8 @@ impl ClosedLoop<'_> {
         start: &State<f64>,
         duration_s: f64,
         law: &mut dyn Law,
-        over: impl Fn(&Trace) -> bool,
-    ) -> Result<(Trace, State<f64>), SimulateError> {
+        over: impl Fn(&LoopTrace) -> bool,
+    ) -> Result<(LoopTrace, State<f64>), SimulateError> {
         law.reset();
         let sample = |instant: &Instant<'_>, random: &mut ChaCha8Rng| {
             let measured = self.sensors.read(&self.motion.read(instant.state), random);
@@ -228,13 +228,13 @@ impl ClosedLoop<'_> {
         start: &State<f64>,
         duration_s: f64,
         mut sample: impl FnMut(&Instant<'_>, &mut ChaCha8Rng) -> Result<Answer, LawFailure>,
-        over: impl Fn(&Trace) -> bool,
-    ) -> Result<(Trace, State<f64>), SimulateError> {
+        over: impl Fn(&LoopTrace) -> bool,
+    ) -> Result<(LoopTrace, State<f64>), SimulateError> {
         self.check()?;
         check_positive("the duration in s", duration_s)?;
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         let samples = (duration_s / self.sample_time_s).round() as usize + 1;
-        let mut trace = Trace::default();
+        let mut trace = LoopTrace::default();
         let mut state = *start;
         let delay_s = self.computation_s + self.motion.delay_s();
         // Commands that have not reached the motor yet, each with the time of its arrival.

@@ -39,12 +39,12 @@ pub mod sensors;
 pub mod transient;
 
 pub use attraction::{Attraction, region_of_attraction};
-pub use closed_loop::{Actuator, ClosedLoop, Deviation, Trace};
+pub use closed_loop::{Actuator, ClosedLoop, Deviation, LoopTrace};
 pub use error::SimulateError;
 pub use interpreted::InterpretedLaw;
 pub use law::{BiasObservingLaw, ExactLaw, Law, LawFailure, Measured, WordFormats, WordLaw};
 pub use motion::{LinearMotion, Motion};
-pub use overlay::{Overlay, overlay};
+pub use overlay::{LoggedLoop, overlay};
 pub use push::Push;
 pub use raw_counts::{InterpretedController, RawController, RawLoop, RawSample, RawSensors};
 pub use recovery::{Recovery, largest_recoverable_angle};

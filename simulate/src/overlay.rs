@@ -4,7 +4,7 @@
 //! run with the pushes that were found in it. Between pushes the bench and the simulation each
 //! follow their own noise, so there the curves do not coincide; their spread is what compares.
 
-use crate::closed_loop::{ClosedLoop, Trace};
+use crate::closed_loop::{ClosedLoop, LoopTrace};
 use crate::error::SimulateError;
 use crate::law::Law;
 use plant::State;
@@ -46,13 +46,13 @@ pub struct OverlaidChannel {
 
 /// Measured and simulated loop.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Overlay {
+pub struct LoggedLoop {
     /// Time in s, as in the log.
     pub time_s: Vec<f64>,
     /// The channels that the log has.
     pub channels: Vec<OverlaidChannel>,
     /// The simulated run, from time zero at the first sample of the log.
-    pub trace: Trace,
+    pub trace: LoopTrace,
 }
 
 /// Simulates the log with `law` on the bench `on`, whose pushes are at the times of the log.
@@ -63,7 +63,7 @@ pub fn overlay(
     log: &MeasuredLog<'_>,
     on: &ClosedLoop<'_>,
     law: &mut dyn Law,
-) -> Result<Overlay, SimulateError> {
+) -> Result<LoggedLoop, SimulateError> {
     let count = log.time_s.len();
     if count < 2 {
         return Err(SimulateError::WrongLength {
@@ -137,7 +137,7 @@ pub fn overlay(
             Some(OverlaidChannel::new(name, measured, simulated))
         })
         .collect();
-    Ok(Overlay {
+    Ok(LoggedLoop {
         time_s: log.time_s.to_vec(),
         channels,
         trace,

@@ -6,7 +6,7 @@
 //! that the current allows, asin(T/G); a push lasts about half a radian of the fall, 1/ω with
 //! ω² = G/(Θ − j_w), and is a share of the motor's torque T.
 
-use crate::closed_loop::{ClosedLoop, Trace, at_rest};
+use crate::closed_loop::{ClosedLoop, LoopTrace, at_rest};
 use crate::error::{SimulateError, check_positive};
 use crate::law::Law;
 use crate::push::Push;
@@ -134,7 +134,7 @@ impl Scenario {
         &self,
         on: &ClosedLoop<'_>,
         laws: &mut [&mut dyn Law],
-    ) -> Result<Vec<Trace>, SimulateError> {
+    ) -> Result<Vec<LoopTrace>, SimulateError> {
         let disturbed = ClosedLoop {
             pushes: self.pushes.clone(),
             ..on.clone()

@@ -4,7 +4,7 @@
 //! [`effects_on_transient`] repeats a transient with every effect alone and with all together, and
 //! counts.
 
-use crate::closed_loop::{ClosedLoop, Trace};
+use crate::closed_loop::{ClosedLoop, LoopTrace};
 use crate::error::SimulateError;
 use crate::law::Law;
 use crate::motion::Motion;
@@ -35,7 +35,7 @@ pub struct Transient {
 impl Transient {
     /// Measures a run that starts off upright; `threshold_rad` is the angle that counts as a
     /// swing. Two per cent of the start is usual for settling.
-    pub fn of(trace: &Trace, threshold_rad: f64) -> Transient {
+    pub fn of(trace: &LoopTrace, threshold_rad: f64) -> Transient {
         let start = trace.angle_rad.first().copied().unwrap_or(0.0);
         let mut side = start.signum();
         let (mut swings, mut settling_s, mut overshoot_rad) = (0, 0.0, 0.0_f64);
@@ -70,7 +70,7 @@ pub struct WithEffects {
     /// The effects beyond viscous friction; empty for the base model.
     pub effects: Vec<EffectId>,
     /// The run.
-    pub trace: Trace,
+    pub trace: LoopTrace,
     /// Its figures.
     pub transient: Transient,
 }

@@ -7,7 +7,7 @@ use plant::EffectId;
 use workbench::Progress;
 use workbench::{EffectChange, Error, Session};
 
-use crate::cli::{BenchFiles, Output, save_model};
+use crate::arguments::{BenchFiles, JsonOutput, save_model};
 use crate::commands::identify::{has_design, written};
 use crate::failure::Failure;
 use crate::progress::with_progress;
@@ -26,7 +26,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub files: BenchFiles,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// The names that EFFECT can have.

@@ -6,7 +6,7 @@ use bench_files::{CalibrationRecordings, ModelFile, Problem};
 use serde::Serialize;
 use workbench::{SensorCalibrationReport, calibrate};
 
-use crate::cli::{BenchFiles, Output};
+use crate::arguments::{BenchFiles, JsonOutput};
 use crate::failure::Failure;
 use crate::report::{Report, listed, write_files};
 use crate::views::calibration;
@@ -19,7 +19,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub files: BenchFiles,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 #[derive(Serialize)]

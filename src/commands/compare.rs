@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::{BenchFiles, Output};
+use crate::arguments::{BenchFiles, JsonOutput};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::{Report, WithFigures, listed, write_files};
@@ -16,7 +16,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub files: BenchFiles,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// Runs the command.

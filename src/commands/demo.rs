@@ -11,7 +11,7 @@ use workbench::{
     SimulationSettings,
 };
 
-use crate::cli::{Output, save_model};
+use crate::arguments::{JsonOutput, save_model};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::table::{Align, Table};
@@ -25,7 +25,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 #[derive(Serialize)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use workbench::ControlDesign;
 
-use crate::cli::{Output, out_beside};
+use crate::arguments::{JsonOutput, out_beside};
 use crate::failure::Failure;
 use crate::report::{Report, WithFigures, listed, write_files};
 use crate::views::design;
@@ -18,7 +18,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// Runs the command.

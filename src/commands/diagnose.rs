@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use workbench::{AppliedDiagnosis, DesignChange, DiagnosisReport, Session};
 
-use crate::cli::{BenchFiles, Output, save_model};
+use crate::arguments::{BenchFiles, JsonOutput, save_model};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::{Report, listed, write_files};
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub files: BenchFiles,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 #[derive(Serialize)]

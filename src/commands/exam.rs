@@ -12,7 +12,7 @@ use figures::{Confusion, Reliability, ReliabilityBin};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use crate::cli::Output;
+use crate::arguments::JsonOutput;
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::report::table::{Align, Table};
@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "out/exam")]
     pub out: PathBuf,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// A range of seeds.

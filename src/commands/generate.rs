@@ -7,7 +7,7 @@ use serde::Serialize;
 use workbench::numbers::significant;
 use workbench::{ControlDesign, GeneratedController};
 
-use crate::cli::Output;
+use crate::arguments::JsonOutput;
 use crate::failure::Failure;
 use crate::report::Report;
 
@@ -23,7 +23,7 @@ pub struct Arguments {
     #[arg(long)]
     pub check: bool,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 #[derive(Serialize)]

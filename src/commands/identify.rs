@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use workbench::Session;
 
-use crate::cli::{BenchFiles, Output, save_model};
+use crate::arguments::{BenchFiles, JsonOutput, save_model};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::Report;
@@ -21,7 +21,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub files: BenchFiles,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// Runs the command.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use checker::mutate::{MutantVerdict, Summary};
 use workbench::mutate;
 
-use crate::cli::Output;
+use crate::arguments::JsonOutput;
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::Report;
@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// Runs the command.

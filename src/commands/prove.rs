@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use workbench::{ProofSettings, prove};
 
-use crate::cli::Output;
+use crate::arguments::JsonOutput;
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::Report;
@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long)]
     pub without_kani: bool,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// Runs the command: exit code 1 where a claim fails.

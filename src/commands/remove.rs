@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 
-use crate::cli::{BenchFiles, Output};
+use crate::arguments::{BenchFiles, JsonOutput};
 use crate::commands::add::{change, effect_names};
 use crate::failure::Failure;
 use crate::report::Report;
@@ -21,7 +21,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub files: BenchFiles,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 /// Runs the command.

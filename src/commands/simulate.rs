@@ -6,7 +6,7 @@ use bench_files::Bench;
 use serde::Serialize;
 use workbench::{ControlDesign, SimulationReport, SimulationSettings};
 
-use crate::cli::{Output, out_beside};
+use crate::arguments::{JsonOutput, out_beside};
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::{Report, listed, write_files};
@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
-    pub output: Output,
+    pub output: JsonOutput,
 }
 
 #[derive(Serialize)]

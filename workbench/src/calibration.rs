@@ -5,7 +5,7 @@ use std::path::Path;
 use ::calibrate::{CalibrationError, LineFit, PlumbLine};
 use bench_files::{
     Calibration, CalibrationRecordings, LeverArmCalibration, LineCalibration, ModelFile,
-    MountingCalibration, Parameter, SensorCalibration,
+    MountingCalibration, Parameter, StoredSensorCalibration,
 };
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ const CONTRADICTION: f64 = 4.0;
 /// allow a few per cent.
 const SCALE_ERROR_MAX: f64 = 0.05;
 
-/// What the recordings of `[calibration]` give: the result of [`calibrate`].
+/// What the recordings of `[calibration]` give: the result of [`calibrate()`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SensorCalibrationReport {
     /// m/s² of counts.
@@ -355,7 +355,7 @@ impl Work<'_> {
         accelerometer: &::calibrate::SensorCalibration,
         gyroscope: &::calibrate::SensorCalibration,
         mounting: &::calibrate::Mounting,
-    ) -> Result<Option<::calibrate::LeverArm>, Error> {
+    ) -> Result<Option<::calibrate::LeverArmEstimate>, Error> {
         let recordings = self.recordings;
         let (Some(swing), Some(swing_accelerometer), Some(hanging), Some(sample_time_s)) = (
             &recordings.swing,
@@ -379,7 +379,7 @@ impl Work<'_> {
     }
 
     /// The lever arm by the ruler, or else by the swing where that is certain enough.
-    fn lever_arm(&mut self, of_swing: Option<::calibrate::LeverArm>) {
+    fn lever_arm(&mut self, of_swing: Option<::calibrate::LeverArmEstimate>) {
         let stated = self.recordings.lever_arm;
         if stated.is_none() && of_swing.is_none() {
             return;
@@ -493,8 +493,8 @@ fn matrix(of: &::calibrate::SensorCalibration, std: bool) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| source[(row, column)]))
 }
 
-fn to_file(sensor: &::calibrate::SensorCalibration) -> SensorCalibration {
-    SensorCalibration {
+fn to_file(sensor: &::calibrate::SensorCalibration) -> StoredSensorCalibration {
+    StoredSensorCalibration {
         bias_counts: sensor.line.bias_counts.into(),
         bias_std: sensor.bias_std.into(),
         matrix: matrix(sensor, false),

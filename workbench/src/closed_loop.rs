@@ -15,9 +15,9 @@ use simulate::linear_validity::{
 use simulate::overlay::MeasuredLog;
 use simulate::scenario::Scale;
 use simulate::{
-    Actuator, ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, Motion, Overlay, Push,
-    RawLoop, RawSensors, Scenario, Sensors, SimulateError, Trace, Transient, effects_on_transient,
-    largest_recoverable_angle, overlay, region_of_attraction,
+    Actuator, ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, LoggedLoop, LoopTrace,
+    Motion, Push, RawLoop, RawSensors, Scenario, Sensors, SimulateError, Transient,
+    effects_on_transient, largest_recoverable_angle, overlay, region_of_attraction,
 };
 
 use crate::control_design::ControlDesign;
@@ -108,10 +108,10 @@ pub struct LoopRun {
     pub pushes: Vec<(f64, f64)>,
     /// The run under the exact law in floating point.
     #[serde(skip)]
-    pub exact: Trace,
+    pub exact: LoopTrace,
     /// The run under the emitted law.
     #[serde(skip)]
-    pub emitted: Trace,
+    pub emitted: LoopTrace,
 }
 
 /// The half minute through raw counts and duty, with the emitted attitude filter.
@@ -129,7 +129,7 @@ pub struct RawCountsRun {
     pub angle_error_rad: f64,
     /// The run.
     #[serde(skip)]
-    pub trace: Trace,
+    pub trace: LoopTrace,
 }
 
 /// Largest angles from rest, without sensor noise.
@@ -227,7 +227,7 @@ pub struct LoopOverlay {
     pub channels: Vec<OverlayStatistics>,
     /// The curves.
     #[serde(skip)]
-    pub found: Option<Overlay>,
+    pub found: Option<LoggedLoop>,
 }
 
 /// A channel of an overlay in numbers; SI units.

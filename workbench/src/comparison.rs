@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use bench_files::{Bench, Correlation, ModelFile, Parameter};
 use identify::{
-    Breakdown, Coordinate, Fit, Identification, Output, Push, Quantity, Record, Setup, Trace,
-    Window,
+    Coordinate, Fit, FitProblem, FoundPush, Identification, Output, PredictedSeries, Record,
+    ResidualBreakdown, ResidualKind, Window,
 };
 use plant::Model;
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ pub struct ComparisonReport {
     pub curves: Vec<ExperimentCurves>,
     /// The residuals over every coordinate, from which the places come.
     #[serde(skip)]
-    pub breakdowns: Vec<Breakdown>,
+    pub breakdowns: Vec<ResidualBreakdown>,
 }
 
 /// A place where a model fails: a range of a coordinate in one residual.
@@ -74,7 +74,7 @@ pub struct FailurePlace {
     pub share_of_error: f64,
     /// In which residual it was seen.
     #[serde(with = "named")]
-    pub residual: Quantity,
+    pub residual: ResidualKind,
     /// Whether there is anything beyond noise.
     pub significant: bool,
 }
@@ -162,22 +162,22 @@ pub(crate) struct Compared<'a> {
     /// The starts of every log.
     pub windows: &'a [Vec<Window>],
     /// For each record, each of its channels.
-    pub traces: &'a [Vec<Trace>],
+    pub traces: &'a [Vec<PredictedSeries>],
     /// For each record, the pushes that nobody recorded.
-    pub pushes: &'a [Vec<Push>],
+    pub pushes: &'a [Vec<FoundPush>],
 }
 
 impl ComparisonReport {
     pub(crate) fn new(
         bench: &Bench,
-        setup: &Setup,
+        problem: &FitProblem,
         model_path: PathBuf,
         compared: &Compared,
         parameters: Vec<Parameter>,
         correlation: Option<Correlation>,
         statements: Vec<String>,
     ) -> ComparisonReport {
-        let records = &setup.records;
+        let records = &problem.records;
         let failure = identify::breakdown(
             records,
             compared.windows,
@@ -216,7 +216,7 @@ impl ComparisonReport {
             statements,
             notes: notes(bench),
             experiments: records.iter().map(LoggedExperiment::of).collect(),
-            per_unit_of_inertia: !setup.body_scale_known,
+            per_unit_of_inertia: !problem.body_scale_known,
             curves,
             breakdowns: failure.breakdowns,
         }
@@ -225,14 +225,14 @@ impl ComparisonReport {
     /// What an identification found.
     pub(crate) fn of_identification(
         bench: &Bench,
-        setup: &Setup,
+        problem: &FitProblem,
         model_path: PathBuf,
         found: &Identification,
     ) -> ComparisonReport {
         let fit = &found.fit;
         ComparisonReport::new(
             bench,
-            setup,
+            problem,
             model_path,
             &Compared {
                 model: &fit.model,
@@ -241,7 +241,7 @@ impl ComparisonReport {
                 traces: &found.traces,
                 pushes: &found.pushes,
             },
-            parameters_of(setup, fit),
+            parameters_of(problem, fit),
             correlation_of(fit),
             found.statements.clone(),
         )
@@ -261,7 +261,7 @@ impl ComparisonReport {
 }
 
 impl FailurePlace {
-    fn of(region: &identify::Region) -> FailurePlace {
+    fn of(region: &identify::FailureRegion) -> FailurePlace {
         FailurePlace {
             experiment: region.experiment.clone(),
             channel: region.channel.to_owned(),
@@ -301,7 +301,7 @@ impl LoggedExperiment {
 }
 
 impl ExperimentCurves {
-    pub(crate) fn new(record: &Record, traces: &[Trace]) -> ExperimentCurves {
+    pub(crate) fn new(record: &Record, traces: &[PredictedSeries]) -> ExperimentCurves {
         ExperimentCurves {
             experiment: record.name.clone(),
             time_s: record.time_s.clone(),
@@ -370,10 +370,10 @@ pub(crate) fn notes(bench: &Bench) -> Vec<BenchNote> {
 
 /// The parameters of a fit for model.toml: those that were given and those that were found; those
 /// that no log can show are left out.
-pub(crate) fn parameters_of(setup: &Setup, fit: &Fit) -> Vec<Parameter> {
+pub(crate) fn parameters_of(problem: &FitProblem, fit: &Fit) -> Vec<Parameter> {
     let infos = fit.model.parameters();
     // A negative one is a contradiction, which the statements name, and no parameter.
-    let derived = identify::body_inertia(setup, fit).filter(|(value, _)| *value > 0.0);
+    let derived = identify::body_inertia(problem, fit).filter(|(value, _)| *value > 0.0);
     let derived = derived.map(|(value, std)| Parameter {
         name: "body_inertia".to_owned(),
         value,
@@ -384,10 +384,10 @@ pub(crate) fn parameters_of(setup: &Setup, fit: &Fit) -> Vec<Parameter> {
     (0..infos.len())
         .filter_map(|position| {
             let free = fit.unknowns.free.iter().position(|&at| at == position);
-            let given = setup.known.get(position).is_some_and(Option::is_some);
-            let unit = setup.unit(&fit.model, position);
+            let given = problem.known.get(position).is_some_and(Option::is_some);
+            let unit = problem.unit(&fit.model, position);
             let source = match free {
-                Some(unknown) => setup
+                Some(unknown) => problem
                     .records
                     .iter()
                     .filter(|record| {

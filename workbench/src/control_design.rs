@@ -4,12 +4,10 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use bench_files::{DesignSection, ModelFile};
-use codegen::ModuleSpec;
 use design::{Design, DesignError, FrictionExtremes, Settings, Weights};
 use plant::{LinearModel, Linearised, Model, Smoothing};
 
 use crate::error::Error;
-use crate::module_spec::module_spec;
 use crate::session::Session;
 
 /// A model with the linear-quadratic controller that its weights ask for.
@@ -158,14 +156,6 @@ impl ControlDesign {
     /// K of u = −K x in A/rad, A s/rad, A s/rad.
     pub fn gains(&self) -> [f64; 3] {
         [0, 1, 2].map(|index| self.design.gains[index])
-    }
-
-    /// What the generator is told: gains, ranges, sensors, drive.
-    ///
-    /// # Errors
-    /// [`Error::Design`]: an observer of the angle's bias that the model cannot carry.
-    pub fn module_spec(&self) -> Result<ModuleSpec, Error> {
-        module_spec(self)
     }
 
     /// The linear model that other parameter values give.

@@ -2,7 +2,7 @@
 
 use bench_files::{Correlation, ModelFile, Parameter};
 use diagnose::{Diagnosis, Options, Step, Suspect, Verdict};
-use identify::{Fit, Identification, Progress, Record, Trace};
+use identify::{Fit, Identification, PredictedSeries, Progress, Record};
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +122,8 @@ impl Session {
         let fit = &identified.fit;
         let options = Options::default();
         let minimum = fit.minimum.clone();
-        let found = diagnose::diagnose_with(self.setup(), &fit.model, minimum, &options, progress)?;
+        let found =
+            diagnose::diagnose_with(self.problem(), &fit.model, minimum, &options, progress)?;
         let Some(step) = found.last() else {
             return Err(Error::NoStep {
                 bench: self.place(),
@@ -131,12 +132,12 @@ impl Session {
         (progress.say)("locating what remains");
         let last_fit = if found.steps.len() == 1 {
             identified.clone()
-        } else if let Some(known) = identify::describe(self.setup(), &step.fit) {
+        } else if let Some(known) = identify::describe(self.problem(), &step.fit) {
             known
         } else {
             // The diagnosis has read the logs differently: without pushes that only it found.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
-            identify::identify(self.setup(), &step.fit.model, Some(start)).map_err(|source| {
+            identify::identify(self.problem(), &step.fit.model, Some(start)).map_err(|source| {
                 Error::Identify {
                     bench: self.place(),
                     source,
@@ -204,8 +205,8 @@ impl DiagnosisReport {
         last_fit: &Identification,
         last: ComparisonReport,
     ) -> DiagnosisReport {
-        let records = &session.setup().records;
-        let parameters = |fit: &Fit| parameters_of(session.setup(), fit);
+        let records = &session.problem().records;
+        let parameters = |fit: &Fit| parameters_of(session.problem(), fit);
         DiagnosisReport {
             bench: session.bench().name.clone(),
             verdict: found.verdict,
@@ -274,7 +275,7 @@ impl DiagnosisStep {
     }
 }
 
-fn fit_percent(trace: &Trace) -> f64 {
+fn fit_percent(trace: &PredictedSeries) -> f64 {
     trace.fit_percent
 }
 

@@ -107,7 +107,7 @@ pub use design_report::{
 pub use diagnose::Verdict;
 pub use diagnosis::{AppliedDiagnosis, DiagnosisReport, DiagnosisStep, SuspectEffect};
 pub use error::Error;
-pub use identify::{Cancelled, Coordinate, Output, Progress, Quantity};
+pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};

@@ -17,49 +17,51 @@ use crate::error::Error;
 /// has after calibration, and at it the loop still has nearly two thirds of its current limit's angle.
 const BIAS_LIMIT_RAD: f64 = 0.1;
 
-/// What the generator is told. Ranges are those of the thesis bench, and so are sensors and drive
-/// where they are not calibrated.
-///
-/// # Errors
-/// A bias observer that the model cannot carry.
-pub(crate) fn module_spec(designed: &ControlDesign) -> Result<ModuleSpec, Error> {
-    let design = designed.design();
-    let wishes = designed.wishes();
-    let calibration = &designed.file().calibration.unwrap_or_default();
-    let rows = |value: &dyn Fn(usize, usize) -> f64| {
-        [0, 1, 2].map(|row| [0, 1, 2].map(|column| value(row, column)))
-    };
-    let hardware = HardwareSpec {
-        bias_observer: bias_observer(designed)?,
-        ..hardware(calibration)
-    };
-    Ok(ModuleSpec {
-        model_name: designed.name().to_owned(),
-        gains: [0, 1, 2].map(|index| design.gains[index]),
-        current_limit_a: wishes.current_limit_a,
-        sample_time_s: wishes.sample_time_s,
-        ranges: PhysicalRanges::THESIS_BENCH,
-        drive: drive(calibration),
-        hardware,
-        parameters: designed
-            .file()
-            .parameters
-            .iter()
-            .map(|parameter| ModelParameter {
-                name: parameter.name.clone(),
-                value: parameter.value,
-                std: parameter.std,
-                unit: parameter.unit.clone(),
-            })
-            .collect(),
-        state_weights: wishes.state_weights,
-        current_weight: wishes.current_weight,
-        a: rows(&|row, column| design.model.state[(row, column)]),
-        b: [0, 1, 2].map(|row| design.model.input[row]),
-        ad: rows(&|row, column| design.discrete.state[(row, column)]),
-        bd: [0, 1, 2].map(|row| design.discrete.input[row]),
-        closed_loop: None,
-    })
+impl ControlDesign {
+    /// What the generator is told. Ranges are those of the thesis bench, and so are sensors and drive
+    /// where they are not calibrated.
+    ///
+    /// # Errors
+    /// [`Error::Design`]: an observer of the angle's bias that the model cannot carry.
+    pub fn module_spec(&self) -> Result<ModuleSpec, Error> {
+        let design = self.design();
+        let wishes = self.wishes();
+        let calibration = &self.file().calibration.unwrap_or_default();
+        let rows = |value: &dyn Fn(usize, usize) -> f64| {
+            [0, 1, 2].map(|row| [0, 1, 2].map(|column| value(row, column)))
+        };
+        let hardware = HardwareSpec {
+            bias_observer: bias_observer(self)?,
+            ..hardware(calibration)
+        };
+        Ok(ModuleSpec {
+            model_name: self.name().to_owned(),
+            gains: [0, 1, 2].map(|index| design.gains[index]),
+            current_limit_a: wishes.current_limit_a,
+            sample_time_s: wishes.sample_time_s,
+            ranges: PhysicalRanges::THESIS_BENCH,
+            drive: drive(calibration),
+            hardware,
+            parameters: self
+                .file()
+                .parameters
+                .iter()
+                .map(|parameter| ModelParameter {
+                    name: parameter.name.clone(),
+                    value: parameter.value,
+                    std: parameter.std,
+                    unit: parameter.unit.clone(),
+                })
+                .collect(),
+            state_weights: wishes.state_weights,
+            current_weight: wishes.current_weight,
+            a: rows(&|row, column| design.model.state[(row, column)]),
+            b: [0, 1, 2].map(|row| design.model.input[row]),
+            ad: rows(&|row, column| design.discrete.state[(row, column)]),
+            bd: [0, 1, 2].map(|row| design.discrete.input[row]),
+            closed_loop: None,
+        })
+    }
 }
 
 /// The observer that `bias_time_constant` asks for. Of the sensors' noise only the ratios count;
@@ -125,7 +127,7 @@ fn hardware(calibration: &Calibration) -> HardwareSpec {
 }
 
 /// A sensor as `calibrate` has it.
-fn sensor(found: &bench_files::SensorCalibration) -> SensorCalibration {
+fn sensor(found: &bench_files::StoredSensorCalibration) -> SensorCalibration {
     SensorCalibration {
         line: SensorLine {
             bias_counts: found.bias_counts.into(),

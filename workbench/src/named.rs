@@ -1,7 +1,7 @@
 //! How values of other crates stand in JSON: enumerations by their names, gaps in a series as null.
 
 use diagnose::Verdict;
-use identify::{Coordinate, Output, Quantity};
+use identify::{Coordinate, Output, ResidualKind};
 use serde::{Deserialize, Deserializer, Serializer, de};
 
 /// A value of a fixed list that has a name.
@@ -44,12 +44,12 @@ impl Named for Verdict {
     }
 }
 
-impl Named for Quantity {
-    const ALL: &'static [Quantity] = &[Quantity::MissingTorque, Quantity::Output];
+impl Named for ResidualKind {
+    const ALL: &'static [ResidualKind] = &[ResidualKind::ResidualTorque, ResidualKind::Output];
     fn name(self) -> &'static str {
         match self {
-            Quantity::MissingTorque => "missing torque",
-            Quantity::Output => "output",
+            ResidualKind::ResidualTorque => "missing torque",
+            ResidualKind::Output => "output",
         }
     }
 }

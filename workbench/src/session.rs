@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem};
 use design::Settings;
 use identify::{
-    Contradiction, Effort, Identification, Minimum, Progress, PushModel, Record, Setup, Trace,
-    Window,
+    Contradiction, Effort, FitProblem, Identification, Minimum, PredictedSeries, Progress,
+    PushModel, Record, Window,
 };
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ use crate::error::Error;
 #[derive(Clone, Debug)]
 pub struct Session {
     bench: Bench,
-    setup: Setup,
+    problem: FitProblem,
     /// Where the model was read from, or would be written.
     model_path: PathBuf,
     /// Whether the bench lies on the disk.
@@ -98,13 +98,13 @@ impl Session {
     }
 
     fn new(bench: Bench, model_path: PathBuf, on_disk: bool) -> Result<Session, Error> {
-        let setup = Setup::new(&bench).map_err(|source| Error::Identify {
+        let problem = FitProblem::new(&bench).map_err(|source| Error::Identify {
             bench: place_of(&bench),
             source,
         })?;
         Ok(Session {
             bench,
-            setup,
+            problem,
             model_path,
             on_disk,
             model: None,
@@ -118,8 +118,8 @@ impl Session {
     }
 
     /// The measurements as fits see them: for those who go beyond the session.
-    pub fn setup(&self) -> &Setup {
-        &self.setup
+    pub fn problem(&self) -> &FitProblem {
+        &self.problem
     }
 
     /// The model as it is now; `None` before the first identification.
@@ -167,7 +167,7 @@ impl Session {
         (progress.say)("looking for contradictions");
         let minimum = &found.fit.minimum;
         let contradictions = identify::contradictions(
-            &self.setup,
+            &self.problem,
             &found.fit.model,
             &minimum.values,
             &minimum.windows,
@@ -176,7 +176,7 @@ impl Session {
         Ok(BenchCheck {
             bench: self.bench.name.clone(),
             experiments: self
-                .setup
+                .problem
                 .records
                 .iter()
                 .map(LoggedExperiment::of)
@@ -224,7 +224,7 @@ impl Session {
         let started = self.started(progress)?;
         let (model, minimum) = (&started.model, &started.minimum);
         let push_model = PushModel::of(model, &minimum.values);
-        let records = started.setup.all_records();
+        let records = started.problem.all_records();
         let traces = started.traces(&minimum.values);
         let pushes: Vec<_> = records
             .iter()
@@ -233,7 +233,7 @@ impl Session {
         progress.check()?;
         (progress.say)("looking for contradictions");
         let statements =
-            identify::contradictions(&self.setup, model, &minimum.values, &minimum.windows, &[]);
+            identify::contradictions(&self.problem, model, &minimum.values, &minimum.windows, &[]);
         progress.check()?;
         let compared = Compared {
             model,
@@ -244,7 +244,7 @@ impl Session {
         };
         Ok(ComparisonReport::new(
             &self.bench,
-            &self.setup,
+            &self.problem,
             self.model_path.clone(),
             &compared,
             file.parameters.clone(),
@@ -355,7 +355,7 @@ impl Session {
         progress.check()?;
         (progress.say)("fitting the model to all experiments");
         let found =
-            identify::identify(&self.setup, model, None).map_err(|source| Error::Identify {
+            identify::identify(&self.problem, model, None).map_err(|source| Error::Identify {
                 bench: self.place(),
                 source,
             })?;
@@ -365,13 +365,13 @@ impl Session {
 
     pub(crate) fn comparison_of(&self, found: &Identification) -> ComparisonReport {
         let path = self.model_path.clone();
-        ComparisonReport::of_identification(&self.bench, &self.setup, path, found)
+        ComparisonReport::of_identification(&self.bench, &self.problem, path, found)
     }
 
     /// Makes a fit the session's model.
     pub(crate) fn adopt(&mut self, found: Identification) {
         let fit = &found.fit;
-        let parameters = parameters_of(&self.setup, fit);
+        let parameters = parameters_of(&self.problem, fit);
         let file = with_model(
             self.file_or_new(),
             &fit.model,
@@ -414,8 +414,8 @@ impl Session {
         let file = self.required_model()?;
         let values = self.parameter_values(file)?;
         let model = file.model();
-        let setup = self.setup.suited_to(&model).into_owned();
-        let records = setup.all_records();
+        let problem = self.problem.suited_to(&model).into_owned();
+        let records = problem.all_records();
         progress.check()?;
         (progress.say)("simulating all experiments");
         let windows = records
@@ -425,7 +425,7 @@ impl Session {
         let minimum = identify::refit(&records, &model, values, windows, &[], Effort::FULL);
         progress.check()?;
         Ok(Started {
-            setup,
+            problem,
             model,
             minimum,
         })
@@ -433,14 +433,14 @@ impl Session {
 
     /// The parameter vector of the file. What no log of this bench can show may be missing in it.
     fn parameter_values(&self, file: &ModelFile) -> Result<Vec<f64>, Error> {
-        let setup = &self.setup;
+        let problem = &self.problem;
         let model = file.model();
-        let free = setup.free(&model);
-        let mut values = setup.start_values(&model);
+        let free = problem.free(&model);
+        let mut values = problem.start_values(&model);
         for (position, info) in model.parameters().iter().enumerate() {
             match file.parameter(info.name) {
                 Some(parameter) => {
-                    let unit = setup.unit(&model, position);
+                    let unit = problem.unit(&model, position);
                     if parameter.is_per_inertia() != unit.ends_with("per kg m2") {
                         return Err(Error::ParameterUnit {
                             model: file.path().to_path_buf(),
@@ -470,17 +470,17 @@ impl Session {
 #[derive(Clone, Debug)]
 struct Started {
     /// The bench as the model is compared with it.
-    setup: Setup,
+    problem: FitProblem,
     model: Model,
     minimum: Minimum,
 }
 
 impl Started {
-    fn traces(&self, values: &[f64]) -> Vec<Vec<Trace>> {
+    fn traces(&self, values: &[f64]) -> Vec<Vec<PredictedSeries>> {
         let traces = |(record, windows): (&Record, &Vec<Window>)| {
             identify::traces(record, windows, &self.model, values)
         };
-        let records = self.setup.records.iter();
+        let records = self.problem.records.iter();
         records.zip(&self.minimum.windows).map(traces).collect()
     }
 }
@@ -510,7 +510,7 @@ impl Predictor {
     pub fn curves(&self, changes: &[(&str, f64)]) -> Result<Vec<ExperimentCurves>, Error> {
         let values = with_changes(&self.0.model, &self.0.minimum.values, changes)?;
         let traces = self.0.traces(&values);
-        let records = self.0.setup.records.iter();
+        let records = self.0.problem.records.iter();
         Ok(records
             .zip(&traces)
             .map(|(record, traces)| ExperimentCurves::new(record, traces))

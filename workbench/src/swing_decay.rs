@@ -1,6 +1,6 @@
 //! How the free swings of a bench die out, measured and by the model.
 
-use identify::{AtAmplitude, Decay, DecayLaw, Record, Trace};
+use identify::{AtAmplitude, DecayLaw, FreeDecay, PredictedSeries, Record};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -22,10 +22,10 @@ pub struct SwingDecay {
     pub period_drift_percent_std: f64,
     /// The measured curves over the amplitude.
     #[serde(skip)]
-    pub measured: Option<Decay>,
+    pub measured: Option<FreeDecay>,
     /// The same of the model's simulation, where it can be had.
     #[serde(skip)]
-    pub simulated: Option<Decay>,
+    pub simulated: Option<FreeDecay>,
 }
 
 /// A law dA/dt = −(C + V A + Q A²) for the amplitude A of a swing.
@@ -51,7 +51,7 @@ pub struct AmplitudeLaw {
 pub(crate) type OverAmplitude = (Vec<f64>, Vec<f64>);
 
 /// The free swings that are long enough to show a decay.
-pub(crate) fn swing_decays(records: &[Record], traces: &[Vec<Trace>]) -> Vec<SwingDecay> {
+pub(crate) fn swing_decays(records: &[Record], traces: &[Vec<PredictedSeries>]) -> Vec<SwingDecay> {
     records
         .par_iter()
         .zip(traces)

@@ -1,6 +1,6 @@
 //! Results in words, where text and figures say the same.
 
-use identify::Quantity;
+use identify::ResidualKind;
 
 use crate::comparison::FailurePlace;
 use crate::measured_linearity::MeasuredSwings;
@@ -29,7 +29,7 @@ pub fn place(place: &FailurePlace) -> String {
 }
 
 /// The residual in which a place was seen: "missing torque" or "output".
-pub fn residual(quantity: Quantity) -> &'static str {
+pub fn residual(quantity: ResidualKind) -> &'static str {
     quantity.name()
 }
 

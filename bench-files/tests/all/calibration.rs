@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bench_files::{
     Bench, Calibration, CalibrationRecordings, LeverArmCalibration, LineCalibration, ModelFile,
-    MountingCalibration, SensorCalibration,
+    MountingCalibration, StoredSensorCalibration,
 };
 
 use crate::common::Folder;
@@ -243,7 +243,7 @@ fn what_is_wrong_is_said() {
 
 #[test]
 fn results_survive_model_toml() {
-    let sensor = SensorCalibration {
+    let sensor = StoredSensorCalibration {
         bias_counts: [41.7, -24.2, 9.9],
         bias_std: [0.3, 0.2, 0.1],
         matrix: [

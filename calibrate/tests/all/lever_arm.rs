@@ -2,7 +2,7 @@
 
 use crate::common::{ChiSquared, GRAVITY, Noise, counts};
 use attitude::SensorLine;
-use calibrate::{CalibrationError, LeverArm, SensorCalibration, lever_arm, mounting};
+use calibrate::{CalibrationError, LeverArmEstimate, SensorCalibration, lever_arm, mounting};
 use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 use rand::RngExt;
 use std::f64::consts::PI;
@@ -16,7 +16,7 @@ fn found_lever_arm(
     scale_error: f64,
     start_rad: f64,
     period_s: f64,
-) -> Result<LeverArm, CalibrationError> {
+) -> Result<LeverArmEstimate, CalibrationError> {
     let tilt = UnitVector3::new_normalize(Vector3::new(noise.one(), noise.one(), 0.0));
     let to_sensor = Rotation3::from_axis_angle(&tilt, 0.04);
     let mount_rad = noise.rng.random_range(-3.0..3.0);

@@ -12,7 +12,7 @@
 
 use std::ops::Range;
 
-use identify::{Local, Record, Setup};
+use identify::{FitProblem, Nuisance, Record};
 use nalgebra::{DMatrix, DVector};
 use plant::{EffectId, HidingPlace, Model, Output};
 use rayon::prelude::*;
@@ -82,22 +82,22 @@ fn segments<'a>(records: &[&'a Record], fit: &BaseFit) -> Vec<Segment<'a>> {
     let mut segments = vec![];
     let mut first_series = 0;
     for (&record, windows) in records.iter().zip(&fit.minimum.windows) {
-        let locals = Local::of(record);
+        let nuisances = Nuisance::of(record);
         for window in windows {
             let first = window.samples.start;
-            let local = |wanted: Local| {
-                let at = locals.iter().position(|&local| local == wanted);
-                at.and_then(|at| window.locals.get(at).copied())
+            let local = |wanted: Nuisance| {
+                let at = nuisances.iter().position(|&local| local == wanted);
+                at.and_then(|at| window.nuisances.get(at).copied())
             };
             segments.push(Segment {
                 record,
                 samples: window.samples.clone(),
                 from: Beginning {
                     time_s: record.time_s[first],
-                    angle_rad: local(Local::Angle).unwrap_or(0.0),
-                    rate_rad_s: local(Local::Rate).unwrap_or(0.0),
+                    angle_rad: local(Nuisance::Angle).unwrap_or(0.0),
+                    rate_rad_s: local(Nuisance::Rate).unwrap_or(0.0),
                     wheel_angle_rad: record.wheel_angle_before(first),
-                    wheel_speed_rad_s: local(Local::WheelSpeed).unwrap_or(0.0),
+                    wheel_speed_rad_s: local(Nuisance::WheelSpeed).unwrap_or(0.0),
                     current_a: match first {
                         0 => 0.0,
                         _ => record.current_a[first - 1],
@@ -112,7 +112,7 @@ fn segments<'a>(records: &[&'a Record], fit: &BaseFit) -> Vec<Segment<'a>> {
 }
 
 /// What the base fit leaves of a segment.
-fn left(segment: &Segment, traces: &[identify::Trace]) -> Rows {
+fn left(segment: &Segment, traces: &[identify::PredictedSeries]) -> Rows {
     let record = segment.record;
     let mut places = vec![];
     let mut values = vec![];
@@ -200,7 +200,7 @@ fn least_squares(
 /// of the base parameters and of the starts: the root mean square of the worst series, in units of its noise.
 /// `None` where the motion leaves the finite numbers.
 pub fn left_by_combinations(
-    clean: &Setup,
+    clean: &FitProblem,
     fit: &BaseFit,
     suspects: &[EffectId],
     place: &HidingPlace,
@@ -216,7 +216,7 @@ pub fn left_by_combinations(
     };
     let truth = truth_of(values);
     let segments = segments(&records, fit);
-    let all_traces: Vec<&[identify::Trace]> = records
+    let all_traces: Vec<&[identify::PredictedSeries]> = records
         .iter()
         .zip(&fit.minimum.windows)
         .zip(&fit.traces)
@@ -340,18 +340,18 @@ fn start_steps(segment: &Segment) -> Vec<Beginning> {
         STEP * channel.map_or(1.0, |channel| channel.noise_std)
     };
     let from = segment.from;
-    Local::of(segment.record)
+    Nuisance::of(segment.record)
         .into_iter()
         .filter_map(|local| match local {
-            Local::Angle => Some(Beginning {
+            Nuisance::Angle => Some(Beginning {
                 angle_rad: from.angle_rad + noise(Output::Angle),
                 ..from
             }),
-            Local::Rate => Some(Beginning {
+            Nuisance::Rate => Some(Beginning {
                 rate_rad_s: from.rate_rad_s + noise(Output::Rate),
                 ..from
             }),
-            Local::WheelSpeed => Some(Beginning {
+            Nuisance::WheelSpeed => Some(Beginning {
                 wheel_speed_rad_s: from.wheel_speed_rad_s + noise(Output::WheelSpeed),
                 ..from
             }),
@@ -400,7 +400,7 @@ mod tests {
     use super::super::shape::place;
     use super::super::size::{base_fit, make, worst};
     use super::*;
-    use crate::bench_plan::{Driving, ExperimentPlan, SensorNoise};
+    use crate::bench_plan::{DriveProgram, ExperimentPlan, SensorNoise};
     use crate::truth::Outsider;
     use plant::Kind;
 
@@ -417,7 +417,7 @@ mod tests {
             kind: Kind::FreeSwing,
             angle_rad,
             wheel_speed_rad_s: 0.0,
-            driving: Driving::None,
+            driving: DriveProgram::None,
             duration_s: 12.0,
             sample_s: 0.005,
         };

@@ -9,8 +9,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::dice::{log_uniform, sign};
-use crate::bench_plan::{Driving, ExperimentPlan, SensorNoise};
-use crate::true_motion::Push;
+use crate::bench_plan::{DriveProgram, ExperimentPlan, SensorNoise};
+use crate::true_motion::HiddenPush;
 use crate::truth::Truth;
 
 /// Base parameters of a bench of this family: a body of 0.4 to 2 times the thesis' inertia that
@@ -76,7 +76,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
         kind: Kind::FreeSwing,
         angle_rad,
         wheel_speed_rad_s: 0.0,
-        driving: Driving::None,
+        driving: DriveProgram::None,
         duration_s: 16.0,
         sample_s,
     };
@@ -101,7 +101,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
                 kind: Kind::SpinUp,
                 angle_rad: 0.0,
                 wheel_speed_rad_s: 0.0,
-                driving: Driving::Step(share * top_a),
+                driving: DriveProgram::Step(share * top_a),
                 duration_s,
                 sample_s,
             });
@@ -112,7 +112,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
                 kind: Kind::SpinUp,
                 angle_rad: 0.0,
                 wheel_speed_rad_s: 0.5 * speed,
-                driving: Driving::None,
+                driving: DriveProgram::None,
                 duration_s: 10.0,
                 sample_s,
             });
@@ -123,7 +123,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
         {
             let count = rng.random_range(0..=2);
             let pushes = (0..count)
-                .map(|index| Push {
+                .map(|index| HiddenPush {
                     time_s: 2.0 + 3.0 * index as f64 + rng.random_range(0.0..1.0),
                     peak_nm: sign(rng) * gravity * rng.random_range(0.05..0.15),
                     width_s: 0.05,
@@ -134,7 +134,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
                 kind: Kind::Balance,
                 angle_rad: PI + rng.random_range(-0.06..0.06),
                 wheel_speed_rad_s: 0.0,
-                driving: Driving::Balanced {
+                driving: DriveProgram::Balanced {
                     gains,
                     limit_a,
                     pushes,
@@ -149,7 +149,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
                 kind: Kind::Driven,
                 angle_rad: 0.0,
                 wheel_speed_rad_s: 0.0,
-                driving: Driving::Square(0.3 * gravity / torque * 0.5),
+                driving: DriveProgram::Square(0.3 * gravity / torque * 0.5),
                 duration_s: 10.0,
                 sample_s,
             });

@@ -27,7 +27,7 @@ mod question;
 mod shape;
 mod size;
 
-use identify::Setup;
+use identify::FitProblem;
 use plant::{EffectId, Output, Role};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -37,7 +37,7 @@ pub use question::{Question, ROUND, effects, question};
 use self::combinations::left_by_combinations;
 use self::dice::log_uniform;
 use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
-use self::shape::{Shape, is_plausible, place, shape_of_effect, shape_of_outsider};
+use self::shape::{TermShape, is_plausible, place, shape_of_effect, shape_of_outsider};
 use self::size::{base_fit, make, sized};
 use crate::bench_plan::SensorNoise;
 use crate::truth::{StatedTorque, Truth};
@@ -60,7 +60,7 @@ pub struct ExamBench {
     /// The truth.
     pub truth: Truth,
     /// The logs, ready for the fit.
-    pub setup: Setup,
+    pub problem: FitProblem,
     /// Size of each hidden term alone, in units of noise.
     pub sizes: Vec<f64>,
     /// Noise of the sensors.
@@ -104,7 +104,7 @@ fn attempt_draw(
     let noise = draw_noise(&mut rng);
     let choice = draw_experiments(&mut rng, &base, needs(&question));
     let place = place(&base, choice.top);
-    let shapes: Vec<Shape> = match &question {
+    let shapes: Vec<TermShape> = match &question {
         Question::Outside(outsider) => vec![shape_of_outsider(&mut rng, *outsider, &base)],
         _ => question
             .hidden()
@@ -148,7 +148,7 @@ fn attempt_draw(
         seed,
         question,
         truth,
-        setup: made.noisy,
+        problem: made.noisy,
         sizes,
         noise,
         suspects,

@@ -10,7 +10,7 @@ use super::dice::sign;
 use crate::truth::{Hidden, Outsider, StatedTorque, Truth};
 
 /// A hidden term whose amplitude is still open.
-pub struct Shape {
+pub struct TermShape {
     /// The term for an amplitude.
     pub make: Box<dyn Fn(f64) -> Hidden + Send + Sync>,
     /// A first guess for the amplitude.
@@ -44,7 +44,7 @@ pub fn shape_of_effect(
     effect: EffectId,
     place: &HidingPlace,
     stated: Option<&StatedTorque>,
-) -> Shape {
+) -> TermShape {
     let stated = stated.cloned();
     let place = HidingPlace {
         side: sign(rng),
@@ -52,7 +52,7 @@ pub fn shape_of_effect(
         second: rng.random_range(-1.0..1.0),
         ..*place
     };
-    Shape {
+    TermShape {
         make: Box::new(move |s| {
             let parameters = effect.info().hidden(s, &place);
             match &stated {
@@ -65,7 +65,7 @@ pub fn shape_of_effect(
 }
 
 /// An outsider with a drawn shape.
-pub fn shape_of_outsider(rng: &mut ChaCha8Rng, outsider: Outsider, truth: &Truth) -> Shape {
+pub fn shape_of_outsider(rng: &mut ChaCha8Rng, outsider: Outsider, truth: &Truth) -> TermShape {
     let gravity = truth.base[2];
     let uniform = |rng: &mut ChaCha8Rng, low: f64, high: f64| rng.random_range(low..high);
     let (factor, p1, p2, guess) = match outsider {
@@ -86,7 +86,7 @@ pub fn shape_of_outsider(rng: &mut ChaCha8Rng, outsider: Outsider, truth: &Truth
         Outsider::SupplyThatSags => (1.0, uniform(rng, 0.5, 2.0), 0.0, 1e-2),
         Outsider::UnevenEncoder => (1.0, uniform(rng, 0.0, TAU), 0.0, 1e-3),
     };
-    Shape {
+    TermShape {
         make: Box::new(move |s| Hidden::Outsider(outsider, [factor * s, p1, p2])),
         guess,
     }

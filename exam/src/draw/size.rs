@@ -1,20 +1,22 @@
 //! The logs of a bench, and the amplitude at which a hidden term has the size that was drawn.
 
 use bench_files::Known;
-use identify::{Effort, Minimum, Record, Setup, Trace, final_windows, refit, traces};
+use identify::{
+    Effort, FitProblem, Minimum, PredictedSeries, Record, final_windows, refit, traces,
+};
 use plant::Model;
 
 use super::experiments::Choice;
-use super::shape::Shape;
+use super::shape::TermShape;
 use crate::bench_plan::{ExamLog, SensorNoise, is_usable, record};
 use crate::truth::{Hidden, Truth};
 
 /// A seed's logs as the fit sees them, with the noise that was really put in and without it.
 pub struct Made {
     /// What the exam hands out.
-    pub noisy: Setup,
+    pub noisy: FitProblem,
     /// The same without noise; the channels keep the noise as their scale.
-    pub clean: Setup,
+    pub clean: FitProblem,
 }
 
 /// The logs of a bench; `None` if they cannot be read as one.
@@ -46,7 +48,7 @@ pub fn make(truth: &Truth, choice: &Choice, noise: &SensorNoise, seed: u64) -> O
         ));
         logs.push(log);
     }
-    let noisy = Setup::from_records(records, choice.known, Known::default()).ok()?;
+    let noisy = FitProblem::from_records(records, choice.known, Known::default()).ok()?;
     let mut clean = noisy.clone();
     for (record, log) in clean.records.iter_mut().zip(&logs) {
         for channel in &mut record.channels {
@@ -60,7 +62,7 @@ pub fn make(truth: &Truth, choice: &Choice, noise: &SensorNoise, seed: u64) -> O
 }
 
 /// Largest root mean square error over all series in units of noise.
-pub fn worst(records: &[&Record], traces: &[Vec<Trace>]) -> f64 {
+pub fn worst(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> f64 {
     records
         .iter()
         .zip(traces)
@@ -79,17 +81,17 @@ pub struct BaseFit {
     /// The fit.
     pub minimum: Minimum,
     /// For every record and channel, model against measurement.
-    pub traces: Vec<Vec<Trace>>,
+    pub traces: Vec<Vec<PredictedSeries>>,
 }
 
 /// What is left of the hidden terms' trace after the base model is refitted, in units of noise.
-fn size_of(clean: &Setup, truth: &Truth) -> Option<f64> {
+fn size_of(clean: &FitProblem, truth: &Truth) -> Option<f64> {
     let fit = base_fit(clean, truth)?;
     Some(worst(&clean.all_records(), &fit.traces))
 }
 
 /// The base model refitted to the logs without noise, from the true parameters.
-pub fn base_fit(clean: &Setup, truth: &Truth) -> Option<BaseFit> {
+pub fn base_fit(clean: &FitProblem, truth: &Truth) -> Option<BaseFit> {
     let records = clean.all_records();
     let model = Model::base();
     let [a, b, c, d] = truth.base;
@@ -131,7 +133,7 @@ pub fn sized(
     choice: &Choice,
     noise: &SensorNoise,
     seed: u64,
-    shape: &Shape,
+    shape: &TermShape,
     wanted: f64,
 ) -> Option<(Hidden, f64)> {
     const ROUNDS: usize = 8;

@@ -13,8 +13,8 @@ use plant::Model;
 #[test]
 fn a_diagnosis_ends_soon_after_it_is_called_off() {
     let bench = draw(5).expect("a bench");
-    let (setup, base) = (&bench.setup, Model::base());
-    let fitted = identify(setup, &base, None).expect("a fit").fit.minimum;
+    let (problem, base) = (&bench.problem, Model::base());
+    let fitted = identify(problem, &base, None).expect("a fit").fit.minimum;
     let run = |calls: usize| {
         let (asked, late) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let said_late = Cell::new(0);
@@ -32,7 +32,13 @@ fn a_diagnosis_ends_soon_after_it_is_called_off() {
             say: &say,
             cancelled: &cancelled,
         };
-        let found = diagnose_with(setup, &base, fitted.clone(), &Options::default(), &progress);
+        let found = diagnose_with(
+            problem,
+            &base,
+            fitted.clone(),
+            &Options::default(),
+            &progress,
+        );
         let late = late.into_inner();
         (
             found.map(|found| found.verdict),

@@ -39,9 +39,9 @@ fn a_driven_log_with_cogging_is_predictable_in_windows_only() {
             known.expect("every parameter is known").1
         })
         .collect();
-    let cut = bench.setup.in_windows().expect("a driven log");
-    let driven = |setup: &identify::Setup| -> Record {
-        let mut records = setup.records.iter();
+    let cut = bench.problem.in_windows().expect("a driven log");
+    let driven = |problem: &identify::FitProblem| -> Record {
+        let mut records = problem.records.iter();
         let found = records.find(|record| record.kind == Kind::Driven);
         found.expect("a driven log").clone()
     };
@@ -50,7 +50,7 @@ fn a_driven_log_with_cogging_is_predictable_in_windows_only() {
         let at = refit(&[record], &model, values.clone(), start, &[], Effort::FULL);
         at.windows[0].clone()
     };
-    let (whole, in_windows) = (driven(&bench.setup), driven(&cut));
+    let (whole, in_windows) = (driven(&bench.problem), driven(&cut));
     let windows = best(&in_windows);
     let left = cost(&in_windows, &windows, &model, &values);
     assert!((0.8..1.3).contains(&left), "{left}");
@@ -67,11 +67,11 @@ fn a_driven_log_with_cogging_is_predictable_in_windows_only() {
         last
     };
     let mut shifted = one_piece[0].clone();
-    let speed = identify::Local::of(&whole)
+    let speed = identify::Nuisance::of(&whole)
         .iter()
-        .position(|&local| local == identify::Local::WheelSpeed)
+        .position(|&local| local == identify::Nuisance::WheelSpeed)
         .expect("the start has a wheel speed");
-    shifted.locals[speed] += 1e-6;
+    shifted.nuisances[speed] += 1e-6;
     let growth = (end(&shifted) - end(&one_piece[0])).abs() / 1e-6;
     assert!(growth > 1e3, "{growth}");
 }
@@ -85,7 +85,7 @@ fn cogging_is_named_where_it_holds_the_wheel_or_hides_a_push() {
         let answer = Answer::of(&bench);
         assert_eq!(answer.effects, [EffectId::WheelCogging], "seed {seed}");
         let paper =
-            mark(&bench.setup, &answer, EffectId::ALL, &Progress::silent()).expect("a verdict");
+            mark(&bench.problem, &answer, EffectId::ALL, &Progress::silent()).expect("a verdict");
         assert_eq!(paper.named, [EffectId::WheelCogging], "seed {seed}");
         assert_eq!(paper.mark, Mark::Right, "seed {seed}");
     }

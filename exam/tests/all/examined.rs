@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use diagnose::Verdict;
 use exam::{
-    Answer, Driving, ExperimentPlan, Hidden, Mark, Marks, Outsider, Question, ROUND, Rate,
+    Answer, DriveProgram, ExperimentPlan, Hidden, Mark, Marks, Outsider, Question, ROUND, Rate,
     SensorNoise, Truth, draw, effects, mark, question, record, sit,
 };
 use identify::Progress;
@@ -27,7 +27,7 @@ fn truth(hidden: Vec<Hidden>) -> Truth {
     }
 }
 
-fn plan(kind: Kind, angle_rad: f64, driving: Driving, duration_s: f64) -> ExperimentPlan {
+fn plan(kind: Kind, angle_rad: f64, driving: DriveProgram, duration_s: f64) -> ExperimentPlan {
     ExperimentPlan {
         name: "test".to_owned(),
         kind,
@@ -48,7 +48,7 @@ fn dry_friction_holds_a_body_that_gravity_cannot_move() {
     )]);
     let edge = (friction / BASE[2]).asin();
     let at = |angle: f64| {
-        let swing = plan(Kind::FreeSwing, angle, Driving::None, 3.0);
+        let swing = plan(Kind::FreeSwing, angle, DriveProgram::None, 3.0);
         record(&held, &swing, &QUIET, 1).clean[0].clone()
     };
     assert!(at(0.99 * edge).iter().all(|angle| *angle == 0.99 * edge));
@@ -65,7 +65,7 @@ fn dry_friction_takes_the_same_from_every_half_swing() {
         vec![friction],
     )]);
     bench.body_viscous = 0.0;
-    let swing = plan(Kind::FreeSwing, 0.05, Driving::None, 12.0);
+    let swing = plan(Kind::FreeSwing, 0.05, DriveProgram::None, 12.0);
     let angle = &record(&bench, &swing, &QUIET, 1).clean[0];
     let turns: Vec<f64> = angle
         .windows(3)
@@ -103,7 +103,7 @@ fn smooth_effects_mean_the_same_to_the_exam_and_to_the_plant() {
         (EffectId::GyroBias, &[0.02]),
     ];
     for (effect, p) in cases {
-        let driven = plan(Kind::Driven, 0.3, Driving::Square(0.8), 4.0);
+        let driven = plan(Kind::Driven, 0.3, DriveProgram::Square(0.8), 4.0);
         let log = record(
             &truth(vec![Hidden::Library(effect, p.to_vec())]),
             &driven,
@@ -214,7 +214,7 @@ fn a_seed_is_a_bench_with_the_size_that_was_wanted() {
     for seed in [0, 5, 13] {
         let (first, second) = (draw(seed).expect("a bench"), draw(seed).expect("a bench"));
         assert_eq!(first.truth, second.truth, "seed {seed}");
-        for (a, b) in first.setup.records.iter().zip(&second.setup.records) {
+        for (a, b) in first.problem.records.iter().zip(&second.problem.records) {
             assert_eq!(a.channels[0].samples, b.channels[0].samples, "seed {seed}");
         }
         assert!(
@@ -232,7 +232,7 @@ fn an_outsider_acts_as_it_says() {
         Outsider::VibrationOfTheBase,
         [torque, TAU * frequency, 0.0],
     )]);
-    let still = plan(Kind::FreeSwing, 0.0, Driving::None, 4.0);
+    let still = plan(Kind::FreeSwing, 0.0, DriveProgram::None, 4.0);
     let log = record(&bench, &still, &QUIET, 1);
     // The forced part has the amplitude M/(Θ (ω² − ω₀²)); the free part rings beside it with that
     // amplitude times ω/ω₀.
@@ -300,7 +300,7 @@ fn a_body_that_passes_over_the_top_lacks_nothing() {
     let bench = draw(4749).expect("a bench");
     assert!(
         bench
-            .setup
+            .problem
             .records
             .iter()
             .any(|record| record.passes_over_the_top)
@@ -319,7 +319,7 @@ fn three_terms_of_a_power_series_are_no_explanation() {
             Question::Outside(Outsider::SoftStop)
         ));
         let paper = mark(
-            &bench.setup,
+            &bench.problem,
             &Answer::of(&bench),
             EffectId::ALL,
             &Progress::silent(),

@@ -86,8 +86,13 @@ fn an_effect_from_outside_is_hidden_fitted_and_named() {
     assert!((0.9..33.2).contains(&bench.sizes[0]), "{:?}", bench.sizes);
     let answer = Answer::of(&bench);
     assert_eq!(answer.effects, [effect]);
-    let paper =
-        mark(&bench.setup, &answer, &bench.suspects, &Progress::silent()).expect("a verdict");
+    let paper = mark(
+        &bench.problem,
+        &answer,
+        &bench.suspects,
+        &Progress::silent(),
+    )
+    .expect("a verdict");
     assert_eq!(paper.verdict, Verdict::Explained);
     assert_eq!(paper.named, [effect]);
     assert_eq!(paper.mark, Mark::Right);

@@ -12,11 +12,11 @@ fn the_misfit_of_a_smoothed_sign_is_predicted() {
     for seed in [326, 520] {
         let bench = draw(seed).expect("a bench");
         let answer = Answer::of(&bench);
-        let setup = &bench.setup;
-        let base = identify(setup, &Model::base(), None).expect("a fit").fit;
-        let records = setup.all_records();
-        let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-        let found = imperfection(setup, &records, &truth);
+        let problem = &bench.problem;
+        let base = identify(problem, &Model::base(), None).expect("a fit").fit;
+        let records = problem.all_records();
+        let truth = fitted(problem, &base.minimum, &answer.effects, &answer);
+        let found = imperfection(problem, &records, &truth);
         let mut imperfection = found.rms_over_noise.iter();
         for (record, traces) in records.iter().zip(&truth.traces) {
             for (channel, trace) in record.channels.iter().zip(traces) {
@@ -41,7 +41,8 @@ fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
     let bench = draw(4006).expect("a bench");
     let answer = Answer::of(&bench);
     assert_eq!(answer.effects, [EffectId::WheelCoulombFriction]);
-    let paper = mark(&bench.setup, &answer, EffectId::ALL, &Progress::silent()).expect("a verdict");
+    let paper =
+        mark(&bench.problem, &answer, EffectId::ALL, &Progress::silent()).expect("a verdict");
     assert_eq!(paper.verdict, Verdict::Ambiguous);
     for effect in [EffectId::WheelCoulombFriction, EffectId::MotorDeadZone] {
         assert!(
@@ -51,10 +52,10 @@ fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
         );
     }
     // Sample by sample the misfit of the smoothed sign is in the errors, and not only as large as a part of them.
-    let setup = &bench.setup;
-    let base = identify(setup, &Model::base(), None).expect("a fit").fit;
-    let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-    let without = imperfection(setup, &setup.all_records(), &truth).rmse_without;
+    let problem = &bench.problem;
+    let base = identify(problem, &Model::base(), None).expect("a fit").fit;
+    let truth = fitted(problem, &base.minimum, &answer.effects, &answer);
+    let without = imperfection(problem, &problem.all_records(), &truth).rmse_without;
     let own = truth.rmse();
     assert_eq!(without.len(), own.len());
     assert!(
@@ -71,10 +72,10 @@ fn without_dry_friction_there_is_none() {
     let bench = draw(3).expect("a bench");
     let answer = Answer::of(&bench);
     assert_eq!(answer.effects, [EffectId::BodyQuadraticDrag]);
-    let setup = &bench.setup;
-    let base = identify(setup, &Model::base(), None).expect("a fit").fit;
-    let truth = fitted(setup, &base.minimum, &answer.effects, &answer);
-    let imperfection = imperfection(setup, &setup.all_records(), &truth).rms_over_noise;
+    let problem = &bench.problem;
+    let base = identify(problem, &Model::base(), None).expect("a fit").fit;
+    let truth = fitted(problem, &base.minimum, &answer.effects, &answer);
+    let imperfection = imperfection(problem, &problem.all_records(), &truth).rms_over_noise;
     assert!(imperfection.iter().all(|&value| value == 0.0));
 }
 
@@ -88,7 +89,7 @@ fn neither_a_smoothed_sign_nor_a_stuck_fit_is_taken_for_an_effect() {
     ] {
         let bench = draw(seed).expect("a bench");
         let paper = mark(
-            &bench.setup,
+            &bench.problem,
             &Answer::of(&bench),
             EffectId::ALL,
             &Progress::silent(),
@@ -107,7 +108,7 @@ fn dry_friction_does_not_lose_by_its_smoothed_sign() {
     let mut truth = Answer::of(&bench).effects;
     truth.sort();
     let paper = mark(
-        &bench.setup,
+        &bench.problem,
         &Answer::of(&bench),
         EffectId::ALL,
         &Progress::silent(),

@@ -12,7 +12,7 @@ fn number() -> impl Strategy<Value = f64> {
 proptest! {
     #[test]
     fn any_label_comes_out_as_it_went_in(name in "[ -~äπ]{1,20}", title in "\\PC{0,200}") {
-        let line = Line { name: &name, role: Role::Model, x: &[0.0, 1.0], y: &[0.0, 1.0] };
+        let line = Line { name: &name, role: LineRole::Model, x: &[0.0, 1.0], y: &[0.0, 1.0] };
         let figure = Series {
             title: &title,
             subtitle: &title,
@@ -40,7 +40,7 @@ proptest! {
         let svg = overlay(&Overlay {
             title: "any",
             time_s: &time,
-            channels: &[Channel {
+            channels: &[OverlayChannel {
                 quantity: ANGLE,
                 measurement: &measurement,
                 model: &model,
@@ -71,7 +71,7 @@ proptest! {
         parse(&decay(&Decay { panels: &[panel], ..Default::default() }).unwrap());
 
         let set = PoleSet {
-            name: "p", role: Role::Model, poles: &[(v[0], v[1]), (v[2], v[3])], cloud: &[(v[4], v[5])],
+            name: "p", role: LineRole::Model, poles: &[(v[0], v[1]), (v[2], v[3])], cloud: &[(v[4], v[5])],
         };
         for plane in [Plane::Discrete, Plane::Continuous] {
             parse(&poles(&Poles { plane, sets: &[set], ..Default::default() }));
@@ -92,7 +92,7 @@ proptest! {
             steps: &["a", "b", "c", "d", "e", "f"], traces: &[trace], ..Default::default()
         }).unwrap());
 
-        let suspect = Suspect { name: "s", probability: v[0], evidence: "e" };
+        let suspect = SuspectBar { name: "s", probability: v[0], evidence: "e" };
         parse(&suspects(&Suspects { suspects: &[suspect], ..Default::default() }));
     }
 }

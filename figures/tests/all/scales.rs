@@ -10,7 +10,7 @@ fn a_single_slow_pole_is_not_enlarged() {
     let shown = |closed: &[(f64, f64)]| {
         let set = |name, poles| PoleSet {
             name,
-            role: Role::Model,
+            role: LineRole::Model,
             poles,
             cloud: &[],
         };
@@ -30,7 +30,7 @@ fn a_single_slow_pole_is_not_enlarged() {
 fn a_stable_pole_is_drawn_inside_the_circle() {
     let set = PoleSet {
         name: "loop",
-        role: Role::Model,
+        role: LineRole::Model,
         poles: &[(0.999, 0.0), (0.99, 0.02), (0.99, -0.02)],
         cloud: &[],
     };
@@ -78,7 +78,7 @@ fn a_far_limit_is_named_and_does_not_flatten_the_data() {
     let x = [0.0, 1.0, 2.0];
     let line = Line {
         name: "float law",
-        role: Role::Float,
+        role: LineRole::Float,
         x: &x,
         y: &[0.0, 0.01, 0.0],
     };

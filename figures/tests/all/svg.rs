@@ -89,7 +89,7 @@ pub const ANGLE: Quantity = Quantity {
 
 pub fn one_channel<'a>(
     time_s: &'a [f64],
-    channels: &'a [Channel<'a>],
+    channels: &'a [OverlayChannel<'a>],
     title: &'a str,
 ) -> Overlay<'a> {
     Overlay {

@@ -11,7 +11,7 @@ fn a_long_overlay_is_small_and_keeps_its_peak() {
     // One sample out of 60,000 stands out: it must be seen.
     measured[31_234] = 5.0;
     let model: Vec<f64> = time.iter().map(|t| (40.0 * t + 0.1).sin()).collect();
-    let channel = Channel {
+    let channel = OverlayChannel {
         quantity: ANGLE,
         measurement: &measured,
         model: &model,
@@ -54,7 +54,7 @@ fn the_worst_noise_in_four_channels_with_a_zoom_stays_small() {
         (0..samples).map(residue).collect()
     };
     let (measured, model) = (noise(619), noise(271));
-    let channel = Channel {
+    let channel = OverlayChannel {
         quantity: ANGLE,
         measurement: &measured,
         model: &model,
@@ -75,7 +75,7 @@ fn the_worst_noise_in_four_channels_with_a_zoom_stays_small() {
 fn a_line_that_crosses_the_zoom_without_a_point_in_it_is_drawn() {
     let line = Line {
         name: "line",
-        role: Role::Model,
+        role: LineRole::Model,
         x: &[0.0, 10.0],
         y: &[0.0, 10.0],
     };
@@ -102,7 +102,7 @@ fn gaps_stay_gaps() {
     measured[300..400].fill(f64::NAN);
     measured[700] = f64::INFINITY;
     let model = vec![0.0; 1000];
-    let channels = [Channel {
+    let channels = [OverlayChannel {
         quantity: ANGLE,
         measurement: &measured,
         model: &model,
@@ -128,7 +128,7 @@ fn stacked_panels_share_their_time_axis() {
     let time: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
     let small: Vec<f64> = time.iter().map(|t| 1e-7 * t).collect();
     let large: Vec<f64> = time.iter().map(|t| 12_345.0 - t).collect();
-    let channel = |values| Channel {
+    let channel = |values| OverlayChannel {
         quantity: ANGLE,
         measurement: values,
         model: values,
@@ -152,7 +152,7 @@ fn stacked_panels_share_their_time_axis() {
 #[test]
 fn lengths_that_do_not_fit_are_refused_by_name() {
     let time = [0.0, 1.0];
-    let channels = [Channel {
+    let channels = [OverlayChannel {
         quantity: ANGLE,
         measurement: &[1.0, 2.0],
         model: &[1.0],

@@ -65,7 +65,7 @@ fn the_staircase_shows_every_experiment_and_its_last_error() {
 
 #[test]
 fn bars_are_as_long_as_their_probability() {
-    let suspect = |name, probability| Suspect {
+    let suspect = |name, probability| SuspectBar {
         name,
         probability,
         evidence: "",

@@ -2,7 +2,7 @@
 
 mod error;
 mod parameters;
-mod setup;
+mod problem;
 
 pub use error::IdentifyError;
-pub use setup::Setup;
+pub use problem::FitProblem;

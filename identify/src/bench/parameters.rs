@@ -5,11 +5,11 @@ use plant::{
     TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
 };
 
-use super::setup::Setup;
+use super::problem::FitProblem;
 use crate::fit::{base_values, driving_samples, ratios};
 use crate::records::Record;
 
-impl Setup {
+impl FitProblem {
     /// The positions of the parameter vector that a fit of `model` moves: everything that is not
     /// known or a whole number and that some experiment can show.
     pub fn free(&self, model: &Model) -> Vec<usize> {

@@ -4,17 +4,17 @@ use plant::{BASE_PARAMETERS, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use super::contradiction::sigmas_for;
 use super::estimate::Fit;
-use crate::bench::Setup;
+use crate::bench::FitProblem;
 
 /// The inertia of the body about its own centre of mass, j_b = Θ − j_w − k² m_w − l² m_b in kg m²,
 /// with its standard error from those of Θ and j_w; masses and lengths count as exact. `None` unless
 /// all of them are known and both inertias are in kg m².
-pub fn body_inertia(setup: &Setup, fit: &Fit) -> Option<(f64, Option<f64>)> {
-    let masses = &setup.masses;
-    let (body, wheel) = setup.moved();
-    let is_told = |position: usize, moved: bool| setup.known[position].is_some() || moved;
-    if !setup.body_scale_known
-        || !(setup.wheel_scale_known || setup.coupled)
+pub fn body_inertia(problem: &FitProblem, fit: &Fit) -> Option<(f64, Option<f64>)> {
+    let masses = &problem.masses;
+    let (body, wheel) = problem.moved();
+    let is_told = |position: usize, moved: bool| problem.known[position].is_some() || moved;
+    if !problem.body_scale_known
+        || !(problem.wheel_scale_known || problem.coupled)
         || !is_told(TOTAL_INERTIA, body)
         || !is_told(WHEEL_INERTIA, wheel)
     {
@@ -35,8 +35,8 @@ pub fn body_inertia(setup: &Setup, fit: &Fit) -> Option<(f64, Option<f64>)> {
 
 /// What masses and lengths say against the inertia that was found, in a sentence; `None` where they
 /// agree or not all is known.
-pub fn body_inertia_contradiction(setup: &Setup, fit: &Fit) -> Option<String> {
-    let (value, std) = body_inertia(setup, fit)?;
+pub fn body_inertia_contradiction(problem: &FitProblem, fit: &Fit) -> Option<String> {
+    let (value, std) = body_inertia(problem, fit)?;
     let spread = std.unwrap_or(0.0);
     let name = BASE_PARAMETERS[TOTAL_INERTIA].name;
     if value + sigmas_for(1) * spread <= 0.0 {
@@ -47,7 +47,7 @@ pub fn body_inertia_contradiction(setup: &Setup, fit: &Fit) -> Option<String> {
             fit.values[TOTAL_INERTIA]
         ));
     }
-    let given = setup.masses.body_inertia?;
+    let given = problem.masses.body_inertia?;
     let sigmas = (given - value).abs() / std?;
     (sigmas > sigmas_for(1)).then(|| {
         format!(

@@ -28,8 +28,8 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::covariance::{gradient_error, pseudo_inverse};
-use crate::bench::Setup;
-use crate::fit::{RecordPromise, Unknowns, Window, promise};
+use crate::bench::FitProblem;
+use crate::fit::{RecordScore, Unknowns, Window, score_test};
 use crate::records::Record;
 
 /// Probability that a bench without any contradiction has one reported, over all its tests.
@@ -115,7 +115,7 @@ struct Statistics<'a> {
     names: Vec<&'static str>,
     units: Vec<String>,
     /// For each record, information and gradient.
-    promised: Vec<RecordPromise>,
+    promised: Vec<RecordScore>,
     /// Covariance of each gradient.
     scatter: Vec<DMatrix<f64>>,
 }
@@ -143,15 +143,15 @@ impl Candidate {
 /// The contradictions of a bench at the parameters `values` of `model`, the largest first. `windows`
 /// are those of the fit; `held` names the positions of parameters that lie on a bound.
 pub fn contradictions(
-    setup: &Setup,
+    problem: &FitProblem,
     model: &Model,
     values: &[f64],
     windows: &[Vec<Window>],
     held: &[usize],
 ) -> Vec<Contradiction> {
-    let free = setup.free(model);
-    let knowns: Vec<usize> = (0..setup.known.len())
-        .filter(|&position| setup.known[position].is_some() && is_measured(setup, position))
+    let free = problem.free(model);
+    let knowns: Vec<usize> = (0..problem.known.len())
+        .filter(|&position| problem.known[position].is_some() && is_measured(problem, position))
         .collect();
     let mut positions: Vec<usize> = free
         .iter()
@@ -164,7 +164,7 @@ pub fn contradictions(
         .iter()
         .map(|position| free.contains(position))
         .collect();
-    let statistics = Statistics::new(setup, model, values, windows, &positions);
+    let statistics = Statistics::new(problem, model, values, windows, &positions);
     let mut kept = vec![true; statistics.records.len()];
     let mut threshold = None;
     let mut found = vec![];
@@ -189,10 +189,10 @@ pub fn contradictions(
 }
 
 /// Whether a base parameter's value was measured, and not set to 1 to fix the scale.
-fn is_measured(setup: &Setup, position: usize) -> bool {
+fn is_measured(problem: &FitProblem, position: usize) -> bool {
     match position {
-        TOTAL_INERTIA => setup.body_scale_known,
-        WHEEL_INERTIA => setup.wheel_scale_known || setup.coupled,
+        TOTAL_INERTIA => problem.body_scale_known,
+        WHEEL_INERTIA => problem.wheel_scale_known || problem.coupled,
         _ => true,
     }
 }
@@ -206,15 +206,15 @@ pub(super) fn sigmas_for(tests: usize) -> f64 {
 
 impl<'a> Statistics<'a> {
     fn new(
-        setup: &'a Setup,
+        problem: &'a FitProblem,
         model: &Model,
         values: &[f64],
         windows: &[Vec<Window>],
         positions: &[usize],
     ) -> Statistics<'a> {
         let unknowns = Unknowns::new(model, positions);
-        let records = setup.all_records();
-        let at = promise(&records, model, values, windows, &unknowns, None).records;
+        let records = problem.all_records();
+        let at = score_test(&records, model, values, windows, &unknowns, None).records;
         let infos = model.parameters();
         let scatter = records
             .par_iter()
@@ -230,7 +230,10 @@ impl<'a> Statistics<'a> {
             unknowns,
             values: values.to_vec(),
             names: positions.iter().map(|&at| infos[at].name).collect(),
-            units: positions.iter().map(|&at| setup.unit(model, at)).collect(),
+            units: positions
+                .iter()
+                .map(|&at| problem.unit(model, at))
+                .collect(),
             promised: at,
             scatter,
         }

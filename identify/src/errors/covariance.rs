@@ -136,7 +136,7 @@ pub fn gradient_error(
         .map(|window| project(record, window, model, values, unknowns, &globals))
         .collect();
     for (window, observations) in windows.iter().zip(projected) {
-        locals_total += window.locals.len();
+        locals_total += window.nuisances.len();
         for one in observations {
             counts[one.channel] += 1;
             let mut residual = one.residual;
@@ -220,7 +220,7 @@ fn project(
         }
     };
     let system = normal_observed(record, window, model, values, unknowns, globals, keep);
-    let l = system.locals.len();
+    let l = system.nuisances.len();
     let mut own = system.hessian.view((p, p), (l, l)).into_owned();
     for index in 0..l {
         own[(index, index)] = own[(index, index)].max(1e-300) * (1.0 + 1e-12);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::comparison::traces;
 use super::sensitivity::normal;
 use super::solver::Minimum;
-use super::unknowns::{Local, Unknowns, Window};
+use super::unknowns::{Nuisance, Unknowns, Window};
 use super::windows::guess;
 use crate::records::{Output, Record, StraightLine};
 
@@ -217,10 +217,12 @@ pub fn settled(
     }
     let unknowns = Unknowns::new(model, &[]);
     let settle = |record: &Record, window: Window| -> Window {
-        let locals = Local::of(record);
-        let wheel_angle = locals.iter().position(|&local| local == Local::WheelAngle);
+        let nuisances = Nuisance::of(record);
+        let wheel_angle = nuisances
+            .iter()
+            .position(|&local| local == Nuisance::WheelAngle);
         let shift = wheel_angle.and_then(|at| {
-            let std = Local::WheelAngle.prior_std(record, window.samples.start)?;
+            let std = Nuisance::WheelAngle.prior_std(record, window.samples.start)?;
             Some((at, std))
         });
         let guessed = guess(record, values, window.samples.clone());
@@ -228,7 +230,7 @@ pub fn settled(
         if let Some((at, std)) = shift {
             for mut start in tried.clone() {
                 tried.extend(TRIED_STD.map(|shift| {
-                    start.locals[at] = shift * std;
+                    start.nuisances[at] = shift * std;
                     start.clone()
                 }));
             }

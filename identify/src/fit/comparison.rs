@@ -4,11 +4,11 @@ use plant::Model;
 
 use super::simulation::simulate;
 use super::unknowns::Window;
-use crate::records::{Channel, Output, Record};
+use crate::records::{Output, Record, RecordedChannel};
 
 /// Model against measurement, for one channel of one record.
 #[derive(Clone, Debug)]
-pub struct Trace {
+pub struct PredictedSeries {
     /// Which output.
     pub output: Output,
     /// The model's output at every sample, SI.
@@ -19,9 +19,9 @@ pub struct Trace {
     pub fit_percent: f64,
 }
 
-impl Trace {
+impl PredictedSeries {
     /// Compares a channel with what is predicted of it, at the samples whose weight is not 0.
-    pub fn new(channel: &Channel, predicted: Vec<f64>, weight: &[f64]) -> Trace {
+    pub fn new(channel: &RecordedChannel, predicted: Vec<f64>, weight: &[f64]) -> PredictedSeries {
         let counted: Vec<(f64, f64)> = channel
             .samples
             .iter()
@@ -34,7 +34,7 @@ impl Trace {
         let mean = counted.iter().map(|(y, _)| y).sum::<f64>() / n;
         let error: f64 = counted.iter().map(|(y, model)| (y - model).powi(2)).sum();
         let spread: f64 = counted.iter().map(|(y, _)| (y - mean).powi(2)).sum();
-        Trace {
+        PredictedSeries {
             output: channel.output,
             predicted,
             rmse: (error / n).sqrt(),
@@ -44,7 +44,12 @@ impl Trace {
 }
 
 /// Simulates the windows of a record and compares every channel.
-pub fn traces(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Trace> {
+pub fn traces(
+    record: &Record,
+    windows: &[Window],
+    model: &Model,
+    values: &[f64],
+) -> Vec<PredictedSeries> {
     let mut predicted = vec![vec![f64::NAN; record.len()]; record.channels.len()];
     for window in windows {
         simulate(record, window, model, values, |k, reading, _| {
@@ -57,6 +62,6 @@ pub fn traces(record: &Record, windows: &[Window], model: &Model, values: &[f64]
         .channels
         .iter()
         .zip(predicted)
-        .map(|(channel, predicted)| Trace::new(channel, predicted, &record.weight))
+        .map(|(channel, predicted)| PredictedSeries::new(channel, predicted, &record.weight))
         .collect()
 }

@@ -30,15 +30,15 @@ mod unknowns;
 mod windows;
 
 pub use cogging::{CoggingStart, cogging_start, settled};
-pub use comparison::{Trace, traces};
+pub use comparison::{PredictedSeries, traces};
 pub use effort::{Effort, Outcome};
 pub use schedule::{fit_from_scratch, fit_windowed, refit};
-pub use score_test::{KnownPromise, Promise, PromisedStep, RecordPromise, promise};
+pub use score_test::{KnownScore, RecordScore, ScoreStep, ScoreTest, score_test};
 pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_observed};
 pub use simulation::{simulate, simulate_smoothed};
 pub use solver::{Minimum, cost, minimise};
 pub(crate) use start::driving_samples;
 pub use start::{Ratios, base_values, ratios};
 pub(crate) use transition::transitions;
-pub use unknowns::{Local, Unknowns, Window, acts, relevant};
+pub use unknowns::{Nuisance, Unknowns, Window, acts, relevant};
 pub use windows::{final_windows, guessed, joined};

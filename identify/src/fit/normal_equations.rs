@@ -60,8 +60,8 @@ pub(super) struct Reduced {
 }
 
 pub(super) struct Eliminated {
-    /// The window's unknowns that act, as indices into [`Window::locals`].
-    pub(super) locals: Vec<usize>,
+    /// The window's unknowns that act, as indices into [`Window::nuisances`].
+    pub(super) nuisances: Vec<usize>,
     pub(super) inverse: Cholesky<f64, nalgebra::Dyn>,
     pub(super) coupling: DMatrix<f64>,
     pub(super) gradient: DVector<f64>,
@@ -125,7 +125,7 @@ pub(super) fn reduce_record(
         let coupling = normal.hessian.view((p, 0), (l, p)).into_owned();
         let own_gradient = normal.gradient.rows(p, l).into_owned();
         let eliminated = Cholesky::new(own).map(|inverse| Eliminated {
-            locals: normal.locals.clone(),
+            nuisances: normal.nuisances.clone(),
             inverse,
             coupling,
             gradient: own_gradient,

@@ -9,7 +9,7 @@ use plant::{Kind, Model, Timing, period_s};
 
 use super::cogging::settled;
 use super::effort::{Effort, Outcome};
-use super::score_test::promise;
+use super::score_test::score_test;
 use super::solver::{Minimum, minimise};
 use super::unknowns::{Unknowns, Window};
 use super::windows::{final_windows, windows};
@@ -150,9 +150,9 @@ fn over_samples(
             }
             let mut values = best.values.clone();
             values[at] = next_s;
-            let promise = promise(records, model, &values, &best.windows, unknowns, None);
+            let score_test = score_test(records, model, &values, &best.windows, unknowns, None);
             let goal = best.cost - WORTH_A_SAMPLE;
-            if promise.step(&values, unknowns, &all).cost > goal {
+            if score_test.step(&values, unknowns, &all).cost > goal {
                 break;
             }
             let windows = best.windows.clone();

@@ -10,14 +10,14 @@ use crate::records::Record;
 
 /// What a full Gauss–Newton step from a point promises, without taking it: the score test.
 #[derive(Clone, Debug)]
-pub struct Promise {
+pub struct ScoreTest {
     /// For each record its share.
-    pub records: Vec<RecordPromise>,
+    pub records: Vec<RecordScore>,
 }
 
-/// One record's share of a [`Promise`].
+/// One record's share of a [`ScoreTest`].
 #[derive(Clone, Debug)]
-pub struct RecordPromise {
+pub struct RecordScore {
     /// Cost at the point.
     pub cost: f64,
     /// Information on the free parameters (the windows' unknowns eliminated), in the fit's
@@ -31,7 +31,7 @@ pub struct RecordPromise {
 
 /// A step that is promised.
 #[derive(Clone, Debug)]
-pub struct PromisedStep {
+pub struct ScoreStep {
     /// Cost that the quadratic model promises after the step.
     pub cost: f64,
     /// The step of the free parameters, in the fit's coordinates; 0 for those that stay.
@@ -40,7 +40,7 @@ pub struct PromisedStep {
 
 /// A model with parameters at a point whose promise is known.
 #[derive(Clone, Copy)]
-pub struct KnownPromise<'a> {
+pub struct KnownScore<'a> {
     /// The model.
     pub model: &'a Model,
     /// Its parameter vector.
@@ -48,22 +48,22 @@ pub struct KnownPromise<'a> {
     /// Its unknowns.
     pub unknowns: &'a Unknowns,
     /// What it promises.
-    pub promise: &'a Promise,
+    pub score_test: &'a ScoreTest,
     /// Whether what the other model has more does not come into play in a record.
     pub leaves_no_trace: &'a (dyn Fn(&Record) -> bool + Sync),
 }
 
 /// Evaluates the normal equations once. Records in which the model moves as one whose promise is
 /// `known` (with the same windows) are not simulated again: those in which nothing acts that differs,
-/// and those for which [`KnownPromise::leaves_no_trace`] says so.
-pub fn promise(
+/// and those for which [`KnownScore::leaves_no_trace`] says so.
+pub fn score_test(
     records: &[&Record],
     model: &Model,
     values: &[f64],
     windows: &[Vec<Window>],
     unknowns: &Unknowns,
-    known: Option<KnownPromise>,
-) -> Promise {
+    known: Option<KnownScore>,
+) -> ScoreTest {
     let count = unknowns.free.len();
     let globals: Vec<Vec<usize>> = records
         .iter()
@@ -93,7 +93,7 @@ pub fn promise(
         .iter()
         .enumerate()
         .map(|(index, list)| match known {
-            Some(known) if is_known(records[index]) => known.promise.records[index].reordered(
+            Some(known) if is_known(records[index]) => known.score_test.records[index].reordered(
                 known,
                 |unknown| {
                     let name = known.model.parameters()[known.unknowns.free[unknown]].name;
@@ -104,7 +104,7 @@ pub fn promise(
             _ => {
                 let part = reduce_record(list, &globals[index], count, 0.0);
                 let eliminated = part.windows.iter().flatten();
-                RecordPromise {
+                RecordScore {
                     cost: list.iter().map(|window| window.cost).sum(),
                     own_promise: eliminated
                         .map(|window| window.gradient.dot(&window.inverse.solve(&window.gradient)))
@@ -115,18 +115,18 @@ pub fn promise(
             }
         })
         .collect();
-    Promise { records }
+    ScoreTest { records }
 }
 
-impl RecordPromise {
+impl RecordScore {
     /// The same share among `count` unknowns of another model; `place` says where an unknown stands
     /// there.
     fn reordered(
         &self,
-        known: KnownPromise,
+        known: KnownScore,
         place: impl Fn(usize) -> Option<usize>,
         count: usize,
-    ) -> RecordPromise {
+    ) -> RecordScore {
         let places: Vec<Option<usize>> = (0..known.unknowns.free.len()).map(place).collect();
         let mut information = DMatrix::zeros(count, count);
         let mut gradient = DVector::zeros(count);
@@ -139,7 +139,7 @@ impl RecordPromise {
                 }
             }
         }
-        RecordPromise {
+        RecordScore {
             cost: self.cost,
             information,
             gradient,
@@ -151,7 +151,7 @@ impl RecordPromise {
 /// Share of the cost at a point by which rounding may put what a step promises below nothing.
 const ROUNDING: f64 = 1e-6;
 
-impl Promise {
+impl ScoreTest {
     /// Cost at the point.
     pub fn cost(&self) -> f64 {
         self.records.iter().map(|record| record.cost).sum()
@@ -170,13 +170,13 @@ impl Promise {
     /// The step of those free parameters that `moves` marks, and what it promises; the others stay
     /// where they are, as in a model without them. Unknowns on a bound that would leave their range
     /// are held there.
-    pub fn step(&self, values: &[f64], unknowns: &Unknowns, moves: &[bool]) -> PromisedStep {
+    pub fn step(&self, values: &[f64], unknowns: &Unknowns, moves: &[bool]) -> ScoreStep {
         let count = unknowns.free.len();
         let total = self.information();
         let right = self.gradient();
         let own_promise: f64 = self.records.iter().map(|record| record.own_promise).sum();
         let mut held: Vec<bool> = moves.iter().map(|moves| !moves).collect();
-        let mut promised = PromisedStep {
+        let mut promised = ScoreStep {
             cost: self.cost(),
             step: DVector::zeros(count),
         };

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use plant::{Dual, Kind, Model, Scalar, Smoothing};
 
 use super::simulation::{run, simulate};
-use super::unknowns::{Local, Unknowns, Window};
+use super::unknowns::{Nuisance, Unknowns, Window};
 use crate::records::Record;
 
 /// Normal equations of one window: (Hgg Hgl; Hlg Hll) and right-hand sides, for the unknowns in the
@@ -17,8 +17,8 @@ pub struct WindowNormal {
     pub gradient: DVector<f64>,
     /// Sum of squared residuals; infinite if the simulation left the finite numbers.
     pub cost: f64,
-    /// Which of the window's unknowns act, as indices into [`Window::locals`].
-    pub locals: Vec<usize>,
+    /// Which of the window's unknowns act, as indices into [`Window::nuisances`].
+    pub nuisances: Vec<usize>,
 }
 
 /// What carries derivatives in the simulation of a window, in this order.
@@ -26,22 +26,22 @@ struct Lanes<'a> {
     /// Indices into the unknowns.
     globals: &'a [usize],
     /// The unknowns of the window on which the motion of the model depends, as indices into
-    /// [`Window::locals`].
-    locals: Vec<usize>,
+    /// [`Window::nuisances`].
+    nuisances: Vec<usize>,
 }
 
 impl Lanes<'_> {
     fn of<'a>(record: &Record, window: &Window, model: &Model, globals: &'a [usize]) -> Lanes<'a> {
-        let locals = Local::of(record).into_iter().zip(&window.locals);
-        let locals = locals
+        let nuisances = Nuisance::of(record).into_iter().zip(&window.nuisances);
+        let nuisances = nuisances
             .enumerate()
             .filter_map(|(index, (local, _))| local.acts_on(model).then_some(index))
             .collect();
-        Lanes { globals, locals }
+        Lanes { globals, nuisances }
     }
 
     fn count(&self) -> usize {
-        self.globals.len() + self.locals.len()
+        self.globals.len() + self.nuisances.len()
     }
 
     /// At most `most` of these lanes, from the lane `first` on.
@@ -50,13 +50,14 @@ impl Lanes<'_> {
         let globals = self.globals.len();
         Lanes {
             globals: &self.globals[first.min(globals)..end.min(globals)],
-            locals: self.locals[first.max(globals) - globals..end.max(globals) - globals].to_vec(),
+            nuisances: self.nuisances[first.max(globals) - globals..end.max(globals) - globals]
+                .to_vec(),
         }
     }
 
     /// The lane of an unknown of the window, if it has one.
-    fn of_local(&self, local: usize) -> Option<usize> {
-        let at = self.locals.iter().position(|&acting| acting == local)?;
+    fn of_nuisance(&self, local: usize) -> Option<usize> {
+        let at = self.nuisances.iter().position(|&acting| acting == local)?;
         Some(self.globals.len() + at)
     }
 }
@@ -97,10 +98,10 @@ fn run_lanes<const N: usize>(
         duals[position] = dual;
     }
     let starts: Vec<Dual<N>> = window
-        .locals
+        .nuisances
         .iter()
         .enumerate()
-        .map(|(index, &value)| match lanes.of_local(index) {
+        .map(|(index, &value)| match lanes.of_nuisance(index) {
             Some(lane) => Dual::variable(value, lane),
             None => Dual::constant(value),
         })
@@ -152,7 +153,7 @@ pub fn normal_observed(
             hessian: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
             cost: f64::INFINITY,
-            locals: lanes.locals,
+            nuisances: lanes.nuisances,
         };
     }
     // The integrator is compiled for each of these numbers of lanes, and lanes that nobody needs cost their share of a
@@ -238,7 +239,7 @@ fn normal_lanes<const N: usize>(
         hessian: DMatrix::from_fn(count, count, |row, column| hessian[row][column]),
         gradient: DVector::from_fn(count, |row, _| gradient[row]),
         cost,
-        locals: lanes.locals.clone(),
+        nuisances: lanes.nuisances.clone(),
     };
     with_priors(record, window, &lanes, normal)
 }
@@ -286,7 +287,7 @@ fn normal_wide(
         hessian: DMatrix::zeros(count, count),
         gradient: DVector::zeros(count),
         cost: 0.0,
-        locals: lanes.locals.clone(),
+        nuisances: lanes.nuisances.clone(),
     };
     let rows = sensitivities.chunks_exact(count);
     for (&(sample, channel, residual), sensitivity) in observed.iter().zip(rows) {
@@ -317,7 +318,7 @@ fn with_priors(
 ) -> WindowNormal {
     for (local, value, std) in priors(record, window) {
         normal.cost += (value / std).powi(2);
-        let Some(lane) = lanes.of_local(local) else {
+        let Some(lane) = lanes.of_nuisance(local) else {
             continue;
         };
         normal.gradient[lane] -= value / (std * std);
@@ -331,8 +332,8 @@ fn with_priors(
 
 /// The unknowns of a window that are known beforehand: index, value, standard deviation.
 fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
-    let locals = Local::of(record).into_iter().zip(&window.locals);
-    locals
+    let nuisances = Nuisance::of(record).into_iter().zip(&window.nuisances);
+    nuisances
         .enumerate()
         .filter_map(|(index, (local, &value))| {
             let std = local.prior_std(record, window.samples.start)?;

@@ -3,24 +3,24 @@
 
 use plant::{Current, Model, Plant, Reading, Scalar, Smoothing, State};
 
-use super::unknowns::{Local, Window};
+use super::unknowns::{Nuisance, Window};
 use crate::records::{Record, RecordedCurrent};
 
 /// The start of a window from its local unknowns: the state with the current before it, a held current, the
 /// angle's zero.
-fn start_state<S: Scalar>(locals: &[Local], values: &[S]) -> (State<S>, S, S) {
+fn start_state<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> (State<S>, S, S) {
     let mut state = State::rest();
     let mut current = S::zero();
     let mut angle_zero = S::zero();
-    for (local, &value) in locals.iter().zip(values) {
+    for (local, &value) in nuisances.iter().zip(values) {
         match local {
-            Local::Angle => state.angle_rad = value,
-            Local::Rate => state.rate_rad_s = value,
-            Local::WheelSpeed => state.wheel_speed_rad_s = value,
-            Local::Current => current = value,
-            Local::AngleZero => angle_zero = value,
-            Local::WheelAngle => state.wheel_angle_rad = value,
-            Local::PastCurrent => state.current_a = value,
+            Nuisance::Angle => state.angle_rad = value,
+            Nuisance::Rate => state.rate_rad_s = value,
+            Nuisance::WheelSpeed => state.wheel_speed_rad_s = value,
+            Nuisance::Current => current = value,
+            Nuisance::AngleZero => angle_zero = value,
+            Nuisance::WheelAngle => state.wheel_angle_rad = value,
+            Nuisance::PastCurrent => state.current_a = value,
         }
     }
     (state, current, angle_zero)
@@ -96,11 +96,11 @@ pub(super) fn run<S: Scalar>(
     record: &Record,
     window: &Window,
     model: &Model,
-    (values, locals): (&[S], &[S]),
+    (values, nuisances): (&[S], &[S]),
     smoothing: Smoothing,
     each: &mut EachSample<S>,
 ) {
-    let (start, held, angle_zero) = start_state(&Local::of(record), locals);
+    let (start, held, angle_zero) = start_state(&Nuisance::of(record), nuisances);
     let plant = plant_of(record, model, values, smoothing);
     let start = with_memory(record, window, model, &plant, start);
     plant.run(
@@ -137,6 +137,6 @@ pub fn simulate_smoothed(
     smoothing: Smoothing,
     mut each: impl FnMut(usize, &Reading<f64>, &State<f64>),
 ) {
-    let numbers = (values, window.locals.as_slice());
+    let numbers = (values, window.nuisances.as_slice());
     run(record, window, model, numbers, smoothing, &mut each);
 }

@@ -148,8 +148,8 @@ pub fn minimise(
                 promised += eliminated
                     .gradient
                     .dot(&eliminated.inverse.solve(&eliminated.gradient));
-                for (&local, change) in eliminated.locals.iter().zip(own.iter()) {
-                    window.locals[local] += change;
+                for (&local, change) in eliminated.nuisances.iter().zip(own.iter()) {
+                    window.nuisances[local] += change;
                 }
             }
         }

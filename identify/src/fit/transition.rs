@@ -105,7 +105,7 @@ pub fn transitions(
 
 #[cfg(test)]
 mod tests {
-    use super::super::unknowns::Local;
+    use super::super::unknowns::Nuisance;
     use super::*;
     use plant::{EffectId, Kind};
 
@@ -137,12 +137,12 @@ mod tests {
     }
 
     fn window(record: &Record) -> Window {
-        let locals = Local::of(record);
+        let nuisances = Nuisance::of(record);
         Window {
             samples: 0..record.len(),
-            locals: locals
+            nuisances: nuisances
                 .iter()
-                .map(|local| if *local == Local::Angle { 0.3 } else { 0.0 })
+                .map(|local| if *local == Nuisance::Angle { 0.3 } else { 0.0 })
                 .collect(),
         }
     }

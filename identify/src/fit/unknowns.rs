@@ -7,7 +7,7 @@ use crate::records::{Output, Record, RecordedCurrent};
 
 /// An unknown that belongs to one window: its start, or the current that nobody wrote down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Local {
+pub enum Nuisance {
     /// Body angle at the start, rad.
     Angle,
     /// Body rate at the start, rad/s.
@@ -27,39 +27,39 @@ pub enum Local {
     PastCurrent,
 }
 
-impl Local {
+impl Nuisance {
     /// The unknowns of every window of this record, as its kind and channels allow; the last is left out
-    /// where it is [`Local::PastCurrent`] and the window does not begin with the log.
-    pub fn of(record: &Record) -> Vec<Local> {
+    /// where it is [`Nuisance::PastCurrent`] and the window does not begin with the log.
+    pub fn of(record: &Record) -> Vec<Nuisance> {
         let measures = |output| record.channel(output).is_some();
-        let mut locals = vec![];
+        let mut nuisances = vec![];
         if record.kind != Kind::SpinUp && (measures(Output::Angle) || measures(Output::Rate)) {
-            locals.extend([Local::Angle, Local::Rate]);
+            nuisances.extend([Nuisance::Angle, Nuisance::Rate]);
         }
         if record.kind != Kind::FreeSwing && measures(Output::WheelSpeed) {
-            locals.push(Local::WheelSpeed);
+            nuisances.push(Nuisance::WheelSpeed);
         }
         if matches!(record.current, RecordedCurrent::Unknown) {
-            locals.push(Local::Current);
+            nuisances.push(Nuisance::Current);
         }
         if angle_quantum(record).is_some() {
-            locals.push(Local::AngleZero);
+            nuisances.push(Nuisance::AngleZero);
         }
         if matches!(record.kind, Kind::Balance | Kind::Driven) && measures(Output::WheelSpeed) {
-            locals.push(Local::WheelAngle);
+            nuisances.push(Nuisance::WheelAngle);
         }
         let is_commanded = matches!(record.current, RecordedCurrent::Known(_));
         if record.kind != Kind::FreeSwing && is_commanded && !record.current_is_measured {
-            locals.push(Local::PastCurrent);
+            nuisances.push(Nuisance::PastCurrent);
         }
-        locals
+        nuisances
     }
 
     /// Whether the motion of this model depends on the unknown.
     pub fn acts_on(self, model: &Model) -> bool {
         match self {
-            Local::WheelAngle => model.find(|info| info.uses_wheel_angle).is_some(),
-            Local::PastCurrent => model.find(|info| info.timing.is_some()).is_some(),
+            Nuisance::WheelAngle => model.find(|info| info.uses_wheel_angle).is_some(),
+            Nuisance::PastCurrent => model.find(|info| info.timing.is_some()).is_some(),
             _ => true,
         }
     }
@@ -68,15 +68,15 @@ impl Local {
     /// beforehand, if it is.
     pub fn prior_std(self, record: &Record, first: usize) -> Option<f64> {
         match self {
-            Local::AngleZero => angle_quantum(record).map(|quantum| quantum / 12f64.sqrt()),
-            Local::WheelAngle => {
+            Nuisance::AngleZero => angle_quantum(record).map(|quantum| quantum / 12f64.sqrt()),
+            Nuisance::WheelAngle => {
                 let noise = record.channel(Output::WheelSpeed)?.noise_std;
                 let span_s = record.time_s[first] - record.time_s[0];
                 let steps = first.max(1) as f64;
                 // At the first sample the angle is zero by definition.
                 Some((noise * span_s / steps.sqrt()).max(LEAST_WHEEL_ANGLE_STD_RAD))
             }
-            Local::PastCurrent => {
+            Nuisance::PastCurrent => {
                 // Like the commands that were recorded.
                 let finite = record
                     .current_a
@@ -108,8 +108,8 @@ fn angle_quantum(record: &Record) -> Option<f64> {
 pub struct Window {
     /// Its samples.
     pub samples: std::ops::Range<usize>,
-    /// Values of the local unknowns, in the order of [`Local::of`].
-    pub locals: Vec<f64>,
+    /// Values of the local unknowns, in the order of [`Nuisance::of`].
+    pub nuisances: Vec<f64>,
 }
 
 /// The unknowns of a fit: which positions of the parameter vector are free. A free parameter whose

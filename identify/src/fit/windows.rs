@@ -2,7 +2,7 @@
 
 use plant::{TORQUE_CONSTANT, WHEEL_INERTIA};
 
-use super::unknowns::{Local, Window};
+use super::unknowns::{Nuisance, Window};
 use crate::records::{Output, Record, StraightLine, angle_samples};
 
 /// Where a window's start lies, guessed from its first samples.
@@ -25,25 +25,25 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
     let angle = angle_samples(record).map(|series| line(&series));
     let rate = record.channel(Output::Rate).map(|c| line(&c.samples));
     let speed = record.channel(Output::WheelSpeed).map(|c| line(&c.samples));
-    let locals = Local::of(record)
+    let nuisances = Nuisance::of(record)
         .iter()
-        .filter(|local| **local != Local::PastCurrent || samples.start == 0)
+        .filter(|local| **local != Nuisance::PastCurrent || samples.start == 0)
         .map(|local| match local {
-            Local::Angle => angle.map_or(0.0, |(value, _)| value),
-            Local::Rate => rate
+            Nuisance::Angle => angle.map_or(0.0, |(value, _)| value),
+            Nuisance::Rate => rate
                 .map(|(value, _)| value)
                 .or(angle.map(|(_, slope)| slope))
                 .unwrap_or(0.0),
-            Local::WheelSpeed => speed.map_or(0.0, |(value, _)| value),
-            Local::AngleZero | Local::WheelAngle | Local::PastCurrent => 0.0,
-            Local::Current => {
+            Nuisance::WheelSpeed => speed.map_or(0.0, |(value, _)| value),
+            Nuisance::AngleZero | Nuisance::WheelAngle | Nuisance::PastCurrent => 0.0,
+            Nuisance::Current => {
                 let torque_per_ampere = values[TORQUE_CONSTANT];
                 let inertia = values[WHEEL_INERTIA];
                 speed.map_or(0.0, |(_, slope)| slope * inertia / torque_per_ampere)
             }
         })
         .collect();
-    Window { samples, locals }
+    Window { samples, nuisances }
 }
 
 /// Share of a window's length by which its start is moved to that of an earlier window.
@@ -79,7 +79,7 @@ pub(super) fn windows(
             match found[index] {
                 Some(near) => Window {
                     samples,
-                    locals: near.locals.clone(),
+                    nuisances: near.nuisances.clone(),
                 },
                 None => guess(record, values, samples),
             }
@@ -134,7 +134,7 @@ mod tests {
             .enumerate()
             .map(|(index, samples)| Window {
                 samples,
-                locals: vec![index as f64, -1.0],
+                nuisances: vec![index as f64, -1.0],
             })
             .collect();
         record.window_s = 4.0 * 1.2696;
@@ -149,7 +149,7 @@ mod tests {
                 .iter()
                 .find(same)
                 .expect("a shorter one begins there");
-            assert_eq!(window.locals, before.locals);
+            assert_eq!(window.nuisances, before.nuisances);
         }
         assert_eq!(end, record.len());
     }

@@ -3,5 +3,5 @@
 mod decay;
 mod kinematics;
 
-pub use decay::{AtAmplitude, Decay, DecayLaw, Estimate, decay};
+pub use decay::{AtAmplitude, DecayLaw, Estimate, FreeDecay, decay};
 pub use kinematics::{RateAgainstAngle, rate_against_angle};

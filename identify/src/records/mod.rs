@@ -8,6 +8,6 @@ mod weak_form;
 
 pub use angle::angle_samples;
 pub use noise::{input_noise_std, noise_std, resolution};
-pub use record::{BALANCE_WINDOW_S, Channel, Output, Record, RecordedCurrent};
+pub use record::{BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent};
 pub(crate) use statistics::{StraightLine, median};
 pub(crate) use weak_form::{BUMP_S, Bump, FEWEST_HALF_SAMPLES, bumps, dot, half_samples};

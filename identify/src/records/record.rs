@@ -11,7 +11,7 @@ use super::noise::{noise_std, resolution};
 
 /// One measured channel.
 #[derive(Clone, Debug)]
-pub struct Channel {
+pub struct RecordedChannel {
     /// Which output of the model it measures.
     pub output: Output,
     /// The samples in SI units; NaN where one dropped out.
@@ -77,7 +77,7 @@ pub struct Record {
     /// Sample times in s, increasing.
     pub time_s: Vec<f64>,
     /// The measured channels that this kind has, at least one.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<RecordedChannel>,
     /// The motor current.
     pub current: RecordedCurrent,
     /// The samples of the current in A, as recorded; empty where it was not.
@@ -111,7 +111,7 @@ impl Record {
         current_a: Option<Vec<f64>>,
         current_is_measured: bool,
     ) -> Record {
-        let channels: Vec<Channel> = Output::ALL
+        let channels: Vec<RecordedChannel> = Output::ALL
             .into_iter()
             .zip(outputs)
             .filter(|(output, _)| match kind {
@@ -124,7 +124,7 @@ impl Record {
                 let noise_std = noise_std(&samples);
                 let quantum = Some(resolution(&samples))
                     .filter(|quantum| quantum / 12f64.sqrt() >= QUANTISED_SHARE * noise_std);
-                Some(Channel {
+                Some(RecordedChannel {
                     output,
                     samples,
                     noise_std,
@@ -132,7 +132,7 @@ impl Record {
                 })
             })
             .collect();
-        let passes_over_the_top = channels.iter().any(|channel: &Channel| {
+        let passes_over_the_top = channels.iter().any(|channel: &RecordedChannel| {
             let beyond = |angle: &f64| angle.abs() > std::f64::consts::PI;
             channel.output == Output::Angle && channel.samples.iter().any(beyond)
         });
@@ -239,7 +239,7 @@ impl Record {
     }
 
     /// The channel that measures `output`, if there is one.
-    pub fn channel(&self, output: Output) -> Option<&Channel> {
+    pub fn channel(&self, output: Output) -> Option<&RecordedChannel> {
         self.channels
             .iter()
             .find(|channel| channel.output == output)

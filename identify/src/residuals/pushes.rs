@@ -1,6 +1,6 @@
 //! Pushes on the body that no column records: found, located, sized, and kept out of the fit.
 //!
-//! A push is a torque on the body that the model lacks, and [`super::missing_torque`] has it in two
+//! A push is a torque on the body that the model lacks, and [`super::residual_torque`] has it in two
 //! ways: by the momentum of body and wheel, and by the command. The second has the lower noise, but an
 //! error of the motor's model (a lag, a dead zone) looks like a push in it; the first knows no motor.
 //! A push is what either shows and the other does not contradict.
@@ -14,7 +14,7 @@
 use nalgebra::{Matrix2, Vector2};
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
 
-use super::missing_torque::{MeasuredMotion, TorqueOn, missing_torque};
+use super::residual_torque::{MeasuredMotion, TorqueOn, residual_torque};
 use crate::records::{BALANCE_WINDOW_S, Output, Record, half_samples, median};
 
 /// Half-width of the bump in s: shorter than a push by hand.
@@ -35,7 +35,7 @@ const BASELINE_S: f64 = 2.0;
 
 /// A push on the body.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Push {
+pub struct FoundPush {
     /// When it acted: the centre of its torque, s.
     pub time_s: f64,
     /// Its impulse ∫ f dt in N m s, positive in the direction of positive angle.
@@ -91,7 +91,7 @@ fn torque_on_body(record: &Record, model: &PushModel) -> Option<(Option<Vec<f64>
     let motion = MeasuredMotion::new(record, &[], &base, &values, half)?;
     let series = |on: TorqueOn| -> Option<Vec<f64>> {
         // All samples: what a push spoils is what is looked for.
-        let found = missing_torque(record, &[], &motion, &base, &values, on, (half, 1))?;
+        let found = residual_torque(record, &[], &motion, &base, &values, on, (half, 1))?;
         let mut series = vec![f64::NAN; record.len()];
         for (centre, torque) in found.centres.iter().zip(&found.torque_nm) {
             series[*centre] = *torque;
@@ -138,7 +138,7 @@ pub(crate) fn samples_in_window(record: &Record) -> f64 {
 
 /// The pushes in a balance log; none in other kinds. In a slow log only those that exceed what motor
 /// and gravity, as wrong as they are in it, may have done while they acted.
-pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<Push> {
+pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<FoundPush> {
     let mut pushes = find_disturbances(record, model);
     if !pushes.is_empty()
         && is_slow(record)
@@ -191,7 +191,7 @@ fn own_impulse_nms(
     record: &Record,
     own_nm: &[Vector2<f64>],
     shares: &Vector2<f64>,
-    push: &Push,
+    push: &FoundPush,
 ) -> f64 {
     let first = record.time_s.partition_point(|time| *time < push.span_s.0);
     let end = record.time_s.partition_point(|time| *time <= push.span_s.1);
@@ -204,7 +204,7 @@ fn own_impulse_nms(
 }
 
 /// Everything in a balance log that looks like a push, echoes in a slow log included.
-pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push> {
+pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<FoundPush> {
     if record.kind != Kind::Balance {
         return vec![];
     }
@@ -234,8 +234,9 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Push>
             agrees(sum(&command), push.impulse_nms, error)
         });
         for other in others {
-            let overlaps =
-                |push: &Push| push.span_s.0 <= other.span_s.1 && other.span_s.0 <= push.span_s.1;
+            let overlaps = |push: &FoundPush| {
+                push.span_s.0 <= other.span_s.1 && other.span_s.0 <= push.span_s.1
+            };
             let is_known = pushes
                 .iter()
                 .any(|push| overlaps(push) && push.impulse_std_nms <= other.impulse_std_nms);
@@ -279,7 +280,7 @@ fn pushes_in(
     torque_nm: &[f64],
     std_nm: f64,
     is_confirmed: impl Fn(&Shown, &dyn Fn(&[f64]) -> f64) -> bool,
-) -> Vec<Push> {
+) -> Vec<FoundPush> {
     let time_s = &record.time_s;
     let half_s = half_bump_s(record);
     let n = torque_nm.len();
@@ -327,7 +328,7 @@ fn pushes_in(
             independent: (span_s / half_s).max(1.0),
         };
         if is_confirmed(&shown, &sum) {
-            pushes.push(Push {
+            pushes.push(FoundPush {
                 time_s: moment / shown.impulse_nms,
                 impulse_nms: shown.impulse_nms,
                 impulse_std_nms: shown.std_of(std_nm),
@@ -342,7 +343,7 @@ fn pushes_in(
 }
 
 /// Gives weight 0 to every window of `window_s` that a push touches, and weight 1 to all others.
-pub fn leave_out(record: &mut Record, pushes: &[Push], window_s: f64) {
+pub fn leave_out(record: &mut Record, pushes: &[FoundPush], window_s: f64) {
     for window in record.windows(window_s) {
         let (from, to) = (
             record.time_s[window.start],

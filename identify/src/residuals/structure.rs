@@ -5,7 +5,7 @@
 
 /// How large the part of a residual is that is not sensor noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Structure {
+pub struct ResidualStructure {
     /// Root mean square of the structured part over the noise of the channel: a lower bound that
     /// the truth exceeds with a probability of 84 % (one standard error), 0 where there is none.
     pub rms_over_noise: f64,
@@ -14,7 +14,7 @@ pub struct Structure {
     pub significance: f64,
 }
 
-impl Structure {
+impl ResidualStructure {
     /// Whether there is structure beyond reasonable doubt.
     pub fn is_significant(&self) -> bool {
         self.significance > SIGNIFICANT
@@ -49,7 +49,7 @@ const FEWEST_WINDOWS: usize = 6;
 ///
 /// For a quantised channel pass the residual through [`without_rounding`] first: rounding errors
 /// are white only while the motion crosses steps faster than it is sampled.
-pub fn structure(residual: &[f64], noise_std: f64, weight: &[f64]) -> Structure {
+pub fn structure(residual: &[f64], noise_std: f64, weight: &[f64]) -> ResidualStructure {
     let counted: Vec<Option<f64>> = residual
         .iter()
         .enumerate()
@@ -91,7 +91,7 @@ pub fn structure(residual: &[f64], noise_std: f64, weight: &[f64]) -> Structure 
         }
         length *= 2;
     }
-    Structure {
+    ResidualStructure {
         rms_over_noise: square.sqrt(),
         significance,
     }
@@ -275,6 +275,6 @@ mod tests {
         residual[2000] = f64::NAN;
         assert!(!structure(&residual, 1.0, &weight).is_significant());
         assert!(structure(&residual, 1.0, &[]).is_significant());
-        assert_eq!(structure(&[], 1.0, &[]), Structure::default());
+        assert_eq!(structure(&[], 1.0, &[]), ResidualStructure::default());
     }
 }

@@ -1,17 +1,17 @@
 //! Where a model fails is named by the right coordinate and place, and nowhere else.
 
-use crate::simulated::{self, Now, Physics, bench, data, nothing, setup};
-use identify::{Coordinate, FailureMap, Quantity, Setup, breakdown, identify};
+use crate::simulated::{self, Now, Physics, bench, data, nothing, problem};
+use identify::{Coordinate, FailureMap, FitProblem, ResidualKind, breakdown, identify};
 use plant::{EffectId, Model};
 
 /// Fits the base model and `effects`, and breaks what remains down.
-fn failure_map(setup: &Setup, effects: &[EffectId]) -> FailureMap {
+fn failure_map(problem: &FitProblem, effects: &[EffectId]) -> FailureMap {
     let model = effects
         .iter()
         .fold(Model::base(), |model, &effect| model.with(effect));
-    let found = identify(setup, &model, None).expect("a fit");
+    let found = identify(problem, &model, None).expect("a fit");
     breakdown(
-        &setup.records,
+        &problem.records,
         &found.fit.minimum.windows,
         &found.traces,
         &model,
@@ -68,7 +68,7 @@ fn a_magnet_is_found_at_its_angle() {
             ..Physics::base()
         };
         let map = failure_map(
-            &setup(bench(&physics, seed)),
+            &problem(bench(&physics, seed)),
             &[EffectId::BodyCoulombFriction],
         );
         let top = &map.regions[0];
@@ -148,11 +148,11 @@ fn every_kind_of_missing_torque_is_named_by_its_coordinate() {
             on_wheel: *on_wheel,
             ..Physics::base()
         };
-        let map = failure_map(&setup(bench(&physics, 100 + seed as u64)), effects);
+        let map = failure_map(&problem(bench(&physics, 100 + seed as u64)), effects);
         let top = &map.regions[0];
         let said = format!("{name}, seed {}\n{}", 100 + seed, describe(&map));
         assert!(top.is_significant, "{said}");
-        assert_eq!(top.quantity, Quantity::MissingTorque, "{said}");
+        assert_eq!(top.quantity, ResidualKind::ResidualTorque, "{said}");
         assert_eq!(
             (top.coordinate, top.channel),
             (*coordinate, *channel),
@@ -170,7 +170,7 @@ fn the_right_model_fails_nowhere_and_still_says_where_its_error_is_largest() {
             ..Physics::base()
         };
         let map = failure_map(
-            &setup(bench(&physics, 1000 + seed)),
+            &problem(bench(&physics, 1000 + seed)),
             &[EffectId::BodyCoulombFriction],
         );
         assert!(!map.regions.is_empty());
@@ -190,8 +190,8 @@ fn the_right_model_fails_nowhere_and_still_says_where_its_error_is_largest() {
 #[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_unknown_magnet_of_the_reference_bench_is_found_near_its_angle() {
     let bench = bench_files::Bench::load(&data("hidden/f-unknown-magnet")).expect("a bench");
-    let setup = Setup::new(&bench).expect("records");
-    let map = failure_map(&setup, &[EffectId::BodyCoulombFriction]);
+    let problem = FitProblem::new(&bench).expect("records");
+    let map = failure_map(&problem, &[EffectId::BodyCoulombFriction]);
     let top = &map.regions[0];
     let said = describe(&map);
     assert_eq!(

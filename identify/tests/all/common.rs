@@ -1,16 +1,16 @@
 //! Fits of simulated logs, and what they found.
 
 use crate::simulated::{Experiment, PUSHES, Physics, balance, free_swing, simulate, spin_up};
-use identify::{Identification, Record, Setup, identify};
+use identify::{FitProblem, Identification, Record, identify};
 use plant::{EffectId, Model};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-pub fn fitted(setup: &Setup, effects: &[EffectId]) -> Identification {
+pub fn fitted(problem: &FitProblem, effects: &[EffectId]) -> Identification {
     let model = effects
         .iter()
         .fold(Model::base(), |model, &effect| model.with(effect));
-    identify(setup, &model, None).expect("a fit")
+    identify(problem, &model, None).expect("a fit")
 }
 
 /// Value and standard error of a parameter.

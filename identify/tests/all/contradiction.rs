@@ -1,20 +1,20 @@
 //! Logs that contradict each other, or what was measured directly, are named; logs that do not, are
 //! not.
 
-use identify::{Contradiction, Record, Setup, contradictions, identify};
+use identify::{Contradiction, FitProblem, Record, contradictions, identify};
 use plant::{Kind, Model};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::simulated::{
-    Physics, VALUES, balance, coast_down, free_swing, setup, simulate, spin_up,
+    Physics, VALUES, balance, coast_down, free_swing, problem, simulate, spin_up,
 };
 
-fn found(setup: &Setup) -> (Vec<Contradiction>, Vec<String>) {
+fn found(problem: &FitProblem) -> (Vec<Contradiction>, Vec<String>) {
     let model = Model::base();
-    let found = identify(setup, &model, None).expect("a fit");
+    let found = identify(problem, &model, None).expect("a fit");
     let fit = &found.fit;
-    let list = contradictions(setup, &model, &fit.values, &fit.minimum.windows, &[]);
+    let list = contradictions(problem, &model, &fit.values, &fit.minimum.windows, &[]);
     (list, found.statements)
 }
 
@@ -54,7 +54,7 @@ fn logs_of_one_bench_do_not_contradict_each_other() {
             .into_iter()
             .filter(|record| record.kind != Kind::Balance || seed % 10 == 0)
             .collect();
-        let (list, _) = found(&setup(records));
+        let (list, _) = found(&problem(records));
         if let Some(first) = list.first() {
             eprintln!("seed {}: {}", 1000 + seed, first.sentence());
             accused += 1;
@@ -69,7 +69,7 @@ fn logs_of_one_bench_do_not_contradict_each_other() {
 fn the_log_of_another_wheel_is_named() {
     let mut other = Physics::base();
     other.values[1] *= 1.05;
-    let (list, statements) = found(&setup(logs(1, Some(("spin-up -0.6 A", &other)))));
+    let (list, statements) = found(&problem(logs(1, Some(("spin-up -0.6 A", &other)))));
     for each in &list {
         eprintln!("{}", each.sentence());
     }
@@ -90,8 +90,8 @@ fn a_torque_constant_against_a_known_inertia_is_named() {
         .filter(|record| record.kind == Kind::SpinUp)
         .collect();
     let known = [None, Some(VALUES[1]), None, Some(1.04 * VALUES[3])];
-    let setup = Setup::from_records(records, known, Default::default()).expect("records");
-    let (list, _) = found(&setup);
+    let problem = FitProblem::from_records(records, known, Default::default()).expect("records");
+    let (list, _) = found(&problem);
     let first = list.first().expect("a contradiction");
     eprintln!("{}", first.sentence());
     assert_eq!(first.one.who, "[known]");
@@ -109,8 +109,9 @@ fn a_torque_constant_against_a_known_inertia_is_named() {
 #[test]
 fn a_gravity_torque_against_the_torque_constant_is_named() {
     let known = [None, None, Some(1.03 * VALUES[2]), Some(VALUES[3])];
-    let setup = Setup::from_records(logs(3, None), known, Default::default()).expect("records");
-    let (list, _) = found(&setup);
+    let problem =
+        FitProblem::from_records(logs(3, None), known, Default::default()).expect("records");
+    let (list, _) = found(&problem);
     let first = list.first().expect("a contradiction");
     eprintln!("{}", first.sentence());
     assert_eq!(first.one.who, "[known]");

@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use design::{PoleUncertainty, UncertainParameters, pole_uncertainty};
-use identify::{Fit, Setup, identify};
+use identify::{Fit, FitProblem, identify};
 use nalgebra::{DMatrix, RowVector3};
 use plant::{GRAVITY_TORQUE, Kind, Model, TOTAL_INERTIA};
 use rand::SeedableRng;
@@ -34,8 +34,8 @@ fn fit(seed: u64) -> Fit {
     ];
     let simulated = experiments.map(|experiment| simulate(&Physics::base(), &experiment, &mut rng));
     let known = [None, None, None, Some(VALUES[3])];
-    let setup = Setup::from_records(simulated.to_vec(), known, Default::default());
-    let found = identify(&setup.expect("records"), &Model::base(), None);
+    let problem = FitProblem::from_records(simulated.to_vec(), known, Default::default());
+    let found = identify(&problem.expect("records"), &Model::base(), None);
     found.expect("a fit").fit
 }
 

@@ -2,13 +2,13 @@
 //! of the wheel's speed, a controller and masses that are not known.
 
 use bench_files::Bench;
-use identify::{Identification, Output, Setup, identify};
+use identify::{FitProblem, Identification, Output, identify};
 use plant::Model;
 
 use crate::simulated::data;
 
 /// The experiments of a bench in the rig's own columns.
-fn identified(logs: &[(&str, &str, &str)]) -> (Setup, Identification) {
+fn identified(logs: &[(&str, &str, &str)]) -> (FitProblem, Identification) {
     let mut text = String::new();
     for (file, kind, extra) in logs {
         let path = data(&format!("real/{file}"));
@@ -23,9 +23,9 @@ fn identified(logs: &[(&str, &str, &str)]) -> (Setup, Identification) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("bench.toml"), text).expect("written");
     let bench = Bench::load(folder.path()).unwrap_or_else(|error| panic!("{error}"));
-    let setup = Setup::new(&bench).expect("records");
-    let found = identify(&setup, &Model::base(), None).expect("a fit");
-    for (record, traces) in setup.records.iter().zip(&found.traces) {
+    let problem = FitProblem::new(&bench).expect("records");
+    let found = identify(&problem, &Model::base(), None).expect("a fit");
+    for (record, traces) in problem.records.iter().zip(&found.traces) {
         for trace in traces {
             eprintln!(
                 "{} {}: rmse {:.3e}, fit {:.1} %",
@@ -39,7 +39,7 @@ fn identified(logs: &[(&str, &str, &str)]) -> (Setup, Identification) {
     for statement in &found.statements {
         eprintln!("{statement}");
     }
-    (setup, found)
+    (problem, found)
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn the_balance_log_is_fitted_per_unit_of_inertia_and_its_pushes_are_found() {
         "balance",
         "offset = { angle = 3.14159265, current = -0.1 }",
     );
-    let (setup, found) = identified(&[log]);
+    let (problem, found) = identified(&[log]);
     for push in &found.pushes[0] {
         eprintln!("push at {:.2} s: {:.2e}", push.time_s, push.impulse_nms);
     }
@@ -65,7 +65,7 @@ fn the_balance_log_is_fitted_per_unit_of_inertia_and_its_pushes_are_found() {
         );
     }
     assert!(found.pushes[0].len() < 2 * hits.len());
-    assert!(!setup.body_scale_known);
+    assert!(!problem.body_scale_known);
     assert!(found.fit.values.iter().all(|value| value.is_finite()));
     let scale = "per unit of inertia only";
     assert!(found.statements.iter().any(|each| each.contains(scale)));
@@ -86,14 +86,14 @@ fn the_balance_log_is_fitted_per_unit_of_inertia_and_its_pushes_are_found() {
 #[cfg_attr(not(have_recordings), ignore = "needs the recordings")]
 fn the_driven_logs_are_fitted_together() {
     let offset = "offset = { current = -0.1 }";
-    let (setup, found) = identified(&[
+    let (problem, found) = identified(&[
         ("tud_rwp_wheel_step_20Hz.csv", "driven", offset),
         ("tud_rwp_wheel_square_20Hz.csv", "driven", offset),
         ("tud_rwp_chirp_20Hz.csv", "driven", offset),
     ]);
     assert!(found.fit.values.iter().all(|value| value.is_finite()));
     // Where the model is worse than the mean, a sentence says so.
-    for (record, traces) in setup.records.iter().zip(&found.traces) {
+    for (record, traces) in problem.records.iter().zip(&found.traces) {
         for trace in traces {
             let place = format!(
                 "{}/{}: the model is worse",
@@ -110,5 +110,5 @@ fn the_driven_logs_are_fitted_together() {
         .find(|trace| trace.output == Output::Angle)
         .expect("an angle");
     assert!(chirp.rmse.is_finite());
-    assert!(setup.coupled);
+    assert!(problem.coupled);
 }

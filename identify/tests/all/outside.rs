@@ -8,7 +8,7 @@ use plant::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::simulated::{Now, Physics, VALUES, free_swing, setup, simulate, spin_up};
+use crate::simulated::{Now, Physics, VALUES, free_swing, problem, simulate, spin_up};
 
 const fn parameter(name: &'static str, unit: &'static str, is_torque: bool) -> ParameterInfo {
     ParameterInfo {
@@ -123,7 +123,7 @@ fn fitted(on_body: &(dyn Fn(&Now) -> f64 + Sync), effect: EffectId, seed: u64) -
     .map(|experiment| simulate(&physics, experiment, &mut rng))
     .collect();
     let model = Model::base().with(effect);
-    identify(&setup(records), &model, None).expect("a fit")
+    identify(&problem(records), &model, None).expect("a fit")
 }
 
 fn recovers(effect: EffectId, truth: &[f64], on_body: &(dyn Fn(&Now) -> f64 + Sync)) {
@@ -186,7 +186,7 @@ fn more_unknowns_than_one_simulation_carries_are_taken_in_parts() {
     values.resize(model.parameter_count(), 1e-4);
     let window = Window {
         samples: 0..record.len(),
-        locals: vec![52f64.to_radians(), 0.0],
+        nuisances: vec![52f64.to_radians(), 0.0],
     };
     let free: Vec<usize> = (0..values.len()).collect();
     let unknowns = Unknowns::new(&model, &free);
@@ -196,7 +196,7 @@ fn more_unknowns_than_one_simulation_carries_are_taken_in_parts() {
         .copied()
         .filter(|at| ![1, 3, 5].contains(at))
         .collect();
-    assert!(globals.len() + window.locals.len() > MAX_UNKNOWNS);
+    assert!(globals.len() + window.nuisances.len() > MAX_UNKNOWNS);
     let whole = normal(&record, &window, &model, &values, &unknowns, &globals);
     for part in globals.chunks(7) {
         let own = normal(&record, &window, &model, &values, &unknowns, part);

@@ -1,7 +1,7 @@
 //! Pushes that nobody recorded are found where and as large as they were, and nowhere else.
 
 use crate::common::{fitted, log};
-use crate::simulated::{Now, PUSHES, Physics, VALUES, balance, bench, free_swing, setup};
+use crate::simulated::{Now, PUSHES, Physics, VALUES, balance, bench, free_swing, problem};
 use identify::{Output, Record, find_pushes};
 use plant::{Kind, Model};
 
@@ -30,7 +30,7 @@ fn pushes_are_found_where_and_as_large_as_they_were_and_none_elsewhere() {
                 log(&physics, &free_swing("swing", 0.35, 10.0), seed + 50),
                 log(&physics, &balance("balance", pushes), seed),
             ];
-            let found = fitted(&setup(records), &[]);
+            let found = fitted(&problem(records), &[]);
             let found = &found.pushes[1];
             let said = format!("{name}, seed {seed}: {found:?}");
             assert_eq!(found.len(), pushes.len(), "{said}");
@@ -54,7 +54,7 @@ fn pushes_are_found_beside_the_cogging_of_a_motor() {
         ..Physics::base()
     };
     for seed in 2480..2483 {
-        let found = fitted(&setup(bench(&physics, seed)), &[]);
+        let found = fitted(&problem(bench(&physics, seed)), &[]);
         let found = found.pushes.last().expect("the balance log");
         let said = format!("seed {seed}: {found:?}");
         assert_eq!(found.len(), PUSHES.len(), "{said}");
@@ -90,7 +90,7 @@ fn in_a_log_at_20_hz_no_echo_of_a_push_is_reported_as_one() {
             false,
         );
         let swing = log(&physics, &free_swing("swing", 0.35, 10.0), seed + 50);
-        let found = fitted(&setup(vec![swing, record]), &[]);
+        let found = fitted(&problem(vec![swing, record]), &[]);
         let said = format!("seed {seed}: {:?}", found.pushes[1]);
         eprintln!("{said}");
         for push in &found.pushes[1] {

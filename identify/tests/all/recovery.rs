@@ -2,15 +2,15 @@
 
 use crate::common::{fitted, log, parameter};
 use crate::simulated::{
-    Now, PUSHES, Physics, VALUES, balance, bench, coast_down, data, free_swing, setup, spin_up,
+    Now, PUSHES, Physics, VALUES, balance, bench, coast_down, data, free_swing, problem, spin_up,
 };
-use identify::{Record, Setup};
+use identify::{FitProblem, Record};
 use plant::{EffectId, Kind};
 
 #[test]
 fn a_whole_bench_gives_both_inertias_within_half_a_percent() {
     for seed in 2200..2203 {
-        let found = fitted(&setup(bench(&Physics::base(), seed)), &[]);
+        let found = fitted(&problem(bench(&Physics::base(), seed)), &[]);
         for (name, truth) in [("total_inertia", VALUES[0]), ("wheel_inertia", VALUES[1])] {
             let (value, _) = parameter(&found, name);
             assert!(
@@ -37,8 +37,9 @@ fn a_log_of_more_than_a_hundred_periods_converges_from_a_plain_start() {
         let long = free_swing("long", 0.6, 90.0);
         let known = [None, None, Some(VALUES[2]), None];
         let records = vec![log(&Physics::base(), &long, seed)];
-        let setup = Setup::from_records(records, known, Default::default()).expect("records");
-        let found = fitted(&setup, &[]);
+        let problem =
+            FitProblem::from_records(records, known, Default::default()).expect("records");
+        let found = fitted(&problem, &[]);
         let (inertia, _) = parameter(&found, "total_inertia");
         assert!(
             (inertia / VALUES[0] - 1.0).abs() < 1e-4,
@@ -69,8 +70,9 @@ fn an_encoder_of_coarse_steps_gives_the_same_parameters() {
         );
         assert!(record.channels[0].quantum.is_some(), "seed {seed}");
         let known = [None, None, Some(VALUES[2]), None];
-        let setup = Setup::from_records(vec![record], known, Default::default()).expect("a record");
-        let found = fitted(&setup, &[]);
+        let problem =
+            FitProblem::from_records(vec![record], known, Default::default()).expect("a record");
+        let found = fitted(&problem, &[]);
         let (inertia, _) = parameter(&found, "total_inertia");
         assert!(
             (inertia / VALUES[0] - 1.0).abs() < 2e-3,
@@ -98,7 +100,7 @@ fn a_delay_comes_back_whatever_was_commanded_before_the_log() {
             log(&physics, &free_swing("swing", 0.35, 10.0), seed + 50),
             log(&physics, &balance("balance", &[]), seed),
         ];
-        let found = fitted(&setup(records), &[EffectId::InputDelay]);
+        let found = fitted(&problem(records), &[EffectId::InputDelay]);
         let (delay_s, std) = parameter(&found, "input_delay");
         let said = format!("{before:?}, seed {seed}: {delay_s:.5} ± {std:.1e} s");
         eprintln!("{said}");
@@ -124,8 +126,8 @@ fn a_delay_comes_back_from_many_samples_away() {
             log(&physics, &free_swing("swing", 0.35, 10.0), seed + 50),
             log(&physics, &balance("balance", &[]), seed),
         ];
-        let setup = setup(records);
-        let found = fitted(&setup, &[EffectId::InputDelay]);
+        let problem = problem(records);
+        let found = fitted(&problem, &[EffectId::InputDelay]);
         let (delay_s, std) = parameter(&found, "input_delay");
         let truth_s = 1e-3 * delay_steps as f64;
         let said = format!("{truth_s} s, seed {seed}: {delay_s:.5} ± {std:.1e} s");
@@ -146,7 +148,7 @@ fn dry_friction_of_the_wheel_comes_back_from_a_balance_log_alone() {
                 ..Physics::base()
             };
             let records = vec![log(&physics, &balance("balance", &PUSHES), seed)];
-            let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
+            let found = fitted(&problem(records), &[EffectId::WheelCoulombFriction]);
             parameter(&found, "wheel_coulomb_torque")
         };
         // Friction that is smoothed as the model's is leaves only the noise.
@@ -170,8 +172,8 @@ fn dry_friction_of_the_reference_wheel_comes_back_from_its_balance_log_alone() {
     bench
         .experiments
         .retain(|experiment| experiment.kind == Kind::Balance);
-    let setup = Setup::new(&bench).expect("records");
-    let found = fitted(&setup, &[EffectId::WheelCoulombFriction]);
+    let problem = FitProblem::new(&bench).expect("records");
+    let found = fitted(&problem, &[EffectId::WheelCoulombFriction]);
     let (value, std) = parameter(&found, "wheel_coulomb_torque");
     eprintln!("{value:.4e} ± {std:.1e}");
     assert!((value / 1.2e-3 - 1.0).abs() < 0.02, "{value} ± {std}");
@@ -192,7 +194,7 @@ fn a_coast_down_to_standstill_gives_both_frictions_of_the_wheel() {
             log(&physics, &coast_down("coast-down"), seed),
             log(&physics, &spin_up("spin-up", &current, 6.0), seed + 50),
         ];
-        let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
+        let found = fitted(&problem(records), &[EffectId::WheelCoulombFriction]);
         for (name, truth) in [
             ("wheel_coulomb_torque", 1.2e-3),
             ("wheel_viscous_friction", VALUES[5]),
@@ -218,7 +220,7 @@ fn cogging_is_found_with_its_order() {
         ..Physics::base()
     };
     for seed in 2900..2902 {
-        let found = fitted(&setup(bench(&physics, seed)), &[EffectId::WheelCogging]);
+        let found = fitted(&problem(bench(&physics, seed)), &[EffectId::WheelCogging]);
         let at = found
             .fit
             .model

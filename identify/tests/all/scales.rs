@@ -2,7 +2,7 @@
 
 use crate::common::{fitted, log, parameter, short_bench};
 use crate::simulated::{Physics, VALUES, spin_up};
-use identify::{Record, Setup};
+use identify::{FitProblem, Record};
 use plant::{EffectId, Kind, Model};
 
 #[test]
@@ -12,14 +12,14 @@ fn without_a_known_torque_parameters_are_per_unit_of_inertia() {
         .into_iter()
         .filter(|record| record.kind == Kind::FreeSwing)
         .collect();
-    let setup = Setup::from_records(swings, [None; 4], Default::default()).expect("records");
-    let found = fitted(&setup, &[]);
+    let problem = FitProblem::from_records(swings, [None; 4], Default::default()).expect("records");
+    let found = fitted(&problem, &[]);
     let (gravity, std) = parameter(&found, "gravity_torque");
     let truth = VALUES[2] / VALUES[0];
     assert!((gravity / truth - 1.0).abs() < 1e-3, "{gravity} ± {std}");
     let position = found.fit.model.position_of("gravity_torque").expect("base");
     assert!(
-        setup
+        problem
             .unit(&found.fit.model, position)
             .ends_with("per kg m2")
     );
@@ -42,13 +42,13 @@ fn a_supply_limit_without_a_known_torque_is_per_unit_of_inertia() {
     )];
     let model = Model::base().with(EffectId::BackEmfLimit);
     let starts = |known: [Option<f64>; 4]| {
-        let setup =
-            Setup::from_records(records.clone(), known, Default::default()).expect("records");
-        let base: Vec<f64> = setup.start_values(&model)[..4].to_vec();
+        let problem =
+            FitProblem::from_records(records.clone(), known, Default::default()).expect("records");
+        let base: Vec<f64> = problem.start_values(&model)[..4].to_vec();
         let base = [base[0], base[1], base[2], base[3]];
         let position = model.position(EffectId::BackEmfLimit).expect("added");
-        let unit = setup.unit(&model, position);
-        let starts = setup.starts(&setup.all_records(), EffectId::BackEmfLimit, &base);
+        let unit = problem.unit(&model, position);
+        let starts = problem.starts(&problem.all_records(), EffectId::BackEmfLimit, &base);
         // The speed at which no current is left, rad/s, and the current that is left at standstill, A.
         let ends: Vec<(f64, f64)> = starts
             .iter()
@@ -82,8 +82,9 @@ fn a_spin_up_whose_current_nobody_wrote_down_gives_its_time_constant() {
         let outputs = [None, None, Some(speed)];
         let record = Record::new("spin-up", Kind::SpinUp, record.time_s, outputs, None, false);
         let known = [None, None, None, Some(VALUES[3])];
-        let setup = Setup::from_records(vec![record], known, Default::default()).expect("a record");
-        let found = fitted(&setup, &[]);
+        let problem =
+            FitProblem::from_records(vec![record], known, Default::default()).expect("a record");
+        let found = fitted(&problem, &[]);
         let (friction, _) = parameter(&found, "wheel_viscous_friction");
         let (inertia, _) = parameter(&found, "wheel_inertia");
         let ratio = (friction / inertia) / (VALUES[5] / VALUES[1]);

@@ -2,7 +2,7 @@
 //! eight times finer than the log, with the sensors, the controller and the pushes of the reference
 //! benches. Nothing of it comes from the crates under test but the types of a record.
 
-use identify::{Record, Setup};
+use identify::{FitProblem, Record};
 use plant::Kind;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -261,9 +261,9 @@ pub fn bench(physics: &Physics, seed: u64) -> Vec<Record> {
 }
 
 /// A bench whose masses, lengths and torque constant were measured.
-pub fn setup(records: Vec<Record>) -> Setup {
+pub fn problem(records: Vec<Record>) -> FitProblem {
     let known = [None, None, Some(VALUES[2]), Some(VALUES[3])];
-    Setup::from_records(records, known, Default::default()).expect("records")
+    FitProblem::from_records(records, known, Default::default()).expect("records")
 }
 
 /// A file of the recordings that are no part of the project; only for tests that need them.

@@ -1,10 +1,10 @@
 //! What the minimisation and the score test promise.
 
 use crate::common::{fitted, parameter, short_bench};
-use crate::simulated::{Now, Physics, free_swing, setup, simulate};
+use crate::simulated::{Now, Physics, free_swing, problem, simulate};
 use identify::{
-    Cancelled, Effort, IdentifyError, KnownPromise, Outcome, Progress, Record, Unknowns,
-    carry_over, cost, describe, identify_until, promise, refit,
+    Cancelled, Effort, IdentifyError, KnownScore, Outcome, Progress, Record, Unknowns, carry_over,
+    cost, describe, identify_until, refit, score_test,
 };
 use plant::{EffectId, Model};
 use rand::SeedableRng;
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// What is known of a fit is not worked out again, unless other samples count.
 #[test]
 fn a_fit_is_described_where_it_is_the_bench_s_own() {
-    let whole = setup(short_bench(&Physics::base(), 2860));
+    let whole = problem(short_bench(&Physics::base(), 2860));
     let found = fitted(&whole, &[]);
     let again = describe(&whole, &found.fit).expect("its own fit");
     assert_eq!(again.fit.values, found.fit.values);
@@ -27,12 +27,12 @@ fn a_fit_is_described_where_it_is_the_bench_s_own() {
 
 #[test]
 fn the_cost_without_derivatives_is_that_of_the_fit() {
-    let whole = setup(short_bench(&Physics::base(), 2950));
+    let whole = problem(short_bench(&Physics::base(), 2950));
     let (thin, _) = whole.thinned(63.0);
-    for setup in [&whole, &thin] {
-        let fit = fitted(setup, &[EffectId::WheelCogging, EffectId::MotorLag]).fit;
+    for problem in [&whole, &thin] {
+        let fit = fitted(problem, &[EffectId::WheelCogging, EffectId::MotorLag]).fit;
         let again = cost(
-            &setup.all_records(),
+            &problem.all_records(),
             &fit.model,
             &fit.values,
             &fit.minimum.windows,
@@ -49,7 +49,7 @@ fn a_goal_ends_only_fits_that_do_not_reach_it() {
         on_body: &cable,
         ..Physics::base()
     };
-    let bench = setup(short_bench(&physics, 2960));
+    let bench = problem(short_bench(&physics, 2960));
     let records = bench.all_records();
     let found = fitted(&bench, &[EffectId::BodyCableSpring]).fit;
     // The curve of Stribeck lies along a curved valley.
@@ -74,7 +74,7 @@ fn a_goal_ends_only_fits_that_do_not_reach_it() {
 
 #[test]
 fn a_fit_that_is_called_off_ends_before_its_next_evaluation() {
-    let bench = setup(short_bench(&Physics::base(), 2970));
+    let bench = problem(short_bench(&Physics::base(), 2970));
     let model = Model::base();
     let asked = AtomicUsize::new(0);
     // In the middle of the fit.
@@ -102,22 +102,22 @@ fn a_fit_that_is_called_off_ends_before_its_next_evaluation() {
 /// again: neither may change what a suspect promises.
 #[test]
 fn a_suspect_promises_the_same_alone_and_beside_others_at_zero() {
-    let setup = setup(short_bench(&Physics::base(), 2800));
-    let records = setup.all_records();
-    let base = fitted(&setup, &[]).fit;
+    let problem = problem(short_bench(&Physics::base(), 2800));
+    let records = problem.all_records();
+    let base = fitted(&problem, &[]).fit;
     let suspects = [
         EffectId::BodyQuadraticDrag,
         EffectId::WheelQuadraticDrag,
         EffectId::CurrentOffset,
         EffectId::AngleOffset,
     ];
-    let unknowns = |model: &Model| Unknowns::new(model, &setup.free(model));
+    let unknowns = |model: &Model| Unknowns::new(model, &problem.free(model));
     let at_zero = |model: &Model| {
         let zeros = vec![0.0; model.parameter_count()];
         carry_over(&base.model, &base.values, model, &zeros)
     };
     let windows = &base.minimum.windows;
-    let of_base = promise(
+    let of_base = score_test(
         &records,
         &base.model,
         &base.values,
@@ -128,7 +128,7 @@ fn a_suspect_promises_the_same_alone_and_beside_others_at_zero() {
     let all = suspects
         .iter()
         .fold(Model::base(), |model, &effect| model.with(effect));
-    let together = promise(
+    let together = score_test(
         &records,
         &all,
         &at_zero(&all),
@@ -139,17 +139,17 @@ fn a_suspect_promises_the_same_alone_and_beside_others_at_zero() {
     for effect in suspects {
         let model = base.model.with(effect);
         let (values, own) = (at_zero(&model), unknowns(&model));
-        let known = KnownPromise {
+        let known = KnownScore {
             model: &base.model,
             values: &base.values,
             unknowns: &unknowns(&base.model),
-            promise: &of_base,
+            score_test: &of_base,
             leaves_no_trace: &|_| false,
         };
         let every = vec![true; own.free.len()];
         let [alone, reused] = [None, Some(known)].map(|known| {
-            let promise = promise(&records, &model, &values, windows, &own, known);
-            promise.step(&values, &own, &every).cost
+            let score_test = score_test(&records, &model, &values, windows, &own, known);
+            score_test.step(&values, &own, &every).cost
         });
         let names = all.parameters();
         let whole = unknowns(&all);
@@ -187,16 +187,16 @@ fn a_cable_is_found_from_a_wrong_one_in_few_steps() {
         .iter()
         .map(|experiment| simulate(&physics, experiment, &mut rng))
         .collect();
-        let setup = setup(records);
-        let found = fitted(&setup, &[EffectId::BodyCableSpring]);
+        let problem = problem(records);
+        let found = fitted(&problem, &[EffectId::BodyCableSpring]);
         let model = &found.fit.model;
         let at = model.position(EffectId::BodyCableSpring).expect("a cable");
         let mut values = found.fit.values.clone();
         values[at] *= 0.25;
         values[at + 1] *= 4.0;
-        let records = setup.all_records();
+        let records = problem.all_records();
         let windows = found.fit.minimum.windows.clone();
-        let free = setup.free(model);
+        let free = problem.free(model);
         let again = refit(&records, model, values, windows, &free, Effort::FULL);
         assert!(
             again.evaluations <= 12,
@@ -231,13 +231,13 @@ fn a_thinned_log_says_what_the_whole_log_says() {
         ..Physics::base()
     };
     for seed in 2900..2902 {
-        let whole = setup(short_bench(&physics, seed));
+        let whole = problem(short_bench(&physics, seed));
         let (thin, steps) = whole.thinned(63.0);
         assert_eq!(steps, [1, 1, 2, 2, 4], "seed {seed}");
         let effects = [EffectId::MotorDeadZone, EffectId::MotorLag];
-        let found = [&whole, &thin].map(|setup| fitted(setup, &effects));
-        for (found, setup) in found.iter().zip([&whole, &thin]) {
-            let observations: usize = setup.records.iter().map(Record::observations).sum();
+        let found = [&whole, &thin].map(|problem| fitted(problem, &effects));
+        for (found, problem) in found.iter().zip([&whole, &thin]) {
+            let observations: usize = problem.records.iter().map(Record::observations).sum();
             let mean_square = found.fit.minimum.cost / observations as f64;
             let spread = (2.0 / observations as f64).sqrt();
             assert!(

@@ -1,7 +1,7 @@
 //! Standard errors mean what they say.
 
 use crate::common::{fitted, parameter, short_bench};
-use crate::simulated::{Now, Physics, VALUES, coast_down, free_swing, setup, simulate, spin_up};
+use crate::simulated::{Now, Physics, VALUES, coast_down, free_swing, problem, simulate, spin_up};
 use plant::EffectId;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -20,7 +20,7 @@ fn the_truth_lies_within_two_standard_errors_as_often_as_it_should() {
         .clone()
         .into_par_iter()
         .map(|seed| {
-            let found = fitted(&setup(short_bench(&Physics::base(), seed)), &[]);
+            let found = fitted(&problem(short_bench(&Physics::base(), seed)), &[]);
             names.map(|(name, truth)| {
                 let (value, std) = parameter(&found, name);
                 if name.ends_with("inertia") {
@@ -72,7 +72,7 @@ fn the_noise_of_the_recorded_current_is_in_the_standard_errors() {
             .iter()
             .map(|experiment| simulate(&physics, experiment, &mut rng))
             .collect();
-            let found = fitted(&setup(records), &[EffectId::WheelCoulombFriction]);
+            let found = fitted(&problem(records), &[EffectId::WheelCoulombFriction]);
             let (value, std) = parameter(&found, "wheel_coulomb_torque");
             usize::from((value - 6e-4).abs() < 2.0 * std)
         })
@@ -97,8 +97,8 @@ fn that_a_real_joint_sticks_is_in_the_standard_errors() {
         .clone()
         .into_par_iter()
         .map(|seed| {
-            let setup = setup(short_bench(&physics, seed));
-            let found = fitted(&setup, &[EffectId::WheelCoulombFriction]);
+            let problem = problem(short_bench(&physics, seed));
+            let found = fitted(&problem, &[EffectId::WheelCoulombFriction]);
             let (value, std) = parameter(&found, "wheel_coulomb_torque");
             (value - truth) / std
         })

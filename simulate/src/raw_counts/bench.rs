@@ -2,7 +2,7 @@
 
 use super::controller::RawController;
 use super::sensors::RawSensors;
-use crate::closed_loop::{Actuator, Answer, ClosedLoop, Instant, Trace, at_rest};
+use crate::closed_loop::{Actuator, Answer, ClosedLoop, Instant, LoopTrace, at_rest};
 use crate::error::SimulateError;
 use crate::law::Measured;
 use crate::motion::Motion;
@@ -60,7 +60,7 @@ impl<'a> RawLoop<'a> {
         duration_s: f64,
         controller: &mut dyn RawController,
         until_fall: bool,
-    ) -> Result<Trace, SimulateError> {
+    ) -> Result<LoopTrace, SimulateError> {
         let start = at_rest(angle_rad);
         let on = ClosedLoop {
             motion: Motion::Nonlinear(self.plant),

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use plant::{LinearModel, Plant, linearise};
 use simulate::scenario::Scale;
 use simulate::{
-    Actuator, ClosedLoop, Deviation, LinearMotion, Motion, Scenario, Sensor, Sensors, Trace,
+    Actuator, ClosedLoop, Deviation, LinearMotion, LoopTrace, Motion, Scenario, Sensor, Sensors,
 };
 
 /// The documented error of the emitted law within its ranges: 5.95e-8 A from rounding gains and
@@ -22,7 +22,7 @@ fn linear_motion() -> LinearMotion {
     }
 }
 
-fn half_minute(on: &ClosedLoop<'_>) -> [Trace; 2] {
+fn half_minute(on: &ClosedLoop<'_>) -> [LoopTrace; 2] {
     let scale = Scale::new(&BASE, 2.0).unwrap();
     Scenario::half_minute(&scale)
         .run(on, &mut [&mut exact_law(), &mut CompiledLaw])

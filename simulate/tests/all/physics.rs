@@ -9,7 +9,7 @@ use plant::{EffectId, Kind, Model, Plant, State, linearise};
 use simulate::closed_loop::at_rest;
 use simulate::scenario::Scale;
 use simulate::{
-    BiasObservingLaw, ClosedLoop, ExactLaw, LinearMotion, Motion, Push, Trace,
+    BiasObservingLaw, ClosedLoop, ExactLaw, LinearMotion, LoopTrace, Motion, Push,
     largest_recoverable_angle,
 };
 use std::f64::consts::PI;
@@ -24,7 +24,7 @@ fn linear_motion() -> LinearMotion {
 
 /// A short run without friction, every step recorded at 10 kHz so that integrals over the record
 /// are sharp, the command changing at 1 kHz.
-fn frictionless_run() -> Trace {
+fn frictionless_run() -> LoopTrace {
     let values = [BASE[0], BASE[1], BASE[2], BASE[3], 0.0, 0.0];
     let plant = Plant::new(&Model::base(), &values, Kind::Balance);
     let mut on = plain_loop(Motion::Nonlinear(&plant));
@@ -34,7 +34,7 @@ fn frictionless_run() -> Trace {
 }
 
 /// ∫ of the mean of neighbours.
-fn integral(trace: &Trace, value: impl Fn(usize) -> f64) -> f64 {
+fn integral(trace: &LoopTrace, value: impl Fn(usize) -> f64) -> f64 {
     (0..trace.len() - 1)
         .map(|k| 0.5 * (value(k) + value(k + 1)) * (trace.time_s[k + 1] - trace.time_s[k]))
         .sum()

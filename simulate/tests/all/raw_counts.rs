@@ -5,7 +5,7 @@ use crate::compiled::CompiledController;
 use checker::Module;
 use plant::Plant;
 use simulate::scenario::Scale;
-use simulate::{InterpretedController, RawLoop, RawSensors, Scenario, Trace};
+use simulate::{InterpretedController, LoopTrace, RawLoop, RawSensors, Scenario};
 use std::path::Path;
 
 const SEEDS: [u64; 3] = [11, 12, 13];
@@ -19,7 +19,7 @@ fn on_thesis_hardware(plant: &Plant<f64>, seed: u64) -> RawLoop<'_> {
 }
 
 /// Largest |values| from `from_s` on.
-fn largest(trace: &Trace, values: &[f64], from_s: f64) -> f64 {
+fn largest(trace: &LoopTrace, values: &[f64], from_s: f64) -> f64 {
     trace
         .time_s
         .iter()

@@ -1,7 +1,7 @@
 //! The closed loop: runs, attitude filters, and where the linear model stops.
 
-use figures::{Line, Panel, Quantity, Role};
-use simulate::{Overlay, Trace};
+use figures::{Line, LineRole, Panel, Quantity};
+use simulate::{LoggedLoop, LoopTrace};
 
 use crate::closed_loop::{FilterRun, LinearRangeReport, LoopRun, SimulationReport};
 use crate::error::Error;
@@ -13,8 +13,14 @@ use crate::words;
 /// Columns of a table, with their names.
 type Columns<'a> = Vec<(String, &'a [f64])>;
 
-/// An experiment over its time in s: linear model, measurement, nonlinear model; and a note.
-type LinearRun<'a> = (&'a [f64], [Vec<f64>; 3], String);
+/// Both models over the log of one experiment.
+struct ModelsOverLog<'a> {
+    time_s: &'a [f64],
+    /// Linear model, measurement, nonlinear model.
+    series: [Vec<f64>; 3],
+    /// What stands beside the panel.
+    note: String,
+}
 
 impl SimulationReport {
     /// Every run as a figure and as a table of its samples.
@@ -84,18 +90,18 @@ impl SimulationReport {
 
     fn run_figure(&self, run: &LoopRun) -> Result<String, Error> {
         let (exact, emitted) = (&run.exact, &run.emitted);
-        let angles = [exact, emitted].map(|trace: &Trace| degrees(&trace.angle_rad));
+        let angles = [exact, emitted].map(|trace: &LoopTrace| degrees(&trace.angle_rad));
         let lines = |exact_y, emitted_y| {
             [
                 Line {
                     name: "exact law",
-                    role: Role::Float,
+                    role: LineRole::Float,
                     x: &exact.time_s,
                     y: exact_y,
                 },
                 Line {
                     name: "emitted fixed-point law",
-                    role: Role::FixedPoint,
+                    role: LineRole::FixedPoint,
                     x: &emitted.time_s,
                     y: emitted_y,
                 },
@@ -135,14 +141,19 @@ impl SimulationReport {
 
     fn filter_figure(&self, filters: &FilterRun) -> Result<String, Error> {
         let FilterRun { lever_arm_m, found } = filters;
-        let estimates: Vec<(&str, Role, Vec<f64>, Vec<f64>)> = found
+        let estimates: Vec<(&str, LineRole, Vec<f64>, Vec<f64>)> = found
             .estimates()
             .into_iter()
             .enumerate()
             .map(|(index, (name, angle))| {
                 let errors = angle.iter().zip(&found.truth_rad);
                 let errors = errors.map(|(angle, truth)| (angle - truth).to_degrees());
-                (name, Role::Other(index), degrees(angle), errors.collect())
+                (
+                    name,
+                    LineRole::Other(index),
+                    degrees(angle),
+                    errors.collect(),
+                )
             })
             .collect();
         let line = |name, role, y| Line {
@@ -152,7 +163,7 @@ impl SimulationReport {
             y,
         };
         let truth = degrees(&found.truth_rad);
-        let mut angles = vec![line("truth", Role::Measurement, &truth[..])];
+        let mut angles = vec![line("truth", LineRole::Measurement, &truth[..])];
         let mut errors = Vec::new();
         // The accelerometer alone would hide the others; its error stands in the text.
         for (name, role, angle, error) in estimates.iter().skip(1) {
@@ -186,13 +197,13 @@ impl SimulationReport {
             [
                 Line {
                     name: "nonlinear model",
-                    role: Role::Model,
+                    role: LineRole::Model,
                     x: time_s,
                     y: whole,
                 },
                 Line {
                     name: "linear model",
-                    role: Role::Other(0),
+                    role: LineRole::Other(0),
                     x: time_s,
                     y: linear,
                 },
@@ -239,9 +250,13 @@ impl SimulationReport {
             let over = swing.curves.as_ref()?;
             let series = [&over.linear_rad, &over.measured_rad, &over.whole_rad];
             let note = off_by(&swing.experiment, swing.nonlinear_error, swing.linear_error);
-            Some((&over.time_s[..], series.map(|angle| degrees(angle)), note))
+            Some(ModelsOverLog {
+                time_s: &over.time_s,
+                series: series.map(|angle| degrees(angle)),
+                note,
+            })
         });
-        let swings: Vec<LinearRun> = swings.collect();
+        let swings: Vec<ModelsOverLog> = swings.collect();
         self.models_over_measurement(
             &format!(
                 "{}: where the linear model leaves the measured swing",
@@ -266,9 +281,13 @@ impl SimulationReport {
             let over = curves.as_ref()?;
             let series = [&over.linear_rad_s, &over.measured_rad_s, &over.whole_rad_s];
             let note = off_by(experiment, *nonlinear_error, *linear_error);
-            Some((&over.time_s[..], series.map(Clone::clone), note))
+            Some(ModelsOverLog {
+                time_s: &over.time_s,
+                series: series.map(Clone::clone),
+                note,
+            })
         });
-        let spin_ups: Vec<LinearRun> = spin_ups.collect();
+        let spin_ups: Vec<ModelsOverLog> = spin_ups.collect();
         self.models_over_measurement(
             &format!(
                 "{}: where the linear model leaves the measured spin-up",
@@ -286,28 +305,29 @@ impl SimulationReport {
         title: &str,
         subtitle: &str,
         (name, unit): (&str, &str),
-        experiments: &[LinearRun],
+        experiments: &[ModelsOverLog],
     ) -> Result<String, Error> {
         let lines: Vec<[Line; 3]> = experiments
             .iter()
-            .map(|(time_s, [linear, measured, whole], _)| {
+            .map(|experiment| {
+                let [linear, measured, whole] = &experiment.series;
                 let line = |name, role, y| Line {
                     name,
                     role,
-                    x: time_s,
+                    x: experiment.time_s,
                     y,
                 };
                 [
-                    line("linear model", Role::Other(0), linear),
-                    line("measurement", Role::Measurement, measured),
-                    line("nonlinear model", Role::Model, whole),
+                    line("linear model", LineRole::Other(0), linear),
+                    line("measurement", LineRole::Measurement, measured),
+                    line("nonlinear model", LineRole::Model, whole),
                 ]
             })
             .collect();
         let panels: Vec<Panel> = lines
             .iter()
             .zip(experiments)
-            .map(|(lines, (_, _, note))| panel(name, unit, lines, &[], note))
+            .map(|(lines, experiment)| panel(name, unit, lines, &[], &experiment.note))
             .collect();
         Ok(figures::series(&figures::Series {
             title,
@@ -318,7 +338,7 @@ impl SimulationReport {
         })?)
     }
 
-    fn overlay_figure(&self, experiment: &str, found: &Overlay) -> Result<String, Error> {
+    fn overlay_figure(&self, experiment: &str, found: &LoggedLoop) -> Result<String, Error> {
         let quantity = |name: &str| match name {
             "angle" => ("angle from upright", "rad"),
             "rate" => ("rate", "rad/s"),
@@ -336,8 +356,8 @@ impl SimulationReport {
                     y,
                 };
                 [
-                    line("measurement", Role::Measurement, &channel.measured[..]),
-                    line("simulation", Role::Model, &channel.simulated),
+                    line("measurement", LineRole::Measurement, &channel.measured[..]),
+                    line("simulation", LineRole::Model, &channel.simulated),
                 ]
             })
             .collect();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use identify::{Breakdown, Coordinate, Output, Quantity};
+use identify::{Coordinate, Output, ResidualBreakdown, ResidualKind};
 
 use crate::comparison::{ComparisonReport, ExperimentCurves, FailurePlace};
 use crate::error::Error;
@@ -59,12 +59,12 @@ impl ComparisonReport {
                     .collect()
             })
             .collect();
-        let channels: Vec<figures::Channel> = experiment
+        let channels: Vec<figures::OverlayChannel> = experiment
             .channels
             .iter()
             .zip(&models)
             .zip(&notes)
-            .map(|((channel, model), note)| figures::Channel {
+            .map(|((channel, model), note)| figures::OverlayChannel {
                 quantity: figures::Quantity {
                     name: spoken(channel.channel.name()),
                     unit: channel.channel.unit(),
@@ -118,7 +118,7 @@ impl ComparisonReport {
 
     /// The residuals in which the model's failure is plainest, each over every coordinate.
     fn residuals(&self) -> Vec<OutputFile> {
-        let mut shown: Vec<(&str, &str, Quantity)> = Vec::new();
+        let mut shown: Vec<(&str, &str, ResidualKind)> = Vec::new();
         for place in self.places.iter().filter(|place| place.significant) {
             let residual = (
                 place.experiment.as_str(),
@@ -132,7 +132,7 @@ impl ComparisonReport {
         shown
             .into_iter()
             .map(|(experiment, channel, quantity)| {
-                let parts: Vec<&Breakdown> = self
+                let parts: Vec<&ResidualBreakdown> = self
                     .breakdowns
                     .iter()
                     .filter(|part| {
@@ -154,7 +154,7 @@ impl ComparisonReport {
         experiment: &str,
         channel: &str,
         what: &str,
-        parts: &[&Breakdown],
+        parts: &[&ResidualBreakdown],
     ) -> String {
         let bins: Vec<Vec<figures::ResidualBin>> = parts
             .iter()
@@ -182,8 +182,8 @@ impl ComparisonReport {
                 residual: figures::Quantity {
                     name: "residual",
                     unit: match part.quantity {
-                        Quantity::MissingTorque => "N m",
-                        Quantity::Output => {
+                        ResidualKind::ResidualTorque => "N m",
+                        ResidualKind::Output => {
                             Output::from_name(part.channel).map_or("", Output::unit)
                         }
                     },

@@ -1,7 +1,7 @@
 //! Decay rate and small-swing period of a free swing over its amplitude.
 
 use figures::{DecayPanel, DecayPoint, Quantity};
-use identify::{AtAmplitude, Decay};
+use identify::{AtAmplitude, FreeDecay};
 
 use crate::error::Error;
 use crate::numbers::with_uncertainty;
@@ -23,7 +23,7 @@ impl SwingDecay {
         Ok(Some(OutputFile::svg(&name, svg)))
     }
 
-    fn figure(&self, bench: &str, measured: &Decay) -> Result<String, Error> {
+    fn figure(&self, bench: &str, measured: &FreeDecay) -> Result<String, Error> {
         let points = |series: &[AtAmplitude]| -> Vec<DecayPoint> {
             let points = series.iter().map(|at| DecayPoint {
                 amplitude: at.amplitude_rad,

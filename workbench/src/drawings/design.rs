@@ -1,6 +1,6 @@
 //! The poles with their uncertainty, and what the wheel can recover.
 
-use figures::{Line, Panel, Plane, PoleSet, Quantity, Role};
+use figures::{Line, LineRole, Panel, Plane, PoleSet, Quantity};
 
 use crate::design_report::{DesignReport, WheelSize};
 use crate::error::Error;
@@ -47,13 +47,13 @@ impl DesignReport {
             sets: &[
                 PoleSet {
                     name: "open loop",
-                    role: Role::Residual,
+                    role: LineRole::Residual,
                     poles: &open,
                     cloud: &clouds[0],
                 },
                 PoleSet {
                     name: "closed loop",
-                    role: Role::Model,
+                    role: LineRole::Model,
                     poles: &closed,
                     cloud: &clouds[1],
                 },
@@ -71,7 +71,7 @@ impl DesignReport {
             .iter()
             .map(|wheel| format!("wheel of {} kg m2", significant(wheel[0].wheel_inertia, 3)))
             .collect();
-        let roles = [Role::Other(0), Role::Model, Role::Other(1)];
+        let roles = [LineRole::Other(0), LineRole::Model, LineRole::Other(1)];
         let column = |value: &dyn Fn(&WheelSize) -> f64| -> Vec<Vec<f64>> {
             let wheels = wheels.iter();
             wheels
@@ -131,7 +131,7 @@ impl DesignReport {
 
 fn lines<'a>(
     names: &'a [String],
-    roles: &[Role],
+    roles: &[LineRole],
     x: &'a [Vec<f64>],
     series: &'a [Vec<f64>],
 ) -> Vec<Line<'a>> {

@@ -59,10 +59,10 @@ impl DiagnosisReport {
     }
 
     fn suspects_figure(&self) -> String {
-        let suspects: Vec<figures::Suspect> = self
+        let suspects: Vec<figures::SuspectBar> = self
             .suspects
             .iter()
-            .map(|suspect| figures::Suspect {
+            .map(|suspect| figures::SuspectBar {
                 name: &suspect.effect,
                 probability: suspect.probability,
                 evidence: &suspect.fingerprint,

@@ -25,7 +25,7 @@ pub use self::point::{AtAmplitude, Estimate};
 
 /// How a free swing dies out.
 #[derive(Clone, Debug)]
-pub struct Decay {
+pub struct FreeDecay {
     /// Amplitude (value, rad) of each pair of half cycles.
     pub amplitudes: Vec<AtAmplitude>,
     /// Relative decay rate −Ȧ/A in 1/s.
@@ -52,7 +52,7 @@ const DRIFT_PERIODS: usize = 5;
 
 /// The decay of a free swing; `None` where fewer than eight half cycles stand out of the noise, or
 /// for other kinds of experiment.
-pub fn decay(record: &Record) -> Option<Decay> {
+pub fn decay(record: &Record) -> Option<FreeDecay> {
     if record.kind != Kind::FreeSwing {
         return None;
     }
@@ -141,7 +141,7 @@ pub fn decay(record: &Record) -> Option<Decay> {
         })
         .collect();
     let period_drift_percent = drift(&small_swing_periods, &crossings);
-    Some(Decay {
+    Some(FreeDecay {
         laws: laws(&amplitudes),
         amplitudes,
         rates,

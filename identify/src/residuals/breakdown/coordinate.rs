@@ -2,7 +2,7 @@
 
 use plant::{GRAVITY_TORQUE, Kind, TOTAL_INERTIA};
 
-use super::super::missing_torque::MeasuredMotion;
+use super::super::residual_torque::MeasuredMotion;
 use crate::records::Record;
 
 /// A coordinate over which a residual is broken down.

@@ -1,20 +1,20 @@
 //! What a breakdown says: bins of a residual over a coordinate, and the places where a model fails.
 
-use super::super::missing_torque::TorqueOn;
+use super::super::residual_torque::TorqueOn;
 use super::coordinate::Coordinate;
 
 /// What is broken down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Quantity {
+pub enum ResidualKind {
     /// The torque that the model lacks, N m.
-    MissingTorque,
+    ResidualTorque,
     /// Measured − free run, in the unit of the channel.
     Output,
 }
 
 /// One bin of a breakdown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bin {
+pub struct BreakdownBin {
     /// Lower edge in the unit of the coordinate.
     pub from: f64,
     /// Upper edge.
@@ -30,7 +30,7 @@ pub struct Bin {
     /// The part that changes its sign with the speed (positive along the motion), in the same unit;
     /// NaN where it is not asked for.
     pub along_motion: f64,
-    /// Standard error of [`Bin::along_motion`].
+    /// Standard error of [`BreakdownBin::along_motion`].
     pub along_motion_std: f64,
     /// Its share of this record's squared error above the noise, in percent of 1; the shares of a
     /// torque add up to what the coordinate explains, those of an output to 1.
@@ -39,30 +39,30 @@ pub struct Bin {
 
 /// One residual of one record over one coordinate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Breakdown {
+pub struct ResidualBreakdown {
     /// The experiment's name.
     pub experiment: String,
     /// The channel's part of "experiment/channel".
     pub channel: &'static str,
     /// Which residual.
-    pub quantity: Quantity,
+    pub quantity: ResidualKind,
     /// Over which coordinate.
     pub coordinate: Coordinate,
     /// Standard deviation of the noise of one value, in the unit of the residual.
     pub noise_std: f64,
     /// The bins in rising order, without gaps.
-    pub bins: Vec<Bin>,
+    pub bins: Vec<BreakdownBin>,
 }
 
 /// A place where the model fails.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Region {
+pub struct FailureRegion {
     /// The experiment's name.
     pub experiment: String,
     /// The channel's part of "experiment/channel".
     pub channel: &'static str,
     /// In which residual it was seen.
-    pub quantity: Quantity,
+    pub quantity: ResidualKind,
     /// The coordinate in which the place is given.
     pub coordinate: Coordinate,
     /// Lower end in the unit of the coordinate.
@@ -79,7 +79,7 @@ pub struct Region {
 
 /// How much of the missing torque a coordinate explains, over all logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Explained {
+pub struct ExplainedTorque {
     /// Which torque.
     pub on: TorqueOn,
     /// By which coordinate.
@@ -94,9 +94,9 @@ pub struct Explained {
 #[derive(Clone, Debug, Default)]
 pub struct FailureMap {
     /// Every residual over every coordinate.
-    pub breakdowns: Vec<Breakdown>,
+    pub breakdowns: Vec<ResidualBreakdown>,
     /// How much of each missing torque each coordinate explains.
-    pub explained: Vec<Explained>,
+    pub explained: Vec<ExplainedTorque>,
     /// The places where the model fails, the plainest first; never empty if there is a sample.
-    pub regions: Vec<Region>,
+    pub regions: Vec<FailureRegion>,
 }

@@ -1,6 +1,6 @@
 //! Where a model fails: its residual over the coordinates in which physics speaks.
 //!
-//! Two residuals are broken down. The torque that the model lacks ([`super::missing_torque`]) has no
+//! Two residuals are broken down. The torque that the model lacks ([`super::residual_torque`]) has no
 //! memory, so that it can be asked on what it depends; the residual of the free run is what users see,
 //! and where it is large.
 //!
@@ -36,12 +36,14 @@ use rayon::prelude::*;
 
 use self::coordinate::coordinates;
 use self::series::{Context, ResidualSeries, adjust, output_series, torque_series};
-use super::missing_torque::{MeasuredMotion, TorqueOn, half_bump};
-use crate::fit::{Trace, Window};
+use super::residual_torque::{MeasuredMotion, TorqueOn, half_bump};
+use crate::fit::{PredictedSeries, Window};
 use crate::records::Record;
 
 pub use self::coordinate::Coordinate;
-pub use self::failure_map::{Bin, Breakdown, Explained, FailureMap, Quantity, Region};
+pub use self::failure_map::{
+    BreakdownBin, ExplainedTorque, FailureMap, FailureRegion, ResidualBreakdown, ResidualKind,
+};
 
 /// Most regions that are named.
 const MOST_REGIONS: usize = 12;
@@ -60,7 +62,7 @@ fn seen(
     index: usize,
     record: &Record,
     windows: &[Window],
-    traces: &[Trace],
+    traces: &[PredictedSeries],
     model: &Model,
     values: &[f64],
 ) -> Seen {
@@ -78,7 +80,7 @@ fn seen(
         };
     };
     let torques = motion
-        .missing_torques(record, model, values, half)
+        .residual_torques(record, model, values, half)
         .into_iter()
         .map(|missing| {
             let slopes = motion.parameter_slopes(record, model, values, &missing);
@@ -98,7 +100,7 @@ fn seen(
 pub fn breakdown(
     records: &[Record],
     windows: &[Vec<Window>],
-    traces: &[Vec<Trace>],
+    traces: &[Vec<PredictedSeries>],
     model: &Model,
     values: &[f64],
 ) -> FailureMap {
@@ -149,7 +151,7 @@ pub fn breakdown(
         }
     }
     plainest_first(&mut map.regions);
-    let mut of_outputs: Vec<Region> = outputs
+    let mut of_outputs: Vec<FailureRegion> = outputs
         .iter()
         .filter_map(|series| context.break_output_down(series, &mut map.breakdowns))
         .collect();
@@ -162,7 +164,7 @@ pub fn breakdown(
     map
 }
 
-fn plainest_first(regions: &mut [Region]) {
+fn plainest_first(regions: &mut [FailureRegion]) {
     regions.sort_by(|a, b| {
         let significant = b.is_significant.cmp(&a.is_significant);
         significant.then(b.size.total_cmp(&a.size))

@@ -3,7 +3,7 @@
 use super::super::correlation::effective_samples;
 use super::super::structure::structure;
 use super::coordinate::{Coordinate, bin_of, edges};
-use super::failure_map::{Bin, Breakdown, Quantity, Region};
+use super::failure_map::{BreakdownBin, FailureRegion, ResidualBreakdown, ResidualKind};
 use super::series::{Context, ResidualSeries};
 use super::steps::shortest_run;
 
@@ -17,13 +17,13 @@ impl Context<'_> {
     pub(super) fn break_output_down(
         &self,
         series: &ResidualSeries,
-        out: &mut Vec<Breakdown>,
-    ) -> Option<Region> {
+        out: &mut Vec<ResidualBreakdown>,
+    ) -> Option<FailureRegion> {
         let n = series.values.len();
         if n == 0 {
             return None;
         }
-        let mut best: Option<(f64, Region)> = None;
+        let mut best: Option<(f64, FailureRegion)> = None;
         let found = structure(&series.values, 1.0, &[]);
         let is_significant = found.is_significant() && found.rms_over_noise > IMMATERIAL;
         let all: f64 = series.excess();
@@ -50,17 +50,17 @@ impl Context<'_> {
             }
             let energy: Vec<f64> = squares.iter().zip(&count).map(|(s, n)| s - n).collect();
             let positive: f64 = energy.iter().map(|value| value.max(0.0)).sum();
-            out.push(Breakdown {
+            out.push(ResidualBreakdown {
                 experiment: self.records[series.record].name.clone(),
                 channel: series.channel,
-                quantity: Quantity::Output,
+                quantity: ResidualKind::Output,
                 coordinate,
                 noise_std: series.noise_std,
                 bins: (0..bins)
                     .map(|bin| {
                         let mean = sum[bin] / count[bin];
                         let variance = (squares[bin] / count[bin] - mean * mean).max(0.0);
-                        Bin {
+                        BreakdownBin {
                             from: edges[bin],
                             to: edges[bin + 1],
                             count: count[bin],
@@ -77,10 +77,10 @@ impl Context<'_> {
             if let Some((from, to)) = shortest_run(&energy, &edges) {
                 let size: f64 = energy[from..=to].iter().map(|value| value.max(0.0)).sum();
                 let part = count[from..=to].iter().sum::<f64>() / n as f64;
-                let region = Region {
+                let region = FailureRegion {
                     experiment: self.records[series.record].name.clone(),
                     channel: series.channel,
-                    quantity: Quantity::Output,
+                    quantity: ResidualKind::Output,
                     coordinate,
                     from: edges[from],
                     to: edges[to + 1],

@@ -3,9 +3,9 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use plant::Kind;
 
-use super::super::missing_torque::{MeasuredMotion, MissingTorque, TorqueOn};
+use super::super::residual_torque::{MeasuredMotion, ResidualTorque, TorqueOn};
 use super::super::structure::without_rounding;
-use crate::fit::Trace;
+use crate::fit::PredictedSeries;
 use crate::records::{Output, Record};
 
 /// Uncertainty of a sum of squares in a balance log, as a part of the squared noise. The controller
@@ -41,7 +41,7 @@ impl ResidualSeries {
 pub(super) fn torque_series(
     index: usize,
     record: &Record,
-    missing: &MissingTorque,
+    missing: &ResidualTorque,
 ) -> ResidualSeries {
     ResidualSeries {
         record: index,
@@ -71,7 +71,7 @@ pub(super) fn torque_series(
 pub(super) fn output_series(
     index: usize,
     record: &Record,
-    traces: &[Trace],
+    traces: &[PredictedSeries],
 ) -> Vec<ResidualSeries> {
     record
         .channels

@@ -3,10 +3,12 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::super::missing_torque::TorqueOn;
+use super::super::residual_torque::TorqueOn;
 use super::super::structure::SIGNIFICANT;
 use super::coordinate::{Coordinate, edges};
-use super::failure_map::{Bin, Breakdown, Explained, FailureMap, Quantity, Region};
+use super::failure_map::{
+    BreakdownBin, ExplainedTorque, FailureMap, FailureRegion, ResidualBreakdown, ResidualKind,
+};
 use super::series::{Context, ResidualSeries};
 use super::steps::{StepFit, fit_steps, shortest_run};
 
@@ -16,9 +18,9 @@ const AS_GOOD: f64 = 0.9;
 
 /// What came of explaining a torque by one coordinate.
 struct Attempt {
-    explained: Explained,
-    breakdowns: Vec<Breakdown>,
-    regions: Vec<Region>,
+    explained: ExplainedTorque,
+    breakdowns: Vec<ResidualBreakdown>,
+    regions: Vec<FailureRegion>,
 }
 
 impl Context<'_> {
@@ -113,10 +115,10 @@ impl Context<'_> {
             for (number, series) in set.iter().enumerate() {
                 let excess = series.excess().max(1e-300);
                 let experiment = self.records[series.record].name.clone();
-                breakdowns.push(Breakdown {
+                breakdowns.push(ResidualBreakdown {
                     experiment: experiment.clone(),
                     channel: series.channel,
-                    quantity: Quantity::MissingTorque,
+                    quantity: ResidualKind::ResidualTorque,
                     coordinate,
                     noise_std: series.noise_std,
                     bins: bins_of(&fit, number, &edges, excess),
@@ -140,10 +142,10 @@ impl Context<'_> {
                 let finite = || seen[number].iter().copied().filter(|x| x.is_finite());
                 let lowest = finite().fold(f64::INFINITY, f64::min);
                 let highest = finite().fold(f64::NEG_INFINITY, f64::max);
-                regions.push(Region {
+                regions.push(FailureRegion {
                     experiment,
                     channel: series.channel,
-                    quantity: Quantity::MissingTorque,
+                    quantity: ResidualKind::ResidualTorque,
                     coordinate,
                     from: edges[from].max(lowest),
                     to: edges[to + 1].min(highest),
@@ -157,7 +159,7 @@ impl Context<'_> {
         let gain = explained - mean;
         let significance = gain / variance.sqrt().max(1e-300);
         Attempt {
-            explained: Explained {
+            explained: ExplainedTorque {
                 on,
                 coordinate,
                 share: if significance > SIGNIFICANT {
@@ -173,14 +175,14 @@ impl Context<'_> {
     }
 }
 
-fn bins_of(fit: &StepFit, series: usize, edges: &[f64], excess: f64) -> Vec<Bin> {
+fn bins_of(fit: &StepFit, series: usize, edges: &[f64], excess: f64) -> Vec<BreakdownBin> {
     let bins = edges.len() - 1;
     let signed = fit.beta.len() > bins;
     (0..bins)
         .map(|bin| {
             let seen = fit.count[series][bin] > 0.0;
             let of = |values: &DVector<f64>, k: usize| if seen { values[k] } else { f64::NAN };
-            Bin {
+            BreakdownBin {
                 from: edges[bin],
                 to: edges[bin + 1],
                 count: fit.count[series][bin],

@@ -13,7 +13,7 @@ use crate::residuals::{PushModel, find_disturbances, leave_out};
 
 /// A bench prepared for fits: its records, and which parameters are given.
 #[derive(Clone, Debug)]
-pub struct Setup {
+pub struct FitProblem {
     /// The experiments, in the order of bench.toml.
     pub records: Vec<Record>,
     /// Values of the base parameters (positions 0 to 3) that are known or fix the scale.
@@ -28,12 +28,12 @@ pub struct Setup {
     pub masses: Known,
 }
 
-impl Setup {
+impl FitProblem {
     /// Prepares a bench that was loaded from disk.
     ///
     /// # Errors
     /// [`IdentifyError::NoExperiments`] if nothing in it can be used.
-    pub fn new(bench: &Bench) -> Result<Setup, IdentifyError> {
+    pub fn new(bench: &Bench) -> Result<FitProblem, IdentifyError> {
         let records: Vec<Record> = bench
             .experiments
             .par_iter()
@@ -45,7 +45,7 @@ impl Setup {
         known[WHEEL_INERTIA] = bench.known.wheel_inertia;
         known[GRAVITY_TORQUE] = bench.known.gravity_torque().ok();
         known[TORQUE_CONSTANT] = bench.known.torque_constant;
-        Setup::from_records(records, known, bench.known)
+        FitProblem::from_records(records, known, bench.known)
     }
 
     /// Prepares records with what is known of the base parameters.
@@ -56,7 +56,7 @@ impl Setup {
         records: Vec<Record>,
         known: [Option<f64>; 4],
         masses: Known,
-    ) -> Result<Setup, IdentifyError> {
+    ) -> Result<FitProblem, IdentifyError> {
         if records.is_empty() {
             return Err(IdentifyError::NoExperiments);
         }
@@ -98,7 +98,7 @@ impl Setup {
                 leave_out(record, &pushes, BALANCE_WINDOW_S);
             }
         }
-        Ok(Setup {
+        Ok(FitProblem {
             records,
             known,
             body_scale_known: body,
@@ -115,7 +115,7 @@ impl Setup {
 
     /// The same bench without the pushes that a fitted model finds besides those that the first
     /// guess of its parameters found; `None` if there are no others.
-    pub fn with_more_pushes(&self, model: &Model, values: &[f64]) -> Option<Setup> {
+    pub fn with_more_pushes(&self, model: &Model, values: &[f64]) -> Option<FitProblem> {
         let push_model = PushModel::of(model, values);
         let mut again = self.clone();
         let mut changed = false;
@@ -136,7 +136,7 @@ impl Setup {
     /// The teeth of a motor make a long run of the wheel depend on every standstill in between: at the
     /// crest of a tooth it may turn back or pass, by less than any sensor shows. A free run then says
     /// nothing about the model, as in a balance log.
-    pub fn in_windows(&self) -> Option<Setup> {
+    pub fn in_windows(&self) -> Option<FitProblem> {
         let mut cut = self.clone();
         let mut changed = false;
         for record in &mut cut.records {
@@ -151,8 +151,8 @@ impl Setup {
         changed.then_some(cut)
     }
 
-    /// The bench as a model can be compared with it: [`Setup::in_windows`] for one with cogging.
-    pub fn suited_to(&self, model: &Model) -> Cow<'_, Setup> {
+    /// The bench as a model can be compared with it: [`FitProblem::in_windows`] for one with cogging.
+    pub fn suited_to(&self, model: &Model) -> Cow<'_, FitProblem> {
         let cut = if model.find(|info| info.ripple.is_some()).is_some() {
             self.in_windows()
         } else {
@@ -167,7 +167,7 @@ impl Setup {
     /// that is sampled a hundred times. Of the current every sample counts.
     ///
     /// The period is that of the samples: a model that lacks something need not have it.
-    pub fn thinned(&self, per_period: f64) -> (Setup, Vec<usize>) {
+    pub fn thinned(&self, per_period: f64) -> (FitProblem, Vec<usize>) {
         let period_s = plant::period_s(&self.start_values(&Model::base()));
         let mut thin = self.clone();
         let steps: Vec<usize> = self

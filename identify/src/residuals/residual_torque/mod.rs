@@ -4,4 +4,4 @@ mod motion;
 mod torque;
 
 pub use motion::MeasuredMotion;
-pub use torque::{MissingTorque, TorqueOn, half_bump, missing_torque, missing_torques};
+pub use torque::{ResidualTorque, TorqueOn, half_bump, residual_torque, residual_torques};

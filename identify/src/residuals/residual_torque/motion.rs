@@ -2,7 +2,7 @@
 
 use plant::{Current, Kind, Model, Plant, State, period_s};
 
-use crate::fit::{Local, Window, simulate};
+use crate::fit::{Nuisance, Window, simulate};
 use crate::records::{Bump, Output, Record, RecordedCurrent, angle_samples, dot, half_samples};
 
 /// Length over which the drift of an integrated rate is averaged, in periods of the pendulum.
@@ -93,11 +93,14 @@ impl MeasuredMotion {
             }
             None => vec![0.0; n],
         };
-        let locals = Local::of(record);
-        if let Some(index) = locals.iter().position(|local| *local == Local::AngleZero) {
+        let nuisances = Nuisance::of(record);
+        if let Some(index) = nuisances
+            .iter()
+            .position(|local| *local == Nuisance::AngleZero)
+        {
             for window in windows {
                 for value in &mut angle[window.samples.clone()] {
-                    *value -= window.locals[index];
+                    *value -= window.nuisances[index];
                 }
             }
         }
@@ -168,7 +171,7 @@ impl MeasuredMotion {
                 state.friction_torque = friction;
             }
         }
-        add_current(record, windows, &locals, &plant, &mut state);
+        add_current(record, windows, &nuisances, &plant, &mut state);
         Some(MeasuredMotion {
             time_s: (0..n - 1).map(|k| mid(time_s, k)).collect(),
             step_s: (0..n - 1).map(|k| time_s[k + 1] - time_s[k]).collect(),
@@ -262,7 +265,7 @@ fn short_mean(samples: &[f64], k: usize, short: usize) -> f64 {
 fn add_current(
     record: &Record,
     windows: &[Window],
-    locals: &[Local],
+    nuisances: &[Nuisance],
     plant: &Plant<f64>,
     state: &mut [State<f64>],
 ) {
@@ -272,10 +275,12 @@ fn add_current(
         plant.clone()
     };
     let held = |k: usize| -> f64 {
-        let index = locals.iter().position(|local| *local == Local::Current);
+        let index = nuisances
+            .iter()
+            .position(|local| *local == Nuisance::Current);
         let window = windows.iter().find(|window| window.samples.contains(&k));
         match (index, window) {
-            (Some(index), Some(window)) => window.locals[index],
+            (Some(index), Some(window)) => window.nuisances[index],
             _ => 0.0,
         }
     };
@@ -283,10 +288,12 @@ fn add_current(
         RecordedCurrent::Known(input) => Current::Recorded(input),
         RecordedCurrent::Unknown => Current::Held(0.0),
     };
-    let past = locals.iter().position(|local| *local == Local::PastCurrent);
+    let past = nuisances
+        .iter()
+        .position(|local| *local == Nuisance::PastCurrent);
     let first = windows.iter().find(|window| window.samples.start == 0);
     let before = match past.zip(first) {
-        Some((at, first)) => first.locals[at],
+        Some((at, first)) => first.nuisances[at],
         None => record.current_a.first().copied().unwrap_or(0.0),
     };
     let mut flowing = before;

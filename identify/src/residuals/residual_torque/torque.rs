@@ -67,10 +67,10 @@ impl TorqueOn {
 
 /// The torque that a model lacks in one record.
 #[derive(Clone, Debug)]
-pub struct MissingTorque {
+pub struct ResidualTorque {
     /// Which torque.
     pub on: TorqueOn,
-    /// The sample at the centre of each bump, increasing by [`MissingTorque::stride`] but for gaps.
+    /// The sample at the centre of each bump, increasing by [`ResidualTorque::stride`] but for gaps.
     pub centres: Vec<usize>,
     /// The torque in N m (per kg m² where the scale of the torques is not known), positive in the
     /// direction of positive speed.
@@ -87,7 +87,7 @@ pub struct MissingTorque {
     pub stride: usize,
 }
 
-impl MissingTorque {
+impl ResidualTorque {
     /// The weights with which the value at `centre` averages over the intervals from
     /// `centre − half` to `centre + half` of its record; they sum to 1.
     pub fn weights(&self, record: &Record, centre: usize) -> Vec<f64> {
@@ -108,13 +108,13 @@ pub fn half_bump(record: &Record, values: &[f64]) -> usize {
 
 impl MeasuredMotion {
     /// All torques that this motion shows to be missing, by bumps of half-width `half` samples.
-    pub fn missing_torques(
+    pub fn residual_torques(
         &self,
         record: &Record,
         model: &Model,
         values: &[f64],
         half: usize,
-    ) -> Vec<MissingTorque> {
+    ) -> Vec<ResidualTorque> {
         [TorqueOn::Body, TorqueOn::Wheel, TorqueOn::BodyByCommand]
             .into_iter()
             .filter(|on| match (on, record.kind) {
@@ -125,7 +125,7 @@ impl MeasuredMotion {
             })
             .filter_map(|on| {
                 let shape = (half, half / 2);
-                missing_torque(record, &record.weight, self, model, values, on, shape)
+                residual_torque(record, &record.weight, self, model, values, on, shape)
             })
             .collect()
     }
@@ -139,7 +139,7 @@ impl MeasuredMotion {
         record: &Record,
         model: &Model,
         values: &[f64],
-        missing: &MissingTorque,
+        missing: &ResidualTorque,
     ) -> Vec<Vec<f64>> {
         let mut slopes = vec![vec![0.0; values.len()]; missing.centres.len()];
         let Some((of_body, of_wheel)) = missing.on.inertias(record.kind, values) else {
@@ -178,12 +178,12 @@ impl MeasuredMotion {
 
 /// The torques that `model` lacks in a record: on the body and on the wheel, as far as its kind and
 /// channels show them. `windows` are those of the fit (or none).
-pub fn missing_torques(
+pub fn residual_torques(
     record: &Record,
     windows: &[Window],
     model: &Model,
     values: &[f64],
-) -> Vec<MissingTorque> {
+) -> Vec<ResidualTorque> {
     if record.len() < 4 * FEWEST_HALF_SAMPLES {
         return vec![];
     }
@@ -191,14 +191,14 @@ pub fn missing_torques(
     let Some(motion) = MeasuredMotion::new(record, windows, model, values, half) else {
         return vec![];
     };
-    motion.missing_torques(record, model, values, half)
+    motion.residual_torques(record, model, values, half)
 }
 
 /// One torque that `model` lacks, smoothed by bumps of half-width `half` samples that begin `stride`
 /// samples apart. Bumps that touch a missing sample, or one of weight 0, are left out (an empty
 /// `weight` counts them all). `None` where this kind of experiment or its channels do not show the
 /// torque.
-pub fn missing_torque(
+pub fn residual_torque(
     record: &Record,
     weight: &[f64],
     motion: &MeasuredMotion,
@@ -206,7 +206,7 @@ pub fn missing_torque(
     values: &[f64],
     on: TorqueOn,
     (half, stride): (usize, usize),
-) -> Option<MissingTorque> {
+) -> Option<ResidualTorque> {
     let (of_body, of_wheel) = on.inertias(record.kind, values)?;
     let shows_body = record.channel(Output::Angle).is_some() || motion.rate_measured;
     if (of_body != 0.0 && !shows_body) || (of_wheel != 0.0 && !motion.wheel_speed_measured) {
@@ -271,7 +271,7 @@ pub fn missing_torque(
         (of_body, of_wheel),
         (half, stride),
     );
-    Some(MissingTorque {
+    Some(ResidualTorque {
         on,
         centres,
         torque_nm,
@@ -351,7 +351,7 @@ fn noise(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Local;
+    use crate::fit::Nuisance;
     use plant::{Current, EffectId, Hold, Input};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -399,12 +399,12 @@ mod tests {
 
     /// The one window of a log whose start is known.
     fn whole(record: &Record) -> Vec<Window> {
-        let locals = Local::of(record)
+        let nuisances = Nuisance::of(record)
             .iter()
-            .map(|local| if *local == Local::Angle { 0.35 } else { 0.0 })
+            .map(|local| if *local == Nuisance::Angle { 0.35 } else { 0.0 })
             .collect();
         let samples = 0..record.len();
-        vec![Window { samples, locals }]
+        vec![Window { samples, nuisances }]
     }
 
     fn rms(values: &[f64]) -> f64 {
@@ -429,7 +429,7 @@ mod tests {
             let mut correlations = vec![];
             for seed in 0..12 {
                 let record = record(kind, &model, &VALUES, outputs, None, seed, 1.0);
-                for missing in missing_torques(&record, &whole(&record), &model, &VALUES) {
+                for missing in residual_torques(&record, &whole(&record), &model, &VALUES) {
                     let ratio = rms(&missing.torque_nm) / missing.noise_std_nm;
                     ratios.push(ratio);
                     // Noise of neighbouring bumps is correlated as stated.
@@ -462,7 +462,7 @@ mod tests {
                 continue;
             }
             let record = record(kind, &model, &VALUES, outputs, Some(&push), 1, 0.0);
-            for missing in missing_torques(&record, &whole(&record), &model, &VALUES) {
+            for missing in residual_torques(&record, &whole(&record), &model, &VALUES) {
                 let (mut impulse, mut moment) = (0.0, 0.0);
                 for (centre, torque) in missing.centres.iter().zip(&missing.torque_nm) {
                     let t = record.time_s[*centre];
@@ -511,8 +511,8 @@ mod tests {
                 }
             }
             let record = record(Kind::Driven, &model, &values, [true; 3], None, 2, 0.0);
-            let with = missing_torques(&record, &[], &model, &values);
-            let without = missing_torques(&record, &[], &Model::base(), &VALUES);
+            let with = residual_torques(&record, &[], &model, &values);
+            let without = residual_torques(&record, &[], &Model::base(), &VALUES);
             let largest = without
                 .iter()
                 .map(|m| rms(&m.torque_nm))

@@ -1,0 +1,55 @@
+//! The arguments that commands share.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use workbench::Session;
+
+use crate::failure::Failure;
+
+/// Where the result goes.
+#[derive(Args)]
+pub struct JsonOutput {
+    /// Write everything that the text says to FILE as JSON ("-": standard output, instead of text)
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// The folder beside a model into which figures go unless another is named.
+pub fn out_beside(model: &Path) -> PathBuf {
+    let beside = model.parent();
+    beside.map_or_else(|| PathBuf::from("out"), |folder| folder.join("out"))
+}
+
+/// A bench's files beside its folder.
+#[derive(Args)]
+pub struct BenchFiles {
+    /// The model of the bench [default: BENCH/model.toml]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Folder for figures and reports [default: BENCH/out]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+impl BenchFiles {
+    /// Opens the bench with the model that is named.
+    pub fn open(&self, bench: &Path) -> Result<Session, Failure> {
+        Ok(Session::open_with_model(bench, self.model.as_deref())?)
+    }
+
+    /// Where figures and reports of the bench go.
+    pub fn out_of(&self, session: &Session) -> PathBuf {
+        let beside = || session.bench().folder.join("out");
+        self.out.clone().unwrap_or_else(beside)
+    }
+}
+
+/// Writes a session's model, with a way out where the bench is read-only.
+pub fn save_model(session: &Session) -> Result<(), Failure> {
+    session.save_model().map_err(|error| {
+        Failure::new(format!(
+            "{error}; --model FILE names another place, for example where the bench is read-only"
+        ))
+    })
+}
