@@ -15,7 +15,9 @@ pub fn text(report: &DiagnosisReport) -> String {
         comparison::head(&report.bench, &last.experiments, &report.notes),
         report.sentence
     );
-    if let Some(remains) = &report.remains {
+    // Beside a contradiction the logs may leave nothing.
+    let shown = report.remains.as_ref();
+    if let Some(remains) = shown.filter(|remains| remains.over_noise > 1.0) {
         text.push_str(&format!("{}\n", remains.sentence()));
     }
     text.push_str(&staircase_table(report));
