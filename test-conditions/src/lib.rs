@@ -15,7 +15,7 @@
 //! test_conditions::declare(&[Condition::Z3]);
 //! ```
 //!
-//! The reason is "needs z3", "needs rustfmt" or "needs the recordings": `.ci/run` looks for these words
+//! The reason is "needs z3", "needs rustfmt", "needs chromium" or "needs the recordings": `.ci/run` looks for these words
 //! and fails where a test was ignored for something that the machine has.
 
 use std::env;
@@ -31,6 +31,8 @@ pub enum Condition {
     Z3,
     /// The formatter of Rust on the path of programs: `have_rustfmt`.
     Rustfmt,
+    /// The browser chromium and its chromedriver on the path of programs: `have_chromium`.
+    Chromium,
     /// Recordings of real rigs (`real/`) and the benches of an independent simulator (`hidden/`), in the
     /// folder that [`RECORDINGS`] names or else in `../shared/data` beside the project:
     /// `have_recordings`. Tests read the folder from `env!("FLYWHEEL_RECORDINGS")`.
@@ -43,6 +45,7 @@ impl Condition {
         match self {
             Condition::Z3 => "have_z3",
             Condition::Rustfmt => "have_rustfmt",
+            Condition::Chromium => "have_chromium",
             Condition::Recordings => "have_recordings",
         }
     }
@@ -59,6 +62,8 @@ pub fn declare(conditions: &[Condition]) {
         let holds = match condition {
             Condition::Z3 => watch_program("z3"),
             Condition::Rustfmt => watch_program("rustfmt"),
+            // Both are looked for, also where the first is missing: cargo must look again when either comes.
+            Condition::Chromium => ["chromium", "chromedriver"].map(watch_program) == [true, true],
             Condition::Recordings => watch_recordings(),
         };
         if holds {

@@ -70,6 +70,7 @@ mod design_report;
 mod diagnosis;
 mod drawings;
 mod error;
+mod loop_responses;
 mod measured_linearity;
 mod module_spec;
 mod named;
@@ -111,6 +112,7 @@ pub use diagnosis::{
 };
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
