@@ -1,7 +1,7 @@
 // Overlay and residual of one experiment on one time axis. Zoom asks the server for what the screen can show.
 import { byId, el } from "./dom.js";
 import { ask } from "./server.js";
-import { axis, colour, config, layout, onTheme } from "./plots.js";
+import { axis, colour, draw, layout, onTheme } from "./plots.js";
 import { showErrors } from "./errors.js";
 
 const plot = byId("curves");
@@ -133,13 +133,13 @@ async function redraw() {
       { x: measured.x, y: measured.y, yaxis: `y${over}`, name: "measured", legendgroup: "a", ...legend, mode: "lines", line: { color: colour("measured"), width: 1.3 }, hovertemplate: `measured ${channel.spoken} ${value}<extra></extra>` },
       { x: old.x, y: old.y, yaxis: `y${over}`, name: "fitted model", legendgroup: "b", ...legend, mode: "lines", line: { color: colour("ghost"), width: 1.3, dash: "dot" }, hovertemplate: `fitted ${value}<extra></extra>` },
       { x: model.x, y: model.y, yaxis: `y${over}`, name: "model", legendgroup: "c", ...legend, mode: "lines", line: { color: colour("model"), width: 1.5 }, hovertemplate: `model ${value}<extra></extra>` },
-      { x: residual.x, y: residual.y, yaxis: `y${rest}`, name: "measured − model", legendgroup: "d", ...legend, mode: "lines", line: { color: colour("push"), width: 1.1 }, hovertemplate: `measured − model ${value}<extra></extra>` },
+      { x: residual.x, y: residual.y, yaxis: `y${rest}`, name: "measured − model", legendgroup: "d", ...legend, mode: "lines", line: { color: colour("push"), width: 0.9 }, hovertemplate: `measured − model ${value}<extra></extra>` },
     );
     form[`yaxis${over}`] = axis(`${channel.spoken} (${channel.unit})`, { domain: [top - high * 0.58, top], anchor: "x" });
     form[`yaxis${rest}`] = axis(`difference (${channel.unit})`, { domain: [top - high, top - high * 0.58 - gap], anchor: "x" });
     form.shapes.push({
       type: "rect", xref: "paper", x0: 0, x1: 1, yref: `y${rest}`, y0: -channel.noise_std, y1: channel.noise_std,
-      fillcolor: colour("band"), line: { width: 0 }, layer: "below",
+      fillcolor: colour("band"), line: { width: 1, color: colour("ghost"), dash: "dot" }, layer: "above",
     });
   });
   form.xaxis = axis("time (s)", { anchor: `y${2 * count}`, exponentformat: "none", showspikes: true, spikemode: "across", spikethickness: 1, spikecolor: colour("quiet"), spikedash: "dot" });
@@ -155,7 +155,7 @@ async function redraw() {
   }
   plot.style.height = `${Math.max(440, 60 + 250 * count)}px`;
   drawing = true;
-  await Plotly.react(plot, traces, form, config);
+  await draw(plot, traces, form);
   drawing = false;
   if (!plot.dataset.listens) {
     plot.dataset.listens = "yes";

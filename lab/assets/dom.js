@@ -16,9 +16,9 @@ export function el(tag, attributes = {}, ...children) {
 /** The element with this id. */
 export const byId = (id) => document.getElementById(id);
 
-/** A table: heads and rows of cells (text or elements). */
-export function table(heads, rows) {
+/** A table: heads (those in `left` stand left) and rows of cells (text or elements). */
+export function table(heads, rows, left = []) {
   return el("table", {},
-    el("thead", {}, el("tr", {}, heads.map((head) => el("th", { scope: "col" }, head)))),
+    el("thead", {}, el("tr", {}, heads.map((head) => el("th", { scope: "col", class: left.includes(head) ? "left" : null }, head)))),
     el("tbody", {}, rows));
 }

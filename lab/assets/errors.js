@@ -20,5 +20,5 @@ export function showErrors(rows, fitted, chosen, choose) {
     el("td", { class: row.over_noise > 1.5 ? "bad" : "good" }, row.over_noise_text),
     el("td", {}, row.fit_text));
   });
-  byId("errors").replaceChildren(table(heads, lines));
+  byId("errors").replaceChildren(table(heads, lines, ["channel"]));
 }

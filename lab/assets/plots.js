@@ -1,5 +1,9 @@
 // How every plot looks.
 
+/** The library is large: the page comes first, and drawing waits for it. */
+export const library = window.Plotly ? Promise.resolve()
+  : new Promise((resolve) => document.getElementById("plot-library").addEventListener("load", resolve, { once: true }));
+
 /** A colour of the page, by its name in lab.css. */
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
@@ -15,13 +19,17 @@ export const layout = (more = {}) => ({
   margin: { l: 62, r: 12, t: 24, b: 40 },
   showlegend: true, legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom", font: { size: 11 } },
   hoverlabel: { bgcolor: colour("card"), bordercolor: colour("line"), font: { color: colour("text") } },
+  modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("quiet"), activecolor: colour("accent") },
   ...more,
 });
 
 export const config = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
 
 /** Draws, or draws anew. */
-export const draw = (element, traces, form) => Plotly.react(element, traces, form, config);
+export async function draw(element, traces, form) {
+  await library;
+  return Plotly.react(element, traces, form, config);
+}
 
 /** Calls when light and dark change. */
 export const onTheme = (call) => matchMedia("(prefers-color-scheme: dark)").addEventListener("change", call);

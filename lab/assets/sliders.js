@@ -28,7 +28,7 @@ function build() {
   rows = new Map();
   panel.replaceChildren(
     el("div", { class: "row" },
-      el("button", { type: "button", id: "slider-back", onclick: back }, "One move back"),
+      el("button", { type: "button", id: "slider-back", title: "one move back", onclick: back }, "Back"),
       el("button", { type: "button", id: "slider-reset", onclick: reset }, "Reset"),
       el("button", { type: "button", id: "slider-fit", class: "main", onclick: () => begin({ task: "fit", start: moved() }) }, "Fit from here"),
       el("button", { type: "button", id: "slider-keep", onclick: () => begin({ task: "keep", values: moved() }) }, "Keep"),

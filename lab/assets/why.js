@@ -96,9 +96,9 @@ const points = (list, name, tone, symbol) => ({
   mode: "markers", name, marker: { color: colour(tone), size: 6, symbol },
 });
 
-function figure(heading, traces, x, y) {
+function figure(heading, traces, x, y, rangemode = "tozero") {
   const holder = el("div", { class: "plot", role: "img", "aria-label": heading });
-  redrawPlots.push(() => draw(holder, traces(), layout({ xaxis: axis(x), yaxis: axis(y, { rangemode: "tozero" }) })));
+  redrawPlots.push(() => draw(holder, traces(), layout({ xaxis: axis(x), yaxis: axis(y, { rangemode }) })));
   return el("div", {}, el("h3", {}, heading), holder);
 }
 
@@ -109,6 +109,8 @@ function reasons() {
   const decays = found.decay.flatMap((one) => [
     figure(`${one.experiment}: decay over amplitude`, () => [points(one.rates, "measured", "measured", "circle"),
       ...(one.model_rates ? [points(one.model_rates, "after the diagnosis", "ghost", "diamond-open")] : [])], "amplitude (rad)", "decay rate (1/s)"),
+    ...(one.periods.length ? [figure(`${one.experiment}: period of small swings over amplitude`, () => [points(one.periods, "measured", "measured", "circle"),
+      ...(one.model_periods ? [points(one.model_periods, "after the diagnosis", "ghost", "diamond-open")] : [])], "amplitude (rad)", "period (s)", "normal")] : []),
     one.law ? el("p", { class: "small quiet" }, `dA/dt = −(C + V A + Q A²): ${one.law}`) : "",
   ]);
   if (!residuals.length && !decays.length) return "";

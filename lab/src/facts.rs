@@ -15,10 +15,10 @@ use crate::work::CONTROLLER;
 const FINE_ERRORS: f64 = 10.0;
 /// Stretches of one place that are shaded.
 const MOST_STRETCHES: usize = 100;
-/// Places that are shaded in an experiment.
-const MOST_PLACES: usize = 3;
+/// Largest share of an experiment's time that is shaded: a place that is nearly everywhere is none for the eye.
+const MOST_SHADED: f64 = 0.5;
 /// Pictures of residuals in a diagnosis.
-const MOST_REASONS: usize = 4;
+const MOST_REASONS: usize = 3;
 /// Width for which the responses of a design are drawn.
 const RESPONSE_PIXELS: usize = 500;
 
@@ -105,29 +105,33 @@ fn experiments(found: &ComparisonReport) -> Vec<Value> {
         .collect()
 }
 
-/// Where on the time axis the model fails most.
+/// Where on the time axis the model fails: the plainest place that a shade can show.
 fn shades(found: &ComparisonReport, experiment: &str) -> Vec<Value> {
     let curves = found.curves.iter().find(|one| one.experiment == experiment);
     let Some(curves) = curves else {
         return Vec::new();
     };
     let places = found.places.iter();
-    let places = places.filter(|place| place.significant && place.experiment == experiment);
-    places
-        .take(MOST_PLACES)
-        .filter_map(|place| {
-            let over = match place.coordinate {
-                Coordinate::Time => vec![[place.from, place.to]],
-                coordinate => {
-                    let mut channels = curves.channels.iter();
-                    let own = channels.find(|one| one.channel.name() == coordinate.name())?;
-                    let range = (place.from, place.to);
-                    stretches(&curves.time_s, &own.measured, range, MOST_STRETCHES)
-                }
-            };
-            Some(json!({"stretches": over, "text": words::place(place)}))
-        })
-        .collect()
+    let mut places = places.filter(|place| place.significant && place.experiment == experiment);
+    let duration_s = match (curves.time_s.first(), curves.time_s.last()) {
+        (Some(first), Some(last)) => last - first,
+        _ => return Vec::new(),
+    };
+    let plainest = places.find_map(|place| {
+        let over = match place.coordinate {
+            Coordinate::Time => vec![[place.from, place.to]],
+            coordinate => {
+                let mut channels = curves.channels.iter();
+                let own = channels.find(|one| one.channel.name() == coordinate.name())?;
+                let range = (place.from, place.to);
+                stretches(&curves.time_s, &own.measured, range, MOST_STRETCHES)
+            }
+        };
+        let shaded_s: f64 = over.iter().map(|[from, to]| to - from).sum();
+        let is_shown = shaded_s > 0.0 && shaded_s <= MOST_SHADED * duration_s;
+        is_shown.then(|| json!({"stretches": over, "text": words::place(place)}))
+    });
+    plainest.into_iter().collect()
 }
 
 fn place(place: &FailurePlace) -> Value {
@@ -327,7 +331,13 @@ fn takes_away(shares: &PerSeries) -> Vec<Value> {
 /// The residuals in which the first model fails most plainly, with the last model beside them.
 fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
     let mut seen = Vec::new();
-    for place in first.places.iter().filter(|place| place.significant) {
+    let significant = || first.places.iter().filter(|place| place.significant);
+    // A torque shows the cause; an output what has come of it since the start of the log.
+    let has_torque = significant().any(|place| place.residual == ResidualKind::ResidualTorque);
+    for place in significant() {
+        if has_torque && place.residual != ResidualKind::ResidualTorque {
+            continue;
+        }
         let key = (
             place.experiment.as_str(),
             place.channel.as_str(),

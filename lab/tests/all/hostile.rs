@@ -27,9 +27,22 @@ fn only_the_page_itself_may_ask() {
     };
     // What the page itself does is answered: nothing is open yet, which is a conflict and no refusal.
     assert_eq!(ask("GET", "/", &host, None, Some(cookie)), 200);
-    assert_eq!(ask("GET", "/api/state", &host, Some(&origin), Some(cookie)), 200);
-    assert_eq!(ask("POST", "/api/work", &host, Some(&origin), Some(cookie)), 409);
-    for path in ["/", "/assets/app.js", "/api/state", "/api/report", "/socket", "/no/such"] {
+    assert_eq!(
+        ask("GET", "/api/state", &host, Some(&origin), Some(cookie)),
+        200
+    );
+    assert_eq!(
+        ask("POST", "/api/work", &host, Some(&origin), Some(cookie)),
+        409
+    );
+    for path in [
+        "/",
+        "/assets/app.js",
+        "/api/state",
+        "/api/report",
+        "/socket",
+        "/no/such",
+    ] {
         for (host, origin, cookie) in [
             ("evil.example", None, Some(cookie)),
             ("evil.example:80", Some("http://evil.example"), Some(cookie)),
@@ -84,15 +97,25 @@ fn keys_open_once_or_from_the_owners_file_and_the_cookie_is_for_the_page_alone()
     let enter = |path: &str| send(lab.port, "GET", path, &[("Host", &host)], "");
     assert_eq!(enter("/enter?key=0").status, 403);
     assert_eq!(enter("/enter").status, 400);
-    let once = lab.once.split_once(&lab.port.to_string()).expect("a path").1;
+    let once = lab
+        .once
+        .split_once(&lab.port.to_string())
+        .expect("a path")
+        .1;
     let answer = enter(once);
     assert_eq!(answer.status, 200);
     let set = answer.header("set-cookie").expect("a cookie");
-    assert!(set.contains("HttpOnly") && set.contains("SameSite=Strict"), "{set}");
+    assert!(
+        set.contains("HttpOnly") && set.contains("SameSite=Strict"),
+        "{set}"
+    );
     assert_eq!(enter(once).status, 403, "a second time");
 
     let page = fs::read_to_string(&lab.door).expect("the owner's file");
-    let key = page.split("value=\"").nth(1).and_then(|rest| rest.split('"').next());
+    let key = page
+        .split("value=\"")
+        .nth(1)
+        .and_then(|rest| rest.split('"').next());
     let body = format!("key={}", key.expect("a key"));
     let form = [
         ("Host", host.as_str()),
@@ -119,7 +142,11 @@ fn the_file_that_opens_the_page_is_for_its_owner_and_goes_with_the_lab() {
     let lab = Running::start(None);
     let door = lab.door.clone();
     let mode = |path: &std::path::Path| {
-        fs::metadata(path).expect("it is there").permissions().mode() & 0o777
+        fs::metadata(path)
+            .expect("it is there")
+            .permissions()
+            .mode()
+            & 0o777
     };
     assert_eq!(mode(&door), 0o600);
     assert_eq!(mode(door.parent().expect("its folder")), 0o700);
@@ -142,21 +169,36 @@ fn nothing_but_the_pages_own_files_is_served() {
     }
     let page = lab.ask("GET", "/", "");
     let policy = page.header("content-security-policy").expect("a policy");
-    assert!(policy.starts_with("default-src 'none'; script-src 'self';"), "{policy}");
+    assert!(
+        policy.starts_with("default-src 'none'; script-src 'self';"),
+        "{policy}"
+    );
     assert_eq!(page.header("x-frame-options"), Some("DENY"));
     // Nothing that the page loads lies elsewhere.
     for file in ["/", "/assets/lab.css", "/assets/app.js", "/assets/plots.js"] {
         let text = lab.ask("GET", file, "").body;
-        assert!(!text.contains("https://") && !text.contains("//cdn"), "{file}");
+        assert!(
+            !text.contains("https://") && !text.contains("//cdn"),
+            "{file}"
+        );
     }
 }
 
 #[test]
 fn bodies_are_bounded_and_what_is_no_task_is_refused() {
     let lab = Running::entered(None);
-    let huge = format!("{{\"task\": \"open\", \"path\": \"{}\"}}", "a".repeat(2_000_000));
+    let huge = format!(
+        "{{\"task\": \"open\", \"path\": \"{}\"}}",
+        "a".repeat(2_000_000)
+    );
     assert_eq!(lab.ask("POST", "/api/work", &huge).status, 413);
-    for body in ["", "{", "[]", "{\"task\": \"format-disk\"}", "{\"task\": \"open\"}"] {
+    for body in [
+        "",
+        "{",
+        "[]",
+        "{\"task\": \"format-disk\"}",
+        "{\"task\": \"open\"}",
+    ] {
         let status = lab.ask("POST", "/api/work", body).status;
         assert!((400..500).contains(&status), "{body}: {status}");
     }
@@ -174,7 +216,9 @@ fn files_outside_the_bench_folder_are_refused() {
         .expect("a swing");
     fs::write(&outside, swing).expect("a log");
     let by_path = place.path().join("by-path");
-    bench::write(&by_path, |text| text.replace("free-swing-20deg.csv", "../swing.csv"));
+    bench::write(&by_path, |text| {
+        text.replace("free-swing-20deg.csv", "../swing.csv")
+    });
     let mut benches = vec![by_path];
     #[cfg(unix)]
     {
@@ -186,7 +230,11 @@ fn files_outside_the_bench_folder_are_refused() {
         // The model is written: it must not be written through a link.
         let model = place.path().join("model-by-link");
         bench::write(&model, str::to_owned);
-        symlink(place.path().join("elsewhere.toml"), model.join("model.toml")).expect("a link");
+        symlink(
+            place.path().join("elsewhere.toml"),
+            model.join("model.toml"),
+        )
+        .expect("a link");
         benches.extend([log, model]);
     }
     let lab = Running::entered(None);

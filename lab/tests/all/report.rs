@@ -9,8 +9,11 @@ use crate::bench;
 fn the_report_stands_alone() {
     let folder = tempfile::tempdir().expect("a folder");
     bench::write(folder.path(), |text| {
-        text.replace("name = \"swing\"", "name = \"<img src=x onerror=alert(1)>\"")
-            .replace("two logs", "<script>alert(1)</script>")
+        text.replace(
+            "name = \"swing\"",
+            "name = \"<img src=x onerror=alert(1)>\"",
+        )
+        .replace("two logs", "<script>alert(1)</script>")
     });
     let mut session = Session::open(folder.path()).expect("a bench");
     let html = lab::report_of(&mut session, &Progress::silent()).expect("a report");
@@ -23,9 +26,14 @@ fn the_report_stands_alone() {
     // The conclusion comes before the numbers.
     let verdict = html.find("class=\"c\"").expect("a conclusion");
     assert!(verdict < html.find("<h2>Parameters").expect("parameters"));
-    assert_eq!(html.matches("<img alt=").count(), html.matches("src=\"data:image/svg+xml,").count());
+    assert_eq!(
+        html.matches("<img alt=").count(),
+        html.matches("src=\"data:image/svg+xml,").count()
+    );
     assert!(html.matches("<img alt=").count() >= 4);
-    let inertia = session.model().and_then(|model| model.parameter("total_inertia"));
+    let inertia = session
+        .model()
+        .and_then(|model| model.parameter("total_inertia"));
     let inertia = inertia.expect("an inertia");
     let text = workbench::numbers::with_uncertainty(inertia.value, inertia.std);
     assert!(html.contains(&text), "{text}");

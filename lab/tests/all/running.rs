@@ -30,7 +30,10 @@ impl Running {
         };
         let lab = Lab::start(&settings).expect("a lab");
         let address = lab.address();
-        let port = address.rsplit(':').next().and_then(|port| port.parse().ok());
+        let port = address
+            .rsplit(':')
+            .next()
+            .and_then(|port| port.parse().ok());
         Running {
             port: port.expect("a port"),
             door: lab.door().to_path_buf(),
@@ -44,7 +47,11 @@ impl Running {
     /// As [`Running::start`], let in by the one-time address.
     pub fn entered(bench: Option<&Path>) -> Running {
         let mut lab = Running::start(bench);
-        let path = lab.once.split_once(&lab.port.to_string()).expect("a path").1;
+        let path = lab
+            .once
+            .split_once(&lab.port.to_string())
+            .expect("a path")
+            .1;
         let answer = send(lab.port, "GET", path, &[("Host", &lab.host())], "");
         assert_eq!(answer.status, 200, "{answer:?}");
         lab.cookie = cookie_of(&answer);

@@ -7,12 +7,23 @@ use serde_json::{Value, json};
 use crate::bench;
 use crate::running::Running;
 
-fn rmse(state: &Value, experiment: &str, channel: &str) -> f64 {
+fn number(state: &Value, key: &str, experiment: &str, channel: &str) -> f64 {
     let rows = state["bench"]["errors"].as_array().expect("rows");
     let row = rows
         .iter()
         .find(|row| row["experiment"] == experiment && row["channel"] == channel);
-    row.and_then(|row| row["rmse"].as_f64()).expect("an error")
+    row.and_then(|row| row[key].as_f64()).expect("an error")
+}
+
+fn rmse(state: &Value, experiment: &str, channel: &str) -> f64 {
+    number(state, "rmse", experiment, channel)
+}
+
+/// Whether the model is as good as the sensor: the RMSE is the noise to within a tenth (thousands of samples tell it
+/// to a hundredth; the noise itself is estimated).
+fn is_noise(state: &Value) -> bool {
+    let over = number(state, "over_noise", "swing", "angle");
+    (0.9..1.1).contains(&over)
 }
 
 fn effects(state: &Value) -> Vec<&str> {
@@ -31,28 +42,39 @@ fn the_missing_effect_is_found_added_and_taken_back() {
     assert_eq!(base["failure"], json!(null));
     assert!(!model().contains("body-coulomb-friction"));
     let before = rmse(&base, "swing", "angle");
+    assert!(number(&base, "over_noise", "swing", "angle") > 2.0);
 
     lab.work(&json!({"task": "diagnose"}));
     let found = lab.ask("GET", "/api/diagnosis", "").json();
     assert_eq!(found["verdict"], "explained", "{found}");
     assert_eq!(found["added"], json!(["body-coulomb-friction"]));
     // What a person is to see: the residual before and after.
-    assert!(found["reasons"][0]["before"].as_array().is_some_and(|bins| bins.len() > 3));
+    assert!(
+        found["reasons"][0]["before"]
+            .as_array()
+            .is_some_and(|bins| bins.len() > 3)
+    );
 
     let added = lab.work(&json!({"task": "apply"}));
     assert!(effects(&added).contains(&"body-coulomb-friction"));
     assert!(model().contains("body-coulomb-friction"));
-    assert!(rmse(&added, "swing", "angle") < 0.1 * before);
-    assert_eq!(added["bench"]["staircase"]["labels"], json!(["base model", "+ body-coulomb-friction"]));
+    assert!(is_noise(&added));
+    assert_eq!(
+        added["bench"]["staircase"]["labels"],
+        json!(["base model", "+ body-coulomb-friction"])
+    );
 
     let undone = lab.work(&json!({"task": "undo"}));
     assert!(!model().contains("body-coulomb-friction"));
     assert!((rmse(&undone, "swing", "angle") / before - 1.0).abs() < 1e-3);
-    assert_eq!(undone["bench"]["staircase"]["labels"], json!(["base model"]));
+    assert_eq!(
+        undone["bench"]["staircase"]["labels"],
+        json!(["base model"])
+    );
 
     // The same by hand, and taken out by name.
     let added = lab.work(&json!({"task": "add", "effect": "body-coulomb-friction"}));
-    assert!(rmse(&added, "swing", "angle") < 0.1 * before);
+    assert!(is_noise(&added));
     let removed = lab.work(&json!({"task": "remove", "effect": "body-coulomb-friction"}));
     assert!((rmse(&removed, "swing", "angle") / before - 1.0).abs() < 1e-3);
 
@@ -69,21 +91,34 @@ fn values_are_kept_and_fitted_from() {
     let folder = bench::folder();
     let lab = Running::entered(Some(folder.path()));
     let slider = |state: &Value, name: &str| {
-        let sliders = state["bench"]["sliders"].as_array().expect("sliders").clone();
-        sliders.into_iter().find(|one| one["name"] == name).expect("a slider")
+        let sliders = state["bench"]["sliders"]
+            .as_array()
+            .expect("sliders")
+            .clone();
+        sliders
+            .into_iter()
+            .find(|one| one["name"] == name)
+            .expect("a slider")
     };
     let fitted = lab.settled();
-    let inertia = slider(&fitted, "total_inertia")["value"].as_f64().expect("a value");
+    let inertia = slider(&fitted, "total_inertia")["value"]
+        .as_f64()
+        .expect("a value");
     let track = slider(&fitted, "total_inertia")["coarse"].clone();
     assert!(track[0].as_f64() <= Some(inertia) && Some(inertia) <= track[1].as_f64());
 
     let kept = lab.work(&json!({"task": "keep", "values": [["total_inertia", 1.05 * inertia]]}));
-    assert_eq!(slider(&kept, "total_inertia")["value"], json!(1.05 * inertia));
+    assert_eq!(
+        slider(&kept, "total_inertia")["value"],
+        json!(1.05 * inertia)
+    );
     assert_eq!(slider(&kept, "total_inertia")["std"], json!(null));
     assert!(rmse(&kept, "swing", "angle") > rmse(&fitted, "swing", "angle"));
 
     let again = lab.work(&json!({"task": "fit", "start": [["total_inertia", 1.02 * inertia]]}));
-    let found = slider(&again, "total_inertia")["value"].as_f64().expect("a value");
+    let found = slider(&again, "total_inertia")["value"]
+        .as_f64()
+        .expect("a value");
     assert!((found / inertia - 1.0).abs() < 1e-4, "{found} {inertia}");
 }
 
@@ -110,7 +145,11 @@ fn one_task_at_a_time_which_can_be_called_off() {
     let folder = bench::folder();
     let lab = Running::entered(Some(folder.path()));
     let before = lab.settled();
-    assert_eq!(lab.ask("POST", "/api/work", "{\"task\": \"diagnose\"}").status, 202);
+    assert_eq!(
+        lab.ask("POST", "/api/work", "{\"task\": \"diagnose\"}")
+            .status,
+        202
+    );
     let second = lab.ask("POST", "/api/work", "{\"task\": \"undo\"}");
     assert_eq!(second.status, 409, "{second:?}");
     assert_eq!(lab.ask("DELETE", "/api/work", "").status, 204);
@@ -136,7 +175,10 @@ fn a_controller_is_designed_emitted_and_written() {
     assert_eq!(designed["report"]["current_weight"], json!(2.0));
     assert_eq!(designed["responses"].as_array().map(Vec::len), Some(2));
     wishes["current_weight"] = json!(-1.0);
-    assert_eq!(lab.ask("POST", "/api/design", &wishes.to_string()).status, 422);
+    assert_eq!(
+        lab.ask("POST", "/api/design", &wishes.to_string()).status,
+        422
+    );
 
     wishes["current_weight"] = json!(2.0);
     lab.work(&json!({"task": "generate", "wishes": wishes}));
@@ -145,6 +187,12 @@ fn a_controller_is_designed_emitted_and_written() {
     let written = folder.path().join("controller/certificate.json");
     let found = lab.ask("GET", "/api/controller", "").json();
     let files = found["files"].as_array().expect("files");
-    let certificate = files.iter().find(|file| file["path"] == "certificate.json").expect("it");
-    assert_eq!(certificate["text"], json!(fs::read_to_string(written).expect("written")));
+    let certificate = files
+        .iter()
+        .find(|file| file["path"] == "certificate.json")
+        .expect("it");
+    assert_eq!(
+        certificate["text"],
+        json!(fs::read_to_string(written).expect("written"))
+    );
 }

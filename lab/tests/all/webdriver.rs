@@ -1,7 +1,7 @@
 //! As much of WebDriver (W3C) as the tests need: chromedriver, one headless chromium.
 
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::io::{BufRead, BufReader, Lines};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -12,6 +12,8 @@ use crate::http::send;
 /// A browser; ends with this value.
 pub struct Browser {
     driver: Child,
+    /// Kept open: the driver may write to it.
+    _output: Lines<BufReader<ChildStdout>>,
     port: u16,
     session: String,
 }
@@ -28,23 +30,30 @@ impl Browser {
             .stderr(Stdio::null())
             .spawn()
             .expect("chromedriver");
-        let output = BufReader::new(driver.stdout.take().expect("its output"));
+        let mut output = BufReader::new(driver.stdout.take().expect("its output")).lines();
         let port = output
-            .lines()
+            .by_ref()
             .map_while(Result::ok)
             .find_map(|line| {
-                let rest = line.split("on port ").nth(1)?;
+                let rest = line.split("started successfully on port ").nth(1)?;
                 rest.trim_end_matches('.').parse().ok()
             })
             .expect("its port");
         let mut browser = Browser {
             driver,
+            _output: output,
             port,
             session: String::new(),
         };
         let size = format!("--window-size={width},{height}");
         // Tests may run as root, in a container with little shared memory.
-        let arguments = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", &size];
+        let arguments = [
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-dev-shm-usage",
+            "--disable-gpu",
+            &size,
+        ];
         let wanted = json!({"capabilities": {"alwaysMatch": {
             "goog:chromeOptions": {"args": arguments},
             "goog:loggingPrefs": {"browser": "ALL"},
@@ -56,8 +65,15 @@ impl Browser {
 
     fn send(&self, method: &str, path: &str, body: &Value) -> Value {
         let host = format!("127.0.0.1:{}", self.port);
-        let body = if method == "POST" { body.to_string() } else { String::new() };
-        let headers = [("Host", host.as_str()), ("Content-Type", "application/json")];
+        let body = if method == "POST" {
+            body.to_string()
+        } else {
+            String::new()
+        };
+        let headers = [
+            ("Host", host.as_str()),
+            ("Content-Type", "application/json"),
+        ];
         let answer = send(self.port, method, path, &headers, &body);
         assert_eq!(answer.status, 200, "{method} {path}: {}", answer.body);
         answer.json()["value"].clone()
@@ -79,12 +95,20 @@ impl Browser {
 
     /// Runs a script in the page and gives what it returns.
     pub fn script(&self, script: &str) -> Value {
-        self.command("POST", "/execute/sync", &json!({"script": script, "args": []}))
+        self.command(
+            "POST",
+            "/execute/sync",
+            &json!({"script": script, "args": []}),
+        )
     }
 
     /// Runs a script that ends when it calls `arguments[0]`, and gives what it is called with.
     pub fn script_until_called(&self, script: &str) -> Value {
-        self.command("POST", "/execute/async", &json!({"script": script, "args": []}))
+        self.command(
+            "POST",
+            "/execute/async",
+            &json!({"script": script, "args": []}),
+        )
     }
 
     /// Waits until a script returns true.
@@ -92,13 +116,21 @@ impl Browser {
         let begun = Instant::now();
         while self.script(&format!("return Boolean({condition})")) != json!(true) {
             let message = || self.script("return document.body.innerText.slice(0, 2000)");
-            assert!(begun.elapsed() < Duration::from_secs(120), "{condition}\n{}", message());
+            assert!(
+                begun.elapsed() < Duration::from_secs(120),
+                "{condition}\n{}",
+                message()
+            );
             thread::sleep(Duration::from_millis(30));
         }
     }
 
     fn find(&self, css: &str) -> String {
-        let found = self.command("POST", "/element", &json!({"using": "css selector", "value": css}));
+        let found = self.command(
+            "POST",
+            "/element",
+            &json!({"using": "css selector", "value": css}),
+        );
         found[ELEMENT].as_str().expect("an element").to_owned()
     }
 
@@ -111,7 +143,11 @@ impl Browser {
     /// Types into an element.
     pub fn type_into(&self, css: &str, text: &str) {
         let element = self.find(css);
-        self.command("POST", &format!("/element/{element}/value"), &json!({"text": text}));
+        self.command(
+            "POST",
+            &format!("/element/{element}/value"),
+            &json!({"text": text}),
+        );
     }
 
     /// The text of an element.
@@ -136,7 +172,9 @@ impl Drop for Browser {
             let host = format!("127.0.0.1:{}", self.port);
             let path = format!("/session/{}", self.session);
             // The browser goes with its session, also where a test has failed.
-            let _ = std::panic::catch_unwind(|| send(self.port, "DELETE", &path, &[("Host", &host)], ""));
+            let _ = std::panic::catch_unwind(|| {
+                send(self.port, "DELETE", &path, &[("Host", &host)], "")
+            });
         }
         let _ = self.driver.kill();
         let _ = self.driver.wait();
