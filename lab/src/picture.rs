@@ -123,11 +123,10 @@ mod tests {
         );
         assert!(curve.time_s.is_sorted());
         let extremes = |time: &[f64], value: &[f64], pixel: usize| {
-            let width = 50.0 / 500.0;
             let inside = time
                 .iter()
                 .zip(value)
-                .filter(|(t, _)| ((**t - 20.0) / width).floor() as i64 == pixel as i64);
+                .filter(|(t, _)| ((**t - 20.0) / 50.0 * 500.0).floor() as i64 == pixel as i64);
             inside.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (_, v)| {
                 (a.min(*v), b.max(*v))
             })
