@@ -13,6 +13,7 @@ use crate::calibration::Calibration;
 use crate::correlation::Correlation;
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
+use crate::hardware::Hardware;
 use crate::toml_source::{Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
 use crate::write::write_atomically;
@@ -24,6 +25,19 @@ const PER_INERTIA: &str = " per kg m2";
 const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
     ("body_inertia", "kg m2", (0.0, 1e3)),
     ("pivot_to_com", "m", (-10.0, 10.0)),
+];
+
+/// The sections of a model.toml; `tool` is that of other programs and kept as it stands.
+const SECTIONS: [&str; 9] = [
+    "parameters",
+    "correlation",
+    "effects",
+    "design",
+    "calibration",
+    "hardware",
+    "learned",
+    "own",
+    "tool",
 ];
 
 /// One parameter of a model.
@@ -80,6 +94,8 @@ pub struct ModelFile {
     pub design: Option<DesignSection>,
     /// What calibration found, if the file has any.
     pub calibration: Option<Calibration>,
+    /// The bench's sensors and its drive, as bench.toml states them.
+    pub hardware: Option<Hardware>,
     /// Where the file was read from.
     path: Option<PathBuf>,
     /// The text as it was read, for everything that the fields above do not hold.
@@ -100,6 +116,7 @@ impl PartialEq for ModelFile {
             && self.effects == other.effects
             && self.design == other.design
             && self.calibration == other.calibration
+            && self.hardware == other.hardware
     }
 }
 
@@ -112,6 +129,7 @@ impl ModelFile {
             effects: Model::base().effects().to_vec(),
             design: None,
             calibration: None,
+            hardware: None,
             path: None,
             document: DocumentMut::new(),
         }
@@ -147,22 +165,15 @@ impl ModelFile {
     fn from_source(source: &TomlSource) -> Result<ModelFile, Error> {
         let document = source.parse()?;
         let root = source.root(&document);
-        root.refuse_slips(&[
-            "parameters",
-            "correlation",
-            "effects",
-            "design",
-            "calibration",
-        ])?;
+        root.allow_only(&SECTIONS)?;
 
-        let section = root.section("parameters")?.ok_or_else(|| {
-            root.error(root.missing(
-                "parameters",
-                "[parameters.total_inertia] with value = 2.3e-3",
-            ))
-        })?;
+        // A file that holds a calibration only has none yet.
+        let section = root.section("parameters")?;
         let mut parameters = Vec::new();
-        for key in section.keys() {
+        for (section, key) in section
+            .iter()
+            .flat_map(|section| section.keys().into_iter().map(move |key| (section, key)))
+        {
             let info = unit_and_bounds(&key.value).ok_or_else(|| {
                 source.error(
                     key.span.clone(),
@@ -235,6 +246,7 @@ impl ModelFile {
             effects,
             design,
             calibration,
+            hardware: Hardware::read(source, &root)?,
             path: Some(source.path().to_path_buf()),
             document: source.parse()?.into_mut(),
         })
@@ -431,6 +443,12 @@ impl ModelFile {
                 root.remove("calibration");
             }
             Some(calibration) => calibration.write(root),
+        }
+        match &self.hardware {
+            None => {
+                root.remove("hardware");
+            }
+            Some(hardware) => hardware.write(root),
         }
         document.to_string()
     }
