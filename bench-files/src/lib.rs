@@ -17,6 +17,7 @@ mod channel;
 mod correlation;
 mod csv_table;
 mod drop_out;
+mod effects_section;
 mod error;
 mod files;
 mod hardware;
@@ -36,6 +37,7 @@ pub use channel::Channel;
 pub use correlation::Correlation;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
+pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
 pub use files::FilesInMemory;
 pub use hardware::{
