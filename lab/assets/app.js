@@ -116,7 +116,7 @@ function told(event) {
     working(null);
     choosing = choosing && Boolean(event.failure);
     if (event.failure && !event.cancelled) complain(new Error(event.failure));
-    refresh().then(() => { if (event.name.startsWith("Generating") && !event.failure) tab("controller"); }).catch(complain);
+    refresh().then(() => { if (event.name.startsWith("Generating")) tab("controller"); }).catch(complain);
   } else if (event.event === "connected" || event.event === "lagged") refresh().catch(complain);
   else if (event.event === "gone") complain(new Error("The lab has stopped, or this browser has lost it. Start `flywheel lab` again."));
 }

@@ -6,6 +6,10 @@ const panel = byId("panel-controller");
 let begin = () => {};
 let design = null;
 let file = "src/control.rs";
+let preset = false;
+
+/** Asks for the controller of these weights. */
+export const generate = (wishes) => begin({ task: "generate", wishes, preset: preset ? "thesis-bench" : null });
 
 export function start(work) { begin = work; }
 
@@ -15,7 +19,10 @@ export async function setBench(state) {
   if (!found?.files) {
     panel.replaceChildren(
       el("p", {}, "The controller is emitted as readable no_std Rust in fixed point, from raw sensor counts to the duty of the drive, with a certificate that is checked from the emitted files alone."),
-      el("button", { type: "button", class: "main", onclick: () => begin({ task: "generate", wishes: design }) }, "Generate"));
+      el("label", { class: "row small" },
+        el("input", { type: "checkbox", id: "preset", checked: preset, onchange: (event) => { preset = event.target.checked; } }),
+        "what the bench does not state of sensors and drive is that of the thesis bench"),
+      el("button", { type: "button", class: "main", onclick: () => generate(design) }, "Generate"));
     return;
   }
   const source = el("pre", { tabindex: 0, "aria-label": "Text of the file" });
@@ -29,6 +36,7 @@ export async function setBench(state) {
       el("button", { type: "button", class: found.proof ? null : "main", onclick: () => begin({ task: "prove" }) }, "Prove"),
       el("button", { type: "button", onclick: () => begin({ task: "write-controller" }) }, "Write into the bench folder")),
     el("p", { class: "quiet small" }, found.folder),
+    el("ul", { class: "small" }, found.warnings.map((text) => el("li", { class: "bad" }, text)), found.assumed.map((text) => el("li", {}, `taken from the thesis bench: ${text}`))),
     found.proof ? claims(found) : "", choice, source);
 }
 

@@ -1,5 +1,6 @@
 // The controller: weights as sliders; poles, responses and margins as they move. Designs can be set aside beside.
 import { byId, el } from "./dom.js";
+import { generate } from "./controller.js";
 import { post } from "./server.js";
 import { axis, colour, draw, layout, onTheme } from "./plots.js";
 
@@ -61,7 +62,7 @@ function build() {
       el("button", { type: "button", onclick: () => { wishes = structuredClone(stored); build(); compute(); } }, "Reset"),
       el("button", { type: "button", onclick: () => { if (result) { aside.push(result); aside = aside.slice(-3); plots(); } } }, "Set aside to compare"),
       el("button", { type: "button", onclick: () => begin({ task: "keep-design", wishes }) }, "Keep"),
-      el("button", { type: "button", class: "main", onclick: () => begin({ task: "generate", wishes }) }, "Generate")),
+      el("button", { type: "button", class: "main", onclick: () => generate(wishes) }, "Generate")),
     parts.numbers, el("h3", {}, "Poles (1/s)"), parts.poles,
     el("h3", {}, "Let go off upright"), parts.transient, el("h3", {}, "One push"), parts.disturbance);
   if (result) plots();

@@ -514,6 +514,8 @@ pub fn controller(bench: &OpenBench) -> Value {
     json!({
         "folder": bench.folder.join(CONTROLLER),
         "files": files,
+        "assumed": bench.generated.as_ref().map(|generated| &generated.assumed),
+        "warnings": bench.generated.as_ref().map(|generated| &generated.warnings),
         "proof": bench.proof,
         "passed": bench.proof.as_ref().map(|proof| proof.passed()),
     })

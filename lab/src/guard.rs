@@ -86,15 +86,21 @@ impl Guard {
         format!("flywheel-lab-{}", self.port)
     }
 
-    fn hosts(&self) -> [String; 2] {
-        ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", self.port))
+    /// Whether a Host header names this server. Browsers leave out the port 80.
+    fn is_own_host(&self, host: &str) -> bool {
+        let port = match host.rsplit_once(':') {
+            Some((_, port)) => port.parse().ok(),
+            None => Some(80),
+        };
+        let name = host.split(':').next();
+        matches!(name, Some("127.0.0.1" | "localhost")) && port == Some(self.port)
     }
 
     /// What is wrong with a request, if anything.
     fn refusal(&self, method: &Method, path: &str, headers: &HeaderMap) -> Option<&'static str> {
         let text = |name: HeaderName| headers.get(name).and_then(|value| value.to_str().ok());
         let host = text(HOST).unwrap_or_default();
-        if !self.hosts().iter().any(|own| own == host) {
+        if !self.is_own_host(host) {
             return Some("this is not the host of the lab");
         }
         if path == ENTER {

@@ -20,8 +20,8 @@ pub struct Findings<'a> {
     pub comparison: &'a ComparisonReport,
     /// What it lacks, where that was asked.
     pub diagnosis: Option<&'a DiagnosisReport>,
-    /// What is proved of its controller, where that was asked.
-    pub proof: Option<&'a Proof>,
+    /// What is proved of its controller, or why nothing is.
+    pub proof: Result<&'a Proof, &'a str>,
 }
 
 /// The report of a bench, with everything that it needs computed: diagnosis, design, proof. A bench without a model
@@ -35,22 +35,23 @@ pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, E
         None => session.identify_base(progress)?,
     };
     let diagnosis = session.diagnose(progress)?;
-    let controller = session.design().and_then(|designed| designed.generate());
+    let controller = session
+        .design()
+        .and_then(|designed| designed.generate(None));
     let settings = ProofSettings {
         // What takes minutes is no part of a report.
         kani: false,
         ..Default::default()
     };
     let proof = match controller {
-        Ok(controller) => Some(controller.prove(&settings, progress)?),
-        // The report says why there is no controller.
-        Err(_) => None,
+        Ok(controller) => Ok(controller.prove(&settings, progress)?),
+        Err(error) => Err(format!("no controller is emitted: {error}")),
     };
     report(&Findings {
         session,
         comparison: &comparison,
         diagnosis: Some(&diagnosis),
-        proof: proof.as_ref(),
+        proof: proof.as_ref().map_err(String::as_str),
     })
 }
 
@@ -290,11 +291,14 @@ fn design(page: &mut String, session: &Session) -> Result<(), Error> {
     Ok(())
 }
 
-fn proof(page: &mut String, proof: Option<&Proof>) {
+fn proof(page: &mut String, proof: Result<&Proof, &str>) {
     section(page, "What is proved of the emitted controller");
-    let Some(proof) = proof else {
-        paragraph(page, "Nothing: no proof was made.");
-        return;
+    let proof = match proof {
+        Ok(proof) => proof,
+        Err(reason) => {
+            paragraph(page, &format!("Nothing: {reason}"));
+            return;
+        }
     };
     paragraph(
         page,

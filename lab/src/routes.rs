@@ -140,7 +140,7 @@ async fn report(State(shared): State<Shared>) -> Response {
             session: &bench.session,
             comparison: &bench.comparison,
             diagnosis: bench.diagnosis.as_ref().map(|found| &found.report),
-            proof: bench.proof.as_ref(),
+            proof: bench.proof.as_ref().ok_or("no proof was made"),
         })
     });
     match made.await {

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use serde::Deserialize;
 use serde_json::json;
-use workbench::{DesignSection, Progress, ProofSettings};
+use workbench::{DesignSection, Preset, Progress, ProofSettings};
 
 use crate::desk::{Desk, Diagnosed, OpenBench, said};
 use crate::folder;
@@ -63,6 +63,9 @@ pub enum Task {
     Generate {
         /// Weights, sample time, limit.
         wishes: DesignSection,
+        /// Where what is not stated of sensors and drive comes from; `None`: then it is refused.
+        #[serde(default)]
+        preset: Option<Preset>,
     },
     /// Writes the emitted controller into the bench folder.
     WriteController {},
@@ -284,10 +287,10 @@ fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), 
             bench.session.set_model(designed.file().clone());
             bench.save();
         }
-        Task::Generate { wishes } => {
+        Task::Generate { wishes, preset } => {
             (progress.say)("emitting the controller");
             let designed = bench.session.design_for(wishes).map_err(said)?;
-            bench.generated = Some(designed.generate().map_err(said)?);
+            bench.generated = Some(designed.generate(preset).map_err(said)?);
             bench.proof = None;
         }
         Task::WriteController {} => {
