@@ -127,7 +127,11 @@ impl Scope<'_> {
         is_beside_wide: bool,
     ) -> Result<Scalar> {
         if let syn::Lit::Bool(value) = value {
-            return Ok(Scalar::new(u8::from(value.value).to_string(), Type::Bool, 0));
+            return Ok(Scalar::new(
+                u8::from(value.value).to_string(),
+                Type::Bool,
+                0,
+            ));
         }
         let Some((magnitude, text)) = literal(value) else {
             return self.refuse("this literal");
@@ -158,14 +162,22 @@ impl Scope<'_> {
                     return Ok(Scalar::new(text, Type::Int(Int::I32), SUM));
                 }
                 let inner = self.scalar_beside(&unary.expr, wanted, is_beside_wide)?;
-                Ok(Scalar::new(format!("-{}", inner.within(0)), inner.ty, UNARY))
+                Ok(Scalar::new(
+                    format!("-{}", inner.within(0)),
+                    inner.ty,
+                    UNARY,
+                ))
             }
             UnOp::Not(_) => {
                 let inner = self.scalar(&unary.expr, wanted)?;
                 if inner.ty != Type::Bool {
                     return self.refuse("`!` of a number");
                 }
-                Ok(Scalar::new(format!("!{}", inner.within(0)), Type::Bool, UNARY))
+                Ok(Scalar::new(
+                    format!("!{}", inner.within(0)),
+                    Type::Bool,
+                    UNARY,
+                ))
             }
             UnOp::Deref(_) => self.scalar(&unary.expr, wanted),
             _ => self.refuse("this sign"),
@@ -269,7 +281,9 @@ impl Scope<'_> {
             let amount = self.scalar_beside(expression, None, true)?;
             return Ok(amount.text);
         }
-        Ok(self.scalar(expression, Some(&Type::Int(Int::U32)))?.within(UNARY))
+        Ok(self
+            .scalar(expression, Some(&Type::Int(Int::U32)))?
+            .within(UNARY))
     }
 
     /// `inner as ty`.
@@ -422,7 +436,11 @@ impl Scope<'_> {
         self.needs.functions.insert(call.key.clone());
         let parameters: Vec<Type> = {
             let function = self.function(&call.key)?;
-            function.parameters.iter().map(|(_, ty)| ty.clone()).collect()
+            function
+                .parameters
+                .iter()
+                .map(|(_, ty)| ty.clone())
+                .collect()
         };
         let mut texts = vec![];
         if let Some(receiver) = call.receiver {

@@ -13,7 +13,12 @@ use crate::file::{EmittedCrate, EmittedFile, MARK};
 const PUBLIC: [(&str, Option<&str>, &str, &str); 11] = [
     ("controller", Some("Controller"), "new", "flywheel_init"),
     ("controller", Some("Controller"), "arm", "flywheel_arm"),
-    ("controller", Some("Controller"), "disarm", "flywheel_disarm"),
+    (
+        "controller",
+        Some("Controller"),
+        "disarm",
+        "flywheel_disarm",
+    ),
     ("controller", Some("Controller"), "step", "flywheel_step"),
     (
         "controller",
@@ -21,7 +26,12 @@ const PUBLIC: [(&str, Option<&str>, &str, &str); 11] = [
         "step_with_current",
         "flywheel_step_with_current",
     ),
-    ("controller", Some("Controller"), "status", "flywheel_status"),
+    (
+        "controller",
+        Some("Controller"),
+        "status",
+        "flywheel_status",
+    ),
     ("controller", Some("Controller"), "fault", "flywheel_fault"),
     ("control", None, "control", "flywheel_control"),
     ("attitude", Some("Attitude"), "angle", "flywheel_angle"),
@@ -220,7 +230,11 @@ fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::sco
     if let (Some(passing), Some(owner)) = (function.receiver, owner) {
         let ty = Type::Struct((function.module.clone(), owner.to_string()));
         let own = scope.fresh("self");
-        let constant = if passing == Passing::Shared { "const " } else { "" };
+        let constant = if passing == Passing::Shared {
+            "const "
+        } else {
+            ""
+        };
         parameters.push(format!("{constant}{} *{own}", type_name(owner)));
         scope.bind("self", Place::behind(&own, ty));
     }
@@ -373,8 +387,7 @@ fn header(
             owner.map(str::to_string),
             name.to_string(),
         );
-        if let (Some(translated), Some(function)) =
-            (functions.get(&key), items.functions.get(&key))
+        if let (Some(translated), Some(function)) = (functions.get(&key), items.functions.get(&key))
         {
             let mut lines = comments::lines(&function.attributes);
             lines.extend(formats(items, function));
@@ -468,7 +481,10 @@ fn source(parts: &Parts) -> String {
             let storage = if is_public(key) {
                 ""
             } else {
-                text.push_str(&comments::before(&comments::lines(&function.attributes), ""));
+                text.push_str(&comments::before(
+                    &comments::lines(&function.attributes),
+                    "",
+                ));
                 "static "
             };
             text.push_str(&format!("{storage}{} {{\n", translated.prototype));

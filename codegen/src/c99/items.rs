@@ -171,11 +171,9 @@ impl Items {
                         _ => Some(variants.len() as u64),
                     };
                     match (value, &variant.fields) {
-                        (Some(value), syn::Fields::Unit) => variants.push((
-                            variant.ident.to_string(),
-                            value,
-                            variant.attrs.clone(),
-                        )),
+                        (Some(value), syn::Fields::Unit) => {
+                            variants.push((variant.ident.to_string(), value, variant.attrs.clone()))
+                        }
                         _ => return fault(module, format!("the variant {}", variant.ident)),
                     }
                 }

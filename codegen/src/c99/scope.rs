@@ -13,6 +13,9 @@ const RESERVED: [&str; 28] = [
     "return", "short", "signed", "switch", "union", "unsigned", "void",
 ];
 
+/// Statements longer than this are broken.
+const LINE_LENGTH: usize = 100;
+
 /// A place in memory: a variable, or a part of one.
 #[derive(Debug, Clone)]
 pub struct Place {
@@ -146,10 +149,22 @@ impl<'a> Scope<'a> {
         })
     }
 
-    /// One more line.
+    /// One more statement; a long one is broken after a comma or before an operator.
     pub fn line(&mut self, text: impl AsRef<str>) {
-        let indent = "    ".repeat(self.depth);
-        self.lines.push(format!("{indent}{}", text.as_ref()));
+        let mut indent = "    ".repeat(self.depth);
+        let mut rest = text.as_ref();
+        while indent.len() + rest.len() > LINE_LENGTH {
+            let within = rest.get(..LINE_LENGTH - indent.len()).unwrap_or(rest);
+            let at = [", ", " && ", " || ", " + ", " - ", " * "]
+                .iter()
+                .filter_map(|sign| Some(within.rfind(sign)? + usize::from(*sign == ", ")))
+                .max();
+            let Some(at) = at else { break };
+            self.lines.push(format!("{indent}{}", &rest[..at]));
+            rest = rest[at..].trim_start();
+            indent = "    ".repeat(self.depth + 2);
+        }
+        self.lines.push(format!("{indent}{rest}"));
     }
 
     /// A new name in C for this one: C knows no second declaration of a name.
