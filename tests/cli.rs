@@ -298,6 +298,31 @@ fn the_whole_chain() {
         assert!(crate_folder.join(name).is_file(), "{name}");
     }
     done(["generate", model, "--out", emitted, "--check"]);
+    // The same in C, in a folder of its own.
+    let in_c = folder.path().join("in-c");
+    let in_c = in_c.to_str().expect("a path in UTF-8");
+    done(["generate", model, "--out", in_c, "--language", "c"]);
+    done([
+        "generate",
+        model,
+        "--out",
+        in_c,
+        "--language",
+        "c",
+        "--check",
+    ]);
+    for file in [
+        "src/flywheel.h",
+        "src/flywheel.c",
+        "library.properties",
+        "examples/flywheel/flywheel.ino",
+    ] {
+        assert!(Path::new(in_c).join(file).exists(), "{file}");
+    }
+    let certificate = fs::read_to_string(Path::new(in_c).join("certificate.json"));
+    let certificate: Value =
+        serde_json::from_str(&certificate.expect("a certificate")).expect("JSON");
+    assert_eq!(certificate["language"], "c");
 
     // --reset goes back to the base model.
     let reset = json_of([

@@ -306,7 +306,7 @@ impl Scope<'_> {
             (None, None) => Type::Int(Int::I32),
         };
         let place = self.temporary(&ty);
-        self.into_place(expression, &place)?;
+        self.assign(expression, &place)?;
         Ok(Scalar::new(place.text, ty, 0))
     }
 
@@ -506,7 +506,7 @@ impl Scope<'_> {
                     }
                 }
                 let place = self.temporary(&ty);
-                self.into_place(other, &place)?;
+                self.assign(other, &place)?;
                 Ok(place)
             }
         }

@@ -40,7 +40,7 @@ impl Scope<'_> {
             (_, Expr::If(branch)) => self.branch(branch, target),
             (_, Expr::Block(inner)) => self.block(&inner.block, target),
             (Target::Nothing, other) => self.step(other),
-            (Target::Place(place), other) => self.into_place(other, &place.clone()),
+            (Target::Place(place), other) => self.assign(other, &place.clone()),
             (Target::Return, other) => self.returned(other),
         }
     }
@@ -54,13 +54,13 @@ impl Scope<'_> {
                     return self.refuse("a tuple that is not written out");
                 };
                 for (value, out) in values.elems.iter().zip(Place::outs(&ty)) {
-                    self.into_place(value, &out)?;
+                    self.assign(value, &out)?;
                 }
                 Ok(())
             }
             _ if ty.is_aggregate() => {
                 for out in Place::outs(&ty) {
-                    self.into_place(expression, &out)?;
+                    self.assign(expression, &out)?;
                 }
                 Ok(())
             }
@@ -192,7 +192,7 @@ impl Scope<'_> {
             let declaration = ty.declare(&own);
             self.line(format!("{declaration};"));
             let place = Place::variable(&own, ty);
-            self.into_place(value, &place)?;
+            self.assign(value, &place)?;
             self.bind(name, place);
         } else {
             let value = self.scalar(value, Some(&ty))?;
@@ -223,10 +223,10 @@ impl Scope<'_> {
                 if place.ty.is_aggregate() && !matches!(bare(&assign.right), Expr::Path(_)) {
                     // The right side may read what it replaces.
                     let new = self.temporary(&place.ty);
-                    self.into_place(&assign.right, &new)?;
+                    self.assign(&assign.right, &new)?;
                     return self.copy(&new, &place);
                 }
-                self.into_place(&assign.right, &place)
+                self.assign(&assign.right, &place)
             }
             Expr::MethodCall(_) | Expr::Call(_) => {
                 let call = self.resolved(expression)?;
@@ -239,7 +239,7 @@ impl Scope<'_> {
     }
 
     /// Puts the value of an expression into a place that no part of the expression names.
-    pub fn into_place(&mut self, expression: &Expr, place: &Place) -> Result<()> {
+    pub fn assign(&mut self, expression: &Expr, place: &Place) -> Result<()> {
         let ty = place.ty.clone();
         match bare(expression) {
             Expr::If(branch) => self.branch(branch, &Target::Place(place.clone())),
@@ -253,7 +253,7 @@ impl Scope<'_> {
             Expr::Array(array) => {
                 for (index, element) in array.elems.iter().enumerate() {
                     match place.element(index) {
-                        Some(part) => self.into_place(element, &part)?,
+                        Some(part) => self.assign(element, &part)?,
                         None => return self.refuse("this array"),
                     }
                 }
@@ -271,7 +271,7 @@ impl Scope<'_> {
                     let Some(own) = self.items.field(key, &name).cloned() else {
                         return self.refuse(format!("the field {name}"));
                     };
-                    self.into_place(&field.expr, &place.field(&name, own))?;
+                    self.assign(&field.expr, &place.field(&name, own))?;
                 }
                 Ok(())
             }
