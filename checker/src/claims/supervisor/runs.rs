@@ -4,7 +4,7 @@
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
 use crate::claims::supervisor::second::{
-    ALIGNED, ATTITUDE, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
+    ALIGNED, ATTITUDE, COUNTS, GYRO, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
 };
 use crate::language::module::Module;
 
@@ -63,7 +63,12 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             quiet: roll >= 5 || random.choice(2) == 0,
         };
         // Long enough for a window or a count to fill, now and then.
-        let length = 1 + random.choice(2 * window as u64 + 40) as usize;
+        let most = if random.choice(6) == 0 {
+            2 * window as u64 + 40
+        } else {
+            40
+        };
+        let length = 1 + random.choice(most) as usize;
         for _ in 0..length.min(cases - done) {
             let sample = drawn(&mut random, phase, one_g, &mut gyro, low, high);
             let current = (random.choice(16) == 0).then(|| random.word());
@@ -130,7 +135,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             _ => words,
         };
     }
-    if cases >= 2000 && armed == 0 {
+    if cases >= 5000 && armed == 0 {
         return Err("in none of the runs the controller was armed".to_owned());
     }
     each_condition(&f, &second, one_g, zero)?;
@@ -227,9 +232,10 @@ fn each_condition(
     start[ALIGNED] = 1;
     start[STATUS] = RUNNING;
     type Fault = fn(Sample, i128) -> Sample;
+    // In the order of the counts.
     let conditions: [(&str, Fault); 4] = [
-        ("frozen_steps", |sample, _| Sample {
-            gyro: [5, 5, 5],
+        ("wheel_steps", |sample, low| Sample {
+            wheel: low,
             ..sample
         }),
         ("clipped_steps", |sample, _| {
@@ -239,8 +245,8 @@ fn each_condition(
                 ..sample
             }
         }),
-        ("wheel_steps", |sample, low| Sample {
-            wheel: low,
+        ("frozen_steps", |sample, _| Sample {
+            gyro: [5, 5, 5],
             ..sample
         }),
         ("rejected_steps", |sample, _| Sample {
@@ -248,13 +254,16 @@ fn each_condition(
             ..sample
         }),
     ];
-    for (limit, fault) in conditions {
+    for (index, (limit, fault)) in conditions.into_iter().enumerate() {
         let steps = second.limit(limit)?;
         let low = second.limit("wheel_low")?;
+        // The condition has lasted for all but the last of its steps; that each counts by one, the
+        // runs above show.
         let mut words = start.clone();
-        let mut ended = None;
-        // One step more: the first of frozen words is one that changes.
-        for step in 0..=steps {
+        words[COUNTS + index] = (steps - 3).max(0);
+        words[GYRO..GYRO + 3].fill(5);
+        let mut has_ended = false;
+        for step in 0..3 {
             let sample = fault(upright(step), low);
             let found = f.call("Controller::step", &[&words[..], &sample.words()].concat())?;
             words = found[1..].to_vec();
@@ -262,11 +271,11 @@ fn each_condition(
                 if found[0] != zero {
                     return Err(format!("{limit}: duty {} after a trip", found[0]));
                 }
-                ended = Some(step);
+                has_ended = true;
                 break;
             }
         }
-        if ended.is_none() {
+        if !has_ended {
             return Err(format!(
                 "{limit}: the condition lasts, and the controller runs on"
             ));

@@ -23,9 +23,9 @@ pub(crate) const WORDS: usize = ATTITUDE + 18;
 pub(crate) const STATUS: usize = ATTITUDE;
 pub(crate) const ALIGNED: usize = ATTITUDE + 1;
 const WINDOW: usize = ATTITUDE + 2;
-const COUNTS: usize = ATTITUDE + 9;
+pub(crate) const COUNTS: usize = ATTITUDE + 9;
 pub(crate) const SATURATED: usize = COUNTS + 4;
-const GYRO: usize = COUNTS + 5;
+pub(crate) const GYRO: usize = COUNTS + 5;
 const OBSERVER: usize = ATTITUDE + 17;
 /// Words of the attitude: quaternion, rates, drift.
 pub(crate) const ATTITUDE: usize = 9;
@@ -226,16 +226,13 @@ impl<'a> Supervisor<'a> {
             next[WINDOW] > 0 && (0..3).all(|k| (up[k] - next[WINDOW + 1 + k]).abs() < agreement);
         if agrees {
             next[WINDOW] = self.counted(next[WINDOW], true, "window")?;
-            for k in 0..3 {
-                let sum = next[WINDOW + 4 + k] + share[k];
-                next[WINDOW + 4 + k] = sum.clamp(-(1 << 29), 1 << 29);
+            for (sum, share) in next[WINDOW + 4..].iter_mut().zip(&share) {
+                *sum = (*sum + share).clamp(-(1 << 29), 1 << 29);
             }
         } else {
             next[WINDOW] = 1;
-            for k in 0..3 {
-                next[WINDOW + 1 + k] = up[k];
-                next[WINDOW + 4 + k] = share[k];
-            }
+            next[WINDOW + 1..WINDOW + 4].copy_from_slice(up);
+            next[WINDOW + 4..WINDOW + 7].copy_from_slice(&share);
         }
         if next[WINDOW] >= self.limit("window")? {
             let sum = next[WINDOW + 4..WINDOW + 7].to_vec();

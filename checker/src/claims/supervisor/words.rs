@@ -86,6 +86,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
         .as_ref()
         .map_or(period, |rate| 1.0 / real(&rate.value))
         .max(period);
+    near("frozen_steps", (frozen_s / period).max(2.0))?;
     let refreshes = word("frozen_steps")? * period / refresh_s;
     if !(FROZEN_REFRESHES[0]..=FROZEN_REFRESHES[1]).contains(&refreshes) {
         return Err(format!(
@@ -113,16 +114,28 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
     near("gravity_high", (1.15 * gravity).powi(2) / 2f64.powi(32))?;
     near("agreement", 0.1 * gravity)?;
 
-    for (name, low) in [("wheel_low", true), ("wheel_high", false)] {
+    let ends = numbers(after(text, "ends of the wheel's sensor |")?);
+    let clips = numbers(after(text, "ends of the gyroscope |")?);
+    if ends.len() != 2 || clips.len() != 3 {
+        return Err("the documents of LIMITS do not state where the sensors end".to_owned());
+    }
+    for (name, stated) in ["wheel_low", "wheel_high"].into_iter().zip(&ends) {
         let count = word(name)?;
-        if !(0.0..=65_535.0).contains(&count) || (low && count >= word("wheel_high")?) {
-            return Err(format!("LIMITS.{name} is {count}"));
+        if count != real(stated) || !(0.0..=65_535.0).contains(&count) {
+            return Err(format!(
+                "LIMITS.{name} is {count}, its documents say {stated}"
+            ));
         }
     }
-    for axis in 0..3 {
+    if word("wheel_low")? >= word("wheel_high")? {
+        return Err("the ends of the wheel's sensor are reversed".to_owned());
+    }
+    for (axis, stated) in clips.iter().enumerate() {
         let clip = word(&format!("gyro_clip[{axis}]"))?;
-        if !(1.0..=32_767.0).contains(&clip) {
-            return Err(format!("LIMITS.gyro_clip[{axis}] is {clip}"));
+        if clip != real(stated) || !(1.0..=32_767.0).contains(&clip) {
+            return Err(format!(
+                "LIMITS.gyro_clip[{axis}] is {clip}, its documents say {stated}"
+            ));
         }
     }
     let micros = NamedWords::read(module, "SAMPLE_TIME_US")?.get("SAMPLE_TIME_US")?;
