@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use crate::bench::{FitProblem, IdentifyError};
 use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictions, finish};
 use crate::extension::extend;
+use crate::first_fit::first_fit;
 use crate::fit::{
-    Effort, Minimum, PredictedSeries, Window, cost, fit_from_scratch, joined, refit, traces,
+    Effort, Minimum, PredictedSeries, Unknowns, Window, cost, failed_series, joined, refit, traces,
 };
 use crate::progress::Progress;
 use crate::residuals::{FoundPush, PushModel, find_pushes};
@@ -30,7 +31,8 @@ pub struct Identification {
 /// neighbouring fit of the same model, from which the fit then starts.
 ///
 /// # Errors
-/// [`IdentifyError::NotFinite`] if no start leads anywhere.
+/// [`IdentifyError::NotFinite`] if no start leads anywhere, [`IdentifyError::NoBetterThanMeans`] if none leads to
+/// the logs.
 pub fn identify(
     problem: &FitProblem,
     model: &Model,
@@ -64,13 +66,7 @@ pub fn identify_until(
         None => {
             // The base model first: effects are small against inertia and gravity.
             let base = Model::base();
-            let first = fit_from_scratch(
-                &records,
-                &base,
-                problem.start_values(&base),
-                &problem.free(&base),
-                effort,
-            );
+            let first = first_fit(problem, effort);
             progress.check()?;
             if *model == base {
                 first
@@ -85,6 +81,12 @@ pub fn identify_until(
             .first()
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
+    }
+    let (values, windows) = (&minimum.values, &minimum.windows);
+    let unknowns = Unknowns::new(model, &problem.free(model));
+    let series = failed_series(&records, model, values, windows, &unknowns);
+    if !series.is_empty() {
+        return Err(IdentifyError::NoBetterThanMeans { series });
     }
     let found = identification(problem, model, minimum, None);
     progress.check()?;

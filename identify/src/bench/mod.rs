@@ -1,5 +1,6 @@
 //! A whole bench as the fits take it: what is known, what is free, in which units.
 
+mod coarse;
 mod error;
 mod parameters;
 mod problem;

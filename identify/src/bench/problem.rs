@@ -98,14 +98,16 @@ impl FitProblem {
                 leave_out(record, &pushes, BALANCE_WINDOW_S);
             }
         }
-        Ok(FitProblem {
+        let mut problem = FitProblem {
             records,
             known,
             body_scale_known: body,
             wheel_scale_known: wheel,
             coupled,
             masses,
-        })
+        };
+        problem.estimate_coarse_noise();
+        Ok(problem)
     }
 
     /// The records as the fits take them.

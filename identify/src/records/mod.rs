@@ -7,6 +7,7 @@ mod statistics;
 mod weak_form;
 
 pub use angle::angle_samples;
+pub(crate) use noise::{NOISE_RELATIVE_STD_ROOT_N, NoiseEstimate, noise_by_differences};
 pub use noise::{input_noise_std, noise_std, resolution};
 pub use record::{BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent};
 pub(crate) use statistics::{StraightLine, median};

@@ -7,7 +7,7 @@ use bench_files::{CurrentMeaning, Experiment};
 pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
-use super::noise::{noise_std, resolution};
+use super::noise::{noise_std, resolution, steps_of_command};
 
 /// One measured channel.
 #[derive(Clone, Debug)]
@@ -21,6 +21,38 @@ pub struct RecordedChannel {
     /// The step of a channel whose noise is mostly its own rounding, in the unit of the output;
     /// `None` where the noise hides it.
     pub quantum: Option<f64>,
+}
+
+impl RecordedChannel {
+    /// Samples with a noise of this standard deviation, which is never below that of their own rounding.
+    fn new(output: Output, samples: Vec<f64>, noise_std: f64) -> RecordedChannel {
+        let mut channel = RecordedChannel {
+            output,
+            samples,
+            noise_std,
+            quantum: None,
+        };
+        channel.set_noise(noise_std);
+        channel
+    }
+
+    /// Puts another standard deviation in the place of the noise's.
+    pub(crate) fn set_noise(&mut self, noise_std: f64) {
+        let step = resolution(&self.samples);
+        let rounding_std = step / 12f64.sqrt();
+        self.noise_std = noise_std.max(rounding_std);
+        let is_quantised = rounding_std >= QUANTISED_SHARE * self.noise_std;
+        self.quantum = is_quantised.then_some(step);
+    }
+}
+
+/// The samples at which the motion has a kink because the current steps. Not while balancing: there the current
+/// answers to every sample.
+fn kinks(kind: Kind, current_a: &[f64]) -> Vec<usize> {
+    match kind {
+        Kind::SpinUp | Kind::Driven => steps_of_command(current_a),
+        Kind::FreeSwing | Kind::Balance => vec![],
+    }
 }
 
 /// Length of the windows of a balance log in s, and of any other log whose free run diverges.
@@ -111,6 +143,7 @@ impl Record {
         current_a: Option<Vec<f64>>,
         current_is_measured: bool,
     ) -> Record {
+        let kinks = kinks(kind, current_a.as_deref().unwrap_or(&[]));
         let channels: Vec<RecordedChannel> = Output::ALL
             .into_iter()
             .zip(outputs)
@@ -121,15 +154,8 @@ impl Record {
             })
             .filter_map(|(output, samples)| {
                 let samples = samples?;
-                let noise_std = noise_std(&samples);
-                let quantum = Some(resolution(&samples))
-                    .filter(|quantum| quantum / 12f64.sqrt() >= QUANTISED_SHARE * noise_std);
-                Some(RecordedChannel {
-                    output,
-                    samples,
-                    noise_std,
-                    quantum,
-                })
+                let noise_std = noise_std(&samples, &kinks);
+                Some(RecordedChannel::new(output, samples, noise_std))
             })
             .collect();
         let passes_over_the_top = channels.iter().any(|channel: &RecordedChannel| {
@@ -236,6 +262,11 @@ impl Record {
         part.weight = pick(&self.weight);
         part.window_s = self.window_s;
         part
+    }
+
+    /// The samples at which the motion has a kink because the current steps.
+    pub(crate) fn kinks(&self) -> Vec<usize> {
+        kinks(self.kind, &self.current_a)
     }
 
     /// The channel that measures `output`, if there is one.

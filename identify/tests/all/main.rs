@@ -2,6 +2,7 @@
 //! simulated logs, and figures of real ones.
 
 mod breakdown;
+mod coarse;
 mod common;
 mod contradiction;
 mod correlation;
