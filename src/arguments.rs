@@ -6,6 +6,7 @@ use clap::Args;
 use workbench::Session;
 
 use crate::failure::Failure;
+use crate::progress::with_progress;
 
 /// Where the result goes.
 #[derive(Args)]
@@ -35,7 +36,10 @@ pub struct BenchFiles {
 impl BenchFiles {
     /// Opens the bench with the model that is named.
     pub fn open(&self, bench: &Path) -> Result<Session, Failure> {
-        Ok(Session::open_with_model(bench, self.model.as_deref())?)
+        let model = self.model.as_deref();
+        Ok(with_progress(|progress| {
+            Session::open_reporting(bench, model, progress)
+        })?)
     }
 
     /// Where figures and reports of the bench go.

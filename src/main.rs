@@ -30,11 +30,12 @@ fn main() -> ExitCode {
         eprintln!("error: internal error{place}: this is a bug in flywheel, please report it");
     }));
     let cli = Cli::parse();
+    progress::heed_interrupts();
     match panic::catch_unwind(|| run(&cli)) {
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => {
             failure.print();
-            ExitCode::from(2)
+            ExitCode::from(failure.code())
         }
         Err(_) => ExitCode::from(2),
     }

@@ -8,7 +8,7 @@ use plant::Kind;
 use crate::channel::{Channel, NORMALISED};
 use crate::csv_table::{self, OpenTable};
 use crate::error::{Error, Names, Problem};
-use crate::files::{Files, FilesInMemory};
+use crate::files::{Files, FilesInMemory, ReadingWatch};
 use crate::known::Known;
 use crate::log::{self, ColumnUse, LoadReport, Log, Note};
 use crate::toml_source::{Located, Section, TomlSource};
@@ -77,11 +77,23 @@ impl Bench {
     /// # Errors
     /// The first thing that is wrong, see [`Problem`].
     pub fn load(path: &Path) -> Result<Bench, Error> {
+        Bench::load_from(path, Files::Disk)
+    }
+
+    /// As [`Bench::load`], with somebody who is told how far it is and may call it off.
+    ///
+    /// # Errors
+    /// As for [`Bench::load`]; [`Problem::Unreadable`] where the reading was called off.
+    pub fn load_watched(path: &Path, watch: ReadingWatch) -> Result<Bench, Error> {
+        Bench::load_from(path, Files::Watched(watch))
+    }
+
+    fn load_from(path: &Path, files: Files) -> Result<Bench, Error> {
         let file = bench_file(path)?;
         let folder = folder_of(&file);
-        let source = TomlSource::read(Files::Disk, &file)?;
+        let source = TomlSource::read(files, &file)?;
         let document = source.parse()?;
-        read_bench(Files::Disk, &source, &source.root(&document), folder)
+        read_bench(files, &source, &source.root(&document), folder)
     }
 
     /// The same from files that are in memory, one of them `bench.toml`.

@@ -36,7 +36,7 @@ pub use correlation::Correlation;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use error::{Error, Place, Problem};
-pub use files::FilesInMemory;
+pub use files::{FilesInMemory, ReadingWatch, WATCHED_BYTES};
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};

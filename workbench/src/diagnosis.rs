@@ -137,12 +137,8 @@ impl Session {
         } else {
             // The diagnosis has read the logs differently: without pushes that only it found.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
-            identify::identify(self.problem(), &step.fit.model, Some(start)).map_err(|source| {
-                Error::Identify {
-                    bench: self.place(),
-                    source,
-                }
-            })?
+            identify::identify_until(self.problem(), &step.fit.model, Some(start), progress)
+                .map_err(|source| self.not_identified(source))?
         };
         progress.check()?;
         let last = self.comparison_of(&last_fit);

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem};
+use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch};
 use design::Settings;
 use identify::{
-    Contradiction, Effort, FitProblem, Identification, Minimum, PredictedSeries, Progress,
+    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, PredictedSeries, Progress,
     PushModel, Record, Window,
 };
 use plant::{EffectId, Model};
@@ -62,7 +62,31 @@ impl Session {
     /// # Errors
     /// As for [`Session::open`].
     pub fn open_with_model(path: &Path, model: Option<&Path>) -> Result<Session, Error> {
-        let bench = Bench::load(path)?;
+        Session::open_reporting(path, model, &Progress::silent())
+    }
+
+    /// As [`Session::open_with_model`]; `progress` is told how much of each log has been read.
+    ///
+    /// # Errors
+    /// As for [`Session::open`]; [`Error::Cancelled`].
+    pub fn open_reporting(
+        path: &Path,
+        model: Option<&Path>,
+        progress: &Progress,
+    ) -> Result<Session, Error> {
+        let watch = ReadingWatch {
+            read: &|file, read, of| (progress.say)(&reading(file, read, of)),
+            cancelled: &|| (progress.cancelled)(),
+        };
+        let bench = match Bench::load_watched(path, watch) {
+            Ok(bench) => bench,
+            Err(error) => {
+                progress.check()?;
+                return Err(error.into());
+            }
+        };
+        progress.check()?;
+        (progress.say)("preparing the logs");
         let model_path = match model {
             Some(path) => path.to_path_buf(),
             None => bench.folder.join("model.toml"),
@@ -73,6 +97,7 @@ impl Session {
             Err(error) if matches!(error.problem(), Problem::NotFound) => None,
             Err(error) => return Err(error.into()),
         };
+        progress.check()?;
         Ok(session)
     }
 
@@ -354,13 +379,20 @@ impl Session {
         }
         progress.check()?;
         (progress.say)("fitting the model to all experiments");
-        let found =
-            identify::identify(&self.problem, model, None).map_err(|source| Error::Identify {
+        let found = identify::identify_until(&self.problem, model, None, progress)
+            .map_err(|source| self.not_identified(source))?;
+        Ok(found)
+    }
+
+    /// Why the session's bench is not identified; a fit that was called off is no fault of the bench.
+    pub(crate) fn not_identified(&self, source: IdentifyError) -> Error {
+        match source {
+            IdentifyError::Cancelled(cancelled) => Error::Cancelled(cancelled),
+            source => Error::Identify {
                 bench: self.place(),
                 source,
-            })?;
-        progress.check()?;
-        Ok(found)
+            },
+        }
     }
 
     pub(crate) fn comparison_of(&self, found: &Identification) -> ComparisonReport {
@@ -422,7 +454,8 @@ impl Session {
             .iter()
             .map(|record| identify::final_windows(record, &values))
             .collect();
-        let minimum = identify::refit(&records, &model, values, windows, &[], Effort::FULL);
+        let effort = Effort::FULL.until(progress.cancelled);
+        let minimum = identify::refit(&records, &model, values, windows, &[], effort);
         progress.check()?;
         Ok(Started {
             problem,
@@ -516,6 +549,14 @@ impl Predictor {
             .map(|(record, traces)| ExperimentCurves::new(record, traces))
             .collect())
     }
+}
+
+/// "reading swing.csv: 12 of 500 MB".
+fn reading(file: &Path, read: u64, of: u64) -> String {
+    const MEGABYTE: f64 = 1e6;
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let (read, of) = (read as f64 / MEGABYTE, of as f64 / MEGABYTE);
+    format!("reading {name}: {read:.0} of {of:.0} MB")
 }
 
 /// How errors name a bench: its folder, or its name where it is in memory.

@@ -1,6 +1,7 @@
 //! Logs as the fit sees them, and what is done to their samples before any model.
 
 mod angle;
+mod averages;
 mod noise;
 mod record;
 mod statistics;

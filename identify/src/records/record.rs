@@ -7,6 +7,7 @@ use bench_files::{CurrentMeaning, Experiment};
 pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
+use super::averages::{blocks, means, middles};
 use super::noise::{noise_std, resolution, steps_of_command};
 
 /// One measured channel.
@@ -123,6 +124,8 @@ pub struct Record {
     pub window_s: f64,
     /// The measured angle leaves ±π.
     pub passes_over_the_top: bool,
+    /// How many samples of the log each of these is the average of; 1 for the log as it was recorded.
+    pub averaged_over: usize,
     past: Past,
 }
 
@@ -190,6 +193,7 @@ impl Record {
                 Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
             },
             passes_over_the_top,
+            averaged_over: 1,
             past: Past::default(),
         }
     }
@@ -240,6 +244,37 @@ impl Record {
         thin
     }
 
+    /// The same log as averages over `block` samples, with a noise of their own: what every block says of its middle
+    /// (see [`super::averages`]). Of the current and of the wheel's way every sample counts.
+    pub fn averaged(&self, block: usize) -> Record {
+        let blocks = blocks(self.len(), block);
+        let kinks = self.kinks();
+        let outputs = Output::ALL.map(|output| {
+            let channel = self.channel(output)?;
+            Some(middles(&channel.samples, &blocks, &kinks))
+        });
+        let current_a = (!self.current_a.is_empty()).then(|| means(&self.current_a, &blocks));
+        let mut averaged = Record::new(
+            &self.name,
+            self.kind,
+            means(&self.time_s, &blocks),
+            outputs,
+            current_a,
+            self.current_is_measured,
+        );
+        if let (RecordedCurrent::Known(input), false) = (&self.current, self.current_a.is_empty()) {
+            averaged.current = RecordedCurrent::Known(input.clone());
+        }
+        if self.channel(Output::WheelSpeed).is_some() {
+            let turned = means(self.wheel_angles(), &blocks);
+            averaged.past.wheel_angle_rad = OnceLock::from(turned);
+        }
+        averaged.window_s = self.window_s;
+        averaged.passes_over_the_top = self.passes_over_the_top;
+        averaged.averaged_over = block * self.averaged_over;
+        averaged
+    }
+
     fn part(&self, samples: &[usize]) -> Record {
         let pick = |series: &[f64]| samples.iter().map(|&k| series[k]).collect::<Vec<f64>>();
         let outputs =
@@ -261,6 +296,7 @@ impl Record {
         }
         part.weight = pick(&self.weight);
         part.window_s = self.window_s;
+        part.averaged_over = self.averaged_over;
         part
     }
 
