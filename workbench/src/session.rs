@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch};
+use bench_files::{
+    Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch, Tie,
+};
 use design::Settings;
 use identify::{
     Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, PredictedSeries, Progress,
@@ -287,7 +289,8 @@ impl Session {
         self.started(progress).map(Predictor)
     }
 
-    /// Puts an effect into the model and fits it anew.
+    /// Puts an effect into the model and fits it anew. Where a tie is open, an effect that is there provisionally
+    /// is confirmed, and one of a rival set takes, with its set, the place of what is provisional.
     ///
     /// # Errors
     /// [`Error::UnknownEffect`], [`Error::EffectPresent`]; those of [`Session::identify`].
@@ -296,6 +299,14 @@ impl Session {
         let effect = EffectId::from_name(name).ok_or_else(|| Error::UnknownEffect {
             name: name.to_owned(),
         })?;
+        if let Some((after, tie)) = self.model.as_ref().and_then(|file| settled(file, effect)) {
+            let mut change = self.change(&before, &after, progress)?;
+            change.provisional = provisional_names(tie.as_ref());
+            if let Some(file) = &mut self.model {
+                file.tie = tie;
+            }
+            return Ok(change);
+        }
         let after = before.with(effect);
         if after == before {
             let mut effects = before.effects().iter();
@@ -341,7 +352,9 @@ impl Session {
         let old = self.fit(before, progress)?;
         let old = self.comparison_of(&old);
         let new = self.identify_as(after, progress)?;
+        let tie = self.model.as_ref().and_then(|file| file.tie.as_ref());
         Ok(EffectChange {
+            provisional: provisional_names(tie),
             after: new,
             effects_before: old.effects,
             rmse_before: old.rmse,
@@ -557,6 +570,34 @@ fn reading(file: &Path, read: u64, of: u64) -> String {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let (read, of) = (read as f64 / MEGABYTE, of as f64 / MEGABYTE);
     format!("reading {name}: {read:.0} of {of:.0} MB")
+}
+
+/// The model in which `effect` settles the tie that is open, and what of the tie is left; `None` where the tie
+/// says nothing of the effect.
+fn settled(file: &ModelFile, effect: EffectId) -> Option<(Model, Option<Tie>)> {
+    let tie = file.tie.as_ref()?;
+    if tie.provisional.contains(&effect) {
+        return Some((file.model(), None));
+    }
+    let chosen = tie.rivals.iter().position(|set| set.contains(&effect))?;
+    let mut rivals = tie.rivals.clone();
+    let provisional = std::mem::replace(&mut rivals[chosen], tie.provisional.clone());
+    let certain = file.certain_model();
+    let after = provisional
+        .iter()
+        .fold(certain, |model, &effect| model.with(effect));
+    Some((
+        after,
+        Some(Tie {
+            provisional,
+            rivals,
+        }),
+    ))
+}
+
+fn provisional_names(tie: Option<&Tie>) -> Vec<String> {
+    let effects = tie.iter().flat_map(|tie| &tie.provisional);
+    effects.map(|effect| effect.name().to_owned()).collect()
 }
 
 /// How errors name a bench: its folder, or its name where it is in memory.
