@@ -4,8 +4,8 @@ use clap::{Parser, Subcommand};
 
 use crate::arguments::JsonOutput;
 use crate::commands::{
-    add, calibrate, compare, demo, design, diagnose, exam, generate, identify, mutate, prove,
-    remove, simulate,
+    add, calibrate, check, compare, demo, design, diagnose, exam, generate, identify, mutate,
+    prove, remove, simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -29,6 +29,8 @@ pub struct Cli {
 pub enum Command {
     /// The whole chain on the bench that ships inside the program
     Demo(demo::Arguments),
+    /// What is wrong with the data of a bench, before anything is fitted
+    Check(check::Arguments),
     /// Fit the base model and the effects that model.toml already has; write model.toml
     Identify(identify::Arguments),
     /// Show the model against the measurements, and where it fails
@@ -60,6 +62,7 @@ impl Command {
     pub fn run(&self) -> Result<Report, Failure> {
         match self {
             Command::Demo(arguments) => demo::run(arguments),
+            Command::Check(arguments) => check::run(arguments),
             Command::Identify(arguments) => identify::run(arguments),
             Command::Compare(arguments) => compare::run(arguments),
             Command::Add(arguments) => add::run(arguments),
@@ -79,6 +82,7 @@ impl Command {
     pub fn output(&self) -> &JsonOutput {
         match self {
             Command::Demo(arguments) => &arguments.output,
+            Command::Check(arguments) => &arguments.output,
             Command::Identify(arguments) => &arguments.output,
             Command::Compare(arguments) => &arguments.output,
             Command::Add(arguments) => &arguments.output,

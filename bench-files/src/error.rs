@@ -197,6 +197,26 @@ pub enum Problem {
         /// The log.
         file: String,
     },
+    /// A time step beside a time column.
+    #[error(
+        "time_step is for files without a time, but {file} has the column \"{column}\" for it; keep one of the two"
+    )]
+    TimeStepAndColumn {
+        /// The column.
+        column: String,
+        /// The log.
+        file: String,
+    },
+    /// One column for two channels.
+    #[error("{second} is mapped to \"{column}\", and so is {first}; a column is one quantity")]
+    ColumnMappedTwice {
+        /// The column.
+        column: String,
+        /// The channel that has it first.
+        first: &'static str,
+        /// The channel that has it too.
+        second: &'static str,
+    },
     /// A held current in an experiment that has none.
     #[error("a {kind} experiment has no current (the wheel is locked to the body); take it out")]
     ConstantWithoutInput {

@@ -22,6 +22,8 @@ pub struct Log {
     pub rate_rad_s: Option<Vec<f64>>,
     /// Wheel speed φ̇ relative to the body, rad/s, as the sensor said it.
     pub wheel_speed_rad_s: Option<Vec<f64>>,
+    /// Wheel angle φ relative to the body, rad, unwrapped, as the sensor said it.
+    pub wheel_angle_rad: Option<Vec<f64>>,
     /// Motor current, A: the command, or what flowed (see
     /// [`CurrentMeaning`](crate::CurrentMeaning)). Never NaN.
     pub current_a: Option<Vec<f64>>,
@@ -54,6 +56,7 @@ impl Log {
             Channel::Angle => self.angle_rad.as_deref(),
             Channel::Rate => self.rate_rad_s.as_deref(),
             Channel::WheelSpeed => self.wheel_speed_rad_s.as_deref(),
+            Channel::WheelAngle => self.wheel_angle_rad.as_deref(),
             Channel::Current => self.current_a.as_deref(),
         }
     }
@@ -64,6 +67,7 @@ impl Log {
             Channel::Angle => self.angle_rad.as_mut(),
             Channel::Rate => self.rate_rad_s.as_mut(),
             Channel::WheelSpeed => self.wheel_speed_rad_s.as_mut(),
+            Channel::WheelAngle => self.wheel_angle_rad.as_mut(),
             Channel::Current => self.current_a.as_mut(),
         }
     }
@@ -97,6 +101,8 @@ pub enum Note {
     },
     /// A spin-up without a current column: the current was not recorded.
     CurrentNotRecorded,
+    /// The wheel's speed comes from differences of its angle.
+    SpeedFromAngle,
     /// The current column is a command without unit (`units = { current = "1" }`).
     NormalisedCommand,
     /// A `sign` that is neither 1 nor −1 was used as a factor.
@@ -144,6 +150,10 @@ impl fmt::Display for Note {
             Note::CurrentNotRecorded => write!(
                 f,
                 "the current was not recorded; if it was held, constants = {{ current = … }} says at what"
+            ),
+            Note::SpeedFromAngle => write!(
+                f,
+                "the wheel's speed is not logged: it comes from differences of the wheel's angle"
             ),
             Note::NormalisedCommand => write!(
                 f,
@@ -201,19 +211,49 @@ pub(crate) struct ColumnUse {
     pub scale: f64,
     /// SI.
     pub offset: f64,
+    /// The kind holds this channel still: it is read into [`SamplesOfLog::beside`], and a cell that is no
+    /// number is NaN there.
+    pub is_beside: bool,
 }
 
-/// Reads the samples of these columns between `from_s` and `until_s` (both included).
-/// Time must be the first column in use.
+/// What of a file is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Window {
+    /// First time, s.
+    pub from_s: Option<f64>,
+    /// Last time, s.
+    pub until_s: Option<f64>,
+    /// Time from row to row where there is no time column, s.
+    pub time_step_s: Option<f64>,
+}
+
+/// The samples of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SamplesOfLog {
+    /// The channels that the kind uses.
+    pub log: Log,
+    /// The channels that it holds still.
+    pub beside: Log,
+    pub report: LoadReport,
+}
+
+/// Reads the samples of these columns in the window (both ends included). Time must be the first column
+/// in use, unless the window has a time step.
 pub(crate) fn read(
     mut table: OpenTable,
     uses: &[ColumnUse],
-    from_s: Option<f64>,
-    until_s: Option<f64>,
-) -> Result<(Log, LoadReport), Error> {
+    window: Window,
+) -> Result<SamplesOfLog, Error> {
+    let Window {
+        from_s,
+        until_s,
+        time_step_s,
+    } = window;
     let names: Vec<String> = uses.iter().map(|column| column.name.clone()).collect();
-    let mut series: Vec<Vec<f64>> = vec![Vec::new(); uses.len()];
-    let mut values = vec![0.0; uses.len()];
+    // With a time step the time comes before the columns, otherwise it is the first of them.
+    let ahead = usize::from(time_step_s.is_some());
+    let mut series: Vec<Vec<f64>> = vec![Vec::new(); ahead + uses.len()];
+    let mut values = vec![0.0; ahead + uses.len()];
     let mut rows_in_window = 0_usize;
     let mut merged = 0_usize;
     // How many lines the last sample is the mean of.
@@ -224,7 +264,11 @@ pub(crate) fn read(
     let rows = table.read_rows(&names, |row| {
         let cell = |k: usize| -> Result<f64, Error> {
             let column = &uses[k];
-            let value = column.scale * row.number(k)? + column.offset;
+            let number = match row.number(k) {
+                Err(_) if column.is_beside => return Ok(f64::NAN),
+                number => number?,
+            };
+            let value = column.scale * number + column.offset;
             if value.is_finite() {
                 Ok(value)
             } else {
@@ -232,7 +276,10 @@ pub(crate) fn read(
                 Err(row.error(k, Problem::NotFinite { cell }))
             }
         };
-        let time_s = cell(0)?;
+        let time_s = match time_step_s {
+            Some(step_s) => step_s * row.index as f64,
+            None => cell(0)?,
+        };
         if time_s < before_s {
             return Err(row.error(
                 0,
@@ -253,7 +300,7 @@ pub(crate) fn read(
         rows_in_window += 1;
         values[0] = time_s;
         for (k, value) in values.iter_mut().enumerate().skip(1) {
-            *value = cell(k)?;
+            *value = cell(k - ahead)?;
         }
         if repeated && rows_in_window > 1 {
             merged += 1;
@@ -299,12 +346,23 @@ pub(crate) fn read(
     }
 
     let mut log = Log::default();
+    let mut beside = Log::default();
+    let mut series = series.into_iter();
+    if time_step_s.is_some() {
+        log.time_s = series.next().unwrap_or_default();
+    }
     for (column, samples) in uses.iter().zip(series) {
+        let log = if column.is_beside {
+            &mut beside
+        } else {
+            &mut log
+        };
         match column.channel {
             Channel::Time => log.time_s = samples,
             Channel::Angle => log.angle_rad = Some(samples),
             Channel::Rate => log.rate_rad_s = Some(samples),
             Channel::WheelSpeed => log.wheel_speed_rad_s = Some(samples),
+            Channel::WheelAngle => log.wheel_angle_rad = Some(samples),
             Channel::Current => log.current_a = Some(samples),
         }
     }
@@ -316,6 +374,16 @@ pub(crate) fn read(
         report.notes.push(Note::MergedRows { count: merged });
     }
     report.notes.extend(gaps(&log.time_s));
+    for angle in [
+        &mut log.wheel_angle_rad,
+        &mut beside.wheel_angle_rad,
+        &mut beside.angle_rad,
+    ] {
+        if let Some(angle) = angle {
+            unwrap_turns(angle);
+        }
+    }
+    speed_from_angle(&mut log, &mut report);
     if let Some(angle) = &mut log.angle_rad {
         let count = unwrap_turns(angle);
         if count > 0 {
@@ -338,7 +406,29 @@ pub(crate) fn read(
             }
         }
     }
-    Ok((log, report))
+    Ok(SamplesOfLog {
+        log,
+        beside,
+        report,
+    })
+}
+
+/// The wheel's speed where only its angle was logged: differences over one sample either side (one sided
+/// at the ends), whose noise is that of the angle over the time between.
+fn speed_from_angle(log: &mut Log, report: &mut LoadReport) {
+    if log.wheel_speed_rad_s.is_some() {
+        return;
+    }
+    let Some(angle) = &log.wheel_angle_rad else {
+        return;
+    };
+    let last = angle.len() - 1;
+    let speed = (0..=last).map(|k| {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
+        (angle[after] - angle[before]) / (log.time_s[after] - log.time_s[before])
+    });
+    log.wheel_speed_rad_s = Some(speed.collect());
+    report.notes.push(Note::SpeedFromAngle);
 }
 
 /// Pauses of more than twenty usual intervals: in an irregular log intervals vary, but not so far.
@@ -365,9 +455,18 @@ fn gaps(time_s: &[f64]) -> Vec<Note> {
 ///
 /// A jump of the column between two samples is a wrap if it is nearer to a full turn than to none
 /// and to two: half a turn within one sample is a speed that no pendulum reaches at a usable
-/// sampling rate, and a drop-out from upright to zero is a jump of half a turn.
+/// sampling rate, and a drop-out from upright to zero is a jump of half a turn. A column that covers more
+/// than a turn comes from no such sensor.
 fn unwrap_turns(angle_rad: &mut [f64]) -> usize {
     use std::f64::consts::{PI, TAU};
+    let finite = angle_rad.iter().copied().filter(|angle| angle.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| {
+        (low.min(angle), high.max(angle))
+    });
+    // A hundredth of a turn for the noise of the sensor.
+    if high - low > 1.01 * TAU {
+        return 0;
+    }
     let mut turns = 0.0;
     let mut count = 0;
     let mut before = angle_rad.first().copied().unwrap_or(0.0);

@@ -2,6 +2,7 @@
 
 pub mod add;
 pub mod calibrate;
+pub mod check;
 pub mod compare;
 pub mod demo;
 pub mod design;

@@ -10,11 +10,7 @@ use crate::report::table::{Align, Table};
 /// Everything.
 pub fn text(report: &DiagnosisReport) -> String {
     let last = &report.last;
-    let mut text = format!(
-        "{}\n{}\n",
-        comparison::head(&report.bench, &last.experiments, &report.notes),
-        report.sentence
-    );
+    let mut text = format!("{}\n{}\n", comparison::head(last), report.sentence);
     text.push_str(&staircase_table(report));
     text.push_str(&suspect_table(report));
     if !report.ambiguous_between.is_empty() {

@@ -47,6 +47,7 @@
 //! |---|---|
 //! | [`Session`] | [`ComparisonReport`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
 //! | [`Session::design`], [`ControlDesign::read`] | [`ControlDesign`] |
+//! | [`check_data`] | [`DataReport`]: what is wrong with the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
@@ -65,6 +66,7 @@ mod closed_loop;
 mod comparison;
 mod control_design;
 mod controller;
+mod data_check;
 mod design_change;
 mod design_report;
 mod diagnosis;
@@ -81,6 +83,7 @@ mod session;
 mod swing_decay;
 pub mod words;
 
+pub use ::data_check::{Finding, FindingId, Severity};
 pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
@@ -99,6 +102,7 @@ pub use comparison::{
 };
 pub use control_design::ControlDesign;
 pub use controller::GeneratedController;
+pub use data_check::{DataReport, check_data};
 pub use design_change::{DesignChange, DesignSummary};
 pub use design_report::{
     DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors,
