@@ -378,25 +378,25 @@ impl Plan {
         source: &TomlSource,
         section: &Section,
     ) -> Result<Experiment, Error> {
-        let header = Channel::ALL.map(Channel::standard_name).join(",");
-        let table =
-            csv_table::open(files, &self.file, &header).map_err(|error| match error.problem() {
-                // The place to mend is where the file is named.
-                Problem::NotFound | Problem::NotAFile { .. } => source.error(
-                    self.file_key.span.clone(),
-                    Problem::NoLog {
-                        path: self.file.display().to_string(),
-                        reason: error.problem().to_string(),
-                    },
-                ),
-                _ => error,
-            })?;
+        let table = csv_table::open(files, &self.file).map_err(|error| match error.problem() {
+            // The place to mend is where the file is named.
+            Problem::NotFound | Problem::NotAFile { .. } => source.error(
+                self.file_key.span.clone(),
+                Problem::NoLog {
+                    path: self.file.display().to_string(),
+                    reason: error.problem().to_string(),
+                },
+            ),
+            _ => error,
+        })?;
         let uses = self.column_uses(source, section, &table)?;
+        let of_file = self.units_of_file(&table, &uses);
         let log::SamplesOfLog {
             log: mut samples,
             beside,
             mut report,
         } = log::read(table, &uses, self.window)?;
+        report.notes.extend(of_file);
 
         for (channel, sign) in &self.signs {
             if sign.value.abs() != 1.0 {
@@ -430,6 +430,17 @@ impl Plan {
             line,
             report,
         })
+    }
+
+    /// The units that are the file's own word, in notes.
+    fn units_of_file(&self, table: &OpenTable, uses: &[ColumnUse]) -> Vec<Note> {
+        let found = uses.iter().filter_map(|column| {
+            let channel = column.channel;
+            let (unit, scale) = unit_of_file(table, channel, &column.name)?;
+            let is_news = find(&self.units, channel).is_none() && scale != 1.0;
+            is_news.then_some(Note::UnitFromFile { channel, unit })
+        });
+        found.collect()
     }
 
     /// Which column each channel comes from; everything that is wrong with that is said here.
@@ -520,11 +531,15 @@ impl Plan {
             .into_iter()
             .filter_map(|channel| {
                 let name = column_of(channel)?.to_string();
-                let factor = |list| find(list, channel).map_or(1.0, |one: &Located<f64>| one.value);
+                let stated = |list| find(list, channel).map(|one: &Located<f64>| one.value);
+                let factor = |list| stated(list).unwrap_or(1.0);
+                // bench.toml knows better than the file.
+                let of_file = unit_of_file(log, channel, &name).map_or(1.0, |(_, scale)| scale);
+                let unit = stated(&self.units).unwrap_or(of_file);
                 Some(ColumnUse {
                     channel,
                     name,
-                    scale: factor(&self.units) * factor(&self.scales) * factor(&self.signs),
+                    scale: unit * factor(&self.scales) * factor(&self.signs),
                     is_beside: !used.contains(&channel),
                     offset: find(&self.offsets, channel).map_or(0.0, |offset| offset.value),
                 })
@@ -550,7 +565,11 @@ impl Plan {
                         .likely_column(present, &used)
                         .unwrap_or("its name there")
                         .to_string(),
-                    remark,
+                    remark: if log.has_header() {
+                        remark
+                    } else {
+                        "; the file has no header line, so that its columns are numbered from 1"
+                    },
                 },
             )
         };
@@ -711,6 +730,16 @@ fn unit_scale(table: &Section, key: &'static str) -> Result<Located<f64>, Error>
             },
         )),
     }
+}
+
+/// The unit of a channel that the line of units of its file gives, and its factor to SI.
+fn unit_of_file(table: &OpenTable, channel: Channel, column: &str) -> Option<(&'static str, f64)> {
+    let unit = table.unit(column)?;
+    channel
+        .units()
+        .iter()
+        .find(|(name, _)| *name == unit)
+        .copied()
 }
 
 /// Whether `units` says that the current is a command without unit.

@@ -311,15 +311,17 @@ pub enum Problem {
     /// Not a byte, or only blank lines and comments.
     #[error("the file is empty; a log is a CSV with a header line and one sample a line")]
     EmptyLog,
-    /// The first line is already a sample.
+    /// A number that can be read in two ways.
     #[error(
-        "the first line is \"{first}\": there is no header line; put the column names there, for example {example}"
+        "\"{cell}\" is {first} if the comma stands before the decimals, but {second} if it parts thousands; write it without a comma"
     )]
-    NoHeader {
-        /// The first line, shortened.
+    TwoReadings {
+        /// The cell.
+        cell: String,
+        /// With decimals.
         first: String,
-        /// A header that would be right.
-        example: String,
+        /// With thousands.
+        second: String,
     },
     /// A mapped column is not in the file.
     #[error(

@@ -103,6 +103,13 @@ pub enum Note {
     CurrentNotRecorded,
     /// The wheel's speed comes from differences of its angle.
     SpeedFromAngle,
+    /// A unit that bench.toml does not state was taken from the file's line of units.
+    UnitFromFile {
+        /// The channel.
+        channel: Channel,
+        /// The unit, as `units` in bench.toml writes it.
+        unit: &'static str,
+    },
     /// The current column is a command without unit (`units = { current = "1" }`).
     NormalisedCommand,
     /// A `sign` that is neither 1 nor −1 was used as a factor.
@@ -151,6 +158,13 @@ impl fmt::Display for Note {
                 f,
                 "the current was not recorded; if it was held, constants = {{ current = … }} says at what"
             ),
+            Note::UnitFromFile { channel, unit } => {
+                write!(
+                    f,
+                    "{} is in {unit}, as the file's own line of units says",
+                    channel.key()
+                )
+            }
             Note::SpeedFromAngle => write!(
                 f,
                 "the wheel's speed is not logged: it comes from differences of the wheel's angle"
@@ -374,14 +388,14 @@ pub(crate) fn read(
         report.notes.push(Note::MergedRows { count: merged });
     }
     report.notes.extend(gaps(&log.time_s));
-    for angle in [
-        &mut log.wheel_angle_rad,
-        &mut beside.wheel_angle_rad,
-        &mut beside.angle_rad,
-    ] {
-        if let Some(angle) = angle {
-            unwrap_turns(angle);
-        }
+    if let Some(angle) = &mut beside.angle_rad {
+        unwrap_turns(angle);
+    }
+    for angle in [&mut log.wheel_angle_rad, &mut beside.wheel_angle_rad]
+        .into_iter()
+        .flatten()
+    {
+        unwrap_wheel(angle);
     }
     speed_from_angle(&mut log, &mut report);
     if let Some(angle) = &mut log.angle_rad {
@@ -451,6 +465,32 @@ fn gaps(time_s: &[f64]) -> Vec<Note> {
         .collect()
 }
 
+/// Whether a column stays within one turn (and a hundredth, for its noise), as that of a sensor that begins
+/// anew every turn does.
+fn is_within_a_turn(angle_rad: &[f64]) -> bool {
+    let finite = angle_rad.iter().copied().filter(|angle| angle.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| {
+        (low.min(angle), high.max(angle))
+    });
+    high - low <= 1.01 * std::f64::consts::TAU
+}
+
+/// Lets the angle of a wheel go on over the end of a turn: of the ways from one sample to the next it takes
+/// the shortest.
+fn unwrap_wheel(angle_rad: &mut [f64]) {
+    use std::f64::consts::TAU;
+    if !is_within_a_turn(angle_rad) {
+        return;
+    }
+    let mut turns = 0.0;
+    let mut before = angle_rad.first().copied().unwrap_or(0.0);
+    for angle in angle_rad.iter_mut() {
+        turns -= ((*angle - before) / TAU).round();
+        before = *angle;
+        *angle += turns * TAU;
+    }
+}
+
 /// Takes out the jumps of a sensor that reports the angle within one turn, and counts them.
 ///
 /// A jump of the column between two samples is a wrap if it is nearer to a full turn than to none
@@ -459,12 +499,7 @@ fn gaps(time_s: &[f64]) -> Vec<Note> {
 /// than a turn comes from no such sensor.
 fn unwrap_turns(angle_rad: &mut [f64]) -> usize {
     use std::f64::consts::{PI, TAU};
-    let finite = angle_rad.iter().copied().filter(|angle| angle.is_finite());
-    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| {
-        (low.min(angle), high.max(angle))
-    });
-    // A hundredth of a turn for the noise of the sensor.
-    if high - low > 1.01 * TAU {
+    if !is_within_a_turn(angle_rad) {
         return 0;
     }
     let mut turns = 0.0;

@@ -5,7 +5,7 @@ use identify::{noise_std, resolution};
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::{DEGREES, short};
-use crate::view::{View, median, range};
+use crate::view::{View, largest, median, range};
 
 /// Fewest equal samples at a limit.
 const AT_LIMIT: usize = 4;
@@ -28,6 +28,7 @@ const REPEATED_TIMES: f64 = 0.02;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     time_stamps(view, out);
+    wheel_angle(view, out);
     for channel in [Channel::Angle, Channel::Rate, Channel::WheelSpeed] {
         let Some(samples) = view.samples(channel) else {
             continue;
@@ -66,6 +67,12 @@ struct Run {
     until: usize,
 }
 
+impl Run {
+    fn span(&self) -> usize {
+        ((self.until - self.from) / 2).clamp(3, 20)
+    }
+}
+
 impl<'s> Series<'s> {
     fn new(samples: &'s [f64]) -> Series<'s> {
         let (low, high) = range(samples).unwrap_or((0.0, 0.0));
@@ -93,14 +100,17 @@ impl<'s> Series<'s> {
         runs
     }
 
-    /// Change a sample over the three samples before `k`, and over the three after `k`.
-    fn slope_before(&self, k: usize) -> Option<f64> {
-        let first = k.checked_sub(3)?;
-        Some((self.samples[k] - self.samples[first]) / 3.0)
+    /// Change a sample over the samples before a run, and over those after sample `k`: as many as half of the
+    /// run, so that noise matters as little as in the run, but no part of a motion's way.
+    fn slope_before(&self, run: &Run) -> Option<f64> {
+        let span = run.span();
+        let first = run.from.checked_sub(span)?;
+        Some((self.samples[run.from] - self.samples[first]) / span as f64)
     }
 
-    fn slope_after(&self, k: usize) -> Option<f64> {
-        Some((self.samples.get(k + 3)? - self.samples[k]) / 3.0)
+    fn slope_after(&self, k: usize, run: &Run) -> Option<f64> {
+        let span = run.span();
+        Some((self.samples.get(k + span)? - self.samples[k]) / span as f64)
     }
 
     fn visible(&self, size: f64) -> bool {
@@ -118,9 +128,10 @@ impl<'s> Series<'s> {
             } else {
                 continue;
             };
-            let (Some(before), Some(after)) =
-                (self.slope_before(run.from), self.slope_after(run.until - 1))
-            else {
+            let (Some(before), Some(after)) = (
+                self.slope_before(&run),
+                self.slope_after(run.until - 1, &run),
+            ) else {
                 continue;
             };
             let (before, after) = (up * before, -up * after);
@@ -151,7 +162,7 @@ impl<'s> Series<'s> {
     fn frozen(&self, channel: Channel) -> Option<Finding> {
         let run = self.runs(FROZEN).into_iter().find(|run| {
             let (Some(before), Some(after)) =
-                (self.slope_before(run.from), self.slope_after(run.until))
+                (self.slope_before(run), self.slope_after(run.until, run))
             else {
                 return false;
             };
@@ -269,6 +280,29 @@ impl<'s> Series<'s> {
             .with_factor(every)
             .with_fix("log at the rate of the sensor: repeated samples come late"),
         )
+    }
+}
+
+/// Share of a turn from sample to sample from which the sense of a wheel is in doubt: half a turn has none.
+const DOUBTFUL_TURN: f64 = 0.4;
+
+fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
+    let Some(angle) = view.samples(Channel::WheelAngle) else {
+        return;
+    };
+    let steps: Vec<f64> = angle.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let most = largest(&steps) / std::f64::consts::TAU;
+    if most > DOUBTFUL_TURN {
+        let sentence = format!(
+            "the wheel turns by {} of a turn from sample to sample, so that its sense is in doubt",
+            short(most)
+        );
+        out.push(
+            Finding::warning(FindingId::Wrapped, sentence)
+                .in_experiment(view.name())
+                .with_channel("wheel_angle")
+                .with_fix("log faster, or log the wheel's speed"),
+        );
     }
 }
 

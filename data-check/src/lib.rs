@@ -15,6 +15,7 @@
 //! | `momentum` | the wheel with the body |
 //! | `law` | the current of a balance log with the stated gains |
 //! | `held` | what should stand still |
+//! | `propose` | (for files without a bench.toml) columns, units, signs, kinds and windows |
 //! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
 //!
 //! A finding refuses only where a wrong model would follow and the data leave no other reading: a factor
@@ -31,6 +32,7 @@ mod kinematics;
 mod known;
 mod law;
 mod momentum;
+mod propose;
 mod regression;
 mod slips;
 mod swing;
@@ -40,6 +42,7 @@ mod wheel;
 use bench_files::Bench;
 
 pub use finding::{Finding, FindingId, Severity};
+pub use propose::{Proposal, ProposedExperiment, propose};
 
 use view::{Facts, View};
 

@@ -191,7 +191,8 @@ fn all_together(
 ) {
     let about_wheel = |finding: Finding, factor: f64| {
         let (channel, _, fix) = reading(factor);
-        out_of_bench(finding, channel)
+        finding
+            .with_channel(channel)
             .with_factor(factor)
             .with_fix(fix)
     };

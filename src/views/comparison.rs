@@ -1,6 +1,6 @@
 //! A model beside the measurements: what `identify`, `compare`, `add`, `remove` and `diagnose` print.
 
-use workbench::numbers::{with_prefix, with_uncertainty};
+use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
 use workbench::words::{place, residual};
 use workbench::{BenchNote, ComparisonReport, EffectChange};
 
@@ -133,7 +133,7 @@ pub fn error_table(comparison: &ComparisonReport) -> String {
             series.channel.name().to_owned(),
             with_prefix(*rmse, unit),
             with_prefix(number(comparison.sensor_noise.of(series)), unit),
-            format!("{:.2} %", number(comparison.fit_percent.of(series))),
+            fit_percent(number(comparison.fit_percent.of(series))),
         ]);
     }
     format!("\nModel against measurement\n{}", table.text())
@@ -158,8 +158,8 @@ fn difference_table(change: &EffectChange) -> String {
             size(change.rmse_before.of(series)),
             with_prefix(*rmse, unit),
             size(after.sensor_noise.of(series)),
-            format!("{:.2} %", number(change.fit_percent_before.of(series))),
-            format!("{:.2} %", number(after.fit_percent.of(series))),
+            fit_percent(number(change.fit_percent_before.of(series))),
+            fit_percent(number(after.fit_percent.of(series))),
         ]);
     }
     format!("\nModel against measurement\n{}", table.text())

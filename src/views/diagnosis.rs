@@ -1,7 +1,7 @@
 //! A diagnosis in words.
 
 use workbench::DiagnosisReport;
-use workbench::numbers::{with_prefix, with_uncertainty};
+use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
 use workbench::words::set;
 
 use super::{comparison, decay};
@@ -61,7 +61,7 @@ pub fn staircase_table(report: &DiagnosisReport) -> String {
     row.extend(
         steps
             .iter()
-            .map(|step| percent(step.validation_fit_percent)),
+            .map(|step| fit_percent(step.validation_fit_percent)),
     );
     row.push(String::new());
     table.row(row);
@@ -96,20 +96,12 @@ fn suspect_table(report: &DiagnosisReport) -> String {
         table.row([
             suspect.effect.clone(),
             probability(suspect.probability),
-            percent(suspect.validation_fit_percent),
+            fit_percent(suspect.validation_fit_percent),
             parameters.join(", "),
         ]);
         words.push_str(&format!("  {}: {}\n", suspect.effect, suspect.fingerprint));
     }
     format!("\nSuspects\n{}\n{words}", table.text())
-}
-
-fn percent(value: f64) -> String {
-    if value.is_finite() {
-        format!("{value:.2} %")
-    } else {
-        "–".to_owned()
-    }
 }
 
 /// A probability; what rounds to nothing or to certainty is said as a bound.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use ::data_check::{Finding, Severity};
+use ::data_check::{Finding, Proposal, Severity};
 use bench_files::Bench;
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,45 @@ pub fn check_data(path: &Path) -> Result<DataReport, Error> {
         samples: bench.experiments.iter().map(|one| one.log.len()).sum(),
         bench: bench.name,
     })
+}
+
+/// A bench folder that was begun.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NewBench {
+    /// The bench.toml that was written.
+    pub written: PathBuf,
+    /// What stands in it, and why.
+    #[serde(flatten)]
+    pub proposal: Proposal,
+}
+
+/// Proposes a bench.toml for these logs and writes it into `folder`, which is made where it is missing. A
+/// bench.toml that is there is left alone.
+///
+/// # Errors
+/// [`Error::BenchExists`]; a log that cannot be read; a folder that cannot be written to.
+pub fn new_bench(folder: &Path, logs: &[PathBuf]) -> Result<NewBench, Error> {
+    let written = folder.join("bench.toml");
+    // Whatever stands there, even a link to nothing, is not ours.
+    if std::fs::symlink_metadata(&written).is_ok() {
+        return Err(Error::BenchExists { file: written });
+    }
+    let is_made = folder.is_dir();
+    if !is_made {
+        std::fs::create_dir_all(folder).map_err(|error| Error::NoFolder {
+            folder: folder.to_path_buf(),
+            reason: error.to_string(),
+        })?;
+    }
+    let proposed = ::data_check::propose(folder, logs).inspect_err(|_| {
+        if !is_made {
+            // Only an empty folder is removed, and only ours.
+            let _ = std::fs::remove_dir(folder);
+        }
+    });
+    let proposal = proposed?;
+    bench_files::write_atomically(&written, proposal.text.as_bytes())?;
+    Ok(NewBench { written, proposal })
 }
 
 fn is_refusal(finding: &Finding) -> bool {

@@ -31,6 +31,20 @@ pub enum Error {
         /// The findings that refuse the data; at least one.
         refusals: Vec<Finding>,
     },
+    /// A bench is not begun where one is.
+    #[error("{}: there is a bench already; it is left as it is", file.display())]
+    BenchExists {
+        /// Its bench.toml.
+        file: PathBuf,
+    },
+    /// A folder cannot be made.
+    #[error("{}: cannot make the folder: {reason}", folder.display())]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
     /// The logs cannot be identified.
     #[error("{}: {source}", bench.display())]
     Identify {

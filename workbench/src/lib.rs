@@ -71,6 +71,7 @@ mod design_change;
 mod design_report;
 mod diagnosis;
 mod drawings;
+mod effect_library;
 mod error;
 mod measured_linearity;
 mod module_spec;
@@ -83,7 +84,7 @@ mod session;
 mod swing_decay;
 pub mod words;
 
-pub use ::data_check::{Finding, FindingId, Severity};
+pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
 pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
@@ -102,7 +103,7 @@ pub use comparison::{
 };
 pub use control_design::ControlDesign;
 pub use controller::GeneratedController;
-pub use data_check::{DataReport, check_data};
+pub use data_check::{DataReport, NewBench, check_data, new_bench};
 pub use design_change::{DesignChange, DesignSummary};
 pub use design_report::{
     DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors,
@@ -110,6 +111,7 @@ pub use design_report::{
 };
 pub use diagnose::Verdict;
 pub use diagnosis::{AppliedDiagnosis, DiagnosisReport, DiagnosisStep, SuspectEffect};
+pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};

@@ -233,13 +233,7 @@ fn the_current_with_the_wrong_sign_or_in_milliamperes() {
         );
         // The wheel against body and current.
         let found = spoilt(seed, |logs| logs[6].scale("wheel_speed_rad_s", -1.0));
-        assert_found(
-            seed,
-            &found,
-            FindingId::WheelSign,
-            Some(-1.0),
-            Severity::Refuse,
-        );
+        assert_found(seed, &found, FindingId::Gains, Some(-1.0), Severity::Refuse);
     }
 }
 

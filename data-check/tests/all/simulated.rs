@@ -152,10 +152,12 @@ impl Numbers {
                 more: String::new(),
             });
         }
+        // A current that brings the wheel to some 400 rad/s.
+        let unit_a = self.wheel_inertia / self.torque_constant * 100.0;
         let spin = [
-            ("spin a", 0.2, 0.0),
-            ("spin b", 0.4, 0.0),
-            ("spin c", -0.4, 0.0),
+            ("spin a", 0.5 * unit_a, 0.0),
+            ("spin b", unit_a, 0.0),
+            ("spin c", -unit_a, 0.0),
             ("coast", 0.0, 150.0),
         ];
         for (name, current_a, start) in spin {
