@@ -300,6 +300,15 @@ pub enum Problem {
         other: &'static str,
     },
 
+    /// A provisional effect that the model does not have.
+    #[error(
+        "\"{effect}\" is provisional but not present; put it into `present`, or take it out here"
+    )]
+    ProvisionalAbsent {
+        /// The effect.
+        effect: &'static str,
+    },
+
     /// A parameter that the correlations name twice.
     #[error("\"{name}\" stands in this list already; name every parameter once")]
     CorrelatedTwice {

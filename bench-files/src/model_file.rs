@@ -11,6 +11,7 @@ use toml_edit::{Array, DocumentMut, Value};
 
 use crate::calibration::Calibration;
 use crate::correlation::Correlation;
+use crate::effects_section::{self, EffectsSection, Tie};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::toml_source::{Section, TomlSource};
@@ -76,6 +77,8 @@ pub struct ModelFile {
     pub correlation: Option<Correlation>,
     /// The effects of the model, in the order of the file.
     pub effects: Vec<EffectId>,
+    /// Which of them hold only until an experiment has decided, where explanations tie.
+    pub tie: Option<Tie>,
     /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,
     /// What calibration found, if the file has any.
@@ -98,6 +101,7 @@ impl PartialEq for ModelFile {
         self.parameters == other.parameters
             && self.correlation == other.correlation
             && self.effects == other.effects
+            && self.tie == other.tie
             && self.design == other.design
             && self.calibration == other.calibration
     }
@@ -110,6 +114,7 @@ impl ModelFile {
             parameters: Vec::new(),
             correlation: None,
             effects: Model::base().effects().to_vec(),
+            tie: None,
             design: None,
             calibration: None,
             path: None,
@@ -193,33 +198,10 @@ impl ModelFile {
         let section = root
             .section("effects")?
             .ok_or_else(|| root.error(root.missing("effects", missing_effects)))?;
-        section.allow_only(&["present"])?;
-        let names = section.texts("present")?.ok_or_else(|| {
-            section.error(section.missing("present", "present = [\"body-viscous-friction\"]"))
-        })?;
-        let mut effects = Vec::new();
-        for name in names {
-            let effect = EffectId::from_name(&name.value).ok_or_else(|| {
-                source.error(
-                    name.span.clone(),
-                    Problem::UnknownName {
-                        what: "effect".to_string(),
-                        name: name.value.clone(),
-                        names: Names::new(EffectId::ALL.iter().map(|effect| effect.name())),
-                    },
-                )
-            })?;
-            if let Some(other) = effects.iter().find(|other| excludes(**other, effect)) {
-                return Err(source.error(
-                    name.span,
-                    Problem::EffectTwice {
-                        effect: effect.name(),
-                        other: other.name(),
-                    },
-                ));
-            }
-            effects.push(effect);
-        }
+        let EffectsSection {
+            present: effects,
+            tie,
+        } = EffectsSection::read(source, &section)?;
 
         let design = root
             .section("design")?
@@ -233,6 +215,7 @@ impl ModelFile {
             parameters,
             correlation,
             effects,
+            tie,
             design,
             calibration,
             path: Some(source.path().to_path_buf()),
@@ -287,6 +270,12 @@ impl ModelFile {
     /// The structure of the model: its effects in the order of the library.
     pub fn model(&self) -> Model {
         Model::with_effects(&self.effects)
+    }
+
+    /// The structure without what holds only until an experiment has decided.
+    pub fn certain_model(&self) -> Model {
+        let provisional = self.tie.iter().flat_map(|tie| &tie.provisional);
+        provisional.fold(self.model(), |model, &effect| model.without(effect))
     }
 
     /// The parameter vector that goes with [`ModelFile::model`], in SI units (or per unit of
@@ -395,8 +384,7 @@ impl ModelFile {
         }
 
         let effects = table_in(root, "effects", false);
-        let names: Array = self.effects.iter().map(|effect| effect.name()).collect();
-        set(effects, "present", Value::Array(names));
+        effects_section::write(effects, &self.effects, self.tie.as_ref());
 
         match &self.design {
             None => {
@@ -442,11 +430,6 @@ impl ModelFile {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         write_atomically(path, self.to_toml().as_bytes())
     }
-}
-
-/// Whether a model cannot have both: they are the same, or one contains the other.
-fn excludes(a: EffectId, b: EffectId) -> bool {
-    a == b || a.info().replaces.contains(&b.name()) || b.info().replaces.contains(&a.name())
 }
 
 /// Unit and bounds of a parameter, if there is one with this name.

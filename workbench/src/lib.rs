@@ -80,6 +80,7 @@ pub mod numbers;
 mod output_file;
 mod per_series;
 mod proof;
+mod remains;
 mod session;
 mod swing_decay;
 pub mod words;
@@ -110,7 +111,9 @@ pub use design_report::{
     SensorCondition, WheelSize,
 };
 pub use diagnose::Verdict;
-pub use diagnosis::{AppliedDiagnosis, DiagnosisReport, DiagnosisStep, SuspectEffect};
+pub use diagnosis::{
+    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
+};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
@@ -118,5 +121,6 @@ pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
 pub use proof::{MutationReport, Proof, ProofSettings, mutate, prove};
+pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ::data_check::Finding;
-use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem};
+use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, Tie};
 use design::Settings;
 use identify::{
     Contradiction, Effort, FitProblem, Identification, Minimum, PredictedSeries, Progress,
@@ -282,7 +282,8 @@ impl Session {
         self.started(progress).map(Predictor)
     }
 
-    /// Puts an effect into the model and fits it anew.
+    /// Puts an effect into the model and fits it anew. Where a tie is open, an effect that is there provisionally
+    /// is confirmed, and one of a rival set takes, with its set, the place of what is provisional.
     ///
     /// # Errors
     /// [`Error::UnknownEffect`], [`Error::EffectPresent`]; those of [`Session::identify`].
@@ -291,6 +292,14 @@ impl Session {
         let effect = EffectId::from_name(name).ok_or_else(|| Error::UnknownEffect {
             name: name.to_owned(),
         })?;
+        if let Some((after, tie)) = self.model.as_ref().and_then(|file| settled(file, effect)) {
+            let mut change = self.change(&before, &after, progress)?;
+            change.provisional = provisional_names(tie.as_ref());
+            if let Some(file) = &mut self.model {
+                file.tie = tie;
+            }
+            return Ok(change);
+        }
         let after = before.with(effect);
         if after == before {
             let mut effects = before.effects().iter();
@@ -336,7 +345,9 @@ impl Session {
         let old = self.fit(before, progress)?;
         let old = self.comparison_of(&old);
         let new = self.identify_as(after, progress)?;
+        let tie = self.model.as_ref().and_then(|file| file.tie.as_ref());
         Ok(EffectChange {
+            provisional: provisional_names(tie),
             after: new,
             effects_before: old.effects,
             rmse_before: old.rmse,
@@ -537,6 +548,34 @@ impl Predictor {
             .map(|(record, traces)| ExperimentCurves::new(record, traces))
             .collect())
     }
+}
+
+/// The model in which `effect` settles the tie that is open, and what of the tie is left; `None` where the tie
+/// says nothing of the effect.
+fn settled(file: &ModelFile, effect: EffectId) -> Option<(Model, Option<Tie>)> {
+    let tie = file.tie.as_ref()?;
+    if tie.provisional.contains(&effect) {
+        return Some((file.model(), None));
+    }
+    let chosen = tie.rivals.iter().position(|set| set.contains(&effect))?;
+    let mut rivals = tie.rivals.clone();
+    let provisional = std::mem::replace(&mut rivals[chosen], tie.provisional.clone());
+    let certain = file.certain_model();
+    let after = provisional
+        .iter()
+        .fold(certain, |model, &effect| model.with(effect));
+    Some((
+        after,
+        Some(Tie {
+            provisional,
+            rivals,
+        }),
+    ))
+}
+
+fn provisional_names(tie: Option<&Tie>) -> Vec<String> {
+    let effects = tie.iter().flat_map(|tie| &tie.provisional);
+    effects.map(|effect| effect.name().to_owned()).collect()
 }
 
 /// How errors name a bench: its folder, or its name where it is in memory.
