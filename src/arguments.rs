@@ -42,6 +42,22 @@ impl BenchFiles {
         })?)
     }
 
+    /// Opens the bench for a command that draws: an hour's work is not to end at a folder that cannot be
+    /// written to.
+    pub fn open_to_draw(&self, bench: &Path) -> Result<Session, Failure> {
+        let session = self.open(bench)?;
+        bench_files::can_write_into(&self.out_of(&session))?;
+        Ok(session)
+    }
+
+    /// Opens the bench for a command that writes its model.
+    pub fn open_to_change(&self, bench: &Path) -> Result<Session, Failure> {
+        let session = self.open(bench)?;
+        let folder = session.model_path().parent();
+        bench_files::can_write_into(folder.unwrap_or(Path::new(".")))?;
+        Ok(session)
+    }
+
     /// Where figures and reports of the bench go.
     pub fn out_of(&self, session: &Session) -> PathBuf {
         let beside = || session.bench().folder.join("out");

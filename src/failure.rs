@@ -43,7 +43,7 @@ impl Failure {
             Some((text, span)) if std::io::stderr().is_terminal() => {
                 anstream::eprintln!("{}", self.drawn(text, span.clone(), &Renderer::styled()));
             }
-            _ => eprintln!("error: {}", self.message),
+            _ => eprintln!("error: {}", crate::harmless(&self.message)),
         }
     }
 

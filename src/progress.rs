@@ -48,10 +48,7 @@ pub fn with_progress<T>(work: impl FnOnce(&Progress) -> T) -> T {
     result
 }
 
-fn under_spinner<T>(
-    work: impl FnOnce(&Progress) -> T,
-    cancelled: &(dyn Fn() -> bool + Sync),
-) -> T {
+fn under_spinner<T>(work: impl FnOnce(&Progress) -> T, cancelled: &(dyn Fn() -> bool + Sync)) -> T {
     let spinner = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
         spinner.set_style(style);
@@ -67,10 +64,7 @@ fn under_spinner<T>(
 }
 
 /// A line on standard error whenever what is done has changed, if the work takes longer than [`FIRST_LINE`].
-fn with_lines<T>(
-    work: impl FnOnce(&Progress) -> T,
-    cancelled: &(dyn Fn() -> bool + Sync),
-) -> T {
+fn with_lines<T>(work: impl FnOnce(&Progress) -> T, cancelled: &(dyn Fn() -> bool + Sync)) -> T {
     let doing = Mutex::new(String::new());
     let (done, is_done) = mpsc::channel::<()>();
     std::thread::scope(|scope| {

@@ -1,5 +1,7 @@
 //! The command line from outside: what a user types, sees and finds on disk.
 
+#[path = "cli/data.rs"]
+mod data;
 #[path = "cli/demo.rs"]
 mod demo;
 #[path = "cli/diagnose.rs"]

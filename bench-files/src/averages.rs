@@ -60,11 +60,6 @@ impl Averages {
         self.rows
     }
 
-    /// Number of blocks.
-    pub fn len(&self) -> usize {
-        self.blocks.len()
-    }
-
     /// Takes a row; a sample that is not finite dropped out.
     pub fn push(&mut self, time_s: f64, samples: impl Iterator<Item = f64> + Clone) {
         if let Some((last_s, command)) = self.last {
@@ -264,7 +259,7 @@ mod tests {
             let value = if lost { f64::NAN } else { 1.0 };
             averages.push(f64::from(k), std::iter::once(value));
         }
-        assert_eq!((averages.rows(), averages.len()), (8, 4));
+        assert_eq!((averages.rows(), averages.blocks.len()), (8, 4));
         let (_, series) = averages.series();
         assert_eq!(series[0][0], 1.0);
         assert!(series[0][1].is_nan());

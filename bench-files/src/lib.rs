@@ -11,17 +11,20 @@
 
 #![warn(missing_docs)]
 
+mod averages;
 mod bench;
 mod calibration;
 mod channel;
 mod correlation;
 mod csv_table;
+mod dialect;
 mod drop_out;
 mod effects_section;
 mod error;
 mod files;
 mod known;
 mod log;
+mod long_log;
 mod model_file;
 mod toml_source;
 mod toml_writing;
@@ -34,7 +37,8 @@ pub use calibration::{
 };
 pub use channel::Channel;
 pub use correlation::Correlation;
-pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
+pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS, Table};
+pub use dialect::plain_unit;
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
@@ -42,4 +46,4 @@ pub use files::{FilesInMemory, ReadingWatch, WATCHED_BYTES};
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};
-pub use write::write_atomically;
+pub use write::{can_write_into, write_atomically};

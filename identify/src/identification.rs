@@ -23,6 +23,9 @@ pub struct Identification {
     pub traces: Vec<Vec<PredictedSeries>>,
     /// For each record the pushes that nobody recorded, sized with the fitted model.
     pub pushes: Vec<Vec<FoundPush>>,
+    /// Experiments and direct measurements that cannot all be right, one sentence each; they stand among the
+    /// statements too.
+    pub contradictions: Vec<String>,
     /// What the logs leave open, one sentence each.
     pub statements: Vec<String>,
 }
@@ -152,13 +155,16 @@ fn identification(
         },
     );
     let mut statements = statements(problem, &fit);
-    statements.extend(contradicted.iter().map(Contradiction::sentence));
-    statements.extend(body_inertia_contradiction(problem, &fit));
+    let mut contradictions: Vec<String> =
+        contradicted.iter().map(Contradiction::sentence).collect();
+    contradictions.extend(body_inertia_contradiction(problem, &fit));
+    statements.extend(contradictions.iter().cloned());
     statements.extend(cautions(&records, &traces));
     Identification {
         fit,
         traces,
         pushes,
+        contradictions,
         statements,
     }
 }

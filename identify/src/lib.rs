@@ -47,7 +47,7 @@ pub use model_free::{
 };
 pub use progress::{Cancelled, Progress};
 pub use records::{
-    BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, angle_samples,
+    BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, angle_samples, bumps,
     input_noise_std, noise_std, resolution,
 };
 pub use residuals::{

@@ -81,7 +81,11 @@ fn long_work_says_what_it_does_and_an_interrupt_leaves_everything_as_it_was() {
     let output = child.wait_with_output().expect("it ends");
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(130), "{message}");
-    assert!(began.elapsed() < Duration::from_secs(20), "{:?}", began.elapsed());
+    assert!(
+        began.elapsed() < Duration::from_secs(20),
+        "{:?}",
+        began.elapsed()
+    );
     assert!(message.contains(" s)"), "no progress: {message}");
     assert!(message.contains("called off"), "{message}");
     assert!(output.stdout.is_empty());

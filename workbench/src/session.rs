@@ -2,22 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use bench_files::{
-    Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch, Tie,
-};
+use ::data_check::Finding;
+use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch, Tie};
 use design::Settings;
 use identify::{
-    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, PredictedSeries, Progress,
-    PushModel, Record, Window,
+    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, PredictedSeries,
+    Progress, PushModel, Record, Window,
 };
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
 
 use crate::change::EffectChange;
 use crate::comparison::{
-    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, correlation_of,
-    effect_names, notes, parameters_of, with_model,
+    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, Said,
+    correlation_of, effect_names, notes, parameters_of, with_model,
 };
+use crate::data_check;
 use crate::error::Error;
 
 /// A bench with its measurements, and the model that is being made of it.
@@ -27,6 +27,8 @@ use crate::error::Error;
 #[derive(Clone, Debug)]
 pub struct Session {
     bench: Bench,
+    /// What is wrong with its data, but does not keep them from being used.
+    findings: Vec<Finding>,
     problem: FitProblem,
     /// Where the model was read from, or would be written.
     model_path: PathBuf,
@@ -46,6 +48,8 @@ pub struct BenchCheck {
     pub experiments: Vec<LoggedExperiment>,
     /// What reading the files has shown.
     pub notes: Vec<BenchNote>,
+    /// What is wrong with the data, but does not keep them from being used.
+    pub findings: Vec<Finding>,
     /// Experiments and direct measurements that cannot all be right; sentences.
     pub contradictions: Vec<String>,
 }
@@ -54,7 +58,8 @@ impl Session {
     /// Opens a bench: its folder, or its bench.toml. The model is `model.toml` beside it.
     ///
     /// # Errors
-    /// The first thing that is wrong with a file; [`Error::Identify`] if no experiment can be used.
+    /// The first thing that is wrong with a file; [`Error::Data`] where a model of its data would be wrong;
+    /// [`Error::Identify`] if no experiment can be used.
     pub fn open(path: &Path) -> Result<Session, Error> {
         Session::open_with_model(path, None)
     }
@@ -119,18 +124,20 @@ impl Session {
     /// A bench that was put together by the caller.
     ///
     /// # Errors
-    /// [`Error::Identify`] if no experiment can be used.
+    /// [`Error::Data`] where a model of its data would be wrong; [`Error::Identify`] if no experiment can be used.
     pub fn from_bench(bench: Bench) -> Result<Session, Error> {
         Session::new(bench, PathBuf::from("model.toml"), false)
     }
 
     fn new(bench: Bench, model_path: PathBuf, on_disk: bool) -> Result<Session, Error> {
+        let findings = data_check::usable(&bench)?;
         let problem = FitProblem::new(&bench).map_err(|source| Error::Identify {
             bench: place_of(&bench),
             source,
         })?;
         Ok(Session {
             bench,
+            findings,
             problem,
             model_path,
             on_disk,
@@ -142,6 +149,11 @@ impl Session {
     /// The measurements.
     pub fn bench(&self) -> &Bench {
         &self.bench
+    }
+
+    /// What is wrong with the data, but does not keep them from being used.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
     }
 
     /// The measurements as fits see them: for those who go beyond the session.
@@ -209,6 +221,7 @@ impl Session {
                 .map(LoggedExperiment::of)
                 .collect(),
             notes: notes(&self.bench),
+            findings: self.findings.clone(),
             contradictions: contradictions.iter().map(Contradiction::sentence).collect(),
         })
     }
@@ -259,8 +272,9 @@ impl Session {
             .collect();
         progress.check()?;
         (progress.say)("looking for contradictions");
-        let statements =
+        let found =
             identify::contradictions(&self.problem, model, &minimum.values, &minimum.windows, &[]);
+        let contradictions: Vec<String> = found.iter().map(Contradiction::sentence).collect();
         progress.check()?;
         let compared = Compared {
             model,
@@ -276,7 +290,11 @@ impl Session {
             &compared,
             file.parameters.clone(),
             file.correlation.clone(),
-            statements.iter().map(Contradiction::sentence).collect(),
+            Said {
+                findings: self.findings.clone(),
+                contradictions: contradictions.clone(),
+                statements: contradictions,
+            },
         ))
     }
 
@@ -410,7 +428,8 @@ impl Session {
 
     pub(crate) fn comparison_of(&self, found: &Identification) -> ComparisonReport {
         let path = self.model_path.clone();
-        ComparisonReport::of_identification(&self.bench, &self.problem, path, found)
+        let findings = self.findings.clone();
+        ComparisonReport::of_identification(&self.bench, &self.problem, path, found, findings)
     }
 
     /// Makes a fit the session's model.

@@ -12,4 +12,5 @@ pub(crate) use noise::{NOISE_RELATIVE_STD_ROOT_N, NoiseEstimate, noise_by_differ
 pub use noise::{input_noise_std, noise_std, resolution};
 pub use record::{BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent};
 pub(crate) use statistics::{StraightLine, median};
-pub(crate) use weak_form::{BUMP_S, Bump, FEWEST_HALF_SAMPLES, bumps, dot, half_samples};
+pub use weak_form::bumps;
+pub(crate) use weak_form::{BUMP_S, Bump, FEWEST_HALF_SAMPLES, dot, half_samples};

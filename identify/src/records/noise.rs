@@ -21,12 +21,11 @@ pub(crate) const NOISE_RELATIVE_STD_ROOT_N: f64 = 1.25;
 
 /// Standard deviation of the noise of a channel, in the unit of the channel.
 ///
-/// Samples that are not finite are gaps. `kinks` are the samples at which the motion has a kink, in rising order,
-/// because the current steps there: no difference reaches across one. The estimate is never below the resolution
+/// Samples that are not finite are gaps. The estimate is never below the resolution
 /// q of the channel (q/√12, the standard deviation of a rounding error) nor below 1e-4 of its spread; a
 /// channel that never changes gets the smallest positive number that keeps weights finite.
-pub fn noise_std(samples: &[f64], kinks: &[usize]) -> f64 {
-    noise_by_differences(samples, kinks).std
+pub fn noise_std(samples: &[f64]) -> f64 {
+    noise_by_differences(samples, &[]).std
 }
 
 /// A noise with what it was estimated from.
@@ -38,7 +37,8 @@ pub(crate) struct NoiseEstimate {
     pub(crate) differences: usize,
 }
 
-/// [`noise_std`] with the number of differences behind it.
+/// [`noise_std`] with the number of differences behind it. `kinks` are the samples at which the motion has a kink,
+/// in rising order, because the current steps there: no difference reaches across one.
 pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEstimate {
     let finite: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
     if finite.len() < 2 {
@@ -225,7 +225,7 @@ mod tests {
             let samples: Vec<f64> = (0..7500)
                 .map(|k| 0.35 * (10.3 * 0.004 * k as f64).sin() + noise.sample(&mut rng))
                 .collect();
-            let ratio = noise_std(&samples, &[]) / 1.2e-3;
+            let ratio = noise_std(&samples) / 1.2e-3;
             assert!((ratio - 1.0).abs() < 0.06, "seed {seed}: {ratio}");
         }
     }
@@ -235,14 +235,14 @@ mod tests {
         let samples: Vec<f64> = (0..1500)
             .map(|k| ((0.3 * (0.1 * k as f64).sin()) / 0.01).round() * 0.01)
             .collect();
-        let ratio = noise_std(&samples, &[]) / (0.01 / 12f64.sqrt());
+        let ratio = noise_std(&samples) / (0.01 / 12f64.sqrt());
         assert!((0.99..1.4).contains(&ratio), "{ratio}");
     }
 
     #[test]
     fn degenerate_channels_give_a_usable_number() {
         for samples in [vec![], vec![1.0], vec![0.0; 100], vec![f64::NAN; 30]] {
-            let noise = noise_std(&samples, &[]);
+            let noise = noise_std(&samples);
             assert!(noise > 0.0 && noise.is_finite());
         }
     }

@@ -8,7 +8,7 @@ pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
 use super::averages::{blocks, means, middles};
-use super::noise::{noise_std, resolution, steps_of_command};
+use super::noise::{noise_by_differences, resolution, steps_of_command};
 
 /// One measured channel.
 #[derive(Clone, Debug)]
@@ -157,7 +157,7 @@ impl Record {
             })
             .filter_map(|(output, samples)| {
                 let samples = samples?;
-                let noise_std = noise_std(&samples, &kinks);
+                let noise_std = noise_by_differences(&samples, &kinks).std;
                 Some(RecordedChannel::new(output, samples, noise_std))
             })
             .collect();

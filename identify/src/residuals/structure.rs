@@ -182,11 +182,11 @@ mod tests {
             let n = lengths[seed as usize % 4];
             let residual: Vec<f64> = white(seed, n).iter().map(|e| 1.2e-3 * e).collect();
             let measured: Vec<f64> = swing(n).iter().zip(&residual).map(|(x, e)| x + e).collect();
-            let found = structure(&residual, noise_std(&measured, &[]), &[]);
+            let found = structure(&residual, noise_std(&measured), &[]);
             let known = structure(&residual, 1.2e-3, &[]);
             flagged += usize::from(found.is_significant()) + usize::from(known.is_significant());
             tried += 2;
-            errors[seed as usize % 4].push(noise_std(&measured, &[]) / 1.2e-3 - 1.0);
+            errors[seed as usize % 4].push(noise_std(&measured) / 1.2e-3 - 1.0);
         }
         // The noise is as uncertain as `structure` allows for.
         for (errors, n) in errors.iter().zip(lengths) {
@@ -220,7 +220,7 @@ mod tests {
                 .zip(&e)
                 .map(|(x, e)| ((x + phase + noise * e) / quantum).round() * quantum - phase)
                 .collect();
-            let std = noise_std(&measured, &[]);
+            let std = noise_std(&measured);
             let residual = without_rounding(&measured, &truth, std, quantum);
             flagged += usize::from(structure(&residual, std, &[]).is_significant());
             tried += 1;

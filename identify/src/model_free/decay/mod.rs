@@ -58,7 +58,7 @@ pub fn decay(record: &Record) -> Option<FreeDecay> {
     }
     let angle = angle_samples(record)?;
     let channel = record.channel(Output::Angle);
-    let noise = channel.map_or_else(|| noise_std(&angle, &[]), |channel| channel.noise_std);
+    let noise = channel.map_or_else(|| noise_std(&angle), |channel| channel.noise_std);
     let quantum = channel.and_then(|channel| channel.quantum);
     let mut samples: Vec<(f64, f64)> = record
         .time_s
