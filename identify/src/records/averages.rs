@@ -48,33 +48,43 @@ pub(crate) fn means(samples: &[f64], blocks: &[Range<usize>]) -> Vec<f64> {
     blocks.iter().map(of_block).collect()
 }
 
-/// Values in the middle of blocks, from their means. Where one of the nine blocks is missing, or the motion has a
-/// kink among them, the mean stands.
+/// Values in the middle of blocks, from their means; NaN for the block in which the motion has a kink. Where the
+/// nine blocks around one are not all there and smooth, y″ is that of the nearest that has such, up to four away;
+/// else the mean stands.
 pub(crate) fn middles(samples: &[f64], blocks: &[Range<usize>], kinks: &[usize]) -> Vec<f64> {
     let means = means(samples, blocks);
+    let kinks_in = |span: Range<usize>| {
+        // From the kink itself on the motion is smooth again.
+        let first = kinks.partition_point(|&kink| kink <= span.start);
+        kinks.get(first).is_some_and(|&kink| kink < span.end)
+    };
+    let curvatures: Vec<f64> = (0..means.len())
+        .map(|at| {
+            if at < HALF || at + HALF >= means.len() {
+                return f64::NAN;
+            }
+            let near = at - HALF..at + HALF + 1;
+            if kinks_in(blocks[near.start].start..blocks[near.end - 1].end) {
+                return f64::NAN;
+            }
+            let weighted = means[near].iter().zip(SECOND_DERIVATIVE);
+            weighted.map(|(value, weight)| weight * value).sum::<f64>() / DIVISOR
+        })
+        .collect();
     let length = blocks.first().map_or(1, Range::len) as f64;
     // s²/2 over the square of the blocks' spacing.
     let share = (length * length - 1.0) / (24.0 * length * length);
     (0..means.len())
         .map(|at| {
-            if at < HALF || at + HALF >= means.len() {
-                return means[at];
+            if kinks_in(blocks[at].clone()) {
+                return f64::NAN;
             }
-            let near = at - HALF..at + HALF + 1;
-            let span = blocks[near.start].start..blocks[near.end - 1].end;
-            let first = kinks.partition_point(|&kink| kink <= span.start);
-            let has_kink = kinks.get(first).is_some_and(|&kink| kink < span.end);
-            let curvature: f64 = means[near]
-                .iter()
-                .zip(SECOND_DERIVATIVE)
-                .map(|(value, weight)| weight * value)
-                .sum::<f64>()
-                / DIVISOR;
-            if has_kink || !curvature.is_finite() {
-                means[at]
-            } else {
-                means[at] - share * curvature
-            }
+            let nearest = (0..=HALF)
+                .flat_map(|away| [at.checked_sub(away), Some(at + away)])
+                .flatten()
+                .filter_map(|near| curvatures.get(near))
+                .find(|curvature| curvature.is_finite());
+            means[at] - share * nearest.unwrap_or(&0.0)
         })
         .collect()
 }
@@ -117,15 +127,21 @@ mod tests {
     }
 
     #[test]
-    fn gaps_and_kinks_leave_the_mean() {
+    fn gaps_and_kinks_are_left_out() {
         let mut samples: Vec<f64> = (0..200).map(|k| f64::from(k * k)).collect();
         samples[55..65].fill(f64::NAN);
         let blocks = blocks(200, 10);
-        let (means, middles) = (means(&samples, &blocks), middles(&samples, &blocks, &[150]));
+        let line: Vec<f64> = (0..200).map(|k| f64::from(k * k)).collect();
+        let means = means(&samples, &blocks);
         assert!(means[5].is_finite(), "half of the block is there");
         samples[50..65].fill(f64::NAN);
         assert!(self::means(&samples, &blocks)[5].is_nan());
-        assert_eq!(middles[12], means[12]);
-        assert_ne!(middles[10], means[10]);
+        // The parabola's own curvature, everywhere but where it is too far away, and in the block of the kink.
+        let kinked = middles(&line, &blocks, &[145]);
+        assert!(kinked[14].is_nan() && kinked[13].is_finite() && kinked[15].is_finite());
+        for (at, middle) in middles(&line, &blocks, &[]).iter().enumerate() {
+            let truth = (10.0 * at as f64 + 4.5).powi(2);
+            assert!((middle - truth).abs() < 1e-8, "{at}: {middle} {truth}");
+        }
     }
 }
