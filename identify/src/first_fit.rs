@@ -4,7 +4,9 @@
 use plant::{GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use crate::bench::FitProblem;
-use crate::fit::{Effort, Minimum, cost_of_means, fit_from_scratch, integrated_ratios, refit};
+use crate::fit::{
+    Effort, Minimum, cost_of_means, fit_from_scratch, fit_in_stages, integrated_ratios, refit,
+};
 use crate::records::Record;
 
 /// Share of what the means of the series miss beyond the noise, above which a fit may be stuck on its way: a model
@@ -23,8 +25,12 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     let base = Model::base();
     let free = problem.free(&base);
     let shown = problem.start_values(&base);
-    let first = fit_from_scratch(&records, &base, shown.clone(), &free, effort);
-    if !is_doubtful(&records, &first) {
+    // Over the first windows, each with a start of its own, a model follows the motion whatever it lacks, if its
+    // parameters are about right.
+    let mut doubtful = true;
+    let mut look = |minimum: &Minimum| doubtful = is_doubtful(&records, minimum);
+    let first = fit_in_stages(&records, &base, shown.clone(), &free, effort, &mut look);
+    if !doubtful && first.cost.is_finite() {
         return first;
     }
     let mut starts: Vec<Vec<f64>> = WINDOW_SAMPLES
@@ -61,7 +67,7 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     best
 }
 
-/// Whether a fit leaves so much that it may be stuck, or has not come to its end.
+/// Whether a fit leaves so much that it may be stuck.
 fn is_doubtful(records: &[&Record], minimum: &Minimum) -> bool {
     let noise: usize = records.iter().map(|record| record.observations()).sum();
     let means: f64 = records
@@ -70,5 +76,5 @@ fn is_doubtful(records: &[&Record], minimum: &Minimum) -> bool {
         .map(|(record, windows)| cost_of_means(record, windows))
         .sum();
     let beyond = |cost: f64| (cost - noise as f64).max(0.0);
-    !minimum.outcome.was_successful() || beyond(minimum.cost) > DOUBTFUL * beyond(means)
+    !minimum.cost.is_finite() || beyond(minimum.cost) > DOUBTFUL * beyond(means)
 }

@@ -13,9 +13,12 @@ const ENOUGH_SAMPLES: usize = 10_000;
 /// Blocks in a period of the pendulum, at least: what the mean over one smooths is then 5e-4 of the amplitude, of
 /// which [`Record::averaged`] leaves 1e-5.
 const BLOCKS_PER_PERIOD: f64 = 60.0;
-/// Longest block of a log in which the wheel turns, s: the teeth of a motor still show at a turn a second, and
-/// faster ones make the speed ripple by less than a sensor shows.
+/// Longest block of a log in which the wheel turns alone, s: the teeth of a motor still show at a turn a second, and
+/// faster ones make its speed ripple by less than a sensor shows.
 const LONGEST_WHEEL_BLOCK_S: f64 = 0.01;
+/// The same where it moves the body too, s: upright the motion is as fast as its controller, which the window knows,
+/// and on a free body teeth show at higher speeds.
+const LONGEST_FREE_BLOCK_S: f64 = BALANCE_WINDOW_S / BLOCKS_PER_PERIOD;
 /// Blocks from one step of the current to the next, at least: in the block of a step the mean is not the middle.
 const BLOCKS_PER_STEP: usize = 50;
 
@@ -53,9 +56,8 @@ fn block_of(record: &Record, period_s: Option<f64>) -> usize {
     let of_period_s = period_s.map_or(f64::INFINITY, |period_s| period_s / BLOCKS_PER_PERIOD);
     let longest_s = match record.kind {
         Kind::FreeSwing => of_period_s,
-        Kind::SpinUp | Kind::Driven => of_period_s.min(LONGEST_WHEEL_BLOCK_S),
-        // Upright the motion is as fast as its controller, which the window knows.
-        Kind::Balance => of_period_s.min(BALANCE_WINDOW_S / BLOCKS_PER_PERIOD),
+        Kind::SpinUp => of_period_s.min(LONGEST_WHEEL_BLOCK_S),
+        Kind::Balance | Kind::Driven => of_period_s.min(LONGEST_FREE_BLOCK_S),
     };
     let of_steps = n / (BLOCKS_PER_STEP * (record.kinks().len() + 1));
     let of_time = (longest_s / interval_s) as usize;

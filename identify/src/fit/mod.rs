@@ -38,6 +38,7 @@ pub use comparison::{PredictedSeries, traces};
 pub use effort::{Effort, Outcome};
 pub(crate) use integrated::integrated_ratios;
 pub use means::{NoBetterThanMean, cost_of_means, failed_series};
+pub(crate) use schedule::fit_in_stages;
 pub use schedule::{fit_from_scratch, fit_windowed, refit};
 pub use score_test::{KnownScore, RecordScore, ScoreStep, ScoreTest, score_test};
 pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_observed};

@@ -126,6 +126,8 @@ pub struct Record {
     pub passes_over_the_top: bool,
     /// How many samples of the log each of these is the average of; 1 for the log as it was recorded.
     pub averaged_over: usize,
+    /// What [`Record::wheel_angles`] hands out, where it is known better than from these samples.
+    turned_rad: Option<Vec<f64>>,
     past: Past,
 }
 
@@ -194,6 +196,7 @@ impl Record {
             },
             passes_over_the_top,
             averaged_over: 1,
+            turned_rad: None,
             past: Past::default(),
         }
     }
@@ -266,8 +269,7 @@ impl Record {
             averaged.current = RecordedCurrent::Known(input.clone());
         }
         if self.channel(Output::WheelSpeed).is_some() {
-            let turned = means(self.wheel_angles(), &blocks);
-            averaged.past.wheel_angle_rad = OnceLock::from(turned);
+            averaged.turned_rad = Some(means(self.wheel_angles(), &blocks));
         }
         averaged.window_s = self.window_s;
         averaged.passes_over_the_top = self.passes_over_the_top;
@@ -296,6 +298,7 @@ impl Record {
         }
         part.weight = pick(&self.weight);
         part.window_s = self.window_s;
+        part.turned_rad = self.turned_rad.as_deref().map(pick);
         part.averaged_over = self.averaged_over;
         part
     }
@@ -315,6 +318,9 @@ impl Record {
     /// Angle in rad that the wheel has turned since the log began, at every sample, from the measured
     /// wheel speed (trapezoidal rule; a missing sample repeats the one before); zeros without one.
     pub fn wheel_angles(&self) -> &[f64] {
+        if let Some(turned_rad) = &self.turned_rad {
+            return turned_rad;
+        }
         self.past.wheel_angle_rad.get_or_init(|| {
             let Some(channel) = self.channel(Output::WheelSpeed) else {
                 return vec![0.0; self.len()];
