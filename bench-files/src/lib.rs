@@ -22,6 +22,7 @@ mod drop_out;
 mod effects_section;
 mod error;
 mod files;
+mod hardware;
 mod known;
 mod log;
 mod long_log;
@@ -43,6 +44,9 @@ pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
 pub use files::{FilesInMemory, ReadingWatch, WATCHED_BYTES};
+pub use hardware::{
+    AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor,
+};
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};

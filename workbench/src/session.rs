@@ -100,7 +100,7 @@ impl Session {
         };
         let mut session = Session::new(bench, model_path, true)?;
         session.model = match ModelFile::read(&session.model_path) {
-            Ok(model) => Some(model),
+            Ok(model) => Some(session.with_hardware(model)),
             Err(error) if matches!(error.problem(), Problem::NotFound) => None,
             Err(error) => return Err(error.into()),
         };
@@ -116,7 +116,8 @@ impl Session {
     pub fn from_files(files: &FilesInMemory) -> Result<Session, Error> {
         let mut session = Session::from_bench(Bench::from_files(files)?)?;
         if files.contains("model.toml") {
-            session.model = Some(ModelFile::from_files(files)?);
+            let model = ModelFile::from_files(files)?;
+            session.model = Some(session.with_hardware(model));
         }
         Ok(session)
     }
@@ -173,8 +174,16 @@ impl Session {
 
     /// Puts another model in the place of the session's.
     pub fn set_model(&mut self, model: ModelFile) {
-        self.model = Some(model);
+        self.model = Some(self.with_hardware(model));
         self.fitted = None;
+    }
+
+    /// A model with the sensors and the drive that bench.toml states.
+    fn with_hardware(&self, mut model: ModelFile) -> ModelFile {
+        if let Some(hardware) = &self.bench.hardware {
+            model.hardware = Some(hardware.clone());
+        }
+        model
     }
 
     /// Writes the model to where it was read from, as a whole or not at all; nothing where there is
@@ -448,11 +457,8 @@ impl Session {
 
     /// The model's file as it is, or a new one, with a design in it.
     pub(crate) fn file_or_new(&self) -> ModelFile {
-        let mut file = self
-            .model
-            .clone()
-            .unwrap_or_default()
-            .named(&self.model_path);
+        let file = self.model.clone().unwrap_or_default();
+        let mut file = self.with_hardware(file).named(&self.model_path);
         file.design.get_or_insert_with(|| self.usual_design());
         file
     }
