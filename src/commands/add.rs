@@ -16,6 +16,7 @@ use crate::views::comparison;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
+#[command(after_help = effects_help())]
 pub struct Arguments {
     /// The effect
     #[arg(value_parser = PossibleValuesParser::new(effect_names()), hide_possible_values = true)]
@@ -34,9 +35,21 @@ pub fn effect_names() -> Vec<&'static str> {
     EffectId::ALL.iter().map(|effect| effect.name()).collect()
 }
 
+/// The list of effects below the help.
+fn effects_help() -> String {
+    let lines = EffectId::ALL.iter().map(|effect| {
+        let info = effect.info();
+        format!("  {:26}{}\n", info.name, info.meaning)
+    });
+    format!(
+        "Effects (flywheel effects NAME explains one):\n{}",
+        lines.collect::<String>()
+    )
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let session = arguments.files.open(&arguments.bench)?;
+    let session = arguments.files.open_to_change(&arguments.bench)?;
     change(session, |session, progress| {
         session.add_effect(&arguments.effect, progress)
     })

@@ -26,7 +26,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let session = arguments.files.open(&arguments.bench)?;
+    let session = arguments.files.open_to_change(&arguments.bench)?;
     change(session, |session, progress| {
         session.remove_effect(&arguments.effect, progress)
     })

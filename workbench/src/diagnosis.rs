@@ -1,5 +1,6 @@
 //! Which physical effects a model lacks.
 
+use ::data_check::Finding;
 use bench_files::{Correlation, ModelFile, Parameter, Tie};
 use diagnose::{Diagnosis, Options, Step, Suspect, Unseen, Verdict};
 use identify::{Contradiction, Fit, Identification, PredictedSeries, Progress, Record};
@@ -61,6 +62,9 @@ pub struct DiagnosisReport {
     pub pushes: Vec<PushInLog>,
     /// How each free swing dies out, as measured.
     pub decay: Vec<SwingDecay>,
+    /// What is wrong with the data, but does not keep them from being used.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
     /// What the logs leave open, or contradict; sentences.
     pub statements: Vec<String>,
     /// What is to be known about the files; sentences.
@@ -189,12 +193,8 @@ impl Session {
         } else {
             // The diagnosis has read the logs differently: without pushes that only it found.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
-            identify::identify(self.problem(), &step.fit.model, Some(start)).map_err(|source| {
-                Error::Identify {
-                    bench: self.place(),
-                    source,
-                }
-            })?
+            identify::identify_until(self.problem(), &step.fit.model, Some(start), progress)
+                .map_err(|source| self.not_identified(source))?
         };
         progress.check()?;
         let last = self.comparison_of(&last_fit);
@@ -338,6 +338,7 @@ impl DiagnosisReport {
             sensor_noise: last.sensor_noise.clone(),
             pushes: last.pushes.clone(),
             decay: swing_decays(records, &last_fit.traces),
+            findings: last.findings.clone(),
             statements: last.statements.clone(),
             notes: last.notes.clone(),
             last,

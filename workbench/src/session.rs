@@ -2,20 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, Tie};
+use ::data_check::Finding;
+use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch, Tie};
 use design::Settings;
 use identify::{
-    Contradiction, Effort, FitProblem, Identification, Minimum, PredictedSeries, Progress,
-    PushModel, Record, Window,
+    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, PredictedSeries,
+    Progress, PushModel, Record, Window,
 };
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
 
 use crate::change::EffectChange;
 use crate::comparison::{
-    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, correlation_of,
-    effect_names, notes, parameters_of, with_model,
+    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, Said,
+    correlation_of, effect_names, notes, parameters_of, with_model,
 };
+use crate::data_check;
 use crate::error::Error;
 
 /// A bench with its measurements, and the model that is being made of it.
@@ -25,6 +27,8 @@ use crate::error::Error;
 #[derive(Clone, Debug)]
 pub struct Session {
     bench: Bench,
+    /// What is wrong with its data, but does not keep them from being used.
+    findings: Vec<Finding>,
     problem: FitProblem,
     /// Where the model was read from, or would be written.
     model_path: PathBuf,
@@ -44,6 +48,8 @@ pub struct BenchCheck {
     pub experiments: Vec<LoggedExperiment>,
     /// What reading the files has shown.
     pub notes: Vec<BenchNote>,
+    /// What is wrong with the data, but does not keep them from being used.
+    pub findings: Vec<Finding>,
     /// Experiments and direct measurements that cannot all be right; sentences.
     pub contradictions: Vec<String>,
 }
@@ -52,7 +58,8 @@ impl Session {
     /// Opens a bench: its folder, or its bench.toml. The model is `model.toml` beside it.
     ///
     /// # Errors
-    /// The first thing that is wrong with a file; [`Error::Identify`] if no experiment can be used.
+    /// The first thing that is wrong with a file; [`Error::Data`] where a model of its data would be wrong;
+    /// [`Error::Identify`] if no experiment can be used.
     pub fn open(path: &Path) -> Result<Session, Error> {
         Session::open_with_model(path, None)
     }
@@ -62,7 +69,31 @@ impl Session {
     /// # Errors
     /// As for [`Session::open`].
     pub fn open_with_model(path: &Path, model: Option<&Path>) -> Result<Session, Error> {
-        let bench = Bench::load(path)?;
+        Session::open_reporting(path, model, &Progress::silent())
+    }
+
+    /// As [`Session::open_with_model`]; `progress` is told how much of each log has been read.
+    ///
+    /// # Errors
+    /// As for [`Session::open`]; [`Error::Cancelled`].
+    pub fn open_reporting(
+        path: &Path,
+        model: Option<&Path>,
+        progress: &Progress,
+    ) -> Result<Session, Error> {
+        let watch = ReadingWatch {
+            read: &|file, read, of| (progress.say)(&reading(file, read, of)),
+            cancelled: &|| (progress.cancelled)(),
+        };
+        let bench = match Bench::load_watched(path, watch) {
+            Ok(bench) => bench,
+            Err(error) => {
+                progress.check()?;
+                return Err(error.into());
+            }
+        };
+        progress.check()?;
+        (progress.say)("preparing the logs");
         let model_path = match model {
             Some(path) => path.to_path_buf(),
             None => bench.folder.join("model.toml"),
@@ -73,6 +104,7 @@ impl Session {
             Err(error) if matches!(error.problem(), Problem::NotFound) => None,
             Err(error) => return Err(error.into()),
         };
+        progress.check()?;
         Ok(session)
     }
 
@@ -93,18 +125,20 @@ impl Session {
     /// A bench that was put together by the caller.
     ///
     /// # Errors
-    /// [`Error::Identify`] if no experiment can be used.
+    /// [`Error::Data`] where a model of its data would be wrong; [`Error::Identify`] if no experiment can be used.
     pub fn from_bench(bench: Bench) -> Result<Session, Error> {
         Session::new(bench, PathBuf::from("model.toml"), false)
     }
 
     fn new(bench: Bench, model_path: PathBuf, on_disk: bool) -> Result<Session, Error> {
+        let findings = data_check::usable(&bench)?;
         let problem = FitProblem::new(&bench).map_err(|source| Error::Identify {
             bench: place_of(&bench),
             source,
         })?;
         Ok(Session {
             bench,
+            findings,
             problem,
             model_path,
             on_disk,
@@ -116,6 +150,11 @@ impl Session {
     /// The measurements.
     pub fn bench(&self) -> &Bench {
         &self.bench
+    }
+
+    /// What is wrong with the data, but does not keep them from being used.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
     }
 
     /// The measurements as fits see them: for those who go beyond the session.
@@ -191,6 +230,7 @@ impl Session {
                 .map(LoggedExperiment::of)
                 .collect(),
             notes: notes(&self.bench),
+            findings: self.findings.clone(),
             contradictions: contradictions.iter().map(Contradiction::sentence).collect(),
         })
     }
@@ -241,8 +281,9 @@ impl Session {
             .collect();
         progress.check()?;
         (progress.say)("looking for contradictions");
-        let statements =
+        let found =
             identify::contradictions(&self.problem, model, &minimum.values, &minimum.windows, &[]);
+        let contradictions: Vec<String> = found.iter().map(Contradiction::sentence).collect();
         progress.check()?;
         let compared = Compared {
             model,
@@ -258,7 +299,11 @@ impl Session {
             &compared,
             file.parameters.clone(),
             file.correlation.clone(),
-            statements.iter().map(Contradiction::sentence).collect(),
+            Said {
+                findings: self.findings.clone(),
+                contradictions: contradictions.clone(),
+                statements: contradictions,
+            },
         ))
     }
 
@@ -374,18 +419,26 @@ impl Session {
         }
         progress.check()?;
         (progress.say)("fitting the model to all experiments");
-        let found =
-            identify::identify(&self.problem, model, None).map_err(|source| Error::Identify {
+        let found = identify::identify_until(&self.problem, model, None, progress)
+            .map_err(|source| self.not_identified(source))?;
+        Ok(found)
+    }
+
+    /// Why the session's bench is not identified; a fit that was called off is no fault of the bench.
+    pub(crate) fn not_identified(&self, source: IdentifyError) -> Error {
+        match source {
+            IdentifyError::Cancelled(cancelled) => Error::Cancelled(cancelled),
+            source => Error::Identify {
                 bench: self.place(),
                 source,
-            })?;
-        progress.check()?;
-        Ok(found)
+            },
+        }
     }
 
     pub(crate) fn comparison_of(&self, found: &Identification) -> ComparisonReport {
         let path = self.model_path.clone();
-        ComparisonReport::of_identification(&self.bench, &self.problem, path, found)
+        let findings = self.findings.clone();
+        ComparisonReport::of_identification(&self.bench, &self.problem, path, found, findings)
     }
 
     /// Makes a fit the session's model.
@@ -439,7 +492,8 @@ impl Session {
             .iter()
             .map(|record| identify::final_windows(record, &values))
             .collect();
-        let minimum = identify::refit(&records, &model, values, windows, &[], Effort::FULL);
+        let effort = Effort::FULL.until(progress.cancelled);
+        let minimum = identify::refit(&records, &model, values, windows, &[], effort);
         progress.check()?;
         Ok(Started {
             problem,
@@ -533,6 +587,14 @@ impl Predictor {
             .map(|(record, traces)| ExperimentCurves::new(record, traces))
             .collect())
     }
+}
+
+/// "reading swing.csv: 12 of 500 MB".
+fn reading(file: &Path, read: u64, of: u64) -> String {
+    const MEGABYTE: f64 = 1e6;
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let (read, of) = (read as f64 / MEGABYTE, of as f64 / MEGABYTE);
+    format!("reading {name}: {read:.0} of {of:.0} MB")
 }
 
 /// The model in which `effect` settles the tie that is open, and what of the tie is left; `None` where the tie

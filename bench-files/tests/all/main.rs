@@ -4,6 +4,7 @@ mod calibration;
 mod common;
 mod drop_outs;
 mod errors;
+mod formats;
 mod garbage;
 mod hardware;
 mod logs;
