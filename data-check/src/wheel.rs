@@ -1,13 +1,13 @@
 //! The wheel against its current, against the body, and against what a wheel and a motor can do.
 
 use bench_files::{Bench, Channel};
-use identify::bumps;
+use identify::{Output, bumps};
 use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
 use crate::regression::{LeastSquares, least_squares};
 use crate::slips::{DEGREES, RPM, short, slip};
-use crate::view::{Facts, View, largest, median};
+use crate::view::{Facts, View, largest, median, range};
 
 /// Standard errors by which an acceleration per ampere must stand out before anything is said of it.
 const STANDARD_ERRORS: f64 = 8.0;
@@ -27,7 +27,7 @@ const FASTEST_RAD_S: f64 = 1570.0;
 /// The wheel's share of the total inertia, j_w/Θ. The rim does not reach the pivot, so that j_w < k² m_w and
 /// j_w/Θ < 1/2; a wheel with a radius of gyration below a fifth of its distance from the pivot would have
 /// less than 1/25 of k² m_w, which is at least a quarter of Θ.
-const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.01..0.5;
+pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.01..0.5;
 /// Where the shares of wheels that were built for the purpose lie; only to choose between two readings.
 const USUAL_SHARE: f64 = 0.06;
 
@@ -94,6 +94,17 @@ fn sign(view: &View, answer: &Answer, fit: &LeastSquares, out: &mut Vec<Finding>
     if answer.per_ampere >= 0.0 || fit.explained < EXPLAINED {
         return;
     }
+    let speed = view.samples(Channel::WheelSpeed).unwrap_or_default();
+    let current = view.samples(Channel::Current).unwrap_or_default();
+    let lowest = range(speed).map_or(0.0, |(low, _)| low);
+    let backwards = median(current.to_vec()).is_some_and(|usual| usual < 0.0);
+    // A tachometer that counts pulses knows no sense.
+    let unsigned = if backwards && lowest >= -10.0 * view.noise(Output::WheelSpeed) {
+        "; or the sensor of the wheel shows no sign: then sign = { wheel_speed = -1 } is right for this log \
+         alone"
+    } else {
+        ""
+    };
     out.push(
         Finding::refusal(
             FindingId::CurrentSign,
@@ -102,10 +113,10 @@ fn sign(view: &View, answer: &Answer, fit: &LeastSquares, out: &mut Vec<Finding>
         .in_experiment(view.name())
         .with_channel("current")
         .with_factor(-1.0)
-        .with_fix(
-            "sign = { current = -1 } (or sign = { wheel_speed = -1 }, if the wheel's speed is not \
-             positive in the sense of the positive angle)",
-        ),
+        .with_fix(format!(
+            "sign = {{ current = -1 }} (or sign = {{ wheel_speed = -1 }}, if the wheel's speed is not \
+             positive in the sense of the positive angle){unsigned}"
+        )),
     );
 }
 

@@ -421,6 +421,56 @@ fn what_is_accepted_is_no_refusal() {
     );
 }
 
+#[test]
+fn a_driven_log_against_the_motion_of_its_body() {
+    for seed in SEEDS {
+        // All of the body's columns in degrees: they agree with each other.
+        for keep in [5, 2] {
+            let found = spoilt(seed, |logs| {
+                logs[7].scale("angle_rad", DEGREES);
+                logs[7].scale("rate_rad_s", DEGREES);
+                if keep == 2 {
+                    logs[7].columns.remove(2);
+                }
+            });
+            assert_found(
+                seed,
+                &found,
+                FindingId::AngleFactor,
+                Some(DEGREES),
+                Severity::Refuse,
+            );
+        }
+        let found = spoilt(seed, |logs| {
+            logs[7].scale("wheel_speed_rad_s", -1.0);
+            logs[7].scale("current_A", -1.0);
+        });
+        assert_found(
+            seed,
+            &found,
+            FindingId::WheelSign,
+            Some(-1.0),
+            Severity::Refuse,
+        );
+        let found = spoilt(seed, |logs| logs[7].scale("rate_rad_s", DEGREES));
+        assert_found(
+            seed,
+            &found,
+            FindingId::RateFactor,
+            Some(DEGREES),
+            Severity::Refuse,
+        );
+        let found = spoilt(seed, |logs| logs[7].scale("current_A", -1.0));
+        assert_found(
+            seed,
+            &found,
+            FindingId::CurrentSign,
+            Some(-1.0),
+            Severity::Refuse,
+        );
+    }
+}
+
 /// A bench of free swings alone says nothing of a wheel.
 #[test]
 fn swings_alone_have_no_finding() {
