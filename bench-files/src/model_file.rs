@@ -14,6 +14,7 @@ use crate::correlation::Correlation;
 use crate::effects_section::{self, EffectsSection, Tie};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
+use crate::own_effect::OwnEffect;
 use crate::toml_source::{Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
 use crate::write::write_atomically;
@@ -79,6 +80,8 @@ pub struct ModelFile {
     pub effects: Vec<EffectId>,
     /// Which of them hold only until an experiment has decided, where explanations tie.
     pub tie: Option<Tie>,
+    /// The effects of users that the file defines itself; it is written with those that its model has.
+    pub own_effects: Vec<OwnEffect>,
     /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,
     /// What calibration found, if the file has any.
@@ -115,6 +118,7 @@ impl ModelFile {
             correlation: None,
             effects: Model::base().effects().to_vec(),
             tie: None,
+            own_effects: Vec::new(),
             design: None,
             calibration: None,
             path: None,
@@ -156,9 +160,19 @@ impl ModelFile {
             "parameters",
             "correlation",
             "effects",
+            "own",
             "design",
             "calibration",
         ])?;
+
+        let mut own_effects = Vec::new();
+        if let Some(section) = root.section("own")? {
+            for key in section.keys() {
+                if let Some(own) = section.section(&key.value)? {
+                    own_effects.push(OwnEffect::read(source, &own, &key.value)?);
+                }
+            }
+        }
 
         let section = root.section("parameters")?.ok_or_else(|| {
             root.error(root.missing(
@@ -168,7 +182,7 @@ impl ModelFile {
         })?;
         let mut parameters = Vec::new();
         for key in section.keys() {
-            let info = unit_and_bounds(&key.value).ok_or_else(|| {
+            let info = unit_and_bounds(&key.value, &own_effects).ok_or_else(|| {
                 source.error(
                     key.span.clone(),
                     Problem::UnknownName {
@@ -201,7 +215,7 @@ impl ModelFile {
         let EffectsSection {
             present: effects,
             tie,
-        } = EffectsSection::read(source, &section)?;
+        } = EffectsSection::read(source, &section, &own_effects)?;
 
         let design = root
             .section("design")?
@@ -216,6 +230,7 @@ impl ModelFile {
             correlation,
             effects,
             tie,
+            own_effects,
             design,
             calibration,
             path: Some(source.path().to_path_buf()),
@@ -386,6 +401,14 @@ impl ModelFile {
         let effects = table_in(root, "effects", false);
         effects_section::write(effects, &self.effects, self.tie.as_ref());
 
+        root.remove("own");
+        for own in &self.own_effects {
+            if self.effects.contains(&own.effect) {
+                let section = table_in(root, "own", true);
+                section.insert(own.bare_name(), toml_edit::Item::Table(own.table()));
+            }
+        }
+
         match &self.design {
             None => {
                 root.remove("design");
@@ -433,14 +456,16 @@ impl ModelFile {
 }
 
 /// Unit and bounds of a parameter, if there is one with this name.
-fn unit_and_bounds(name: &str) -> Option<(&'static str, (f64, f64))> {
+fn unit_and_bounds(name: &str, own: &[OwnEffect]) -> Option<(&'static str, (f64, f64))> {
     let beside = BESIDE_THE_MOTION
         .iter()
         .find(|(known, _, _)| *known == name);
     if let Some((_, unit, bounds)) = beside {
         return Some((unit, *bounds));
     }
+    let own = own.iter().flat_map(|own| own.effect.info().parameters);
     library_parameters()
+        .chain(own)
         .find(|info| info.name == name)
         .map(|info| (info.unit, info.bounds))
 }

@@ -15,6 +15,8 @@ use crate::wheel::SHARE_OF_INERTIA;
 const STANDARD_ERRORS: f64 = 8.0;
 /// Share of the body's acceleration that wheel and gravity must explain for the same.
 const EXPLAINED: f64 = 0.8;
+/// Partial share of the wheel from which its coefficient is not much drawn towards 0 by noise.
+const CLEAR: f64 = 0.9;
 /// Share below which they do not explain it at all.
 const UNEXPLAINED: f64 = 0.4;
 
@@ -88,7 +90,10 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
                 short(share)
             ),
         ));
-    } else if share < SHARE_OF_INERTIA.start && SHARE_OF_INERTIA.contains(&(share * RPM)) {
+    } else if best.partial(0) > CLEAR
+        && share < SHARE_OF_INERTIA.start
+        && SHARE_OF_INERTIA.contains(&(share * RPM))
+    {
         out.push(
             Finding::warning(
                 FindingId::WheelSpeedFactor,

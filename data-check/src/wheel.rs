@@ -17,7 +17,7 @@ const EXPLAINED: f64 = 0.8;
 /// A motor whose back-EMF is higher cannot have been driven there.
 const SAFE_VOLTAGE_V: f64 = 60.0;
 /// Largest voltage that bench supplies usually have, V.
-const USUAL_VOLTAGE_V: f64 = 36.0;
+const USUAL_VOLTAGE_V: f64 = 48.0;
 /// Largest mechanical power of a bench motor, W: five times what 60 V and 3 A give.
 const BENCH_POWER_W: f64 = 1000.0;
 /// Largest current of a bench drive, A.
@@ -70,8 +70,13 @@ pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<
         .iter()
         .filter_map(|view| answer(view).map(|(answer, fit)| (view, answer, fit)))
         .collect();
+    // A sensor without a sign is wrong where the current is negative, and there alone.
+    let mut against = answers
+        .iter()
+        .filter(|(_, answer, _)| answer.per_ampere < 0.0);
+    let is_unsigned = against.all(|(view, _, _)| is_backwards(view) && is_never_negative(view));
     for (view, answer, fit) in &answers {
-        sign(view, answer, fit, out);
+        sign(view, answer, fit, is_unsigned, out);
     }
     // Spin-ups alone have no part of the body in them.
     let spin_ups: Vec<(&View, f64)> = answers
@@ -90,16 +95,18 @@ pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<
 }
 
 /// A wheel that is driven speeds up in the sense of its current: else the friction would drive it.
-fn sign(view: &View, answer: &Answer, fit: &LeastSquares, out: &mut Vec<Finding>) {
+fn sign(
+    view: &View,
+    answer: &Answer,
+    fit: &LeastSquares,
+    is_unsigned: bool,
+    out: &mut Vec<Finding>,
+) {
     if answer.per_ampere >= 0.0 || fit.explained < EXPLAINED {
         return;
     }
-    let speed = view.samples(Channel::WheelSpeed).unwrap_or_default();
-    let current = view.samples(Channel::Current).unwrap_or_default();
-    let lowest = range(speed).map_or(0.0, |(low, _)| low);
-    let backwards = median(current.to_vec()).is_some_and(|usual| usual < 0.0);
     // A tachometer that counts pulses knows no sense.
-    let unsigned = if backwards && lowest >= -10.0 * view.noise(Output::WheelSpeed) {
+    let unsigned = if is_unsigned {
         "; or the sensor of the wheel shows no sign: then sign = { wheel_speed = -1 } is right for this log \
          alone"
     } else {
@@ -118,6 +125,18 @@ fn sign(view: &View, answer: &Answer, fit: &LeastSquares, out: &mut Vec<Finding>
              positive in the sense of the positive angle){unsigned}"
         )),
     );
+}
+
+/// Whether the usual current of a log is negative.
+fn is_backwards(view: &View) -> bool {
+    let current = view.samples(Channel::Current).unwrap_or_default();
+    median(current.to_vec()).is_some_and(|usual| usual < 0.0)
+}
+
+/// Whether the wheel's speed stays above 0, but for its noise.
+fn is_never_negative(view: &View) -> bool {
+    let speed = view.samples(Channel::WheelSpeed).unwrap_or_default();
+    range(speed).is_some_and(|(low, _)| low >= -10.0 * view.noise(Output::WheelSpeed))
 }
 
 /// Spin-ups of one wheel have one acceleration per ampere.

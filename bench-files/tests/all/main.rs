@@ -8,4 +8,5 @@ mod formats;
 mod garbage;
 mod logs;
 mod model_file;
+mod own_effects;
 mod shared_data;

@@ -8,7 +8,7 @@ use plant::Kind;
 use super::columns::Mapped;
 use crate::regression::least_squares;
 use crate::slips::short;
-use crate::view::{largest, median, range};
+use crate::view::{median, range};
 
 /// What is proposed, and why.
 pub(super) struct Guess {
@@ -42,9 +42,7 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
     let body = angle.is_some() || samples(Channel::Rate).is_some();
     let wheel = samples(Channel::WheelSpeed).or_else(|| samples(Channel::WheelAngle));
     let current = samples(Channel::Current);
-    let is_driven = current
-        .as_ref()
-        .is_some_and(|current| largest(current) > 0.0);
+    let is_driven = current.as_deref().is_some_and(moves);
     let mut guess = Guess {
         kind: Kind::FreeSwing,
         reason: String::new(),
@@ -64,9 +62,6 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         }
         return guess;
     }
-    let moves = |samples: &[f64]| {
-        range(samples).is_some_and(|(low, high)| high - low > 20.0 * identify::noise_std(samples))
-    };
     if !is_driven && !wheel.as_deref().is_some_and(moves) {
         guess.reason = match &wheel {
             Some(_) => "the body swings and the wheel stands still",
@@ -101,6 +96,20 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         ));
     }
     guess
+}
+
+/// Whether a series does more than its noise and single lost samples: between its fifth and its ninety-fifth
+/// percentile noise alone covers 3.3 standard deviations.
+fn moves(samples: &[f64]) -> bool {
+    let mut finite: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    let Some(last) = finite.len().checked_sub(1) else {
+        return false;
+    };
+    let at = |share: f64| finite[(last as f64 * share) as usize];
+    let usual = at(0.95) - at(0.05);
+    // A current that is held has no noise to be compared with, but drives all the same.
+    usual > 10.0 * identify::noise_std(samples) || (usual == 0.0 && at(0.5) != 0.0)
 }
 
 /// Where the body comes to rest.

@@ -49,13 +49,14 @@ fn bench(drawn: &ExamBench) -> Bench {
         },
         controller: None,
         experiments: drawn.problem.records.iter().map(experiment).collect(),
+        own_effects: vec![],
         notes: vec![],
     }
 }
 
 #[test]
 fn no_hidden_effect_passes_for_a_fault_of_the_data() {
-    let said: Vec<(u64, String, usize)> = (0..120_u64)
+    let said: Vec<(u64, String, usize)> = (0..40_u64)
         .into_par_iter()
         .filter_map(draw)
         .map(|drawn| {
