@@ -13,12 +13,14 @@ use crate::wheel::SHARE_OF_INERTIA;
 
 /// Standard errors by which the exchange must stand out before its sign is believed.
 const STANDARD_ERRORS: f64 = 8.0;
+/// Fewest rows for two coefficients: with fewer a fit explains much by chance.
+const FEWEST_ROWS: usize = 20;
 /// Share of the body's acceleration that wheel and gravity must explain for the same.
 const EXPLAINED: f64 = 0.8;
 /// Partial share of the wheel from which its coefficient is not much drawn towards 0 by noise.
 const CLEAR: f64 = 0.9;
-/// Share below which they do not explain it at all.
-const UNEXPLAINED: f64 = 0.4;
+/// What another unit of the angle may leave of what the stated one leaves to be the right one.
+const LEFT_OVER: f64 = 0.1;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     if !matches!(view.kind(), Kind::Balance | Kind::Driven) {
@@ -47,12 +49,13 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
             // Neighbouring bumps overlap by half.
             least_squares(&rows, 2.0)
         });
+        let fits = fits.filter(|fit| fit.rows >= FEWEST_ROWS);
         fits.max_by(|a, b| a.explained.total_cmp(&b.explained))
     });
     // Far from its equilibrium a body obeys the sine of its angle, and of no other.
     if let (Some(as_read), Some(in_degrees)) = (&as_read, &in_degrees)
-        && as_read.explained < UNEXPLAINED
         && in_degrees.explained > EXPLAINED
+        && 1.0 - in_degrees.explained < LEFT_OVER * (1.0 - as_read.explained)
     {
         out.push(degrees(
             view,

@@ -25,9 +25,9 @@ const BENCH_CURRENT_A: f64 = 100.0;
 /// Speed of the fastest motors that carry a flywheel, rad/s: 15000 rpm.
 const FASTEST_RAD_S: f64 = 1570.0;
 /// The wheel's share of the total inertia, j_w/Θ. The rim does not reach the pivot, so that j_w < k² m_w and
-/// j_w/Θ < 1/2; a wheel with a radius of gyration below a fifth of its distance from the pivot would have
-/// less than 1/25 of k² m_w, which is at least a quarter of Θ.
-pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.01..0.5;
+/// j_w/Θ < 1/2; a wheel with a radius of gyration below a seventh of its distance from the pivot would have
+/// less than 1/49 of k² m_w, which is at least a quarter of Θ.
+pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.005..0.5;
 /// Where the shares of wheels that were built for the purpose lie; only to choose between two readings.
 const USUAL_SHARE: f64 = 0.06;
 

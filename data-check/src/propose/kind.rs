@@ -112,18 +112,35 @@ fn moves(samples: &[f64]) -> bool {
     usual > 10.0 * identify::noise_std(samples) || (usual == 0.0 && at(0.5) != 0.0)
 }
 
-/// Where the body comes to rest.
+/// Where the body comes to rest: the middle between its turning points, late in the log.
 fn rest(angle: &[f64], guess: &mut Guess) {
-    let last = &angle[angle.len() - angle.len() / 3..];
-    let (Some(rest), Some((low, high))) = (median(last.to_vec()), range(angle)) else {
+    let Some((low, high)) = range(angle) else {
         return;
     };
-    if rest.abs() > REST * 0.5 * (high - low) {
+    let late = &angle[angle.len() / 2..];
+    let Some((mut lowest, mut highest)) = range(late) else {
+        return;
+    };
+    let mut middle = 0.5 * (lowest + highest);
+    // Whole swings from crossing to crossing: what is left of the last one would move the mean.
+    let crossings: Vec<usize> = (1..late.len())
+        .filter(|k| late[k - 1] < middle && late[*k] >= middle)
+        .collect();
+    if let (Some(first), Some(last)) = (crossings.first(), crossings.last())
+        && last > first
+    {
+        let whole = &late[*first..*last];
+        middle = whole.iter().sum::<f64>() / whole.len() as f64;
+        (lowest, highest) = range(whole).unwrap_or((lowest, highest));
+    }
+    // A log that stands at its end says where; one that swings says it to a part of its amplitude.
+    let unsure = 0.25 * (highest - lowest);
+    if middle.abs() > (REST * 0.5 * (high - low)).max(unsure) {
         guess.offset_rad = Some((
-            -rest,
+            -middle,
             format!(
                 "the body comes to rest at {}, which is hanging: 0",
-                short(rest)
+                short(middle)
             ),
         ));
     }
