@@ -28,9 +28,9 @@ fn swing_under(
             "{:.3},{seen:.6},{turning:.6}\n",
             0.005 * sample as f64
         ));
-        for _ in 0..20 {
-            rate -= 2.5e-4 * (100.0 * angle.sin() + 0.05 * rate - torque(angle));
-            angle += 2.5e-4 * rate;
+        for _ in 0..200 {
+            rate -= 2.5e-5 * (100.0 * angle.sin() + 0.05 * rate - torque(angle));
+            angle += 2.5e-5 * rate;
         }
     }
     text
@@ -182,7 +182,7 @@ fn an_effect_of_ones_own_takes_part_like_a_built_in_one() {
     let bench = folder.path().to_str().expect("a name");
     write_bench(folder.path(), 1.0, "");
     let magnet = |angle: f64| {
-        let z = (angle - 0.15) / 0.06;
+        let z = (angle - 0.15) / 0.12;
         1.5 * z * (-z * z).exp()
     };
     let log = swing_under(0.5, magnet, (1.0, 1.0));
@@ -191,7 +191,7 @@ fn an_effect_of_ones_own_takes_part_like_a_built_in_one() {
     let effect = "role = \"body\"\ntorque = \"a*z*exp(-z^2)\"\nz = \"(angle - centre)/width\"\nfingerprint = \"a \
                   bump at one angle\"\n[parameters.a]\nunit = \"N m\"\nstart = 1e-3\n[parameters.centre]\nunit = \
                   \"rad\"\nstart = [0.1, 0.2]\nbounds = [-0.5, 0.5]\n[parameters.width]\nunit = \"rad\"\nstart = \
-                  0.05\nbounds = [0.01, 0.5]\n";
+                  0.1\nbounds = [0.01, 0.5]\n";
     fs::write(folder.path().join("effects/magnet.toml"), effect).expect("written");
 
     done(["identify", bench]);
@@ -212,7 +212,7 @@ fn an_effect_of_ones_own_takes_part_like_a_built_in_one() {
         one["value"].as_f64().expect("a number")
     };
     assert!((value("magnet_centre") - 0.15).abs() < 5e-3);
-    assert!((value("magnet_width") - 0.06).abs() < 5e-3);
+    assert!((value("magnet_width") - 0.12).abs() < 5e-3);
     // Θ is 0.23/100 kg m².
     assert!((value("magnet_a") / (1.5 * 2.3e-3) - 1.0).abs() < 0.05);
 
