@@ -38,12 +38,22 @@ pub struct AttitudeSpec {
     pub sample_time_s: f64,
     /// Madgwick's β, rad/s (see [`crate::beta_from_gyro_noise`]).
     pub beta_rad_s: f64,
+    /// Time in which the gyroscope's drift is followed, s: β/ζ of Madgwick's equations 47 to 49.
+    pub drift_time_s: f64,
+    /// Largest drift that is followed, rad/s.
+    pub drift_limit_rad_s: f64,
     /// Gyroscope, rad/s per count.
     pub gyro: SensorLine,
     /// Accelerometer, m/s² per count. At rest it reads +g upwards.
     pub accel: SensorLine,
     /// Magnetometer, µT per count.
     pub mag: SensorLine,
+    /// Counts of the gyroscope's axes at or beyond which (either way) the true rate is unknown.
+    pub gyro_clip: [i32; 3],
+    /// The same of the accelerometer.
+    pub accel_clip: [i32; 3],
+    /// The same of the magnetometer.
+    pub mag_clip: [i32; 3],
     /// Field below which the magnetometer is not believed, µT.
     pub field_min_ut: f64,
     /// Gravity at the bench, m/s².
@@ -64,9 +74,17 @@ impl AttitudeSpec {
         AttitudeSpec {
             sample_time_s: 1e-3,
             beta_rad_s: 0.033,
+            // Long against a push (a second), short against warming up (minutes).
+            drift_time_s: 60.0,
+            // What data sheets allow a bias that was never calibrated.
+            drift_limit_rad_s: 5_f64.to_radians(),
             gyro: SensorLine::ideal(62.5e-3_f64.to_radians()),
             accel: SensorLine::ideal(STANDARD_GRAVITY / 4096.0),
             mag: SensorLine::ideal(0.1),
+            gyro_clip: [32_767; 3],
+            // 14 bits, left-justified.
+            accel_clip: [32_764; 3],
+            mag_clip: [12_000; 3],
             field_min_ut: 10.0,
             gravity_m_s2: STANDARD_GRAVITY,
             mounting_angle_rad: 0.0,

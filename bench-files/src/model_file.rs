@@ -14,6 +14,7 @@ use crate::correlation::Correlation;
 use crate::effects_section::{self, EffectsSection, Tie};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
+use crate::hardware::Hardware;
 use crate::own_effect::OwnEffect;
 use crate::toml_source::{Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
@@ -26,6 +27,19 @@ const PER_INERTIA: &str = " per kg m2";
 const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
     ("body_inertia", "kg m2", (0.0, 1e3)),
     ("pivot_to_com", "m", (-10.0, 10.0)),
+];
+
+/// The sections of a model.toml; `tool` is that of other programs and kept as it stands.
+const SECTIONS: [&str; 9] = [
+    "parameters",
+    "correlation",
+    "effects",
+    "design",
+    "calibration",
+    "hardware",
+    "learned",
+    "own",
+    "tool",
 ];
 
 /// One parameter of a model.
@@ -86,6 +100,8 @@ pub struct ModelFile {
     pub design: Option<DesignSection>,
     /// What calibration found, if the file has any.
     pub calibration: Option<Calibration>,
+    /// The bench's sensors and its drive, as bench.toml states them.
+    pub hardware: Option<Hardware>,
     /// Where the file was read from.
     path: Option<PathBuf>,
     /// The text as it was read, for everything that the fields above do not hold.
@@ -107,6 +123,7 @@ impl PartialEq for ModelFile {
             && self.tie == other.tie
             && self.design == other.design
             && self.calibration == other.calibration
+            && self.hardware == other.hardware
     }
 }
 
@@ -121,6 +138,7 @@ impl ModelFile {
             own_effects: Vec::new(),
             design: None,
             calibration: None,
+            hardware: None,
             path: None,
             document: DocumentMut::new(),
         }
@@ -156,14 +174,7 @@ impl ModelFile {
     fn from_source(source: &TomlSource) -> Result<ModelFile, Error> {
         let document = source.parse()?;
         let root = source.root(&document);
-        root.refuse_slips(&[
-            "parameters",
-            "correlation",
-            "effects",
-            "own",
-            "design",
-            "calibration",
-        ])?;
+        root.allow_only(&SECTIONS)?;
 
         let mut own_effects = Vec::new();
         if let Some(section) = root.section("own")? {
@@ -174,14 +185,13 @@ impl ModelFile {
             }
         }
 
-        let section = root.section("parameters")?.ok_or_else(|| {
-            root.error(root.missing(
-                "parameters",
-                "[parameters.total_inertia] with value = 2.3e-3",
-            ))
-        })?;
+        // A file that holds a calibration only has none yet.
+        let section = root.section("parameters")?;
         let mut parameters = Vec::new();
-        for key in section.keys() {
+        for (section, key) in section
+            .iter()
+            .flat_map(|section| section.keys().into_iter().map(move |key| (section, key)))
+        {
             let info = unit_and_bounds(&key.value, &own_effects).ok_or_else(|| {
                 source.error(
                     key.span.clone(),
@@ -233,6 +243,7 @@ impl ModelFile {
             own_effects,
             design,
             calibration,
+            hardware: Hardware::read(source, &root)?,
             path: Some(source.path().to_path_buf()),
             document: source.parse()?.into_mut(),
         })
@@ -442,6 +453,12 @@ impl ModelFile {
                 root.remove("calibration");
             }
             Some(calibration) => calibration.write(root),
+        }
+        match &self.hardware {
+            None => {
+                root.remove("hardware");
+            }
+            Some(hardware) => hardware.write(root),
         }
         document.to_string()
     }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use toml_edit::{Array, Document, Item, Key, TableLike, Value};
 
-use crate::error::{Error, Names, Place, Problem, is_slip};
+use crate::error::{Error, Names, Place, Problem};
 use crate::files::Files;
 use crate::write::reason;
 
@@ -137,23 +137,6 @@ impl<'a> Section<'a> {
     /// An error at a part of a value, which stands at `span`.
     pub fn error_in_value(&self, span: Range<usize>, problem: Problem) -> Error {
         self.source.error(span, problem)
-    }
-
-    /// Refuses keys that are almost one of the list; keys that are far from it belong to others.
-    pub fn refuse_slips(&self, known: &[&str]) -> Result<(), Error> {
-        for key in self.keys() {
-            if !known.contains(&key.value.as_str()) && is_slip(&key.value, known) {
-                return Err(self.source.error(
-                    key.span,
-                    Problem::UnknownKey {
-                        key: key.value,
-                        section: self.name.clone(),
-                        names: Names::new(known),
-                    },
-                ));
-            }
-        }
-        Ok(())
     }
 
     /// Refuses keys that are not in the list.

@@ -64,7 +64,14 @@ fn items_outside_the_language() {
     let cases = [
         ("pub fn f<T>(a: T) -> i32 { 1 }", "nothing is generic"),
         ("static X: i32 = 1;", "found `static X"),
-        ("pub enum E { A }", "found `pub enum"),
+        (
+            "pub enum E { A }",
+            "a variant has no fields and the value 0",
+        ),
+        ("pub enum E { A = 0, B = 2 }", "the value 1"),
+        ("pub enum E { A(i32) = 0 }", "no fields"),
+        ("pub enum E<T> { A = 0 }", "nothing is generic"),
+        ("pub union U { a: i32, b: u32 }", "found `pub union"),
         ("pub type A = fixed::types::I16F15;", "x + y = 32"),
         ("pub type A = i32;", "fixed::types::IxFy"),
         ("use core::mem::swap;", "is not known in this crate"),

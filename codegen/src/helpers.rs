@@ -9,6 +9,8 @@ pub mod arc_tangent;
 pub mod bias_observer;
 #[path = "../runtime/calibration.rs"]
 pub mod calibration;
+#[path = "../runtime/drift.rs"]
+pub mod drift;
 #[path = "../runtime/filter.rs"]
 pub mod filter;
 #[path = "../runtime/lever_arm.rs"]
@@ -25,3 +27,5 @@ pub mod product;
 pub mod root;
 #[path = "../runtime/scaling.rs"]
 pub mod scaling;
+#[path = "../runtime/supervisor.rs"]
+pub mod supervisor;

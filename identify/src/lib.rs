@@ -11,6 +11,7 @@
 //! | `residuals` | what a model leaves: noise or structure, the torque that it lacks, pushes, where it fails |
 //! | `bench` | a whole bench: what is known, what is free, in which units |
 //! | `errors` | standard errors under correlated residuals; experiments and knowns that contradict each other |
+//! | `shape_search` | where the fit of an effect from outside may begin |
 //! | `extension` | from the minimum of a model to that of a larger one |
 //! | `identification`, `statements` | everything that is said about a bench |
 
@@ -24,6 +25,7 @@ mod model_free;
 mod progress;
 mod records;
 mod residuals;
+mod shape_search;
 mod statements;
 
 pub use bench::{FitProblem, IdentifyError};

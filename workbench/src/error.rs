@@ -11,6 +11,7 @@ use figures::FigureError;
 use identify::{Cancelled, IdentifyError};
 use simulate::SimulateError;
 
+use crate::bench_hardware::HardwareError;
 use crate::data_check::refusal_text;
 
 /// Why there is no result. Messages name the file that is to be mended, where there is one.
@@ -143,6 +144,14 @@ pub enum Error {
         /// Why.
         source: DesignError,
     },
+    /// The sensors or the drive are not stated, or contradict each other.
+    #[error("{}: {source}", model.display())]
+    Hardware {
+        /// The model's file.
+        model: PathBuf,
+        /// Why.
+        source: HardwareError,
+    },
     /// The generator refuses: a claim could not be kept.
     #[error("{}: {source}", model.display())]
     Refused {
@@ -150,6 +159,14 @@ pub enum Error {
         model: PathBuf,
         /// Why, and what would cure it.
         source: Box<Refusal>,
+    },
+    /// What would be emitted drives the motor the wrong way, or contradicts physics otherwise.
+    #[error("{}: {reason}; see [hardware], [calibration] and [parameters]", model.display())]
+    Unphysical {
+        /// The model's file.
+        model: PathBuf,
+        /// What contradicts.
+        reason: String,
     },
     /// What the generator emitted cannot be read back.
     #[error("{}: the emitted {reason}", model.display())]

@@ -34,7 +34,7 @@
 //! assert!(closed_loop.runs.iter().all(|run| !run.fell));
 //!
 //! // In fixed point, with a certificate that is checked from the emitted files alone.
-//! let controller = design.generate()?;
+//! let controller = design.generate(None)?;
 //! println!("{} files", controller.files().count()); // or controller.write(folder)
 //! let settings = ProofSettings { cases: 1000, smt: false, ..Default::default() };
 //! assert!(controller.prove(&settings, &progress)?.passed());
@@ -60,6 +60,7 @@
 //! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; one in a
 //! file knows file, line and column.
 
+mod bench_hardware;
 mod calibration;
 mod change;
 mod closed_loop;
@@ -89,6 +90,7 @@ pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severit
 pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
+pub use bench_hardware::{HardwareError, Preset};
 pub use calibration::{
     CalibratedLine, CalibratedSensor, LeverArmOfSwing, LeverArmReport, MagnetometerPoints,
     PlumbedCentre, SensorCalibrationReport, SensorMounting, calibrate,

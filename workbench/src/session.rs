@@ -78,7 +78,7 @@ impl Session {
         session.model = match ModelFile::read(&session.model_path) {
             Ok(mut model) => {
                 adopt_own_effects(&mut model, &session.bench);
-                Some(model)
+                Some(session.with_hardware(model))
             }
             Err(error) if matches!(error.problem(), Problem::NotFound) => None,
             Err(error) => return Err(error.into()),
@@ -96,7 +96,7 @@ impl Session {
         if files.contains("model.toml") {
             let mut model = ModelFile::from_files(files)?;
             adopt_own_effects(&mut model, &session.bench);
-            session.model = Some(model);
+            session.model = Some(session.with_hardware(model));
         }
         Ok(session)
     }
@@ -153,8 +153,16 @@ impl Session {
 
     /// Puts another model in the place of the session's.
     pub fn set_model(&mut self, model: ModelFile) {
-        self.model = Some(model);
+        self.model = Some(self.with_hardware(model));
         self.fitted = None;
+    }
+
+    /// A model with the sensors and the drive that bench.toml states.
+    fn with_hardware(&self, mut model: ModelFile) -> ModelFile {
+        if let Some(hardware) = &self.bench.hardware {
+            model.hardware = Some(hardware.clone());
+        }
+        model
     }
 
     /// Writes the model to where it was read from, as a whole or not at all; nothing where there is
@@ -439,11 +447,8 @@ impl Session {
 
     /// The model's file as it is, or a new one, with a design in it.
     pub(crate) fn file_or_new(&self) -> ModelFile {
-        let mut file = self
-            .model
-            .clone()
-            .unwrap_or_default()
-            .named(&self.model_path);
+        let file = self.model.clone().unwrap_or_default();
+        let mut file = self.with_hardware(file).named(&self.model_path);
         file.design.get_or_insert_with(|| self.usual_design());
         adopt_own_effects(&mut file, &self.bench);
         file

@@ -6,6 +6,7 @@ mod drop_outs;
 mod errors;
 mod formats;
 mod garbage;
+mod hardware;
 mod logs;
 mod model_file;
 mod own_effects;

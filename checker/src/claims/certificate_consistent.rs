@@ -78,13 +78,14 @@ pub fn check(
     check_bounds(certificate, law)?;
     check_claims(certificate)?;
     check_drive(certificate, module)?;
+    check_hardware_documents(certificate, module)?;
     check_sampling(certificate)?;
     check_numbers(certificate)
 }
 
 fn check_header(certificate: &Certificate, module: &Module, files: &[String]) -> Check {
     equal("generator", certificate.generator.as_str(), MARK)?;
-    equal("format_version", certificate.format_version, 2)?;
+    equal("format_version", certificate.format_version, 3)?;
     let mut stated = certificate.files.clone();
     stated.sort();
     let mut found = files.to_vec();
@@ -355,19 +356,91 @@ fn check_claims(certificate: &Certificate) -> Check {
     Ok(())
 }
 
+/// What is known of sensors and drive apart from their words, and what of it is assumed, as the
+/// documents say it.
+fn check_hardware_documents(certificate: &Certificate, module: &Module) -> Check {
+    let text = |path: &str| {
+        module
+            .text(path)
+            .map(documentation)
+            .ok_or_else(|| format!("there is no {path}"))
+    };
+    let lines = text("src/constants.rs")?;
+    let stated = |what: &str, value: &Option<StatedDecimal>, unit: &str| match value {
+        Some(value) => format!("{what}: {value} {unit}."),
+        None => format!("{what}: not stated."),
+    };
+    let wanted = [
+        stated(
+            "Accelerometer by its part",
+            &certificate.accelerometer_m_s2_per_count,
+            "m/s2 per count",
+        ),
+        stated(
+            "Fresh samples of the gyroscope",
+            &certificate.gyro_rate_hz,
+            "a second",
+        ),
+        format!("Timer of the drive: {} bits.", certificate.drive.bits),
+    ];
+    for line in &wanted {
+        holds(lines.contains(&line.as_str()), || {
+            format!("src/constants.rs does not document `{line}`")
+        })?;
+    }
+    let lines = text("src/lib.rs")?;
+    let start = lines.iter().position(|line| *line == "# Assumed");
+    // The line after the heading says what the list is.
+    let listed: Vec<&str> = start.map_or(Vec::new(), |start| {
+        lines[start + 2..]
+            .iter()
+            .map_while(|line| line.strip_prefix("- "))
+            .collect()
+    });
+    equal(
+        "assumed",
+        certificate.assumed.join(" | "),
+        listed.join(" | "),
+    )
+}
+
 fn check_drive(certificate: &Certificate, module: &Module) -> Check {
     let drive = &certificate.drive;
-    holds(drive.duty_zero < drive.duty_max, || {
-        "duty_max is not above duty_zero".to_owned()
-    })?;
+    holds(
+        drive.duty_low < drive.duty_zero
+            && drive.duty_zero < drive.duty_high
+            && u64::from(drive.duty_high) < 1u64.checked_shl(drive.bits).unwrap_or(0),
+        || "duty_zero is not between duty_low and duty_high of the timer".to_owned(),
+    )?;
+    let counts = (drive.duty_high - drive.duty_zero).min(drive.duty_zero - drive.duty_low);
+    let range = drive.amperes_per_count.value.abs() * integer(counts.into());
+    let off = (&range - &drive.current_range_a.value).abs();
+    holds(
+        off <= range * crate::exact::rational::power(10, -15),
+        || {
+            format!(
+                "current_range_A is stated as {}, the duties make it {counts} counts of {} A",
+                drive.current_range_a, drive.amperes_per_count
+            )
+        },
+    )?;
     let zero = match module.constant("constants", "ZERO_CURRENT") {
         Some([word]) => *word,
         _ => return Err("src/constants.rs has no ZERO_CURRENT".to_owned()),
     };
     equal("duty_zero", i128::from(drive.duty_zero), zero)?;
-    let high = module
+    let words = module
         .constant_words("constants", "DUTY_LINE")
-        .and_then(|words| words.into_iter().find(|(name, _)| name.ends_with(".high")))
         .ok_or("src/constants.rs has no DUTY_LINE")?;
-    equal("duty_max", i128::from(drive.duty_max), high.1)
+    for (end, stated) in [("low", drive.duty_low), ("high", drive.duty_high)] {
+        let word = words
+            .iter()
+            .find(|(name, _)| {
+                name.strip_suffix(end)
+                    .is_some_and(|rest| rest.ends_with('.'))
+            })
+            .ok_or_else(|| format!("DUTY_LINE has no `{end}`"))?;
+        equal(&format!("duty_{end}"), i128::from(stated), word.1)?;
+    }
+    Ok(())
 }

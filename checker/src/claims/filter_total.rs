@@ -17,6 +17,8 @@ use crate::program::steps::Program;
 pub(crate) struct Invariant {
     pub(crate) component: i128,
     pub(crate) rate: i128,
+    pub(crate) sum: i128,
+    pub(crate) drift: i128,
 }
 
 impl Invariant {
@@ -30,12 +32,20 @@ impl Invariant {
         Ok(Invariant {
             component: limit("madgwick", "COMPONENT_MAX")?,
             rate: limit("calibration", "CALIBRATED_MAX")?,
+            sum: limit("supervisor", "SUM_MAX")?,
+            drift: limit("drift", "DRIFT_MAX")?,
         })
     }
 
     fn of(&self, name: &str) -> Option<IntegerInterval> {
         if name.contains(".quaternion[") {
             Some(IntegerInterval::new(-self.component, self.component))
+        } else if name.starts_with("self.") && name.contains("drift[") {
+            Some(IntegerInterval::new(-self.drift, self.drift))
+        } else if name.contains(".window.first[") {
+            Some(IntegerInterval::new(-self.rate, self.rate))
+        } else if name.contains(".window.sum[") {
+            Some(IntegerInterval::new(-self.sum, self.sum))
         } else if name.ends_with("state.rate") || name.ends_with("state.slow_rate") {
             Some(IntegerInterval::new(-self.rate, self.rate))
         } else {
@@ -94,6 +104,7 @@ pub fn check(module: &Module, contracts: &HashMap<usize, Contract>) -> Result<()
     invariant.is_kept(names, &start)?;
     for name in [
         "Attitude::align",
+        "Attitude::align_to",
         "Attitude::update_imu",
         "Attitude::update_marg",
     ] {

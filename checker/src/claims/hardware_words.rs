@@ -18,8 +18,12 @@ use crate::language::module::Module;
 
 type Check = Result<(), String>;
 
+/// The smallest power of two of a line's slope: with it the slope is off by 2⁻²⁴ of itself, a
+/// hundredth of a count over a duty of 16 bits.
+const SLOPE_BITS_MIN: i32 = 23;
+
 /// Numbers in a line of text, in order.
-fn numbers(text: &str) -> Vec<BigRational> {
+pub(crate) fn numbers(text: &str) -> Vec<BigRational> {
     text.split(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c)))
         .map(|piece| piece.trim_end_matches(['.', '+', '-', 'e']))
         .filter_map(decimal)
@@ -27,7 +31,7 @@ fn numbers(text: &str) -> Vec<BigRational> {
 }
 
 /// The line of documentation of `src/constants.rs` in which `mark` stands, from there on.
-fn after<'a>(text: &'a str, mark: &str) -> Result<&'a str, String> {
+pub(crate) fn after<'a>(text: &'a str, mark: &str) -> Result<&'a str, String> {
     text.lines()
         .find_map(|line| line.strip_prefix("///")?.split_once(mark))
         .map(|(_, rest)| rest)
@@ -60,6 +64,21 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         &filter.get("FILTER.beta")?,
         &(beta * period * power_of_two(35)),
     )?;
+
+    let clips = numbers(after(text, "Unknown at or beyond:")?);
+    if clips.len() != 6 {
+        return Err("the documents of FILTER do not state where the sensors clip".to_owned());
+    }
+    for (index, stated) in clips.iter().enumerate() {
+        let sensor = ["accel", "mag"][index / 3];
+        let name = format!("FILTER.{sensor}_clip[{}]", index % 3);
+        let word = filter.get(&name)?;
+        if word != *stated || !word.is_positive() {
+            return Err(format!("{name} is {word}, its documents say {stated}"));
+        }
+    }
+
+    drift(&filter, text, period)?;
 
     let gyro_unit = period * half() * power_of_two(49);
     sensor(
@@ -133,11 +152,17 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
     )?;
 
     let drive = &certificate.drive;
-    let zero = integer(drive.duty_zero.into());
-    let counts = integer(drive.duty_max.into()) - &zero;
-    let slope = &counts / &drive.current_range_a.value * law.unit();
-    let low = (&zero - &counts).max(BigRational::zero());
-    line(module, "DUTY_LINE", &slope, &zero, &low, &(&zero + &counts))?;
+    if drive.amperes_per_count.value.is_zero() {
+        return Err("the drive's amperes_per_count is zero".to_owned());
+    }
+    line(
+        module,
+        "DUTY_LINE",
+        &(law.unit() / &drive.amperes_per_count.value),
+        &integer(drive.duty_zero.into()),
+        &integer(drive.duty_low.into()),
+        &integer(drive.duty_high.into()),
+    )?;
     if let Some(closed_loop) = &certificate.closed_loop {
         check_sensor_steps(text, gravity, closed_loop)?;
     }
@@ -180,6 +205,33 @@ fn check_sensor_steps(
                 rounded_up(found, 12)
             ));
         }
+    }
+    Ok(())
+}
+
+/// How the drift is followed: as documented, with as many bits as leave room for the largest.
+fn drift(filter: &NamedWords, text: &str, period: &BigRational) -> Check {
+    let stated = numbers(after(text, "drift is followed within")?);
+    let [time, limit] = stated.as_slice() else {
+        return Err("the documents of FILTER do not state how the drift is followed".to_owned());
+    };
+    if !time.is_positive() || !limit.is_positive() {
+        return Err("the drift is followed in no time, or not at all".to_owned());
+    }
+    let shift = filter.small("FILTER.drift.shift")?;
+    if !(0..=14).contains(&shift) {
+        return Err(format!("FILTER.drift.shift is {shift}"));
+    }
+    nearest(
+        "FILTER.drift.gain",
+        &filter.get("FILTER.drift.gain")?,
+        &(period / time * power_of_two(28 + shift)),
+    )?;
+    let word = filter.get("FILTER.drift.limit")?;
+    let real = limit * period * half() * power_of_two(32 + shift);
+    let real = real.min(power_of_two(30));
+    if !word.is_positive() || (&word - &real).abs() > integer(1) + &real * power_of_two(-40) {
+        return Err(format!("FILTER.drift.limit is {word}"));
     }
     Ok(())
 }
@@ -267,7 +319,8 @@ fn check_angle(module: &Module, text: &str, angle_bits: i32, observer: &NamedWor
     )
 }
 
-/// A line: slope to 30 bits, offset with the half that rounds, and its ends.
+/// A line: slope to 30 bits, or fewer where the offset would not stay within 2⁶¹, offset with the
+/// half that rounds, and its ends.
 fn line(
     module: &Module,
     name: &str,
@@ -280,12 +333,14 @@ fn line(
     let field = |field: &str| words.get(&format!("{name}.{field}"));
     let scale = power_of_two(words.small(&format!("{name}.shift"))?);
     let word = field("scale")?;
-    if word.abs() < power_of_two(29) || word.abs() > power_of_two(30) {
-        return Err(format!("{name}.scale has not 30 bits"));
+    let real = (at_zero + half()) * &scale;
+    // With one bit more the slope would have 31, or the offset be too large.
+    let is_finest = word.abs() >= power_of_two(29) || real.abs() * integer(2) > power_of_two(61);
+    if !is_finest || word.abs() < power_of_two(SLOPE_BITS_MIN) || word.abs() > power_of_two(30) {
+        return Err(format!("{name}.scale has not the bits that fit"));
     }
     nearest(&format!("{name}.scale"), &word, &(slope * &scale))?;
     let offset = field("offset")?;
-    let real = (at_zero + half()) * &scale;
     // The offset is rounded in double precision, some 2⁻⁵² of itself, where it has more bits than that.
     let is_exact = real
         .to_f64()

@@ -2,10 +2,10 @@
 //!
 //! | file | claim, or what several use |
 //! |---|---|
-//! | [`source_understood`], [`certificate_consistent`], [`hardware_words`] | the claims of that name |
+//! | [`source_understood`], [`certificate_consistent`], [`hardware_words`], [`physical_signs`] | the claims of that name |
 //! | [`control_total`], [`control_accurate`], [`control_accurate_real_gains`], [`control_monotone`] | of the control law |
 //! | [`primitives`], [`filter_total`], [`filter_length`], [`filter_accurate`], [`filter_exact`] | of the attitude filter |
-//! | [`step_total`] | of the full step |
+//! | [`step_total`], [`supervisor`] | of the full step |
 //! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
 //! | [`control_law`] | the law that the source implements |
 //! | [`sampling`] | the sampled model against the continuous one |
@@ -32,6 +32,7 @@ pub mod functions;
 pub mod hardware_words;
 pub mod named_words;
 pub mod outcome;
+pub mod physical_signs;
 pub mod primitives;
 pub mod random;
 pub mod region_of_attraction;
@@ -39,3 +40,4 @@ pub mod sampling;
 pub mod source_understood;
 pub mod stable_for_parameters;
 pub mod step_total;
+pub mod supervisor;

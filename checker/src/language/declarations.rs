@@ -6,7 +6,7 @@ use std::sync::Arc;
 use syn::spanned::Spanned;
 
 use crate::program::place::{SourceError, SourcePlace};
-use crate::program::types::Type;
+use crate::program::types::{Integer, Type};
 
 /// Result of reading source.
 pub type Read<T> = Result<T, SourceError>;
@@ -21,6 +21,12 @@ pub struct Struct {
     /// Whether code outside its module can write a field.
     pub is_open: bool,
 }
+
+/// What an enum is.
+pub(crate) const ENUM: Type = Type::Integer(Integer {
+    signed: false,
+    bits: 8,
+});
 
 /// Values of the constants, computed when first needed.
 pub type Constants = HashMap<usize, Vec<i128>>;
@@ -109,6 +115,8 @@ pub struct Declarations {
     pub constants: Vec<Constant>,
     /// Functions and methods of all files.
     pub functions: Vec<Function>,
+    /// Variants of each enum by its name, with their values; an enum is a word of eight bits.
+    pub enums: HashMap<String, HashMap<String, i128>>,
     /// Methods and associated functions by struct and name.
     pub methods: HashMap<(usize, String), usize>,
 }
@@ -223,6 +231,13 @@ impl Declarations {
             }
             Type::Option(content) => format!("Option<{}>", self.type_name(content)),
         }
+    }
+
+    /// The value of a variant, where `type_` is an enum that `module` knows.
+    pub(crate) fn variant(&self, module: usize, type_: &str, variant: &str) -> Option<i128> {
+        let named = self.files[module].names.get(type_)?;
+        let value = self.enums.get(type_)?.get(variant)?;
+        (*named == Named::Type(ENUM)).then_some(*value)
     }
 
     pub(super) fn lookup(&self, file: &str, name: &str) -> Option<Named> {

@@ -13,7 +13,7 @@ use syn::visit::Visit;
 
 use crate::language::attributes::{inner_attributes, no_attributes, no_generics, outer_attributes};
 use crate::language::declarations::{
-    Constant, Declarations, Function, Named, Read, SourceFile, Struct, refuse, shown,
+    Constant, Declarations, ENUM, Function, Named, Read, SourceFile, Struct, refuse, shown,
 };
 use crate::language::signatures::{fixed_named, fixed_type};
 use crate::program::place::{SourceError, SourcePlace};
@@ -78,6 +78,9 @@ impl Declarations {
             });
             self.define(module, path, &item.ident, Named::Type(Type::Struct(number)))?;
         }
+        if let syn::Item::Enum(item) = item {
+            self.enumeration(module, path, item)?;
+        }
         if let syn::Item::Type(item) = item {
             outer_attributes(path, &item.attrs)?;
             no_generics(path, &item.generics)?;
@@ -120,6 +123,40 @@ impl Declarations {
             self.define(module, path, &item.sig.ident, Named::Function(number))?;
         }
         Ok(())
+    }
+
+    /// An enum without fields, its values written and counted from zero.
+    fn enumeration(&mut self, module: usize, path: &Arc<str>, item: &syn::ItemEnum) -> Read<()> {
+        outer_attributes(path, &item.attrs)?;
+        no_generics(path, &item.generics)?;
+        let mut variants = HashMap::new();
+        for (index, variant) in item.variants.iter().enumerate() {
+            outer_attributes(path, &variant.attrs)?;
+            let value = match &variant.discriminant {
+                Some((_, syn::Expr::Lit(literal))) => match &literal.lit {
+                    syn::Lit::Int(value) => value.base10_parse::<usize>().ok(),
+                    _ => None,
+                },
+                _ => None,
+            };
+            if value != Some(index) || index > 255 || !matches!(variant.fields, syn::Fields::Unit) {
+                return refuse(
+                    path,
+                    variant.span(),
+                    format!(
+                        "found {}; a variant has no fields and the value {index}",
+                        shown(variant)
+                    ),
+                );
+            }
+            variants.insert(variant.ident.to_string(), index as i128);
+        }
+        let name = item.ident.to_string();
+        if self.enums.insert(name, variants).is_some() {
+            let message = format!("`{}` is defined twice", item.ident);
+            return refuse(path, item.ident.span(), message);
+        }
+        self.define(module, path, &item.ident, Named::Type(ENUM))
     }
 
     fn define(
@@ -304,6 +341,7 @@ impl Declarations {
     fn item_bodies(&mut self, module: usize, path: &Arc<str>, item: &syn::Item) -> Read<()> {
         match item {
             syn::Item::Struct(_)
+            | syn::Item::Enum(_)
             | syn::Item::Const(_)
             | syn::Item::Fn(_)
             | syn::Item::Type(_)

@@ -8,8 +8,9 @@ use crate::claims::outcome::{ClaimOutcome, EXACT, INTERVALS, RANDOM, READER, SMT
 use crate::claims::{
     bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_stable,
     control_accurate, control_accurate_real_gains, control_monotone, control_total,
-    filter_accurate, filter_exact, filter_length, filter_total, hardware_words, primitives,
-    region_of_attraction, source_understood, stable_for_parameters, step_total,
+    filter_accurate, filter_exact, filter_length, filter_total, hardware_words, physical_signs,
+    primitives, region_of_attraction, source_understood, stable_for_parameters, step_total,
+    supervisor,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -64,6 +65,22 @@ pub fn settle(
     table.add("hardware-words", EXACT, || {
         let checked = hardware_words::check(certificate, &module, &law);
         ClaimOutcome::proved(checked.map(|()| "every word".to_owned()))
+    });
+    table.add("supervisor", EXACT, || {
+        let checked = supervisor::words::check(certificate, &module, &law);
+        ClaimOutcome::proved(checked.map(|()| "every word of LIMITS".to_owned()))
+    });
+    table.add("supervisor", RANDOM, || {
+        ClaimOutcome::tested(supervisor::runs::run(
+            &module,
+            settings.cases,
+            settings.seed,
+        ))
+    });
+    table.add("physical-signs", RANDOM, || {
+        let checked = physical_signs::check(certificate, &module);
+        // Six leans and four rates.
+        ClaimOutcome::tested(checked.map(|()| 10))
     });
     loop_claims(&mut table, &module, certificate, &law, settings);
     table.0

@@ -7,14 +7,14 @@
 use serde::Serialize;
 
 use crate::claims::ClaimId;
-use crate::emit::control_rs;
+use crate::emit::{control_rs, single_line};
 use crate::exact::{ShortestDecimal, outward};
 use crate::file::{EmittedFile, MARK};
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
 /// Version of the layout below; raised when a field changes its meaning.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
 
 /// Significant digits of a bound.
 const BOUND_DIGITS: u32 = 40;
@@ -34,6 +34,12 @@ struct Certificate<'a> {
     /// K of u = −K x.
     gains: [String; 3],
     drive: Drive,
+    /// By the part or as stated, apart from the calibration.
+    accelerometer_m_s2_per_count: Option<String>,
+    /// Fresh samples of the gyroscope a second.
+    gyro_rate_hz: Option<String>,
+    /// What of sensors and drive nobody stated; sentences.
+    assumed: Vec<String>,
     inputs: Vec<Input<'a>>,
     output: Output,
     constants: Vec<Constant<'a>>,
@@ -70,10 +76,14 @@ struct Plant {
 
 #[derive(Debug, Serialize)]
 struct Drive {
+    bits: u32,
+    duty_zero: u16,
+    duty_low: u16,
+    duty_high: u16,
+    amperes_per_count: String,
+    /// What the drive gives both ways.
     #[serde(rename = "current_range_A")]
     current_range_a: String,
-    duty_zero: u16,
-    duty_max: u16,
 }
 
 /// An argument of `control`.
@@ -181,10 +191,16 @@ pub fn file(
         },
         gains: spec.gains.map(number),
         drive: Drive {
-            current_range_a: number(spec.drive.current_range_a),
+            bits: spec.drive.bits,
             duty_zero: spec.drive.duty_zero,
-            duty_max: spec.drive.duty_max,
+            duty_low: spec.drive.duty_low,
+            duty_high: spec.drive.duty_high,
+            amperes_per_count: number(spec.drive.amperes_per_count),
+            current_range_a: number(spec.drive.current_range_a()),
         },
+        accelerometer_m_s2_per_count: spec.hardware.accelerometer_m_s2_per_count.map(number),
+        gyro_rate_hz: spec.hardware.gyro_rate_hz.map(number),
+        assumed: spec.assumed.iter().map(|text| single_line(text)).collect(),
         inputs: law
             .terms
             .iter()

@@ -63,9 +63,17 @@ impl RawController for CompiledController {
         *self = CompiledController::new();
     }
 
-    fn arm(&mut self) -> Result<(), LawFailure> {
-        self.0.arm();
+    fn arm(&mut self) -> Result<bool, LawFailure> {
+        Ok(self.0.arm())
+    }
+
+    fn fault(&mut self) -> Result<(), LawFailure> {
+        self.0.fault();
         Ok(())
+    }
+
+    fn status(&self) -> Result<u8, LawFailure> {
+        Ok(self.0.status() as u8)
     }
 
     fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure> {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use syn::spanned::Spanned;
 
-use crate::language::declarations::{Named, Read, refuse, shown};
+use crate::language::declarations::{ENUM, Named, Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
 use crate::language::lower::programs;
 use crate::program::steps::ProgramStep;
@@ -226,6 +226,14 @@ impl Builder<'_> {
                     };
                     return Ok(Value {
                         type_: Type::Integer(integer),
+                        slots: vec![self.known(value)],
+                    });
+                }
+            }
+            [type_, variant] => {
+                if let Some(value) = self.declarations.variant(scope.module, type_, variant) {
+                    return Ok(Value {
+                        type_: ENUM,
                         slots: vec![self.known(value)],
                     });
                 }

@@ -1,6 +1,6 @@
 //! Types of expressions before they are read.
 
-use crate::language::declarations::Named;
+use crate::language::declarations::{ENUM, Named};
 use crate::language::lower::builder::{Builder, Scope};
 use crate::program::types::{Integer, Type};
 
@@ -52,7 +52,10 @@ impl Builder<'_> {
                             _ => None,
                         }
                     }
-                    [type_, _] => Integer::named(type_).map(Type::Integer),
+                    [type_, variant] => Integer::named(type_).map(Type::Integer).or_else(|| {
+                        let value = self.declarations.variant(scope.module, type_, variant);
+                        value.map(|_| ENUM)
+                    }),
                     _ => None,
                 }
             }
