@@ -32,7 +32,10 @@ struct Lacking {
     half: usize,
 }
 
-/// Starts for the effect that the logs suggest beside a fit of `from`: none, or one.
+/// A torque that depends on the motion.
+type Term<'t> = dyn Fn(&Instant<f64>) -> f64 + 't;
+
+/// A start for the effect that the logs suggest beside a fit of `from`; `None` where they suggest none.
 pub(crate) fn shaped_start(
     records: &[&Record],
     from: &Model,
@@ -149,7 +152,7 @@ impl Lacking {
 /// friction, and the factor of its torque that does so.
 fn explained(lacking: &[Lacking], effect: EffectId, p: &[f64]) -> Option<(f64, f64)> {
     let v0 = Smoothing::SIMULATION;
-    let terms: [&dyn Fn(&Instant<f64>) -> f64; 5] = [
+    let terms: [&Term; 5] = [
         // Torques of the library are against the motion.
         &|at| -effect.torque(p, at, &v0),
         &|at| at.angle_rad.sin(),

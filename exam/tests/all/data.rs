@@ -50,6 +50,7 @@ fn bench(drawn: &ExamBench) -> Bench {
         controller: None,
         experiments: drawn.problem.records.iter().map(experiment).collect(),
         own_effects: vec![],
+        hardware: None,
         notes: vec![],
     }
 }
