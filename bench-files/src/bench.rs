@@ -12,6 +12,7 @@ use crate::files::{Files, FilesInMemory, ReadingWatch};
 use crate::hardware::Hardware;
 use crate::known::Known;
 use crate::log::{self, ColumnUse, LoadReport, Log, Note};
+use crate::own_effect::OwnEffect;
 use crate::toml_source::{Located, Section, TomlSource};
 
 /// A bench with all its measurements, checked and in SI units.
@@ -29,6 +30,8 @@ pub struct Bench {
     pub hardware: Option<Hardware>,
     /// The experiments in the order of the file; at least one, names unique.
     pub experiments: Vec<Experiment>,
+    /// The effects that its user has written, by name.
+    pub own_effects: Vec<OwnEffect>,
     /// What the bench's user should know that concerns no single experiment; sentences.
     pub notes: Vec<String>,
 }
@@ -208,6 +211,7 @@ fn read_bench(
         .map(|(plan, section)| plan.load(files, source, section))
         .collect::<Result<Vec<_>, Error>>()?;
     Ok(Bench {
+        own_effects: OwnEffect::all_of(files, &folder)?,
         name: name.unwrap_or_else(|| folder_name(&folder)),
         folder,
         known,

@@ -9,6 +9,8 @@ pub(crate) const LOOKED_AT: usize = 64 << 10;
 const LINES: usize = 400;
 /// What some editors put in front of UTF-8 text.
 const BYTE_ORDER_MARK: &str = "\u{feff}";
+/// Lines in a row that show where the samples begin.
+const RUN: usize = 4;
 /// Longest cell of a row of units: more is text.
 const LONGEST_UNIT: usize = 12;
 
@@ -148,13 +150,15 @@ fn is_number(cell: &str, decimal_comma: bool) -> bool {
 /// Separator and decimal mark with which the most cells of the lines below the first are numbers. A tie goes
 /// to the separator of the first line, then to the point.
 fn best_style(lines: &[(u64, &str)], stated: Option<u8>, usual: u8) -> Option<(u8, bool)> {
-    let styles = [
+    let styles: [(u8, bool); 8] = [
         (usual, false),
         (b',', false),
         (b';', false),
         (b'\t', false),
         (b';', true),
         (b'\t', true),
+        (b'|', false),
+        (b' ', false),
     ];
     let below = lines.get(1..)?;
     // The share of numbers in the lines that have any.
@@ -216,8 +220,8 @@ fn thousands(lines: &[(u64, &str)], separator: u8) -> Result<(), Box<TwoReadings
     }))
 }
 
-/// Finds the header among the lines that are as wide as most: the first of them, unless it holds a number.
-/// A line of units below it belongs to it.
+/// Finds the header: the text directly above the samples that is as wide as they are. A line of units belongs to
+/// the text above it.
 fn with_header(lines: &[(u64, &str)], found: Dialect) -> Dialect {
     let width_of = |line: &str| cells(line, found.separator).len();
     let has_number = |line: &str| {
@@ -237,26 +241,37 @@ fn with_header(lines: &[(u64, &str)], found: Dialect) -> Dialect {
     else {
         return found;
     };
-    let wide: Vec<usize> = (0..lines.len())
-        .filter(|index| width_of(lines[*index].1) == width)
-        .collect();
-    // A header of another width directly above the samples: a table that is ragged, and said to be.
-    if wide[0] == 1 && width_of(lines[0].1) > 1 && !has_number(lines[0].1) {
+    let is_wide = |index: usize| width_of(lines[index].1) == width;
+    let holds_number = |index: usize| has_number(lines[index].1);
+    // The samples begin where several lines in a row are as wide as most and hold a number.
+    let begins = |index: &usize| {
+        let run = *index..lines.len().min(index + RUN);
+        run.into_iter()
+            .all(|line| is_wide(line) && holds_number(line))
+    };
+    let Some(first) = (0..lines.len()).find(begins) else {
         return found;
-    }
-    let first = lines[wide[0]];
-    let header = if has_number(first.1) {
-        Header::None { columns: width }
-    } else {
-        let below = wide.get(1).filter(|index| **index == wide[0] + 1);
-        let units = below.is_some_and(|index| {
-            let cells = cells(lines[*index].1, found.separator);
-            !has_number(lines[*index].1) && cells.iter().all(|cell| is_unit(cell))
-        });
-        Header::Line { units }
+    };
+    let is_text = |index: usize| is_wide(index) && !holds_number(index);
+    let is_units = |index: usize| {
+        let cells = cells(lines[index].1, found.separator);
+        cells.iter().all(|cell| is_unit(cell))
+    };
+    let above = first.checked_sub(1);
+    let (index, header) = match above {
+        Some(above) if is_text(above) => {
+            let over = above.checked_sub(1).filter(|over| is_text(*over));
+            match over {
+                Some(over) if is_units(above) => (over, Header::Line { units: true }),
+                _ => (above, Header::Line { units: false }),
+            }
+        }
+        // A header of another width directly above the samples: a table that is ragged, and said to be.
+        Some(0) if width_of(lines[0].1) > 1 && !holds_number(0) => return found,
+        _ => (first, Header::None { columns: width }),
     };
     Dialect {
-        lines_before: first.0,
+        lines_before: lines[index].0,
         header,
         ..found
     }
@@ -310,6 +325,8 @@ mod tests {
             ("t\ta\n0,1\t0,25\n0,2\t0,3\n", b'\t', true),
             ("sep=;\nt;a\n0,1;0,25\n0,2;0,3\n", b';', true),
             ("t;a, b\n1;2\n3;4\n", b';', false),
+            ("t|a\n1|2\n3|4\n", b'|', false),
+            ("t a\n1 2\n3 4\n", b' ', false),
         ] {
             let found = of(text);
             assert_eq!(

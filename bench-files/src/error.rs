@@ -335,6 +335,10 @@ pub enum Problem {
         name: String,
     },
 
+    /// A formula of the user, or what stands beside it.
+    #[error("{0}")]
+    Formula(String),
+
     // --- logs -------------------------------------------------------------------------------
     /// Not a byte, or only blank lines and comments.
     #[error("the file is empty; a log is a CSV with a header line and one sample a line")]

@@ -98,6 +98,33 @@ impl<'f> Files<'f> {
     }
 }
 
+impl Files<'_> {
+    /// The TOML files in a folder; none where there is no folder.
+    pub fn toml_files_in(self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        let is_toml = |path: &Path| path.extension().is_some_and(|ending| ending == "toml");
+        match self {
+            Files::Memory(FilesInMemory(files)) => {
+                let inside = files.keys().filter(|path| path.parent() == Some(folder));
+                Ok(inside.filter(|path| is_toml(path)).cloned().collect())
+            }
+            Files::Disk => {
+                let entries = match fs::read_dir(folder) {
+                    Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(vec![]),
+                    entries => entries,
+                };
+                let unreadable =
+                    |error: io::Error| Error::in_file(folder, Problem::Unreadable(reason(&error)));
+                let mut paths = vec![];
+                for entry in entries.map_err(unreadable)? {
+                    paths.push(entry.map_err(unreadable)?.path());
+                }
+                paths.retain(|path| is_toml(path));
+                Ok(paths)
+            }
+        }
+    }
+}
+
 impl Content<'_> {
     /// Number of bytes.
     pub fn length(&self) -> io::Result<u64> {

@@ -27,6 +27,7 @@ mod known;
 mod log;
 mod long_log;
 mod model_file;
+mod own_effect;
 mod toml_source;
 mod toml_writing;
 mod write;
@@ -50,4 +51,5 @@ pub use hardware::{
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};
+pub use own_effect::{OWN_PREFIX, OwnEffect};
 pub use write::{can_write_into, write_atomically};

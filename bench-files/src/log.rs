@@ -168,13 +168,19 @@ impl fmt::Display for Note {
             }
             Note::MergedRows { count } => write!(
                 f,
-                "{count} lines repeat the time of the line before and were averaged with it"
+                "{count} {} the time of the line before, averaged with it",
+                if *count == 1 {
+                    "line repeats"
+                } else {
+                    "lines repeat"
+                }
             ),
             Note::AngleUnwrapped { count } => {
-                write!(f, "{count} jumps of the angle by a full turn taken out")
+                let jumps = if *count == 1 { "jump" } else { "jumps" };
+                write!(f, "{count} {jumps} of the angle by a full turn taken out")
             }
             Note::AngleTurned { added_rad } => {
-                write!(f, "{added_rad:.5} rad (full turns) added to the angle")
+                write!(f, "{added_rad:.3} rad (full turns) added to the angle")
             }
             Note::CurrentNotRecorded => write!(
                 f,

@@ -257,6 +257,9 @@ impl<'s> Series<'s> {
             .windows(2)
             .map(|pair| (pair[1] - pair[0]).abs())
             .collect();
+        if self.high <= self.low {
+            return None;
+        }
         // Steps of many counts: beside them it is neither rounding nor rest that makes neighbours equal.
         let is_large = |k: usize| steps.get(k).is_some_and(|step| *step >= 10.0 * self.step);
         let moved = (0..steps.len()).filter(|k| is_large(*k)).count();

@@ -51,6 +51,19 @@ pub(crate) struct LeastSquares {
     pub coefficients: Vec<f64>,
     pub std: Vec<f64>,
     pub explained: f64,
+    /// Rows that counted.
+    pub rows: usize,
+    /// How many rows share one sample.
+    overlap: f64,
+}
+
+impl LeastSquares {
+    /// Share of what the other columns leave that this column explains. Noise in the column draws its
+    /// coefficient towards 0, but by no more than this factor (Frisch's bounds, as in [`Ratio`]).
+    pub fn partial(&self, column: usize) -> f64 {
+        let sharpness = (self.coefficients[column] / self.std[column]).powi(2) * self.overlap;
+        sharpness / (sharpness + self.rows as f64)
+    }
 }
 
 /// Solves rows · coefficients = right. `overlap` is how many rows share one sample: the standard errors are
@@ -101,6 +114,8 @@ pub(crate) fn least_squares<const N: usize>(
     Some(LeastSquares {
         coefficients,
         std,
+        rows: count,
+        overlap,
         explained: 1.0 - left_over / total.max(f64::MIN_POSITIVE),
     })
 }

@@ -1,13 +1,13 @@
 //! The wheel against its current, against the body, and against what a wheel and a motor can do.
 
 use bench_files::{Bench, Channel};
-use identify::bumps;
+use identify::{Output, bumps};
 use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
 use crate::regression::{LeastSquares, least_squares};
 use crate::slips::{DEGREES, RPM, short, slip};
-use crate::view::{Facts, View, largest, median};
+use crate::view::{Facts, View, largest, median, range};
 
 /// Standard errors by which an acceleration per ampere must stand out before anything is said of it.
 const STANDARD_ERRORS: f64 = 8.0;
@@ -17,7 +17,7 @@ const EXPLAINED: f64 = 0.8;
 /// A motor whose back-EMF is higher cannot have been driven there.
 const SAFE_VOLTAGE_V: f64 = 60.0;
 /// Largest voltage that bench supplies usually have, V.
-const USUAL_VOLTAGE_V: f64 = 36.0;
+const USUAL_VOLTAGE_V: f64 = 48.0;
 /// Largest mechanical power of a bench motor, W: five times what 60 V and 3 A give.
 const BENCH_POWER_W: f64 = 1000.0;
 /// Largest current of a bench drive, A.
@@ -25,9 +25,9 @@ const BENCH_CURRENT_A: f64 = 100.0;
 /// Speed of the fastest motors that carry a flywheel, rad/s: 15000 rpm.
 const FASTEST_RAD_S: f64 = 1570.0;
 /// The wheel's share of the total inertia, j_w/Θ. The rim does not reach the pivot, so that j_w < k² m_w and
-/// j_w/Θ < 1/2; a wheel with a radius of gyration below a fifth of its distance from the pivot would have
-/// less than 1/25 of k² m_w, which is at least a quarter of Θ.
-const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.01..0.5;
+/// j_w/Θ < 1/2; a wheel with a radius of gyration below a seventh of its distance from the pivot would have
+/// less than 1/49 of k² m_w, which is at least a quarter of Θ.
+pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.005..0.5;
 /// Where the shares of wheels that were built for the purpose lie; only to choose between two readings.
 const USUAL_SHARE: f64 = 0.06;
 
@@ -70,8 +70,13 @@ pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<
         .iter()
         .filter_map(|view| answer(view).map(|(answer, fit)| (view, answer, fit)))
         .collect();
+    // A sensor without a sign is wrong where the current is negative, and there alone.
+    let mut against = answers
+        .iter()
+        .filter(|(_, answer, _)| answer.per_ampere < 0.0);
+    let is_unsigned = against.all(|(view, _, _)| is_backwards(view) && is_never_negative(view));
     for (view, answer, fit) in &answers {
-        sign(view, answer, fit, out);
+        sign(view, answer, fit, is_unsigned, out);
     }
     // Spin-ups alone have no part of the body in them.
     let spin_ups: Vec<(&View, f64)> = answers
@@ -90,10 +95,23 @@ pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<
 }
 
 /// A wheel that is driven speeds up in the sense of its current: else the friction would drive it.
-fn sign(view: &View, answer: &Answer, fit: &LeastSquares, out: &mut Vec<Finding>) {
+fn sign(
+    view: &View,
+    answer: &Answer,
+    fit: &LeastSquares,
+    is_unsigned: bool,
+    out: &mut Vec<Finding>,
+) {
     if answer.per_ampere >= 0.0 || fit.explained < EXPLAINED {
         return;
     }
+    // A tachometer that counts pulses knows no sense.
+    let unsigned = if is_unsigned {
+        "; or the sensor of the wheel shows no sign: then sign = { wheel_speed = -1 } is right for this log \
+         alone"
+    } else {
+        ""
+    };
     out.push(
         Finding::refusal(
             FindingId::CurrentSign,
@@ -102,11 +120,23 @@ fn sign(view: &View, answer: &Answer, fit: &LeastSquares, out: &mut Vec<Finding>
         .in_experiment(view.name())
         .with_channel("current")
         .with_factor(-1.0)
-        .with_fix(
-            "sign = { current = -1 } (or sign = { wheel_speed = -1 }, if the wheel's speed is not \
-             positive in the sense of the positive angle)",
-        ),
+        .with_fix(format!(
+            "sign = {{ current = -1 }} (or sign = {{ wheel_speed = -1 }}, if the wheel's speed is not \
+             positive in the sense of the positive angle){unsigned}"
+        )),
     );
+}
+
+/// Whether the usual current of a log is negative.
+fn is_backwards(view: &View) -> bool {
+    let current = view.samples(Channel::Current).unwrap_or_default();
+    median(current.to_vec()).is_some_and(|usual| usual < 0.0)
+}
+
+/// Whether the wheel's speed stays above 0, but for its noise.
+fn is_never_negative(view: &View) -> bool {
+    let speed = view.samples(Channel::WheelSpeed).unwrap_or_default();
+    range(speed).is_some_and(|(low, _)| low >= -10.0 * view.noise(Output::WheelSpeed))
 }
 
 /// Spin-ups of one wheel have one acceleration per ampere.

@@ -12,6 +12,7 @@
 //! | `bench` | a whole bench: what is known, what is free, in which units |
 //! | `errors` | standard errors under correlated residuals; experiments and knowns that contradict each other |
 //! | `first_fit` | the fit of the base model, from several starts where one is not enough |
+//! | `shape_search` | where the fit of an effect from outside may begin |
 //! | `extension` | from the minimum of a model to that of a larger one |
 //! | `identification`, `statements` | everything that is said about a bench |
 
@@ -26,6 +27,7 @@ mod model_free;
 mod progress;
 mod records;
 mod residuals;
+mod shape_search;
 mod statements;
 
 pub use bench::{FitProblem, IdentifyError};

@@ -9,8 +9,18 @@ use super::{bench::noise, done, flywheel, json_of, refused, stderr, stdout};
 
 /// A free swing with angle and rate in these units, and a little noise.
 fn swing(angle_unit: f64, rate_unit: f64) -> String {
+    swing_under(0.6, |_| 0.0, (angle_unit, rate_unit))
+}
+
+/// A free swing from this angle, under a torque over the angle beside gravity and viscous friction; torques as
+/// accelerations, 1/s².
+fn swing_under(
+    start_rad: f64,
+    torque: impl Fn(f64) -> f64,
+    (angle_unit, rate_unit): (f64, f64),
+) -> String {
     let mut text = "time_s,angle_rad,rate_rad_s\n".to_owned();
-    let (mut angle, mut rate) = (0.6_f64, 0.0_f64);
+    let (mut angle, mut rate) = (start_rad, 0.0_f64);
     for sample in 0..2000 {
         let seen = (angle + 1e-3 * noise(sample)) * angle_unit;
         let turning = (rate + 5e-3 * noise(sample + 7)) * rate_unit;
@@ -18,9 +28,9 @@ fn swing(angle_unit: f64, rate_unit: f64) -> String {
             "{:.3},{seen:.6},{turning:.6}\n",
             0.005 * sample as f64
         ));
-        for _ in 0..20 {
-            rate -= 2.5e-4 * (100.0 * angle.sin() + 0.05 * rate);
-            angle += 2.5e-4 * rate;
+        for _ in 0..200 {
+            rate -= 2.5e-5 * (100.0 * angle.sin() + 0.05 * rate - torque(angle));
+            angle += 2.5e-5 * rate;
         }
     }
     text
@@ -162,6 +172,71 @@ fn units_that_no_name_tells_are_found_by_the_motion() {
     assert!(
         toml.contains("units = { angle = \"deg\", rate = \"deg/s\" }"),
         "{toml}"
+    );
+}
+
+/// A magnet beside the pivot: no effect of the library, but one that a user can write down.
+#[test]
+fn an_effect_of_ones_own_takes_part_like_a_built_in_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bench = folder.path().to_str().expect("a name");
+    write_bench(folder.path(), 1.0, "");
+    let magnet = |angle: f64| {
+        let z = (angle - 0.15) / 0.12;
+        1.5 * z * (-z * z).exp()
+    };
+    let log = swing_under(0.5, magnet, (1.0, 1.0));
+    fs::write(folder.path().join("swing.csv"), log).expect("written");
+    fs::create_dir(folder.path().join("effects")).expect("a folder");
+    let effect = "role = \"body\"\ntorque = \"a*z*exp(-z^2)\"\nz = \"(angle - centre)/width\"\nfingerprint = \"a \
+                  bump at one angle\"\n[parameters.a]\nunit = \"N m\"\nstart = 1e-3\n[parameters.centre]\nunit = \
+                  \"rad\"\nstart = [0.1, 0.2]\nbounds = [-0.5, 0.5]\n[parameters.width]\nunit = \"rad\"\nstart = \
+                  0.1\nbounds = [0.01, 0.5]\n";
+    fs::write(folder.path().join("effects/magnet.toml"), effect).expect("written");
+
+    done(["identify", bench]);
+    let json = json_of(["add", "own:magnet", "--bench", bench, "--json", "-"]);
+    let rmse = |value: &Value| value["swing/angle"].as_f64().expect("an error");
+    // The noise is uniform over 1 mrad.
+    let noise = 1e-3 / 12_f64.sqrt();
+    assert!(
+        rmse(&json["rmse_before"]) > 3.0 * noise,
+        "{}",
+        json["rmse_before"]
+    );
+    assert!(rmse(&json["rmse"]) < 1.1 * noise, "{}", json["rmse"]);
+    let found = json["parameters"].as_array().expect("parameters").iter();
+    let value = |name: &str| {
+        let mut all = found.clone();
+        let one = all.find(|parameter| parameter["name"] == name).expect(name);
+        one["value"].as_f64().expect("a number")
+    };
+    assert!((value("magnet_centre") - 0.15).abs() < 5e-3);
+    assert!((value("magnet_width") - 0.12).abs() < 5e-3);
+    // Θ is 0.23/100 kg m².
+    assert!((value("magnet_a") / (1.5 * 2.3e-3) - 1.0).abs() < 0.05);
+
+    // The model stands alone: it brings the effect along.
+    let alone = tempfile::tempdir().expect("a folder");
+    let model = alone.path().join("model.toml");
+    fs::copy(folder.path().join("model.toml"), &model).expect("copied");
+    assert!(
+        fs::read_to_string(&model)
+            .expect("read")
+            .contains("[own.magnet]")
+    );
+    done(["design".as_ref(), model.as_os_str()]);
+    // A suspect like those of the library.
+    fs::remove_file(folder.path().join("model.toml")).expect("removed");
+    let json = json_of(["diagnose", bench, "--json", "-"]);
+    assert_eq!(
+        json["suspects"][0]["effect"], "own:magnet",
+        "{}",
+        json["suspects"]
+    );
+    refused(
+        ["add", "own:magnets", "--bench", bench],
+        &["own:magnets", "own:magnet"],
     );
 }
 

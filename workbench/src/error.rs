@@ -62,11 +62,13 @@ pub enum Error {
         /// The bench's folder.
         bench: PathBuf,
     },
-    /// No effect of the library has this name.
-    #[error("there is no effect \"{name}\"")]
+    /// Neither the library nor the bench has an effect of this name.
+    #[error("there is no effect \"{name}\"{}", own_effects_text(own))]
     UnknownEffect {
         /// The name.
         name: String,
+        /// The effects that the user of the bench has written.
+        own: Vec<String>,
     },
     /// The model has the effect already.
     #[error("{}: {effect} is not added: {reason}", model.display())]
@@ -221,4 +223,13 @@ pub enum Error {
     /// The caller called the work off.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+fn own_effects_text(own: &[String]) -> String {
+    if own.is_empty() {
+        "; an own one is written to effects/NAME.toml in the bench folder and named own:NAME"
+            .to_owned()
+    } else {
+        format!("; the bench's own are {}", own.join(", "))
+    }
 }

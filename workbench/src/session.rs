@@ -100,7 +100,10 @@ impl Session {
         };
         let mut session = Session::new(bench, model_path, true)?;
         session.model = match ModelFile::read(&session.model_path) {
-            Ok(model) => Some(session.with_hardware(model)),
+            Ok(mut model) => {
+                adopt_own_effects(&mut model, &session.bench);
+                Some(session.with_hardware(model))
+            }
             Err(error) if matches!(error.problem(), Problem::NotFound) => None,
             Err(error) => return Err(error.into()),
         };
@@ -116,7 +119,8 @@ impl Session {
     pub fn from_files(files: &FilesInMemory) -> Result<Session, Error> {
         let mut session = Session::from_bench(Bench::from_files(files)?)?;
         if files.contains("model.toml") {
-            let model = ModelFile::from_files(files)?;
+            let mut model = ModelFile::from_files(files)?;
+            adopt_own_effects(&mut model, &session.bench);
             session.model = Some(session.with_hardware(model));
         }
         Ok(session)
@@ -323,9 +327,9 @@ impl Session {
     /// [`Error::UnknownEffect`], [`Error::EffectPresent`]; those of [`Session::identify`].
     pub fn add_effect(&mut self, name: &str, progress: &Progress) -> Result<EffectChange, Error> {
         let before = self.structure();
-        let effect = EffectId::from_name(name).ok_or_else(|| Error::UnknownEffect {
-            name: name.to_owned(),
-        })?;
+        let effect = self
+            .effect_named(name)
+            .ok_or_else(|| self.unknown_effect(name))?;
         if let Some((after, tie)) = self.model.as_ref().and_then(|file| settled(file, effect)) {
             let mut change = self.change(&before, &after, progress)?;
             change.provisional = provisional_names(tie.as_ref());
@@ -360,7 +364,7 @@ impl Session {
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
         let before = self.required_model()?.model();
-        match EffectId::from_name(name).filter(|effect| before.has(*effect)) {
+        match self.effect_named(name).filter(|effect| before.has(*effect)) {
             Some(effect) => self.change(&before, &before.without(effect), progress),
             None => Err(Error::EffectAbsent {
                 model: self.model_path.clone(),
@@ -387,6 +391,24 @@ impl Session {
             rmse_before: old.rmse,
             fit_percent_before: old.fit_percent,
         })
+    }
+
+    /// The effect of this name: of the library, of the bench's own, or of those that its model brings along.
+    pub(crate) fn effect_named(&self, name: &str) -> Option<EffectId> {
+        let of_model = self.model.iter().flat_map(|model| &model.own_effects);
+        let mut own = self.bench.own_effects.iter().chain(of_model);
+        EffectId::from_name(name).or_else(|| {
+            own.find(|own| own.effect.name() == name)
+                .map(|own| own.effect)
+        })
+    }
+
+    fn unknown_effect(&self, name: &str) -> Error {
+        let own = self.bench.own_effects.iter();
+        Error::UnknownEffect {
+            name: name.to_owned(),
+            own: own.map(|own| own.effect.name().to_owned()).collect(),
+        }
     }
 
     /// The effects of the model as it is; the base model where there is none.
@@ -460,6 +482,7 @@ impl Session {
         let file = self.model.clone().unwrap_or_default();
         let mut file = self.with_hardware(file).named(&self.model_path);
         file.design.get_or_insert_with(|| self.usual_design());
+        adopt_own_effects(&mut file, &self.bench);
         file
     }
 
@@ -623,6 +646,27 @@ fn settled(file: &ModelFile, effect: EffectId) -> Option<(Model, Option<Tie>)> {
 fn provisional_names(tie: Option<&Tie>) -> Vec<String> {
     let effects = tie.iter().flat_map(|tie| &tie.provisional);
     effects.map(|effect| effect.name().to_owned()).collect()
+}
+
+/// Lets a model know the effects that the user of its bench has written. The bench's file counts where the
+/// model brings along one of the same name that reads otherwise.
+fn adopt_own_effects(file: &mut ModelFile, bench: &Bench) {
+    for own in &bench.own_effects {
+        let name = own.effect.name();
+        let old = file
+            .own_effects
+            .iter()
+            .position(|old| old.effect.name() == name);
+        match old {
+            Some(index) => file.own_effects[index] = own.clone(),
+            None => file.own_effects.push(own.clone()),
+        }
+        for effect in &mut file.effects {
+            if effect.name() == name {
+                *effect = own.effect;
+            }
+        }
+    }
 }
 
 /// How errors name a bench: its folder, or its name where it is in memory.

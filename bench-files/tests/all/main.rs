@@ -9,4 +9,5 @@ mod garbage;
 mod hardware;
 mod logs;
 mod model_file;
+mod own_effects;
 mod shared_data;

@@ -8,7 +8,7 @@ use plant::Kind;
 use super::columns::Mapped;
 use crate::regression::least_squares;
 use crate::slips::short;
-use crate::view::{largest, median, range};
+use crate::view::{median, range};
 
 /// What is proposed, and why.
 pub(super) struct Guess {
@@ -42,9 +42,7 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
     let body = angle.is_some() || samples(Channel::Rate).is_some();
     let wheel = samples(Channel::WheelSpeed).or_else(|| samples(Channel::WheelAngle));
     let current = samples(Channel::Current);
-    let is_driven = current
-        .as_ref()
-        .is_some_and(|current| largest(current) > 0.0);
+    let is_driven = current.as_deref().is_some_and(moves);
     let mut guess = Guess {
         kind: Kind::FreeSwing,
         reason: String::new(),
@@ -64,9 +62,6 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         }
         return guess;
     }
-    let moves = |samples: &[f64]| {
-        range(samples).is_some_and(|(low, high)| high - low > 20.0 * identify::noise_std(samples))
-    };
     if !is_driven && !wheel.as_deref().is_some_and(moves) {
         guess.reason = match &wheel {
             Some(_) => "the body swings and the wheel stands still",
@@ -103,18 +98,49 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
     guess
 }
 
-/// Where the body comes to rest.
+/// Whether a series does more than its noise and single lost samples: between its fifth and its ninety-fifth
+/// percentile noise alone covers 3.3 standard deviations.
+fn moves(samples: &[f64]) -> bool {
+    let mut finite: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    let Some(last) = finite.len().checked_sub(1) else {
+        return false;
+    };
+    let at = |share: f64| finite[(last as f64 * share) as usize];
+    let usual = at(0.95) - at(0.05);
+    // A current that is held has no noise to be compared with, but drives all the same.
+    usual > 10.0 * identify::noise_std(samples) || (usual == 0.0 && at(0.5) != 0.0)
+}
+
+/// Where the body comes to rest: the middle between its turning points, late in the log.
 fn rest(angle: &[f64], guess: &mut Guess) {
-    let last = &angle[angle.len() - angle.len() / 3..];
-    let (Some(rest), Some((low, high))) = (median(last.to_vec()), range(angle)) else {
+    let Some((low, high)) = range(angle) else {
         return;
     };
-    if rest.abs() > REST * 0.5 * (high - low) {
+    let late = &angle[angle.len() / 2..];
+    let Some((mut lowest, mut highest)) = range(late) else {
+        return;
+    };
+    let mut middle = 0.5 * (lowest + highest);
+    // Whole swings from crossing to crossing: what is left of the last one would move the mean.
+    let crossings: Vec<usize> = (1..late.len())
+        .filter(|k| late[k - 1] < middle && late[*k] >= middle)
+        .collect();
+    if let (Some(first), Some(last)) = (crossings.first(), crossings.last())
+        && last > first
+    {
+        let whole = &late[*first..*last];
+        middle = whole.iter().sum::<f64>() / whole.len() as f64;
+        (lowest, highest) = range(whole).unwrap_or((lowest, highest));
+    }
+    // A log that stands at its end says where; one that swings says it to a part of its amplitude.
+    let unsure = 0.25 * (highest - lowest);
+    if middle.abs() > (REST * 0.5 * (high - low)).max(unsure) {
         guess.offset_rad = Some((
-            -rest,
+            -middle,
             format!(
                 "the body comes to rest at {}, which is hanging: 0",
-                short(rest)
+                short(middle)
             ),
         ));
     }

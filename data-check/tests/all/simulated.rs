@@ -121,7 +121,7 @@ impl Numbers {
         states
     }
 
-    /// Two free swings, three spin-ups, a coast-down, a driven and a balance log, with noise.
+    /// Two free swings, three spin-ups, a coast-down, a balance and a driven log, with noise.
     pub fn logs(&self) -> Vec<Log> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ 0x5eed);
         let mut noise = move |std: f64| -> f64 {
@@ -185,6 +185,36 @@ impl Numbers {
             });
         }
         logs.push(self.balance(&mut noise));
+        // Hanging, driven back and forth near its own frequency, so that it swings far.
+        let frequency = (self.gravity_torque / self.total_inertia).sqrt();
+        let current: Vec<f64> = (0..2000)
+            .map(|k| 2.0 * unit_a * (0.93 * frequency * 0.005 * k as f64).sin().signum())
+            .collect();
+        let states = self.run(Kind::Driven, State::rest(), &current, 0.005);
+        let seen = |value: fn(&State<f64>) -> f64| states.iter().map(value).collect::<Vec<f64>>();
+        let mut driven = Log {
+            name: "driven",
+            kind: Kind::Driven,
+            columns: vec![
+                ("time_s", (0..2000).map(|k| 0.005 * k as f64).collect()),
+                ("angle_rad", seen(|s| s.angle_rad)),
+                ("rate_rad_s", seen(|s| s.rate_rad_s)),
+                ("wheel_speed_rad_s", seen(|s| s.wheel_speed_rad_s)),
+                ("current_A", current),
+            ],
+            more: String::new(),
+        };
+        for (name, std) in [
+            ("angle_rad", 1e-3),
+            ("rate_rad_s", 5e-3),
+            ("wheel_speed_rad_s", 0.5),
+        ] {
+            driven
+                .column(name)
+                .iter_mut()
+                .for_each(|x| *x += noise(std));
+        }
+        logs.push(driven);
         logs
     }
 
