@@ -49,9 +49,11 @@ async function refresh() {
   byId("bench-name").textContent = bench ? `${bench.name} · ${bench.folder}` : "";
   document.title = bench ? `${bench.name} · flywheel lab` : "flywheel lab";
   if (opens) {
-    await opening.show();
+    // What was typed there stays.
+    if (!opening.isShown()) await opening.show();
     return;
   }
+  opening.hide();
   notice(bench);
   remarks(bench);
   const fresh = bench.folder !== folder;
@@ -121,7 +123,7 @@ function told(event) {
   else if (event.event === "gone") complain(new Error("The lab has stopped, or this browser has lost it. Start `flywheel lab` again."));
 }
 
-for (const part of [sliders, opening, controller]) part.start(begin);
+for (const part of [sliders, opening, controller]) part.start(begin, complain);
 curves.start(complain);
 design.start(begin, complain);
 why.start(begin).then(() => listen(told)).catch(complain);

@@ -1,13 +1,26 @@
 // Where a bench is chosen.
 import { byId, el } from "./dom.js";
 import { get } from "./server.js";
+import * as drop from "./drop.js";
 
 const page = byId("opening");
 let begin = () => {};
 
-export function start(work) { begin = work; }
+export function start(work, report) {
+  begin = work;
+  drop.start(work, report);
+}
+
+let shown = false;
+export const isShown = () => shown;
+
+export function hide() {
+  shown = false;
+  page.replaceChildren();
+}
 
 export async function show() {
+  shown = true;
   const path = el("input", { type: "text", id: "bench-path", size: 40, placeholder: "/home/me/bench", spellcheck: "false", autocomplete: "off" });
   const anew = el("input", { type: "checkbox" });
   const list = el("ul", {}, el("li", { class: "quiet" }, "looking …"));
@@ -18,6 +31,7 @@ export async function show() {
       el("label", { for: "bench-path" }, "Folder"), path, el("button", { class: "main" }, "Open"),
       el("label", { class: "small" }, anew, " fit anew")),
     el("h2", {}, "Found here"), list,
+    drop.panel(),
     el("h2", {}, "Or look around first"),
     el("p", {}, "The demonstration bench is simulated; its pivot has an effect that the base model lacks. It is put into out/lab-demo."),
     el("button", { type: "button", id: "open-demonstration", onclick: () => begin({ task: "open-demonstration" }) }, "Open the demonstration bench"));

@@ -120,8 +120,9 @@ function reasons() {
 function lesson(name) {
   const info = about(name);
   if (!info) return null;
-  return el("dl", {}, el("dt", {}, "What it is"), el("dd", {}, `${info.meaning} (${info.common})`), el("dt", {}, "Equation"), el("dd", {}, info.equation),
+  return el("dl", {}, el("dt", {}, "What it is"), el("dd", {}, info.meaning), el("dt", {}, "Equation"), el("dd", {}, info.equation),
     el("dt", {}, "What it looks like"), el("dd", {}, info.fingerprint), el("dt", {}, "Shows in"), el("dd", {}, info.shows_in.join(", ")),
+    info.confused_with.length ? [el("dt", {}, "Easily taken for"), el("dd", {}, info.confused_with.join(", "))] : [],
     el("dt", {}, "Source"), el("dd", {}, info.source));
 }
 

@@ -21,6 +21,7 @@ const FILES: &[(&str, &str, &str)] = assets![
     "curves.js": SCRIPT,
     "design.js": SCRIPT,
     "dom.js": SCRIPT,
+    "drop.js": SCRIPT,
     "errors.js": SCRIPT,
     "open.js": SCRIPT,
     "plots.js": SCRIPT,

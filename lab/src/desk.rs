@@ -9,6 +9,7 @@ use workbench::{
     Progress, Proof, Session,
 };
 
+use crate::dropped::Dropped;
 use crate::work::Running;
 
 /// Events that a slow page may lag behind before it misses some.
@@ -19,6 +20,7 @@ const MOST_UNDONE: usize = 100;
 /// What the server has at hand.
 pub struct Desk {
     state: Mutex<State>,
+    dropped: Mutex<Dropped>,
     events: broadcast::Sender<String>,
 }
 
@@ -40,6 +42,7 @@ impl Desk {
     pub fn new() -> Desk {
         Desk {
             state: Mutex::default(),
+            dropped: Mutex::default(),
             events: broadcast::Sender::new(EVENTS),
         }
     }
@@ -47,6 +50,11 @@ impl Desk {
     /// What is at hand now.
     pub fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The files that were dropped on the page.
+    pub fn dropped(&self) -> MutexGuard<'_, Dropped> {
+        self.dropped.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The open bench.

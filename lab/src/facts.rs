@@ -252,25 +252,7 @@ fn staircase(bench: &OpenBench) -> Value {
 
 /// The effects of the library, for who learns.
 pub fn effects() -> Value {
-    let all = EffectId::ALL.iter().map(|effect| {
-        let info = effect.info();
-        let parameters = info
-            .parameters
-            .iter()
-            .map(|one| json!({"name": one.name, "unit": one.unit, "meaning": one.meaning}));
-        json!({
-            "name": info.name,
-            "meaning": info.meaning,
-            "equation": info.equation,
-            "fingerprint": info.fingerprint,
-            "source": info.source,
-            "common": info.prior.reason,
-            "replaces": info.replaces,
-            "shows_in": info.shows_in.iter().map(|kind| kind.name()).collect::<Vec<_>>(),
-            "parameters": parameters.collect::<Vec<_>>(),
-        })
-    });
-    json!(all.collect::<Vec<_>>())
+    json!(workbench::effect_library())
 }
 
 /// The diagnosis, with what lets a person see the reason.

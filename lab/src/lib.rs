@@ -10,6 +10,7 @@
 //! | `door` | how a browser gets the cookie without a secret on a command line |
 //! | `folder` | which folders are benches, and that no file of one lies outside it |
 //! | `desk` | the open bench: session, diagnosis, staircase, undo |
+//! | `dropped` | CSV files on their way to a bench |
 //! | `work` | one long computation at a time, with progress and cancel |
 //! | `picture` | curves as a screen can show them: least and largest value a pixel |
 //! | `facts` | what the page is told, as JSON |
@@ -19,6 +20,7 @@
 mod assets;
 mod desk;
 mod door;
+mod dropped;
 mod facts;
 mod folder;
 mod guard;
@@ -30,4 +32,4 @@ mod socket;
 mod work;
 
 pub use report::{Findings, report, report_of};
-pub use server::{Error, Lab, Settings, Stop};
+pub use server::{Error, Lab, Settings};

@@ -1,5 +1,6 @@
 //! The addresses of the server.
 
+use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, Form, Path, Query, State};
 use axum::http::StatusCode;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE, SET_COOKIE};
@@ -19,6 +20,9 @@ use crate::{assets, facts, folder, socket};
 /// Largest body of a request, bytes. What the page sends are names and numbers.
 const LARGEST_BODY: usize = 256 * 1024;
 
+/// Largest file that can be dropped, bytes: 100 000 samples of ten columns are a tenth of it.
+const LARGEST_FILE: usize = 64 * 1024 * 1024;
+
 /// All of them, behind the guard.
 pub fn router(shared: Shared) -> Router {
     Router::new()
@@ -36,9 +40,18 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/work", post(begin).delete(call_off))
         .route("/api/design", post(design))
         .route("/api/controller", get(controller))
+        .route("/api/drop/check", post(check_text))
         .route("/api/report", get(report))
         .route("/socket", get(socket::upgrade))
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
+        // After that layer, so that its own limit counts.
+        .route(
+            "/api/drop",
+            get(dropped)
+                .post(drop_file)
+                .delete(forget)
+                .layer(DefaultBodyLimit::max(LARGEST_FILE)),
+        )
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
 }
@@ -117,6 +130,41 @@ async fn begin(State(shared): State<Shared>, Json(task): Json<Task>) -> Response
 async fn call_off(State(shared): State<Shared>) -> StatusCode {
     work::call_off(&shared.desk);
     StatusCode::NO_CONTENT
+}
+
+#[derive(Deserialize)]
+struct FileName {
+    name: String,
+}
+
+async fn drop_file(
+    State(shared): State<Shared>,
+    Query(file): Query<FileName>,
+    body: Bytes,
+) -> Response {
+    computed(move || {
+        let kept = shared.desk.dropped().keep(&file.name, &body);
+        kept.map(|()| json!(null))
+    })
+    .await
+}
+
+async fn dropped(State(shared): State<Shared>) -> Response {
+    computed(move || Ok(shared.desk.dropped().facts())).await
+}
+
+async fn forget(State(shared): State<Shared>) -> StatusCode {
+    shared.desk.dropped().clear();
+    StatusCode::NO_CONTENT
+}
+
+#[derive(Deserialize)]
+struct BenchText {
+    text: String,
+}
+
+async fn check_text(State(shared): State<Shared>, Json(bench): Json<BenchText>) -> Response {
+    computed(move || Ok(shared.desk.dropped().check(&bench.text))).await
 }
 
 async fn design(State(shared): State<Shared>, Json(wishes): Json<DesignSection>) -> Response {

@@ -4,10 +4,10 @@ use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Router;
 use tokio::net::TcpListener;
-use tokio::sync::Notify;
 
 use crate::desk::Desk;
 use crate::door::{Door, open_in_browser};
@@ -63,19 +63,10 @@ pub struct Lab {
     router: Router,
     door: Door,
     guard: Arc<Guard>,
-    stop: Arc<Notify>,
 }
 
-/// Ends a lab from another thread.
-#[derive(Clone, Debug)]
-pub struct Stop(Arc<Notify>);
-
-impl Stop {
-    /// Lets [`Lab::run`] end.
-    pub fn stop(&self) {
-        self.0.notify_one();
-    }
-}
+/// How often a running lab asks whether it is to end.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 impl Lab {
     /// Listens on the loopback address and begins to open the bench.
@@ -112,7 +103,6 @@ impl Lab {
             router: routes::router(shared),
             door,
             guard,
-            stop: Arc::default(),
         })
     }
 
@@ -139,29 +129,27 @@ impl Lab {
         self.guard.address()
     }
 
-    /// What ends this lab.
-    pub fn stop_handle(&self) -> Stop {
-        Stop(self.stop.clone())
-    }
-
-    /// Answers until the program is interrupted or [`Stop::stop`] is called.
+    /// Answers until `ended` answers true.
     ///
     /// # Errors
     /// [`Error::Serve`].
-    pub fn run(self) -> Result<(), Error> {
+    pub fn run(self, ended: &(dyn Fn() -> bool + Sync)) -> Result<(), Error> {
         let Lab {
             runtime,
             listener,
             router,
             door,
-            stop,
             ..
         } = self;
+        let end = async {
+            while !ended() {
+                tokio::time::sleep(LOOK_EVERY).await;
+            }
+        };
         let result = runtime.block_on(async {
             tokio::select! {
                 served = axum::serve(listener, router) => served.map_err(Error::Serve),
-                () = interrupted() => Ok(()),
-                () = stop.notified() => Ok(()),
+                () = end => Ok(()),
             }
         });
         drop(door);
@@ -169,20 +157,4 @@ impl Lab {
         runtime.shutdown_background();
         result
     }
-}
-
-/// The user, or the system that shuts down, wants the program to end.
-async fn interrupted() {
-    #[cfg(unix)]
-    {
-        use tokio::signal::unix::{SignalKind, signal};
-        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
-            tokio::select! {
-                _ = tokio::signal::ctrl_c() => {}
-                _ = terminate.recv() => {}
-            }
-            return;
-        }
-    }
-    let _ = tokio::signal::ctrl_c().await;
 }

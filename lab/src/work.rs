@@ -28,6 +28,13 @@ pub enum Task {
     },
     /// Opens the demonstration bench.
     OpenDemonstration {},
+    /// Makes a bench folder of the files that were dropped on the page, and opens it.
+    Create {
+        /// The folder; it must not be a bench already.
+        folder: PathBuf,
+        /// The text of bench.toml.
+        text: String,
+    },
     /// Fits the model to all experiments, from these values of its parameters.
     Fit {
         /// Parameters by name.
@@ -89,6 +96,7 @@ impl Task {
     fn name(&self) -> &'static str {
         match self {
             Task::Open { .. } | Task::OpenDemonstration {} => "Opening the bench",
+            Task::Create { .. } => "Making the bench",
             Task::Fit { .. } => "Fitting",
             Task::Keep { .. } => "Keeping the values",
             Task::Diagnose {} => "Diagnosing",
@@ -124,7 +132,10 @@ pub fn start(desk: &Arc<Desk>, task: Task) -> Result<u64, String> {
         if let Some(running) = &state.running {
             return Err(format!("{} is still under way", running.name));
         }
-        let opens = matches!(task, Task::Open { .. } | Task::OpenDemonstration {});
+        let opens = matches!(
+            task,
+            Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. }
+        );
         match &state.bench {
             None if !opens => return Err("no bench is open".to_owned()),
             Some(bench) if !opens && bench.changed_outside() => {
@@ -160,7 +171,7 @@ pub fn start(desk: &Arc<Desk>, task: Task) -> Result<u64, String> {
             cancelled: &cancelled,
         };
         let result = catch_unwind(AssertUnwindSafe(|| {
-            perform(task, bench.as_deref(), &progress)
+            perform(&own_desk, task, bench.as_deref(), &progress)
         }));
         let result = result.unwrap_or_else(|_| {
             Err("internal error: this is a bug in flywheel, please report it".to_owned())
@@ -199,6 +210,7 @@ pub fn call_off(desk: &Desk) {
 }
 
 fn perform(
+    desk: &Desk,
     task: Task,
     bench: Option<&OpenBench>,
     progress: &Progress,
@@ -206,6 +218,11 @@ fn perform(
     let (path, refit) = match &task {
         Task::Open { path, refit } => (Some(path.clone()), *refit),
         Task::OpenDemonstration {} => (Some(folder::demonstration()?), false),
+        Task::Create { folder, text } => {
+            desk.dropped().write(folder, text)?;
+            desk.dropped().clear();
+            (Some(folder.clone()), false)
+        }
         _ => (None, false),
     };
     if let Some(path) = path {
@@ -219,7 +236,8 @@ fn perform(
 /// Does what is asked with a copy of the bench, which takes its place if all goes well.
 fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), String> {
     match task {
-        Task::Open { .. } | Task::OpenDemonstration {} => {}
+        // These open another bench: see `perform`.
+        Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. } => {}
         Task::Fit { start } => {
             bench.remember();
             let start = borrowed(&start);

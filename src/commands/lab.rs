@@ -6,6 +6,7 @@ use lab::{Lab, Settings};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::progress::with_progress;
 use crate::report::Report;
 
 /// Arguments of the command.
@@ -43,6 +44,6 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         )
     };
     crate::print(&format!("{how}\nCtrl-C ends it.\n"))?;
-    lab.run().map_err(failed)?;
+    with_progress(|progress| lab.run(progress.cancelled)).map_err(failed)?;
     Report::new(String::new(), &json!(null))
 }

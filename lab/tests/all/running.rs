@@ -1,10 +1,12 @@
 //! A lab that runs in a thread, and a browser's part of the talk with it.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use lab::{Lab, Settings, Stop};
+use lab::{Lab, Settings};
 use serde_json::Value;
 
 use crate::http::{Answer, send};
@@ -17,7 +19,7 @@ pub struct Running {
     pub once: String,
     /// `name=value`; empty until [`Running::enter`].
     pub cookie: String,
-    stop: Stop,
+    ended: Arc<AtomicBool>,
     thread: Option<thread::JoinHandle<()>>,
 }
 
@@ -34,13 +36,18 @@ impl Running {
             .rsplit(':')
             .next()
             .and_then(|port| port.parse().ok());
+        let (door, once) = (lab.door().to_path_buf(), lab.one_time_address());
+        let ended = Arc::new(AtomicBool::new(false));
+        let end = ended.clone();
+        let thread =
+            thread::spawn(move || lab.run(&|| end.load(Ordering::Relaxed)).expect("a run"));
         Running {
             port: port.expect("a port"),
-            door: lab.door().to_path_buf(),
-            once: lab.one_time_address(),
+            door,
+            once,
             cookie: String::new(),
-            stop: lab.stop_handle(),
-            thread: Some(thread::spawn(move || lab.run().expect("a run"))),
+            ended,
+            thread: Some(thread),
         }
     }
 
@@ -105,7 +112,7 @@ pub fn cookie_of(answer: &Answer) -> String {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        self.stop.stop();
+        self.ended.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
             // What went wrong in it is shown by the test's own failure.
             let _ = thread.join();
