@@ -43,7 +43,7 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Result<ExitCode, Failure> {
     let report = cli.command.run()?;
     deliver(&report, cli.command.output())?;
-    Ok(ExitCode::from(u8::from(!report.passed)))
+    Ok(ExitCode::from(report.code))
 }
 
 /// Prints the text, or writes the JSON; with `--json -` the JSON takes the text's place.

@@ -7,3 +7,4 @@ pub mod decay;
 pub mod design;
 pub mod design_change;
 pub mod diagnosis;
+pub mod proof;

@@ -16,6 +16,7 @@ use crate::error::Error;
 use crate::output_file::OutputFile;
 
 pub use checker::ProofSettings;
+pub use checker::prove::Verdict;
 
 /// Every claim of a certificate, each by every engine that can settle it.
 #[derive(Clone, Debug, Serialize)]
@@ -40,7 +41,7 @@ pub fn prove(folder: &Path, settings: &ProofSettings, progress: &Progress) -> Re
     Ok(Proof {
         folder: folder.to_path_buf(),
         seed: settings.seed,
-        claims: checker::prove::prove(folder, settings)?,
+        claims: checker::prove::prove(folder, settings, &|what| (progress.say)(what))?,
     })
 }
 
@@ -72,12 +73,19 @@ impl GeneratedController {
         Ok(Proof {
             folder: PathBuf::new(),
             seed: settings.seed,
-            claims: checker::prove::settle(&emitted, &certificate, settings),
+            claims: checker::prove::settle_saying(&emitted, &certificate, settings, &|what| {
+                (progress.say)(what);
+            }),
         })
     }
 }
 
 impl Proof {
+    /// What all claims together say.
+    pub fn verdict(&self) -> Verdict {
+        checker::prove::verdict(&self.claims)
+    }
+
     /// Whether no claim fails.
     pub fn passed(&self) -> bool {
         checker::prove::passed(&self.claims)

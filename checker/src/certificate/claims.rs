@@ -3,6 +3,8 @@
 //! Written down here a second time on purpose: a certificate that states something else is
 //! rejected, not believed.
 
+use crate::claims::outcome::{COMPILED, EXACT, INTERVALS, RANDOM, READER};
+
 /// What a claim says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClaimStatement {
@@ -14,17 +16,36 @@ pub struct ClaimStatement {
     pub domain: &'static str,
     /// What is assumed; empty if nothing.
     pub assumptions: &'static str,
+    /// What settles it wherever this program runs; other engines may settle it too.
+    pub engine: &'static str,
     /// Whether the certificate lists it.
     pub is_in_certificate: bool,
 }
 
 /// Every claim, in the order in which they are shown.
-pub const CLAIMS: [ClaimStatement; 18] = [
+pub const CLAIMS: [ClaimStatement; 20] = [
     ClaimStatement {
         id: "source-understood",
         statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
         domain: "every emitted file",
         assumptions: "",
+        engine: READER,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "texts-audited",
+        statement: "Every emitted file is, but for the numbers of the bench, token by token a text that was audited.",
+        domain: "every token of every emitted file but words, gains, limits and formats",
+        assumptions: "SHA-256 gives two texts one digest never.",
+        engine: READER,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "compiled-agrees",
+        statement: "The crate as rustc compiles it gives the words that the reader of the source gives.",
+        domain: "every public function at random words, at the ends of ranges and on both sides of each branch that was found; runs of the controller near upright",
+        assumptions: "The compiler and the crate `fixed` are those of this machine; a processor without them may have others.",
+        engine: COMPILED,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -32,6 +53,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "Every number and name of the certificate is the one of the source, or follows from it.",
         domain: "every field of certificate.json",
         assumptions: "",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -39,6 +61,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "The words of sensors, mounting, converter and drive are the stated real numbers, rounded.",
         domain: "every constant of src/constants.rs",
         assumptions: "",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -46,6 +69,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "`control` neither overflows nor panics, and its command lies within ±CURRENT_LIMIT.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -53,6 +77,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "The command lies within half a unit of its format of the saturated law with the quantised gains.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -60,6 +85,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "The command lies within the stated bound of the law -K x with the real gains, saturated at the real limit.",
         domain: "every representable state within the physical ranges",
         assumptions: "",
+        engine: EXACT,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -67,6 +93,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "The command never falls when a state with a positive gain rises, nor rises when one with a negative gain does.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -74,6 +101,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "Each primitive of the filter keeps the contract of ranges that stands at it.",
         domain: "every argument that the contract allows",
         assumptions: "Contracts that are no ranges are checked where the primitive is called, with the words of this bench.",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -81,6 +109,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "No step of the attitude filter overflows, and each keeps its components and rates within the stated ranges.",
         domain: "every sensor reading and every state within the invariant, which holds at the start",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -88,6 +117,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "The squared length of the attitude's quaternion lies within 1 ± 2^-11 at the start and after every step and alignment.",
         domain: "every sensor reading and every state within the invariant, which holds at the start",
         assumptions: "No step overflows or leaves its ranges (`filter-total`).",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -95,6 +125,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "Raw counts give a duty within the drive's limits, and the duty of zero current when not armed.",
         domain: "every sample and every state within the invariant",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -102,6 +133,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "A step of the filter follows Madgwick's equations in double precision to within 2e-7 in each component, the pivot angle to within 1e-6 rad.",
         domain: "random attitudes and readings",
         assumptions: "The reference is written from the paper, in floating point.",
+        engine: RANDOM,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -109,6 +141,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "Every function of the filter gives, bit for bit, the words of the checker's own statement of it in exact integers.",
         domain: "random words, ends of ranges, and words where pieces meet",
         assumptions: "",
+        engine: RANDOM,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -116,6 +149,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "All eigenvalues of Ad - Bd K with the quantised gains lie inside the unit circle.",
         domain: "the linear model sampled at the stated time",
         assumptions: "",
+        engine: EXACT,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -123,6 +157,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "Plant, regulator and the emitted observer of the angle's bias are stable together, and leave less than a hundredth of a constant bias at rest.",
         domain: "the linear model sampled at the stated time",
         assumptions: "No saturation; a module without observer claims nothing here.",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -130,6 +165,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "From any start in the stated ellipsoid the loop with the emitted law never saturates and stays within the stated bounds of the loop in real numbers, at every step.",
         domain: "all time; every start in the ellipsoid; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model; the sensors return the nearest count, the angle directly and not through the filter; the other loop computes in real numbers.",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -137,6 +173,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "From any start in the stated share of the ellipsoid the loop with the emitted law never saturates, and comes into the stated smaller share and stays there.",
         domain: "all time; every start in that share; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model with gravity as G sin(angle); the sensors return the nearest count, the angle directly and not through the filter.",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -144,6 +181,7 @@ pub const CLAIMS: [ClaimStatement; 18] = [
         statement: "The loop with the emitted gains is stable for every parameter vector that identification allows.",
         domain: "the box around the 95 % ellipsoid of the stated standard errors",
         assumptions: "The plant is the linear model; a parameter without a standard error is taken as exact; an observer of the angle's bias is left out.",
+        engine: EXACT,
         is_in_certificate: false,
     },
 ];

@@ -2,7 +2,7 @@
 //!
 //! | file | claim, or what several use |
 //! |---|---|
-//! | [`source_understood`], [`certificate_consistent`], [`hardware_words`] | the claims of that name |
+//! | [`source_understood`], [`texts_audited`], [`compiled_agrees`], [`certificate_consistent`], [`hardware_words`] | the claims of that name |
 //! | [`control_total`], [`control_accurate`], [`control_accurate_real_gains`], [`control_monotone`] | of the control law |
 //! | [`primitives`], [`filter_total`], [`filter_length`], [`filter_accurate`], [`filter_exact`] | of the attitude filter |
 //! | [`step_total`] | of the full step |
@@ -19,6 +19,7 @@ pub mod bias_observer_words;
 pub mod certificate_consistent;
 pub mod closed_loop_for_all_time;
 pub mod closed_loop_stable;
+pub mod compiled_agrees;
 pub mod control_accurate;
 pub mod control_accurate_real_gains;
 pub mod control_law;
@@ -39,3 +40,4 @@ pub mod sampling;
 pub mod source_understood;
 pub mod stable_for_parameters;
 pub mod step_total;
+pub mod texts_audited;

@@ -45,10 +45,10 @@ pub(super) fn no_generics(path: &Arc<str>, generics: &syn::Generics) -> Read<()>
 pub(super) fn inner_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -> Read<()> {
     attributes.iter().try_for_each(|attribute| {
         let name = attribute.path();
-        if ["doc", "no_std", "forbid", "warn"]
+        let is_known = ["no_std", "forbid", "warn"]
             .iter()
-            .any(|known| name.is_ident(known))
-        {
+            .any(|known| name.is_ident(known));
+        if is_known || is_documentation(attribute) {
             Ok(())
         } else {
             refuse(
@@ -63,6 +63,18 @@ pub(super) fn inner_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -
     })
 }
 
+/// A comment of documentation, not one that is read from somewhere.
+fn is_documentation(attribute: &syn::Attribute) -> bool {
+    attribute.path().is_ident("doc")
+        && matches!(
+            &attribute.meta,
+            syn::Meta::NameValue(syn::MetaNameValue {
+                value: syn::Expr::Lit(_),
+                ..
+            })
+        )
+}
+
 /// Attributes that do not change what the code does. Kani's contracts stand under
 /// `cfg_attr(kani, …)`, which nothing but Kani compiles.
 pub(super) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -> Read<()> {
@@ -75,9 +87,10 @@ pub(super) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -
                 )
                 .ok()
         };
-        let is_harmless = ["doc", "inline", "must_use"]
-            .iter()
-            .any(|known| name.is_ident(known));
+        let is_harmless = is_documentation(attribute)
+            || ["inline", "must_use"]
+                .iter()
+                .any(|known| name.is_ident(known));
         let is_derive = name.is_ident("derive")
             && list().is_some_and(|list| {
                 list.iter().all(|item| {

@@ -18,8 +18,12 @@ pub struct Struct {
     pub name: String,
     /// Names (`0`, `1`, … in a tuple struct) and types of the fields.
     pub fields: Vec<(String, Type)>,
+    /// Module in which it stands.
+    pub module: usize,
     /// Whether code outside its module can write a field.
     pub is_open: bool,
+    /// Whether code outside its module can write and read every field.
+    pub is_whole: bool,
 }
 
 /// Values of the constants, computed when first needed.
@@ -83,6 +87,8 @@ pub struct Argument {
     pub name: String,
     /// Type behind any reference.
     pub type_: Type,
+    /// Whether it is `&` or `&mut`.
+    pub is_reference: bool,
     /// Whether it is `&mut`, so that its value comes back to the caller.
     pub is_mutable: bool,
 }

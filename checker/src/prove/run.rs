@@ -5,9 +5,9 @@ use std::path::Path;
 use crate::certificate::reader::{Certificate, CertificateError};
 use crate::language::emitted::{Emitted, EmittedError};
 use crate::prove::kani::kani;
-use crate::prove::results::ClaimResult;
+use crate::prove::results::{ClaimResult, complete};
 use crate::prove::settings::ProofSettings;
-use crate::prove::settle::settle;
+use crate::prove::settle::settle_saying;
 
 /// Why there is nothing to prove.
 #[derive(Debug, thiserror::Error)]
@@ -20,15 +20,19 @@ pub enum ProveError {
     Certificate(#[from] CertificateError),
 }
 
-/// Settles every claim about the crate in `directory`.
+/// Settles every claim about the crate in `directory`; `say` is told what takes a while.
 ///
 /// # Errors
 /// [`ProveError`] where the folder holds no emitted crate. Source or numbers that do not hold up
 /// are no error but a failed claim.
-pub fn prove(directory: &Path, settings: &ProofSettings) -> Result<Vec<ClaimResult>, ProveError> {
+pub fn prove(
+    directory: &Path,
+    settings: &ProofSettings,
+    say: &dyn Fn(&str),
+) -> Result<Vec<ClaimResult>, ProveError> {
     let emitted = Emitted::read(directory)?;
     let certificate = Certificate::parse(&emitted.certificate)?;
-    let mut results = settle(&emitted, &certificate, settings);
+    let mut results = settle_saying(&emitted, &certificate, settings, say);
     results.extend(kani(directory, settings));
-    Ok(results)
+    Ok(complete(results, "switched off"))
 }

@@ -7,6 +7,10 @@ pub struct ProofSettings {
     pub cases: usize,
     /// Seed of the random runs.
     pub seed: u64,
+    /// Whether the texts are held against the audited ones; an audit of new texts leaves this out.
+    pub audited_texts: bool,
+    /// Whether the crate is compiled and run, where Cargo is installed (seconds).
+    pub compiled: bool,
     /// Whether z3 is asked, where there is one.
     pub smt: bool,
     /// Whether Kani runs, where it is installed (minutes).
@@ -24,6 +28,8 @@ impl Default for ProofSettings {
         ProofSettings {
             cases: 20_000,
             seed: 1,
+            audited_texts: true,
+            compiled: true,
             smt: true,
             kani: true,
             closed_loop: true,

@@ -16,6 +16,9 @@
 //!   `Alias::from_bits(x)` of the `fixed` types; `x.clamp(low, high)` with constant bounds;
 //!   `x as i32` of a value clamped to the range of an `i32`.
 //!
+//! A number whose type is not that of what it is computed with carries it: `1_i64 << SHIFT`, so that
+//! nobody has to know how Rust finds types. Code is ASCII; names have one spelling.
+//!
 //! In these, every `i64` operation is meant to be exact: overflow is excluded, not wrapped.
 //! Runtime helpers (`codegen/runtime/`) are hand-written and may in addition use:
 //!

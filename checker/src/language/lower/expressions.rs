@@ -43,7 +43,7 @@ impl Builder<'_> {
             }
             syn::Expr::Lit(literal) => self.literal(scope, literal, false, expected),
             syn::Expr::Unary(unary) => self.unary(scope, unary, expected, steps),
-            syn::Expr::Binary(binary) => self.binary(scope, binary, expected, steps),
+            syn::Expr::Binary(binary) => self.binary(scope, binary, steps),
             syn::Expr::Cast(cast) => self.cast(scope, cast, steps),
             syn::Expr::Path(path) => self.name(scope, path, expected),
             syn::Expr::Field(_) => {
