@@ -4,6 +4,8 @@
 mod demo;
 #[path = "cli/diagnose.rs"]
 mod diagnose;
+#[path = "cli/prove.rs"]
+mod prove;
 
 use std::ffi::OsStr;
 use std::fs;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use checker::certificate::reader::Certificate;
 use checker::claims::compiled_agrees;
-use checker::prove::{Emitted, Verdict, settle, verdict};
+use checker::prove::{Emitted, ProofVerdict, settle, verdict};
 use checker::{ClaimOutcome, ClaimResult, ProofSettings};
 
 /// The quick engines.
@@ -17,6 +17,7 @@ const QUICK: ProofSettings = ProofSettings {
     smt: false,
     kani: false,
     closed_loop: false,
+    python: false,
     filter_ranges: false,
     filter_length: false,
 };
@@ -49,8 +50,8 @@ fn rows(emitted: &Emitted, settings: &ProofSettings) -> Vec<ClaimResult> {
 /// Claims that fail.
 fn failing(emitted: &Emitted, settings: &ProofSettings) -> Vec<String> {
     match verdict(&rows(emitted, settings)) {
-        Verdict::Fails(claims) => claims,
-        Verdict::Holds | Verdict::Unsettled(_) => Vec::new(),
+        ProofVerdict::Fails(claims) => claims,
+        ProofVerdict::Holds | ProofVerdict::Unsettled(_) => Vec::new(),
     }
 }
 
@@ -89,7 +90,11 @@ fn forms_that_rust_reads_in_another_way() {
         ),
         // A module that takes the place of a type.
         ("src/lib.rs", "pub mod line;", "pub mod line;\npub mod i64;"),
-        ("src/lib.rs", "pub use control::{", "pub use control::{r#control, "),
+        (
+            "src/lib.rs",
+            "pub use control::{",
+            "pub use control::{r#control, ",
+        ),
         // A constant that looks like one of a type.
         (
             "src/control.rs",
@@ -106,7 +111,10 @@ fn forms_that_rust_reads_in_another_way() {
     for (file, from, to) in forms {
         let mut crate_ = damaged(file, from, to);
         if to.contains("pub mod i64") {
-            let text = format!("{}\npub fn from(x: i32) -> i32 {{ x }}\n", crate_.sources[0].1);
+            let text = format!(
+                "{}\npub fn from(x: i32) -> i32 {{ x }}\n",
+                crate_.sources[0].1
+            );
             crate_.sources.push(("src/i64.rs".to_owned(), text));
         }
         // The reader notices without any digest.
@@ -146,13 +154,30 @@ fn texts_are_fixed() {
             "        Attitude::new()\n",
             "        Attitude { state: super::filter::START }\n",
         ),
-        ("src/control.rs", "pub fn control(", "#[inline]\npub fn control("),
-        ("src/lib.rs", "pub mod line;", "pub mod line;\n\npub const X: i32 = 1;"),
-        ("src/constants.rs", "pub const FILTER", "pub const X: i32 = 1;\npub const FILTER"),
+        (
+            "src/control.rs",
+            "pub fn control(",
+            "#[inline]\npub fn control(",
+        ),
+        (
+            "src/lib.rs",
+            "pub mod line;",
+            "pub mod line;\n\npub const X: i32 = 1;",
+        ),
+        (
+            "src/constants.rs",
+            "pub const FILTER",
+            "pub const X: i32 = 1;\npub const FILTER",
+        ),
     ];
     for (file, from, to) in changes {
         let claims = failing(&damaged(file, from, to), &QUICK);
-        assert!(claims.iter().any(|claim| claim == "texts-audited" || claim == "source-understood"), "{to}: {claims:?}");
+        assert!(
+            claims
+                .iter()
+                .any(|claim| claim == "texts-audited" || claim == "source-understood"),
+            "{to}: {claims:?}"
+        );
     }
 }
 
@@ -187,7 +212,10 @@ fn the_compiled_crate_is_compared_where_the_pendulum_operates() {
     ];
     for (file, from, to) in attacks {
         let outcome = run(&damaged(file, from, to));
-        assert!(matches!(outcome, ClaimOutcome::Failed(_)), "{to}: {outcome:?}");
+        assert!(
+            matches!(outcome, ClaimOutcome::Failed(_)),
+            "{to}: {outcome:?}"
+        );
     }
     // A crate that does not compile fails; nothing is run of it.
     let outcome = run(&damaged("src/root.rs", "let rest =", "let other ="));

@@ -25,7 +25,7 @@ fn region(
 ) -> Result<region_of_attraction::ProvedRegion, String> {
     let stated = certificate.closed_loop.as_ref().unwrap();
     let bounds = closed_loop_for_all_time::check(certificate, stated, law).unwrap();
-    region_of_attraction::check(certificate, stated, &bounds, law)
+    region_of_attraction::check(certificate, stated, &bounds, law).map_err(|why| why.to_string())
 }
 
 /// Points all over the unit sphere (Fibonacci's spiral).

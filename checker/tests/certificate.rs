@@ -17,6 +17,7 @@ const SETTINGS: ProofSettings = ProofSettings {
     smt: false,
     kani: false,
     closed_loop: true,
+    python: false,
     filter_ranges: true,
     filter_length: false,
 };

@@ -17,9 +17,10 @@ fn the_committed_file_is_current() {
         smt: false,
         kani: false,
         closed_loop: false,
+        python: false,
         ..ProofSettings::default()
     };
-    let results = prove(folder, &settings, &|_| ()).unwrap();
+    let results = prove(folder, None, &settings, &|_| ()).unwrap();
     let module = Module::read(folder).unwrap();
     let text = claims(&Certificate::read(folder).unwrap(), &module, &results);
     let committed = std::fs::read_to_string("../CLAIMS.md").unwrap();

@@ -52,12 +52,18 @@ fn constructs_outside_the_language() {
         ("(if a < b { return a; } else { b }) + 1", "return"),
         ("if { return a; } { b } else { a }", "return"),
         // Rust takes numbers whose type nothing states for i32, whatever they are cast to.
-        ("(1 << 31) as i64 as i32", "2:6: the type of `1` is not stated"),
+        (
+            "(1 << 31) as i64 as i32",
+            "2:6: the type of `1` is not stated",
+        ),
         ("(1 + 2) as i64 as i32", "the type of `1` is not stated"),
         ("a << (1 << 3)", "the type of `1` is not stated"),
         ("a + (1 << 3)", "the type of `1` is not stated"),
         ("if 1 < 2 { a } else { b }", "the type of `1` is not stated"),
-        ("let x = (if a < b { 1 } else { 2 }) as i64; x as i32", "is not stated"),
+        (
+            "let x = (if a < b { 1 } else { 2 }) as i64; x as i32",
+            "is not stated",
+        ),
         ("<i32>::MAX", "through a type"),
         ("::i32::MAX", "begins with `::`"),
         ("i32::<>::MAX", "arguments"),
@@ -87,9 +93,15 @@ fn items_outside_the_language() {
         ("pub type A = i32;", "fixed::types::IxFy"),
         ("pub use law::r#control;", "found `r#`"),
         ("fn \u{434}() -> i32 { 1 }", "found `\\u{434}`"),
-        ("// \u{202e} hidden\nfn f() -> i32 { 1 }", "what is not seen"),
+        (
+            "// \u{202e} hidden\nfn f() -> i32 { 1 }",
+            "what is not seen",
+        ),
         ("#![doc = include_str!(\"x\")]", "not an attribute"),
-        ("fn f(a: &mut i32) -> i32 { 1 }", "only a receiver is `&mut`"),
+        (
+            "fn f(a: &mut i32) -> i32 { 1 }",
+            "only a receiver is `&mut`",
+        ),
         (
             "struct X { a: i32 } impl X { fn f(self: &mut Self) { self.a = 1; } }",
             "a receiver is",
@@ -196,7 +208,10 @@ fn expressions() {
         ("if !(a == b) && a != b { 1 } else { 0 }", 1),
         ("(b >> 1) & 1", 0),
         ("let mut x = a; if b < 0 { x = x + 1; } x", 8),
-        ("let x: i64 = (1_i64 << (2_u32 + 3)) * (a as i64); x as i32", 224),
+        (
+            "let x: i64 = (1_i64 << (2_u32 + 3)) * (a as i64); x as i32",
+            224,
+        ),
         ("i64::from(a) as i32 + (1i64 << 3) as i32", 15),
         ("(0x10 - a) * -2", -18),
         ("match Some(a) { Some(x) => x, None => b }", 7),
@@ -277,6 +292,7 @@ fn files_that_would_be_built_along_are_refused() {
         smt: false,
         kani: false,
         closed_loop: false,
+        python: false,
         filter_length: false,
         ..ProofSettings::default()
     };

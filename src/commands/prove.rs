@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use workbench::{ProofSettings, Verdict, prove};
+use workbench::{ProofSettings, ProofVerdict, prove};
 
 use crate::arguments::JsonOutput;
 use crate::failure::Failure;
@@ -16,6 +16,9 @@ pub struct Arguments {
     /// Folder of an emitted crate: its sources and its certificate.json
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// The model.toml that the crate is to be of: its numbers must be those of this file
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<PathBuf>,
     /// Number of random runs of each kind
     #[arg(long, value_name = "N", default_value_t = ProofSettings::default().cases)]
     pub cases: usize,
@@ -40,12 +43,15 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         kani: !arguments.without_kani,
         ..ProofSettings::default()
     };
-    let proof = with_progress(|progress| prove(&arguments.folder, &settings, progress))?;
+    let proof = with_progress(|progress| {
+        let model = arguments.model.as_deref();
+        prove(&arguments.folder, model, &settings, progress)
+    })?;
     let verdict = proof.verdict();
     let report = Report::new(views::proof::text(&proof, &verdict), &proof)?;
     Ok(match verdict {
-        Verdict::Fails(_) => report.failed(),
-        Verdict::Unsettled(_) if !arguments.allow_not_run => report.unsettled(),
-        Verdict::Holds | Verdict::Unsettled(_) => report,
+        ProofVerdict::Fails(_) => report.failed(),
+        ProofVerdict::Unsettled(_) if !arguments.allow_not_run => report.unsettled(),
+        ProofVerdict::Holds | ProofVerdict::Unsettled(_) => report,
     })
 }

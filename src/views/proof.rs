@@ -1,11 +1,11 @@
 //! The claims of an emitted crate and what became of them.
 
-use workbench::{Proof, Verdict};
+use workbench::{Proof, ProofVerdict};
 
 use crate::report::table::{Align, Table};
 
 /// What is claimed, each engine's row, and the verdict in a sentence.
-pub fn text(proof: &Proof, verdict: &Verdict) -> String {
+pub fn text(proof: &Proof, verdict: &ProofVerdict) -> String {
     let mut table = Table::new(&[
         ("claim", Align::Left),
         ("engine", Align::Left),
@@ -33,12 +33,14 @@ pub fn text(proof: &Proof, verdict: &Verdict) -> String {
         }
     }
     let said = match verdict {
-        Verdict::Holds => "No claim fails, and each that says something of this module is settled.".to_owned(),
-        Verdict::Unsettled(claims) => format!(
+        ProofVerdict::Holds => {
+            "No claim fails, and each that says something of this module is settled.".to_owned()
+        }
+        ProofVerdict::Unsettled(claims) => format!(
             "No claim fails. No engine settled {}: see the rows `not run` (exit code 3; --allow-not-run: 0).",
             claims.join(", ")
         ),
-        Verdict::Fails(claims) => format!("Claims that FAIL: {}.", claims.join(", ")),
+        ProofVerdict::Fails(claims) => format!("Claims that FAIL: {}.", claims.join(", ")),
     };
     format!(
         "{}: what the emitted files promise, checked from these files alone (seed {})\n{statements}\n{}\n{said}\n",

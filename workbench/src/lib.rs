@@ -111,6 +111,6 @@ pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
-pub use proof::{MutationReport, Proof, ProofSettings, Verdict, mutate, prove};
+pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

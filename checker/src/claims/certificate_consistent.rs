@@ -8,6 +8,7 @@ use crate::certificate::reader::{Certificate, StatedDecimal};
 use crate::claims::bias_observer_numbers::check_numbers;
 use crate::claims::control_accurate_real_gains::derived;
 use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::gains_optimal;
 use crate::claims::sampling::check_sampling;
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::declarations::Named;
@@ -79,12 +80,13 @@ pub fn check(
     check_claims(certificate)?;
     check_drive(certificate, module)?;
     check_sampling(certificate)?;
+    gains_optimal::check(certificate)?;
     check_numbers(certificate)
 }
 
 fn check_header(certificate: &Certificate, module: &Module, files: &[String]) -> Check {
     equal("generator", certificate.generator.as_str(), MARK)?;
-    equal("format_version", certificate.format_version, 2)?;
+    equal("format_version", certificate.format_version, 3)?;
     let mut stated = certificate.files.clone();
     stated.sort();
     let mut found = files.to_vec();

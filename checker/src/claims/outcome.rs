@@ -84,5 +84,7 @@ pub const SMT: &str = "z3";
 pub const KANI: &str = "Kani";
 /// The crate, compiled and run.
 pub const COMPILED: &str = "the compiled crate";
+/// A small program in Python.
+pub const PYTHON: &str = "second checker (Python)";
 /// Reading the source.
 pub const READER: &str = "reader of the source";

@@ -26,3 +26,23 @@ pub fn texts(emitted: &Emitted) -> Result<Vec<&'static AuditedText>, String> {
     });
     found.collect()
 }
+
+/// What the audit of these texts has shown beyond this run, in a sentence; empty where they were not
+/// audited.
+pub fn audit_of(emitted: &Emitted) -> String {
+    let Ok(texts) = texts(emitted) else {
+        return String::new();
+    };
+    let with_cases = texts.iter().filter(|text| !text.in_cases.is_empty());
+    let cases = with_cases.map(|text| text.cases).min().unwrap_or_default();
+    let on_all: Vec<&str> = texts
+        .iter()
+        .flat_map(|text| text.every_input.iter().map(String::as_str))
+        .collect();
+    let all = if on_all.is_empty() {
+        String::new()
+    } else {
+        format!("; on every input: {}", on_all.join(", "))
+    };
+    format!("the text is the audited one, which was run in {cases} cases{all}")
+}

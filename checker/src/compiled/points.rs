@@ -8,6 +8,7 @@
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::claims::random::Random;
+use crate::claims::upright::Upright;
 use crate::compiled::harness::{Call, Harness};
 use crate::domains::machine::Machine;
 use crate::language::contracts::stated;
@@ -50,7 +51,7 @@ pub fn points(module: &Module, harness: &Harness, cases: usize, seed: u64) -> Ve
     objects.sort_unstable();
     objects.dedup();
     for object in objects {
-        let upright = upright(module);
+        let upright = Upright::find(module);
         for run in 0..cases.div_ceil(RUN) {
             let run = Run {
                 module,
@@ -163,47 +164,12 @@ fn boundary(
     vec![one, other]
 }
 
-/// Counts of the accelerometer for which the filter says upright; the length is that of gravity.
-fn upright(module: &Module) -> Option<[f64; 3]> {
-    let shortest = module
-        .constant_words("constants", "FILTER")?
-        .into_iter()
-        .find(|(name, _)| name.ends_with(".gravity_squared_min"))?;
-    // The shortest usable vector is an eighth of gravity, squared, in units of 2³²; a count is 2¹³ units.
-    let length = 8.0 * (shortest.1 as f64).sqrt() * 2f64.powi(16 - 13);
-    let start = Machine::new(module.function("Attitude::new")?)
-        .call(&[])
-        .ok()?
-        .to_vec();
-    let mut align = Machine::new(module.function("Attitude::align")?);
-    let mut angle = Machine::new(module.function("Attitude::angle")?);
-    let mut best: Option<(i128, [f64; 3])> = None;
-    for part in 0..3_600 {
-        let (sin, cos) = (f64::from(part) / 3_600.0 * std::f64::consts::TAU).sin_cos();
-        let counts = [length * cos, length * sin, 0.0];
-        let words = counts.map(|count| count.round() as i128);
-        let Ok(result) = align.call(&[&start[..], &words].concat()) else {
-            continue;
-        };
-        let state = result[result.len() - start.len()..].to_vec();
-        let Ok(found) = angle.call(&state) else {
-            continue;
-        };
-        let size = found[0].abs();
-        if best.as_ref().is_none_or(|(least, _)| size < *least) {
-            best = Some((size, counts));
-        }
-    }
-    best.map(|(_, counts)| counts)
-}
-
 /// A run of one object from its start.
 struct Run<'a> {
     module: &'a Module,
     harness: &'a Harness,
     object: usize,
-    /// Counts of the accelerometer upright.
-    upright: Option<[f64; 3]>,
+    upright: Option<Upright>,
     /// Whether the body stays near upright.
     is_near: bool,
 }
@@ -283,11 +249,8 @@ impl Run<'_> {
         let axis = |index: usize| name.ends_with(&format!("[{index}]"));
         let noise = random.count(4.0);
         if name.contains("accel") {
-            let (sin, cos) = lean.sin_cos();
-            let [x, y, z] = upright;
-            let turned = [cos * x - sin * y, sin * x + cos * y, z];
             let index = (0..3).find(|index| axis(*index))?;
-            Some(turned[index].round() as i128 + noise)
+            Some(upright.leaning(lean)[index].round() as i128 + noise)
         } else if name.contains("gyro") {
             Some(random.count(40.0))
         } else if name.contains("mag") && !name.ends_with("is_some") {

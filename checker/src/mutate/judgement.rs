@@ -72,6 +72,7 @@ const SETTINGS: ProofSettings = ProofSettings {
     kani: false,
     // It reads nothing of the source but the law, and that is compared before.
     closed_loop: false,
+    python: false,
     filter_ranges: false,
     filter_length: false,
 };

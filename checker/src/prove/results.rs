@@ -59,7 +59,7 @@ impl Serialize for ClaimResult {
 
 /// What all rows together say.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ProofVerdict {
     /// Every claim that says something of this module is proved or tested by some engine.
     Holds,
     /// No row failed, but these claims were settled by no engine.
@@ -69,7 +69,7 @@ pub enum Verdict {
 }
 
 /// What all rows together say.
-pub fn verdict(results: &[ClaimResult]) -> Verdict {
+pub fn verdict(results: &[ClaimResult]) -> ProofVerdict {
     let with = |is_wanted: &dyn Fn(&ClaimOutcome) -> bool| -> Vec<String> {
         let mut ids: Vec<String> = Vec::new();
         for result in results.iter().filter(|result| is_wanted(&result.outcome)) {
@@ -81,7 +81,7 @@ pub fn verdict(results: &[ClaimResult]) -> Verdict {
     };
     let failed = with(&|outcome| matches!(outcome, ClaimOutcome::Failed(_)));
     if !failed.is_empty() {
-        return Verdict::Fails(failed);
+        return ProofVerdict::Fails(failed);
     }
     let settled = with(&|outcome| !matches!(outcome, ClaimOutcome::NotRun(_)));
     let unsettled: Vec<String> = with(&|_| true)
@@ -89,15 +89,15 @@ pub fn verdict(results: &[ClaimResult]) -> Verdict {
         .filter(|id| !settled.contains(id))
         .collect();
     if unsettled.is_empty() {
-        Verdict::Holds
+        ProofVerdict::Holds
     } else {
-        Verdict::Unsettled(unsettled)
+        ProofVerdict::Unsettled(unsettled)
     }
 }
 
 /// Whether no claim failed.
 pub fn passed(results: &[ClaimResult]) -> bool {
-    !matches!(verdict(results), Verdict::Fails(_))
+    !matches!(verdict(results), ProofVerdict::Fails(_))
 }
 
 /// The rows in the order of [`CLAIMS`], with one for each claim that has none: `why` it was not
@@ -115,6 +115,22 @@ pub(crate) fn complete(rows: Vec<ClaimResult>, why: &str) -> Vec<ClaimResult> {
         .0
         .sort_by_key(|row| place(row).unwrap_or(CLAIMS.len()));
     table.0
+}
+
+impl ClaimResult {
+    /// A row of the claim called `id`.
+    pub fn new(id: &str, engine: &'static str, outcome: ClaimOutcome, seconds: f64) -> ClaimResult {
+        let known: Option<&ClaimStatement> = claim(id);
+        ClaimResult {
+            id: id.to_owned(),
+            statement: known.map_or("", |claim| claim.statement).to_owned(),
+            engine,
+            domain: known.map_or("", |claim| claim.domain).to_owned(),
+            assumptions: known.map_or("", |claim| claim.assumptions).to_owned(),
+            outcome,
+            seconds,
+        }
+    }
 }
 
 /// Collects rows.
@@ -139,15 +155,6 @@ impl Table {
         outcome: ClaimOutcome,
         seconds: f64,
     ) {
-        let known: Option<&ClaimStatement> = claim(id);
-        self.0.push(ClaimResult {
-            id: id.to_owned(),
-            statement: known.map_or("", |claim| claim.statement).to_owned(),
-            engine,
-            domain: known.map_or("", |claim| claim.domain).to_owned(),
-            assumptions: known.map_or("", |claim| claim.assumptions).to_owned(),
-            outcome,
-            seconds,
-        });
+        self.0.push(ClaimResult::new(id, engine, outcome, seconds));
     }
 }

@@ -17,6 +17,8 @@ pub struct ProofSettings {
     pub kani: bool,
     /// Whether the bounds of the closed loop are computed (a fraction of a second).
     pub closed_loop: bool,
+    /// Whether the second checker runs, where Python is installed (a second).
+    pub python: bool,
     /// Whether the ranges of the filter are shown (minutes where they cannot be).
     pub filter_ranges: bool,
     /// Whether the quaternion's length is bounded (seconds); it needs the ranges.
@@ -33,6 +35,7 @@ impl Default for ProofSettings {
             smt: true,
             kani: true,
             closed_loop: true,
+            python: true,
             filter_ranges: true,
             filter_length: true,
         }

@@ -4,13 +4,15 @@ use std::time::Instant;
 
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
-use crate::claims::outcome::{COMPILED, ClaimOutcome, EXACT, INTERVALS, RANDOM, READER, SMT};
+use crate::claims::outcome::{
+    COMPILED, ClaimOutcome, EXACT, INTERVALS, PYTHON, RANDOM, READER, SMT,
+};
 use crate::claims::{
-    bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_stable,
-    compiled_agrees, control_accurate, control_accurate_real_gains, control_monotone,
-    control_total, filter_accurate, filter_exact, filter_length, filter_total, hardware_words,
-    primitives, region_of_attraction, source_understood, stable_for_parameters, step_total,
-    texts_audited,
+    bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_second,
+    closed_loop_stable, compiled_agrees, control_accurate, control_accurate_real_gains,
+    control_monotone, control_total, filter_accurate, filter_exact, filter_length, filter_total,
+    hardware_words, model_matches, primitives, region_of_attraction, source_understood,
+    stable_for_parameters, step_total, texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -18,23 +20,35 @@ use crate::language::module::Module;
 use crate::prove::results::{ClaimResult, Table, complete};
 use crate::prove::settings::ProofSettings;
 
+/// More random words than this for each function show nothing new of the compiler.
+const MOST_COMPILED: usize = 2_000;
+
 /// Settles every claim, by every engine but Kani: each claim has a row, whatever becomes of it.
 pub fn settle(
     emitted: &Emitted,
     certificate: &Certificate,
     settings: &ProofSettings,
 ) -> Vec<ClaimResult> {
-    settle_saying(emitted, certificate, settings, &|_| ())
+    settle_saying(emitted, certificate, None, settings, &|_| ())
 }
 
-/// As [`settle`]; `say` is told what takes a while.
+/// As [`settle`], and held against the text of the user's model.toml where one is given; `say` is told
+/// what takes a while.
 pub fn settle_saying(
     emitted: &Emitted,
     certificate: &Certificate,
+    model: Option<&str>,
     settings: &ProofSettings,
     say: &dyn Fn(&str),
 ) -> Vec<ClaimResult> {
     let mut table = Table(Vec::new());
+    table.add("model-matches", READER, || match model {
+        Some(text) => model_matches::by_reading(certificate, text),
+        None => ClaimOutcome::NotApplicable(
+            "no model was given (--model): the numbers are those that the certificate states"
+                .to_owned(),
+        ),
+    });
     let start = Instant::now();
     let module = match emitted.module() {
         Ok(module) => module,
@@ -64,7 +78,7 @@ pub fn settle_saying(
             return ClaimOutcome::NotRun("nothing is run that is not understood".to_owned());
         }
         say("compiling the crate, and running it beside the reader");
-        let cases = (settings.cases / 10).max(1);
+        let cases = (settings.cases / 10).clamp(1, MOST_COMPILED);
         compiled_agrees::by_running(emitted, &module, cases, settings.seed)
     });
 
@@ -78,7 +92,7 @@ pub fn settle_saying(
         range_claims(&mut table, &module, certificate, settings);
     }
     say("random runs");
-    random_runs(&mut table, &module, certificate, settings);
+    random_runs(&mut table, emitted, &module, certificate, settings);
     let law = match law {
         Ok(law) => law,
         Err(_) => return complete(table.0, "it needs the control law, see control-total"),
@@ -94,7 +108,7 @@ pub fn settle_saying(
         ClaimOutcome::proved(checked.map(|()| "every word".to_owned()))
     });
     say("the closed loop");
-    loop_claims(&mut table, &module, certificate, &law, settings);
+    loop_claims(&mut table, emitted, &module, certificate, &law, settings);
     complete(table.0, "switched off")
 }
 
@@ -185,6 +199,7 @@ fn range_claims(
 
 fn random_runs(
     table: &mut Table,
+    emitted: &Emitted,
     module: &Module,
     certificate: &Certificate,
     settings: &ProofSettings,
@@ -194,7 +209,10 @@ fn random_runs(
         ClaimOutcome::tested(filter_accurate::runs::run(module, cases, seed))
     });
     table.add("filter-exact", RANDOM, || {
-        ClaimOutcome::tested(filter_exact::runs::run(module, cases, seed))
+        match filter_exact::runs::run(module, cases, seed) {
+            Ok(cases) => ClaimOutcome::Tested(cases, texts_audited::audit_of(emitted)),
+            Err(why) => ClaimOutcome::Failed(why),
+        }
     });
     table.add("step-total", RANDOM, || {
         let runs = step_total::runs::step(module, certificate, cases, seed);
@@ -211,6 +229,7 @@ fn random_runs(
 
 fn loop_claims(
     table: &mut Table,
+    emitted: &Emitted,
     module: &Module,
     certificate: &Certificate,
     law: &EmittedLaw,
@@ -231,6 +250,15 @@ fn loop_claims(
         let (outcome, found) = closed_loop_for_all_time::by_exact_arithmetic(certificate, law);
         bounds = found;
         outcome
+    });
+    table.add("closed-loop-for-all-time", PYTHON, || {
+        if certificate.closed_loop.is_none() {
+            ClaimOutcome::NotRun("the certificate states no bounds".to_owned())
+        } else if settings.python {
+            closed_loop_second::by_python(emitted)
+        } else {
+            ClaimOutcome::NotRun("switched off".to_owned())
+        }
     });
     table.add("region-of-attraction", EXACT, || {
         region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law)

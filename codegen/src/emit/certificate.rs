@@ -7,6 +7,7 @@
 use serde::Serialize;
 
 use crate::claims::ClaimId;
+use crate::emit::certificate_hardware::Hardware;
 use crate::emit::control_rs;
 use crate::exact::{ShortestDecimal, outward};
 use crate::file::{EmittedFile, MARK};
@@ -14,7 +15,7 @@ use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
 /// Version of the layout below; raised when a field changes its meaning.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
 
 /// Significant digits of a bound.
 const BOUND_DIGITS: u32 = 40;
@@ -34,6 +35,7 @@ struct Certificate<'a> {
     /// K of u = −K x.
     gains: [String; 3],
     drive: Drive,
+    hardware: Hardware,
     inputs: Vec<Input<'a>>,
     output: Output,
     constants: Vec<Constant<'a>>,
@@ -185,6 +187,7 @@ pub fn file(
             duty_zero: spec.drive.duty_zero,
             duty_max: spec.drive.duty_max,
         },
+        hardware: Hardware::of(spec),
         inputs: law
             .terms
             .iter()

@@ -46,6 +46,7 @@ use crate::spec::ModuleSpec;
 
 pub mod cargo_toml;
 pub mod certificate;
+mod certificate_hardware;
 pub mod constants_rs;
 pub mod control_rs;
 pub mod lib_rs;

@@ -4,6 +4,7 @@ use crate::claims::filter_accurate::constants::Filter;
 use crate::claims::filter_accurate::equations::unit;
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
+use crate::claims::upright::Upright;
 use crate::language::module::Module;
 
 /// Runs `Attitude` and `Controller` against the functions that they are made of, word by word.
@@ -29,13 +30,19 @@ pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, St
     for name in ["Controller::new", "Controller::default"] {
         same(name, &[], &f.call(name, &[])?, &new)?;
     }
+    let near = Upright::find(module);
     let mut random = Random::new(seed);
     for case in 0..cases {
-        let q = unit([0; 4].map(|_| random.real()));
-        let mut attitude: Vec<i128> = q
-            .iter()
-            .map(|x| (x * 2f64.powi(30)).round() as i128)
-            .collect();
+        // Any attitude, or one near upright, where the pendulum is kept.
+        let mut attitude: Vec<i128> = match &near {
+            Some(near) if case % 2 == 0 => near.attitude(&f, 0.05 * random.real())?,
+            _ => {
+                let q = unit([0; 4].map(|_| random.real()));
+                q.iter()
+                    .map(|x| (x * 2f64.powi(30)).round() as i128)
+                    .collect()
+            }
+        };
         attitude.extend([random.count(2f64.powi(28)), random.count(2f64.powi(28))]);
         let mut triple = |limit: f64| [0; 3].map(|_| random.count(limit));
         let (gyro, mag) = (triple(20_000.0), triple(3_000.0));
