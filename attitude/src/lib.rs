@@ -36,7 +36,7 @@ pub use complementary::Complementary;
 pub use lever_arm::{LeverArm, RATE_LAG_STEPS};
 pub use low_pass::{LowPass, LowPassIntegrator};
 pub use madgwick::{GRADIENT_MIN, HORIZONTAL_FIELD_MIN, Madgwick};
-pub use measurement::{GRAVITY_SHARE_MIN, is_saturated};
+pub use measurement::{GRAVITY_SHARE_MIN, WORD_CLIP, is_saturated};
 pub use pivot_angle::{pivot_angle, pivot_angle_of_gravity, up_in_sensor, wrap_angle};
 pub use raw_filter::RawFilter;
 pub use spec::{AttitudeSpec, STANDARD_GRAVITY, SensorLine};

@@ -50,7 +50,8 @@ impl RawFilter {
     pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
         let rate = self.spec.gyro.apply(gyro);
         let field = self.spec.mag.apply(mag);
-        let field_usable = !is_saturated(mag) && field.norm() >= self.spec.field_min_ut;
+        let field_usable =
+            !is_saturated(mag, self.spec.mag_clip) && field.norm() >= self.spec.field_min_ut;
         match self.gravity(accel, rate.z) {
             Some(up) if field_usable => self.filter.step_marg(&rate, &up, &field),
             Some(up) => self.filter.step_imu(&rate, &up),
@@ -76,6 +77,7 @@ impl RawFilter {
     }
 
     fn gravity_usable(&self, accel: [i16; 3], up: &Vector3<f64>) -> bool {
-        !is_saturated(accel) && up.norm() >= GRAVITY_SHARE_MIN * self.spec.gravity_m_s2
+        !is_saturated(accel, self.spec.accel_clip)
+            && up.norm() >= GRAVITY_SHARE_MIN * self.spec.gravity_m_s2
     }
 }

@@ -44,6 +44,12 @@ pub struct AttitudeSpec {
     pub accel: SensorLine,
     /// Magnetometer, µT per count.
     pub mag: SensorLine,
+    /// Counts of the gyroscope's axes at or beyond which (either way) the true rate is unknown.
+    pub gyro_clip: [i32; 3],
+    /// The same of the accelerometer.
+    pub accel_clip: [i32; 3],
+    /// The same of the magnetometer.
+    pub mag_clip: [i32; 3],
     /// Field below which the magnetometer is not believed, µT.
     pub field_min_ut: f64,
     /// Gravity at the bench, m/s².
@@ -67,6 +73,10 @@ impl AttitudeSpec {
             gyro: SensorLine::ideal(62.5e-3_f64.to_radians()),
             accel: SensorLine::ideal(STANDARD_GRAVITY / 4096.0),
             mag: SensorLine::ideal(0.1),
+            gyro_clip: [32_767; 3],
+            // 14 bits, left-justified.
+            accel_clip: [32_764; 3],
+            mag_clip: [12_000; 3],
             field_min_ut: 10.0,
             gravity_m_s2: STANDARD_GRAVITY,
             mounting_angle_rad: 0.0,

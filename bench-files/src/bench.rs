@@ -9,6 +9,7 @@ use crate::channel::{Channel, NORMALISED};
 use crate::csv_table::{self, OpenTable};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
+use crate::hardware::Hardware;
 use crate::known::Known;
 use crate::log::{self, ColumnUse, LoadReport, Log, Note};
 use crate::toml_source::{Located, Section, TomlSource};
@@ -24,6 +25,8 @@ pub struct Bench {
     pub known: Known,
     /// The controller of the balance logs.
     pub controller: Option<Controller>,
+    /// Its sensors and its drive, where bench.toml states them.
+    pub hardware: Option<Hardware>,
     /// The experiments in the order of the file; at least one, names unique.
     pub experiments: Vec<Experiment>,
     /// What the bench's user should know that concerns no single experiment; sentences.
@@ -104,8 +107,17 @@ impl Bench {
 }
 
 /// The sections of bench.toml.
-pub(crate) const SECTIONS: [&str; 5] =
-    ["bench", "known", "controller", "experiment", "calibration"];
+pub(crate) const SECTIONS: [&str; 8] = [
+    "bench",
+    "known",
+    "controller",
+    "experiment",
+    "calibration",
+    "hardware",
+    "bring_up",
+    // Of other programs; nothing in it is read.
+    "tool",
+];
 
 /// The bench.toml of a bench that is named by its folder or that file.
 pub(crate) fn bench_file(path: &Path) -> Result<PathBuf, Error> {
@@ -150,6 +162,8 @@ fn read_bench(
         .map(|section| read_controller(&section))
         .transpose()?;
 
+    let hardware = Hardware::read(source, root)?;
+
     let sections = root.sections("experiment")?;
     if sections.is_empty() {
         return Err(root.error(Problem::NoExperiment));
@@ -179,6 +193,7 @@ fn read_bench(
         folder,
         known,
         controller,
+        hardware,
         experiments,
         notes,
     })

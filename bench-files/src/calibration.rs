@@ -36,6 +36,7 @@ use crate::bench::{SECTIONS, bench_file, folder_of};
 use crate::csv_table;
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
+use crate::hardware::Hardware;
 use crate::known::Known;
 use crate::toml_source::{Located, Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
@@ -67,6 +68,8 @@ pub struct CalibrationRecordings {
     pub folder: PathBuf,
     /// What was measured directly.
     pub known: Known,
+    /// The bench's sensors and its drive, where bench.toml states them.
+    pub hardware: Option<Hardware>,
     /// Still poses of the accelerometer.
     pub accelerometer: Vec<CountsRecording>,
     /// Gyroscope at rest.
@@ -182,6 +185,7 @@ impl CalibrationRecordings {
             .collect::<Result<Vec<_>, Error>>()?;
         let recordings = CalibrationRecordings {
             known,
+            hardware: Hardware::read(&source, &root)?,
             accelerometer,
             gyroscope: reader.counts_of("gyroscope", GYROSCOPE)?,
             magnetometer: reader.counts_of("magnetometer", MAGNETOMETER)?,

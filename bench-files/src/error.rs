@@ -118,6 +118,25 @@ pub enum Problem {
         /// The range in words.
         must_be: String,
     },
+    /// Axes that are not the three of the body.
+    #[error(
+        "\"axes\" must name each of \"x\", \"y\", \"z\" once, \"-y\" for one that is reversed, for example [\"x\", \"-y\", \"-z\"]"
+    )]
+    NotAxes,
+    /// The sensor's place is stated twice.
+    #[error("\"axes\" and \"rotation\" state the same thing; leave one of them out")]
+    AxesAndRotation,
+    /// A matrix that stretches or shears.
+    #[error("\"rotation\" is no rotation: its rows must be perpendicular and of length one")]
+    NotARotation,
+    /// A mirrored sensor.
+    #[error(
+        "\"{key}\" is left-handed: no turn of a sensor gives a mirror image; reverse one more axis or one less"
+    )]
+    LeftHanded {
+        /// The key.
+        key: &'static str,
+    },
     /// A name that is none of a fixed list.
     #[error("unknown {what} \"{name}\"; {}", .names.advice(.name))]
     UnknownName {
@@ -278,6 +297,15 @@ pub enum Problem {
         effect: &'static str,
         /// The first.
         other: &'static str,
+    },
+
+    /// A provisional effect that the model does not have.
+    #[error(
+        "\"{effect}\" is provisional but not present; put it into `present`, or take it out here"
+    )]
+    ProvisionalAbsent {
+        /// The effect.
+        effect: &'static str,
     },
 
     /// A parameter that the correlations name twice.
@@ -500,13 +528,6 @@ fn list(names: &[String]) -> String {
         text.push_str(&format!(" and {} more", names.len() - 40));
     }
     text
-}
-
-/// Whether `wrong` is a slip of the pen for one of the names: at most two letters differ.
-pub(crate) fn is_slip(wrong: &str, names: &[&str]) -> bool {
-    names
-        .iter()
-        .any(|name| strsim::damerau_levenshtein(&wrong.to_lowercase(), name) <= 2)
 }
 
 fn without_control_characters(text: &str) -> String {

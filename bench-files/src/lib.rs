@@ -17,8 +17,10 @@ mod channel;
 mod correlation;
 mod csv_table;
 mod drop_out;
+mod effects_section;
 mod error;
 mod files;
+mod hardware;
 mod known;
 mod log;
 mod model_file;
@@ -35,8 +37,12 @@ pub use channel::Channel;
 pub use correlation::Correlation;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
+pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
 pub use files::FilesInMemory;
+pub use hardware::{
+    AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor,
+};
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};

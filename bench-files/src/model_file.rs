@@ -11,8 +11,10 @@ use toml_edit::{Array, DocumentMut, Value};
 
 use crate::calibration::Calibration;
 use crate::correlation::Correlation;
+use crate::effects_section::{self, EffectsSection, Tie};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
+use crate::hardware::Hardware;
 use crate::toml_source::{Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
 use crate::write::write_atomically;
@@ -24,6 +26,19 @@ const PER_INERTIA: &str = " per kg m2";
 const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
     ("body_inertia", "kg m2", (0.0, 1e3)),
     ("pivot_to_com", "m", (-10.0, 10.0)),
+];
+
+/// The sections of a model.toml; `tool` is that of other programs and kept as it stands.
+const SECTIONS: [&str; 9] = [
+    "parameters",
+    "correlation",
+    "effects",
+    "design",
+    "calibration",
+    "hardware",
+    "learned",
+    "own",
+    "tool",
 ];
 
 /// One parameter of a model.
@@ -76,10 +91,14 @@ pub struct ModelFile {
     pub correlation: Option<Correlation>,
     /// The effects of the model, in the order of the file.
     pub effects: Vec<EffectId>,
+    /// Which of them hold only until an experiment has decided, where explanations tie.
+    pub tie: Option<Tie>,
     /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,
     /// What calibration found, if the file has any.
     pub calibration: Option<Calibration>,
+    /// The bench's sensors and its drive, as bench.toml states them.
+    pub hardware: Option<Hardware>,
     /// Where the file was read from.
     path: Option<PathBuf>,
     /// The text as it was read, for everything that the fields above do not hold.
@@ -98,8 +117,10 @@ impl PartialEq for ModelFile {
         self.parameters == other.parameters
             && self.correlation == other.correlation
             && self.effects == other.effects
+            && self.tie == other.tie
             && self.design == other.design
             && self.calibration == other.calibration
+            && self.hardware == other.hardware
     }
 }
 
@@ -110,8 +131,10 @@ impl ModelFile {
             parameters: Vec::new(),
             correlation: None,
             effects: Model::base().effects().to_vec(),
+            tie: None,
             design: None,
             calibration: None,
+            hardware: None,
             path: None,
             document: DocumentMut::new(),
         }
@@ -147,22 +170,15 @@ impl ModelFile {
     fn from_source(source: &TomlSource) -> Result<ModelFile, Error> {
         let document = source.parse()?;
         let root = source.root(&document);
-        root.refuse_slips(&[
-            "parameters",
-            "correlation",
-            "effects",
-            "design",
-            "calibration",
-        ])?;
+        root.allow_only(&SECTIONS)?;
 
-        let section = root.section("parameters")?.ok_or_else(|| {
-            root.error(root.missing(
-                "parameters",
-                "[parameters.total_inertia] with value = 2.3e-3",
-            ))
-        })?;
+        // A file that holds a calibration only has none yet.
+        let section = root.section("parameters")?;
         let mut parameters = Vec::new();
-        for key in section.keys() {
+        for (section, key) in section
+            .iter()
+            .flat_map(|section| section.keys().into_iter().map(move |key| (section, key)))
+        {
             let info = unit_and_bounds(&key.value).ok_or_else(|| {
                 source.error(
                     key.span.clone(),
@@ -193,33 +209,10 @@ impl ModelFile {
         let section = root
             .section("effects")?
             .ok_or_else(|| root.error(root.missing("effects", missing_effects)))?;
-        section.allow_only(&["present"])?;
-        let names = section.texts("present")?.ok_or_else(|| {
-            section.error(section.missing("present", "present = [\"body-viscous-friction\"]"))
-        })?;
-        let mut effects = Vec::new();
-        for name in names {
-            let effect = EffectId::from_name(&name.value).ok_or_else(|| {
-                source.error(
-                    name.span.clone(),
-                    Problem::UnknownName {
-                        what: "effect".to_string(),
-                        name: name.value.clone(),
-                        names: Names::new(EffectId::ALL.iter().map(|effect| effect.name())),
-                    },
-                )
-            })?;
-            if let Some(other) = effects.iter().find(|other| excludes(**other, effect)) {
-                return Err(source.error(
-                    name.span,
-                    Problem::EffectTwice {
-                        effect: effect.name(),
-                        other: other.name(),
-                    },
-                ));
-            }
-            effects.push(effect);
-        }
+        let EffectsSection {
+            present: effects,
+            tie,
+        } = EffectsSection::read(source, &section)?;
 
         let design = root
             .section("design")?
@@ -233,8 +226,10 @@ impl ModelFile {
             parameters,
             correlation,
             effects,
+            tie,
             design,
             calibration,
+            hardware: Hardware::read(source, &root)?,
             path: Some(source.path().to_path_buf()),
             document: source.parse()?.into_mut(),
         })
@@ -287,6 +282,12 @@ impl ModelFile {
     /// The structure of the model: its effects in the order of the library.
     pub fn model(&self) -> Model {
         Model::with_effects(&self.effects)
+    }
+
+    /// The structure without what holds only until an experiment has decided.
+    pub fn certain_model(&self) -> Model {
+        let provisional = self.tie.iter().flat_map(|tie| &tie.provisional);
+        provisional.fold(self.model(), |model, &effect| model.without(effect))
     }
 
     /// The parameter vector that goes with [`ModelFile::model`], in SI units (or per unit of
@@ -395,8 +396,7 @@ impl ModelFile {
         }
 
         let effects = table_in(root, "effects", false);
-        let names: Array = self.effects.iter().map(|effect| effect.name()).collect();
-        set(effects, "present", Value::Array(names));
+        effects_section::write(effects, &self.effects, self.tie.as_ref());
 
         match &self.design {
             None => {
@@ -432,6 +432,12 @@ impl ModelFile {
             }
             Some(calibration) => calibration.write(root),
         }
+        match &self.hardware {
+            None => {
+                root.remove("hardware");
+            }
+            Some(hardware) => hardware.write(root),
+        }
         document.to_string()
     }
 
@@ -442,11 +448,6 @@ impl ModelFile {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         write_atomically(path, self.to_toml().as_bytes())
     }
-}
-
-/// Whether a model cannot have both: they are the same, or one contains the other.
-fn excludes(a: EffectId, b: EffectId) -> bool {
-    a == b || a.info().replaces.contains(&b.name()) || b.info().replaces.contains(&a.name())
 }
 
 /// Unit and bounds of a parameter, if there is one with this name.

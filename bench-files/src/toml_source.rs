@@ -5,9 +5,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use toml_edit::{Document, Item, Key, TableLike, Value};
+use toml_edit::{Array, Document, Item, Key, TableLike, Value};
 
-use crate::error::{Error, Names, Place, Problem, is_slip};
+use crate::error::{Error, Names, Place, Problem};
 use crate::files::Files;
 use crate::write::reason;
 
@@ -137,23 +137,6 @@ impl<'a> Section<'a> {
     /// An error at a part of a value, which stands at `span`.
     pub fn error_in_value(&self, span: Range<usize>, problem: Problem) -> Error {
         self.source.error(span, problem)
-    }
-
-    /// Refuses keys that are almost one of the list; keys that are far from it belong to others.
-    pub fn refuse_slips(&self, known: &[&str]) -> Result<(), Error> {
-        for key in self.keys() {
-            if !known.contains(&key.value.as_str()) && is_slip(&key.value, known) {
-                return Err(self.source.error(
-                    key.span,
-                    Problem::UnknownKey {
-                        key: key.value,
-                        section: self.name.clone(),
-                        names: Names::new(known),
-                    },
-                ));
-            }
-        }
-        Ok(())
     }
 
     /// Refuses keys that are not in the list.
@@ -356,17 +339,22 @@ impl<'a> Section<'a> {
             return Ok(None);
         };
         let wrong = || self.wrong_type(key, item, "a list of texts in quotation marks");
-        item.as_array()
-            .ok_or_else(wrong)?
-            .iter()
-            .map(|value| {
-                Ok(Located {
-                    value: value.as_str().ok_or_else(wrong)?.to_string(),
-                    span: value.span().unwrap_or_else(|| item_span(found, item)),
-                })
-            })
-            .collect::<Result<Vec<_>, Error>>()
-            .map(Some)
+        let list = item.as_array().ok_or_else(wrong)?;
+        let texts = texts_of(list, &item_span(found, item));
+        Ok(Some(texts.ok_or_else(wrong)?))
+    }
+
+    /// The lists of texts in a list under this key, each text with its place.
+    pub fn lists_of_texts(&self, key: &str) -> Result<Option<Vec<Vec<Located<String>>>>, Error> {
+        let Some((found, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        let wrong = || self.wrong_type(key, item, "a list of lists of texts in quotation marks");
+        let span = item_span(found, item);
+        let lists = item.as_array().ok_or_else(wrong)?.iter();
+        let lists = lists.map(|value| texts_of(value.as_array()?, &span));
+        let lists = lists.collect::<Option<Vec<Vec<Located<String>>>>>();
+        Ok(Some(lists.ok_or_else(wrong)?))
     }
 
     /// The number under a key that must be there.
@@ -492,6 +480,17 @@ fn flatten(value: &Value, shape: &[usize], numbers: &mut Vec<f64>) -> bool {
         }
         _ => false,
     }
+}
+
+/// The texts of a list, each with its place (`otherwise` where it has none); `None` where one is no text.
+fn texts_of(list: &Array, otherwise: &Range<usize>) -> Option<Vec<Located<String>>> {
+    let texts = list.iter().map(|value| {
+        Some(Located {
+            value: value.as_str()?.to_string(),
+            span: value.span().unwrap_or_else(|| otherwise.clone()),
+        })
+    });
+    texts.collect()
 }
 
 fn as_number(value: &Value) -> Option<f64> {

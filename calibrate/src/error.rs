@@ -23,6 +23,20 @@ pub enum CalibrationError {
         /// Its value.
         value: f64,
     },
+    /// The sensor turned while it was to lie still.
+    #[error(
+        "the sensor turned while it was to lie still: over parts of the recording its {axis} axis reads up to {wander:.1} counts ({rate_deg_s:.2} °/s) away from the rest, where its noise allows {noise:.2}; record it again on a firm table, with nobody touching it"
+    )]
+    NotStill {
+        /// x, y or z.
+        axis: &'static str,
+        /// Farthest that the mean of a part is away, counts.
+        wander: f64,
+        /// The same in °/s.
+        rate_deg_s: f64,
+        /// Standard deviation that the noise gives such a mean, counts.
+        noise: f64,
+    },
     /// The data leaves a direction open.
     #[error("{what}: {why}; {cure}")]
     NotDetermined {

@@ -23,11 +23,34 @@ pub struct GyroscopeRest {
     pub beta_rad_s: f64,
 }
 
+/// A batch's mean that is this many of its standard deviations away is not noise: one in 10¹⁵.
+const NOISE_DEVIATIONS: f64 = 8.0;
+
+/// Nor is a rate above this the wander of a bias within a recording, rad/s: 0.2 °/s, several times
+/// the in-run wander over minutes that data sheets of such sensors allow.
+const BIAS_WANDER_RAD_S: f64 = 3.5e-3;
+
+/// Refuses a recording in which a rate shows.
+fn require_still(rest: &Still, scale: f64) -> Result<(), CalibrationError> {
+    for (index, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        let (wander, noise) = (rest.wander[index], rest.wander_of_noise[index]);
+        if wander > NOISE_DEVIATIONS * noise && wander * scale > BIAS_WANDER_RAD_S {
+            return Err(CalibrationError::NotStill {
+                axis,
+                wander,
+                rate_deg_s: (wander * scale).to_degrees(),
+                noise,
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Bias and noise from at least 80 samples at rest, taken every `sample_time_s`; `scale` in
 /// rad/s per count.
 ///
 /// # Errors
-/// Too few samples; a scale or sample time that is not positive.
+/// Too few samples; a scale or sample time that is not positive; a sensor that turned.
 pub fn gyroscope_rest(
     samples: &[[i16; 3]],
     scale: f64,
@@ -37,6 +60,7 @@ pub fn gyroscope_rest(
     let period = positive("the sample time", sample_time_s)?;
     crate::error::at_least("samples at rest", samples.len(), 80)?;
     let rest = still(samples)?;
+    require_still(&rest, scale)?;
     let (first, second) = samples.split_at(samples.len() / 2);
     let drift_rad_s = (still(second)?.mean - still(first)?.mean) * scale;
     let noise_rad_s_rthz = rest.deviation.max() * scale * (2.0 * period).sqrt();

@@ -21,7 +21,7 @@ use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
 use crate::mounting::Mounting;
 use crate::sensor_calibration::SensorCalibration;
-use attitude::{SensorLine, is_saturated};
+use attitude::{SensorLine, WORD_CLIP, is_saturated};
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
 /// Half the window of the smoothing, s: a fifth of a radian of a pendulum at 10 rad/s, of which a
@@ -90,7 +90,7 @@ pub fn lever_arm(
         swing_accel.len(),
         swing.len(),
     )?;
-    if swing.iter().any(|&raw| is_saturated(raw)) {
+    if swing.iter().any(|&raw| is_saturated(raw, WORD_CLIP)) {
         return Err(CalibrationError::NotDetermined {
             what: "the lever arm",
             why: "the swing goes beyond the gyroscope's range",
@@ -179,7 +179,7 @@ fn instants(rates: &[f64], accel: &[[i16; 3]], half: usize, period: f64) -> Vec<
         if index > 0 {
             turned_rad += 0.5 * (rates[middle - 1] + rates[middle]) * period;
         }
-        if is_saturated(accel[middle]) {
+        if is_saturated(accel[middle], WORD_CLIP) {
             continue;
         }
         found.push(Instant {

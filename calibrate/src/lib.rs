@@ -15,7 +15,6 @@ mod magnetometer;
 mod mounting;
 mod plumb_lines;
 mod sensor_calibration;
-mod specification;
 mod sphere_fit;
 mod still;
 mod still_poses;
@@ -23,14 +22,14 @@ mod still_poses;
 pub use error::CalibrationError;
 pub use gyroscope::{GyroscopeRest, gyroscope_rest};
 pub use lever_arm::{LeverArmEstimate, lever_arm};
-pub use line_fit::{LineFit, fit_line};
+pub use line_fit::{Counts, LeftOut, LineFit, fit_line, fit_line_within_range};
 pub use magnetometer::{
-    COVERAGE_MIN, MagnetometerCalibration, magnetometer, mean_field_ut, sphere_coverage,
+    COVERAGE_MIN, MagnetometerCalibration, SPREAD_MAX, UsableReadings, magnetometer, mean_field_ut,
+    sphere_coverage, usable_readings,
 };
 pub use mounting::{Mounting, alignment, mounting};
 pub use plumb_lines::{CentreOfMass, PlumbLine, centre_of_mass};
 pub use sensor_calibration::SensorCalibration;
-pub use specification::{Calibrated, attitude_spec};
 pub use sphere_fit::{Shape, SphereFit, fit_sphere};
 pub use still::{Still, still};
 pub use still_poses::{AccelerometerCalibration, accelerometer};

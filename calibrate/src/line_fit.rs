@@ -6,6 +6,8 @@ use crate::error::at_least;
 /// y = `slope` x + `offset` by least squares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineFit {
+    /// Points that do not lie on it and were left out, and why; empty for a plain fit.
+    pub left_out: Vec<LeftOut>,
     /// Unit of y per unit of x.
     pub slope: f64,
     /// Its standard error.
@@ -27,6 +29,90 @@ impl LineFit {
     pub fn at(&self, x: f64) -> f64 {
         self.slope * x + self.offset
     }
+}
+
+/// A point that was left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Count.
+    pub x: f64,
+    /// Speed.
+    pub y: f64,
+    /// y minus the line of the others.
+    pub residual: f64,
+}
+
+/// A residual beyond this many robust standard deviations is no noise.
+const NOISE_DEVIATIONS: f64 = 6.0;
+
+/// Which of a line's quantities comes in whole counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counts {
+    /// The abscissa: a converter's count.
+    X,
+    /// The ordinate: a drive's duty.
+    Y,
+}
+
+/// Nor is one beyond this many counts, where rounding leaves half of one.
+const ROUNDING_COUNTS: f64 = 2.0;
+
+/// As [`fit_line`], but points that do not lie on the line of the others are left out, as those at
+/// the ends of a converter's range do not: there the count stands while the speed changes.
+///
+/// First the line of the median of all slopes (H. Theil, 1950; P. K. Sen, 1968), which up to a
+/// quarter of the points cannot move far, then that of least squares through the points near it.
+///
+/// # Errors
+/// As for [`fit_line`], also where fewer than three points are left.
+pub fn fit_line_within_range(
+    points: &[(f64, f64)],
+    counts: Counts,
+) -> Result<LineFit, CalibrationError> {
+    fit_line(points)?;
+    // Enough pairs of a long recording are those of every so many points.
+    let few: Vec<_> = points
+        .iter()
+        .step_by(1 + points.len() / 400)
+        .copied()
+        .collect();
+    let mut slopes = Vec::new();
+    for (index, a) in few.iter().enumerate() {
+        for b in &few[index + 1..] {
+            if a.0 != b.0 {
+                slopes.push((b.1 - a.1) / (b.0 - a.0));
+            }
+        }
+    }
+    let slope = middle(slopes);
+    let offset = middle(points.iter().map(|(x, y)| y - slope * x).collect());
+    let residual = |(x, y): &(f64, f64)| y - slope * x - offset;
+    // 1.4826 times the median deviation is the standard deviation of normal noise.
+    let noise = 1.4826 * middle(points.iter().map(|point| residual(point).abs()).collect());
+    let count = match counts {
+        Counts::X => slope.abs(),
+        Counts::Y => 1.0,
+    };
+    let allowed = (NOISE_DEVIATIONS * noise).max(ROUNDING_COUNTS * count);
+    let (near, far): (Vec<_>, Vec<_>) = points
+        .iter()
+        .copied()
+        .partition(|point| residual(point).abs() <= allowed);
+    let mut fit = fit_line(&near)?;
+    fit.left_out = far
+        .into_iter()
+        .map(|(x, y)| LeftOut {
+            x,
+            y,
+            residual: y - fit.at(x),
+        })
+        .collect();
+    Ok(fit)
+}
+
+fn middle(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// The line through at least three points (x, y), the noise taken from the residuals.
@@ -66,6 +152,7 @@ pub fn fit_line(points: &[(f64, f64)]) -> Result<LineFit, CalibrationError> {
     let variance = residuals.iter().map(|r| r * r).sum::<f64>() / (count - 2.0);
     let offset_share = 1.0 / count + x_mean * x_mean / spread;
     Ok(LineFit {
+        left_out: Vec::new(),
         slope,
         slope_std: (variance / spread).sqrt(),
         offset,

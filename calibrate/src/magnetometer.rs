@@ -3,13 +3,84 @@
 use crate::error::{CalibrationError, positive};
 use crate::sensor_calibration::SensorCalibration;
 use crate::sphere_fit::{Shape, fit_sphere};
-use attitude::SensorLine;
+use attitude::{SensorLine, is_saturated};
 use nalgebra::{Matrix3, Vector3};
+
+/// The readings of a magnetometer that may be fitted, and what is wrong with the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UsableReadings {
+    /// Readings within the range of every axis.
+    pub readings: Vec<[i16; 3]>,
+    /// Readings at or beyond the stated limits, or far outside the sphere of the others: an
+    /// overflow.
+    pub overflowed: usize,
+    /// Axes that stop at a value: x, y or z with that value and how many readings have it.
+    pub clipped: Vec<(&'static str, i16, usize)>,
+}
+
+/// A reading that is this many times farther from the middle than the middle one of the others is an
+/// overflow: on a sphere that is not covered evenly the farthest is some three times as far.
+const OVERFLOW_DISTANCE: f64 = 5.0;
+
+/// Times that the end of an axis' readings occurs before it counts as an end of the range: on a
+/// sphere all values of an axis are equally frequent (Archimedes), so the end occurs once or twice.
+fn clip_occurrences(readings: usize, range: f64) -> f64 {
+    6.0 + 10.0 * readings as f64 / range.max(1.0)
+}
+
+/// Leaves out readings at or beyond ±`clip`, overflows, and readings at a value at which an axis
+/// stops.
+pub fn usable_readings(samples: &[[i16; 3]], clip: [i32; 3]) -> UsableReadings {
+    let mut readings: Vec<[i16; 3]> = samples
+        .iter()
+        .copied()
+        .filter(|&raw| !is_saturated(raw, clip))
+        .collect();
+    let middle = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    let centre = Vector3::from_fn(|axis, _| {
+        middle(readings.iter().map(|raw| f64::from(raw[axis])).collect())
+    });
+    let distance = |raw: &[i16; 3]| (Vector3::from(raw.map(f64::from)) - centre).norm();
+    let usual = middle(readings.iter().map(&distance).collect());
+    readings.retain(|raw| distance(raw) <= OVERFLOW_DISTANCE * usual);
+    let overflowed = samples.len() - readings.len();
+
+    let mut clipped = Vec::new();
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let values = || readings.iter().map(|raw| raw[axis]);
+        let (Some(low), Some(high)) = (values().min(), values().max()) else {
+            continue;
+        };
+        let range = f64::from(high) - f64::from(low);
+        for end in [low, high] {
+            let times = values().filter(|value| *value == end).count();
+            if times as f64 > clip_occurrences(readings.len(), range) {
+                clipped.push((axis, name, end, times));
+            }
+        }
+    }
+    readings.retain(|raw| clipped.iter().all(|(axis, _, end, _)| raw[*axis] != *end));
+    UsableReadings {
+        readings,
+        overflowed,
+        clipped: clipped
+            .into_iter()
+            .map(|(_, name, end, times)| (name, end, times))
+            .collect(),
+    }
+}
 
 /// Share of the sphere that must be covered for the result to be trusted.
 ///
 /// Half a sphere leaves bias and scale along its axis apart only by the curvature at its rim.
 pub const COVERAGE_MIN: f64 = 0.75;
+
+/// Largest share by which lengths may still vary after calibration: noise is 1 % of the earth's field
+/// for the sensors in use; more is another field, from a motor or iron that moved.
+pub const SPREAD_MAX: f64 = 0.03;
 
 /// Directions of the coverage figure.
 const DIRECTIONS: usize = 100;
@@ -33,6 +104,12 @@ pub struct MagnetometerCalibration {
 }
 
 impl MagnetometerCalibration {
+    /// Whether the readings lie on an ellipsoid: what is left of their length varies by less than
+    /// [`SPREAD_MAX`].
+    pub fn fits(&self) -> bool {
+        self.spread_after <= SPREAD_MAX
+    }
+
     /// Whether enough of the sphere was covered.
     pub fn is_covered(&self) -> bool {
         self.coverage >= COVERAGE_MIN

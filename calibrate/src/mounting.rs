@@ -15,7 +15,8 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 /// The sensor's place on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
-    /// Pivot axis in the sensor's frame, a unit vector; of the two the one nearer to z.
+    /// Pivot axis in the sensor's frame, a unit vector; of the two the one nearer to the direction
+    /// that the caller expects: a swing and gravity do not show which.
     pub axis: Vector3<f64>,
     /// Standard error of its direction, rad.
     pub axis_std_rad: f64,
@@ -28,22 +29,36 @@ pub struct Mounting {
     pub angle_std_rad: f64,
 }
 
-/// The smallest turn that takes the pivot `axis` (in the sensor's frame, less than 90° from z) to z.
+/// The turn that takes the pivot `axis` (in the sensor's frame) to z: the smallest one; for an axis
+/// nearer to −z half a turn about the sensor's x axis, and then the smallest, so that it changes
+/// little where the axis does.
 pub fn alignment(axis: &Vector3<f64>) -> Rotation3<f64> {
-    Rotation3::rotation_between(axis, &Vector3::z()).unwrap_or_default()
+    let smallest =
+        |axis: &Vector3<f64>| Rotation3::rotation_between(axis, &Vector3::z()).unwrap_or_default();
+    if axis.z < 0.0 {
+        let half_turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        // Its matrix to the last bit: no sine of π.
+        let half_turn = half_turn.matrix().map(f64::round);
+        let half_turn = Rotation3::from_matrix_unchecked(half_turn);
+        smallest(&(half_turn * axis)) * half_turn
+    } else {
+        smallest(axis)
+    }
 }
 
 /// Axis and angle from a swing (raw gyroscope counts) and from hanging at rest (raw
-/// accelerometer counts).
+/// accelerometer counts). Of the axis' two ends the one nearer to `nearer_to` (in the sensor's frame)
+/// is taken.
 ///
 /// # Errors
 /// Too few samples; a swing whose rate does not stand out from noise and other axes (λ₁ below a
-/// hundred times λ₂), or a pivot axis across the sensor's z axis.
+/// hundred times λ₂), or a pivot axis more than 45° from `nearer_to`.
 pub fn mounting(
     swing: &[[i16; 3]],
     gyro: &SensorLine,
     hanging: &[[i16; 3]],
     accel: &SensorCalibration,
+    nearer_to: &Vector3<f64>,
 ) -> Result<Mounting, CalibrationError> {
     at_least("samples of the swing", swing.len(), 100)?;
     let moment: Matrix3<f64> = swing
@@ -63,12 +78,16 @@ pub fn mounting(
         });
     }
     let axis: Vector3<f64> = eigen.eigenvectors.column(largest).into_owned();
-    let axis = if axis.z < 0.0 { -axis } else { axis };
-    if axis.z < 0.5_f64.sqrt() {
+    let axis = if axis.dot(nearer_to) < 0.0 {
+        -axis
+    } else {
+        axis
+    };
+    if axis.dot(nearer_to) < 0.5_f64.sqrt() {
         return Err(CalibrationError::NotDetermined {
             what: "the mounting",
-            why: "the pivot axis is more than 45° from the sensor's z axis",
-            cure: "rename the sensor's axes so that z lies along the pivot axis",
+            why: "the pivot axis is more than 45° from the sensor's stated z axis",
+            cure: "state under [hardware.accelerometer] which body axis each of its axes shows",
         });
     }
     let alignment = alignment(&axis);

@@ -10,6 +10,12 @@ const BATCHES: usize = 20;
 /// Variance of rounding to a whole count.
 const ROUNDING: f64 = 1.0 / 12.0;
 
+/// A part of a recording.
+struct Batch {
+    mean: Vector3<f64>,
+    variance: Vector3<f64>,
+}
+
 /// What a sensor read at rest, in counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Still {
@@ -19,6 +25,11 @@ pub struct Still {
     pub mean_std: Vector3<f64>,
     /// Standard deviation of a sample.
     pub deviation: Vector3<f64>,
+    /// Farthest that the mean of one of 20 batches is from the middle one.
+    pub wander: Vector3<f64>,
+    /// What white noise alone makes a batch's mean differ by: its standard deviation, from the
+    /// middle one of the variances within the batches.
+    pub wander_of_noise: Vector3<f64>,
     /// Number of samples.
     pub count: usize,
 }
@@ -42,13 +53,37 @@ pub fn still(samples: &[[i16; 3]]) -> Result<Still, CalibrationError> {
         .sum::<Vector3<f64>>()
         / (count - 1.0);
     let length = samples.len() / BATCHES;
-    let between = samples
+    let batches: Vec<Batch> = samples
         .chunks_exact(length)
         .take(BATCHES)
-        .map(|batch| batch.iter().map(vector).sum::<Vector3<f64>>() / length as f64)
-        .map(|batch_mean| (batch_mean - mean).map(|x| x * x))
+        .map(|batch| {
+            let mean = batch.iter().map(vector).sum::<Vector3<f64>>() / length as f64;
+            let squares = batch.iter().map(|raw| (vector(raw) - mean).map(|x| x * x));
+            Batch {
+                mean,
+                variance: squares.sum::<Vector3<f64>>() / (length as f64 - 1.0).max(1.0),
+            }
+        })
+        .collect();
+    let between = batches
+        .iter()
+        .map(|batch| (batch.mean - mean).map(|x| x * x))
         .sum::<Vector3<f64>>()
         / ((BATCHES - 1) * BATCHES) as f64;
+    let middle = |value: &dyn Fn(&Batch) -> f64| {
+        let mut values: Vec<f64> = batches.iter().map(value).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let wander = Vector3::from_fn(|axis, _| {
+        let usual = middle(&|batch| batch.mean[axis]);
+        let far = batches.iter().map(|batch| (batch.mean[axis] - usual).abs());
+        far.fold(0.0, f64::max)
+    });
+    let wander_of_noise = Vector3::from_fn(|axis, _| {
+        let variance = middle(&|batch| batch.variance[axis]).max(ROUNDING);
+        (variance / length as f64).sqrt()
+    });
     let mean_std = between.zip_map(&variance, |between, variance| {
         let rounding = if variance < 0.25 { ROUNDING } else { 0.0 };
         (between + rounding).sqrt()
@@ -57,6 +92,8 @@ pub fn still(samples: &[[i16; 3]]) -> Result<Still, CalibrationError> {
         mean,
         mean_std,
         deviation: variance.map(f64::sqrt),
+        wander,
+        wander_of_noise,
         count: samples.len(),
     })
 }

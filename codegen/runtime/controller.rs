@@ -1,10 +1,15 @@
-//! One step from raw counts to the drive's duty.
+//! One step from raw counts to the drive's duty, under supervision.
 
 use super::attitude::Attitude;
 use super::bias_observer::{advanced, estimated_bias, waiting};
-use super::constants::{BIAS_OBSERVER, DUTY_LINE, WHEEL_SPEED_LINE, ZERO_CURRENT};
-use super::control::{Angle, Current, WheelSpeed, control};
+use super::constants::{BIAS_OBSERVER, DUTY_LINE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
+use super::control::{Angle, CURRENT_LIMIT, Current, WheelSpeed, control};
 use super::line::on_line;
+use super::product::clamp;
+use super::supervisor::{
+    Counters, EMPTY_WINDOW, NOTHING_COUNTED, Status, Window, counted, gathered, judged, may_arm,
+    observed,
+};
 
 /// What the sensors said at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,13 +18,13 @@ pub struct Sample {
     pub gyro: [i16; 3],
     /// Accelerometer, raw counts.
     pub accel: [i16; 3],
-    /// Magnetometer, raw counts, where there is a new reading.
+    /// Magnetometer, raw counts, where there is a new reading. It does nothing for the pivot's angle.
     pub mag: Option<[i16; 3]>,
     /// The drive's speed output, raw counts of the converter.
     pub wheel_adc: u16,
 }
 
-/// Duty of the 16-bit PWM that the current drive reads.
+/// Duty of the timer that the current drive reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duty(pub u16);
 
@@ -27,30 +32,60 @@ pub struct Duty(pub u16);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Controller {
     attitude: Attitude,
+    status: Status,
     is_aligned: bool,
-    is_armed: bool,
+    window: Window,
+    counters: Counters,
     bias_state: i32,
 }
 
 impl Controller {
-    /// Starts unarmed; the first usable accelerometer reading sets the attitude.
+    /// Starts without an attitude; a window of quiet samples sets it.
     pub const fn new() -> Self {
         Controller {
             attitude: Attitude::new(),
+            status: Status::NotAligned,
             is_aligned: false,
-            is_armed: false,
+            window: EMPTY_WINDOW,
+            counters: NOTHING_COUNTED,
             bias_state: 0,
         }
     }
 
-    /// From the next step on, the motor is driven.
-    pub fn arm(&mut self) {
-        self.is_armed = true;
+    /// What the controller does, or why it does nothing.
+    pub fn status(&self) -> Status {
+        self.status
     }
 
-    /// From the next step on, the current is zero; the attitude is still followed.
+    /// From the next step on the motor is driven, if the attitude is known, the body near upright and
+    /// nearly at rest, and no sensor stuck; else nothing changes. Returns whether it is driven.
+    pub fn arm(&mut self) -> bool {
+        if self.status == Status::Running {
+            return true;
+        }
+        let angle = self.attitude.angle().to_bits();
+        let rate = self.attitude.rate().to_bits();
+        if self.is_aligned && may_arm(&self.counters, angle, rate, &LIMITS) {
+            self.counters.saturated = 0;
+            self.status = Status::Running;
+            true
+        } else {
+            false
+        }
+    }
+
+    /// From the next step on, the current is zero; the attitude is still followed. A trip stays what
+    /// it is.
     pub fn disarm(&mut self) {
-        self.is_armed = false;
+        if self.status == Status::Running {
+            self.status = Status::Ready;
+        }
+    }
+
+    /// Reports a missed tick or a bus error: from the next step on the current is zero, and the
+    /// attitude has to be found anew.
+    pub fn fault(&mut self) {
+        self.trip(Status::TrippedFault);
     }
 
     /// The attitude filter.
@@ -58,28 +93,92 @@ impl Controller {
         &self.attitude
     }
 
-    /// Takes one sample and returns the duty: that of zero current while not armed.
+    /// Takes one sample and returns the duty: that of zero current unless the controller runs.
     pub fn step(&mut self, sample: &Sample) -> Duty {
-        if !self.is_aligned {
-            self.is_aligned = self.attitude.align(sample.accel);
+        let speed = wheel_speed(sample.wheel_adc);
+        if self.is_driven(sample, speed) {
+            let angle = self.attitude.angle().to_bits();
+            let rate = self.attitude.rate();
+            let states = [angle, rate.to_bits(), speed.to_bits()];
+            let bias = estimated_bias(self.bias_state, states, &BIAS_OBSERVER);
+            let current = control(Angle::from_bits(angle - bias), rate, speed);
+            self.bias_state = advanced(self.bias_state, states, current.to_bits(), &BIAS_OBSERVER);
+            self.sent(current)
+        } else {
+            Duty(ZERO_CURRENT)
         }
+    }
+
+    /// As [`Controller::step`], with a current in place of the law's, within its limit.
+    pub fn step_with_current(&mut self, sample: &Sample, current: Current) -> Duty {
+        let speed = wheel_speed(sample.wheel_adc);
+        if self.is_driven(sample, speed) {
+            let limit = CURRENT_LIMIT.to_bits();
+            self.sent(Current::from_bits(clamp(current.to_bits(), -limit, limit)))
+        } else {
+            Duty(ZERO_CURRENT)
+        }
+    }
+
+    /// Takes a sample: attitude, counts, window. Whether the motor is to be driven.
+    fn is_driven(&mut self, sample: &Sample, speed: WheelSpeed) -> bool {
         match sample.mag {
             Some(mag) => self.attitude.update_marg(sample.gyro, sample.accel, mag),
             None => self.attitude.update_imu(sample.gyro, sample.accel),
         }
-        let angle = self.attitude.angle();
-        let rate = self.attitude.rate();
-        let speed = wheel_speed(sample.wheel_adc);
-        let states = [angle.to_bits(), rate.to_bits(), speed.to_bits()];
-        if self.is_armed {
-            let bias = estimated_bias(self.bias_state, states, &BIAS_OBSERVER);
-            let current = control(Angle::from_bits(states[0] - bias), rate, speed);
-            self.bias_state = advanced(self.bias_state, states, current.to_bits(), &BIAS_OBSERVER);
-            duty(current)
-        } else {
-            self.bias_state = waiting(states, &BIAS_OBSERVER);
-            Duty(ZERO_CURRENT)
+        self.counters = observed(
+            &self.counters,
+            sample.gyro,
+            self.attitude.is_clipped(sample.gyro, sample.accel),
+            self.attitude.shows_gravity(sample.accel),
+            sample.wheel_adc as i32,
+            &LIMITS,
+        );
+        let angle = self.attitude.angle().to_bits();
+        let judgement = judged(&self.counters, angle, &LIMITS);
+        if self.status == Status::Running && judgement == Status::Running {
+            return true;
         }
+        if self.status == Status::Running {
+            self.trip(judgement);
+        } else if !self.is_aligned {
+            self.align(sample);
+        }
+        let states = [angle, self.attitude.rate().to_bits(), speed.to_bits()];
+        self.bias_state = waiting(states, &BIAS_OBSERVER);
+        false
+    }
+
+    /// The window with one sample more; a full one sets the attitude.
+    fn align(&mut self, sample: &Sample) {
+        let up = self.attitude.reading(sample.accel);
+        let is_quiet = self.attitude.is_quiet(sample.gyro, sample.accel);
+        self.window = gathered(&self.window, up, is_quiet, &LIMITS);
+        if self.window.count >= LIMITS.window {
+            self.attitude.align_to(self.window.sum);
+            self.window = EMPTY_WINDOW;
+            self.is_aligned = true;
+            if self.status == Status::NotAligned {
+                self.status = Status::Ready;
+            }
+        }
+    }
+
+    /// No current, and the attitude is not believed any more.
+    fn trip(&mut self, status: Status) {
+        self.status = status;
+        self.is_aligned = false;
+        self.window = EMPTY_WINDOW;
+    }
+
+    /// The duty of a current, which is counted where it is at its limit.
+    fn sent(&mut self, current: Current) -> Duty {
+        let word = current.to_bits();
+        let limit = CURRENT_LIMIT.to_bits();
+        let is_saturated = word <= -limit || word >= limit;
+        self.counters.saturated =
+            counted(self.counters.saturated, is_saturated, LIMITS.saturated_steps);
+        duty(current)
     }
 }
 

@@ -37,6 +37,14 @@ pub enum AttitudeRefusal {
         /// What would help.
         cure: &'static str,
     },
+    /// The sample time is no whole number of microseconds.
+    #[error(
+        "the sample time is {sample_time_s} s: a timer of the firmware needs whole microseconds, at least 10 and at most a second"
+    )]
+    SampleTime {
+        /// The sample time, s.
+        sample_time_s: f64,
+    },
     /// A straight line between words, or the observer, does not fit its words.
     #[error(
         "{what}: {value} cannot be brought into 32-bit words; check its unit and the stated ranges"
@@ -133,6 +141,8 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
             tangential: arm(tangential)?,
         },
         beta: (beta_step * 2f64.powi(35)).round() as i32,
+        accel_clip: spec.accel_clip,
+        mag_clip: spec.mag_clip,
     })
 }
 

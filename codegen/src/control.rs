@@ -96,10 +96,10 @@ pub fn derive(spec: &ModuleSpec) -> Result<IntegerLaw, Refusal> {
         )?;
     }
 
-    let drive_range = ShortestDecimal::new(spec.drive.current_range_a);
+    let drive_range = ShortestDecimal::new(spec.drive.current_range_a());
     let current = Format::for_range(&drive_range.value).ok_or(Refusal::RangeTooLarge {
         what: "current range of the drive",
-        range: spec.drive.current_range_a,
+        range: spec.drive.current_range_a(),
     })?;
     let limit = ShortestDecimal::new(spec.current_limit_a);
     let limit_raw = limit_word(spec, &limit, &drive_range, current)?;
@@ -174,7 +174,7 @@ fn limit_word(
     if limit.value > drive_range.value {
         return Err(Refusal::LimitAboveDrive {
             limit_a: spec.current_limit_a,
-            drive_a: spec.drive.current_range_a,
+            drive_a: spec.drive.current_range_a(),
         });
     }
     let word = (&limit.value * current.units_per_one())

@@ -11,19 +11,36 @@ pub struct HardwareSpec {
     pub wheel_speed_per_count: f64,
     /// Wheel speed at zero counts (rad/s).
     pub wheel_speed_at_zero: f64,
+    /// Count at the lower end of the converter's range.
+    pub wheel_low: u16,
+    /// Count at its upper end.
+    pub wheel_high: u16,
+    /// Fresh samples of the gyroscope a second; `None`: one in each step.
+    pub gyro_rate_hz: Option<f64>,
+    /// The accelerometer's scale by its part or as stated (m/s² per count), against which that of its
+    /// calibration is held; `None` where only a calibration is known.
+    pub accelerometer_m_s2_per_count: Option<f64>,
+    /// What the words mean, for who writes the firmware: lines of text.
+    pub registers: Vec<String>,
     /// Finds a constant bias of the angle, which would keep the wheel turning; off if `None`.
     pub bias_observer: Option<BiasObserverSpec>,
 }
 
 impl HardwareSpec {
     /// The thesis bench: its sensors by their data sheets, ADS1015 with
-    /// rpm = 8.53108 count − 6594.5, no bias observer.
+    /// rpm = 8.53108 count − 6594.5 between the ends ∓6594.5 rpm of the drive's speed signal, no bias
+    /// observer.
     pub fn thesis_bench() -> Self {
         let rpm = core::f64::consts::TAU / 60.0;
         HardwareSpec {
             attitude: AttitudeSpec::thesis(),
             wheel_speed_per_count: 8.53108 * rpm,
             wheel_speed_at_zero: -6594.5 * rpm,
+            wheel_low: 0,
+            wheel_high: 1_546,
+            gyro_rate_hz: Some(800.0),
+            accelerometer_m_s2_per_count: Some(attitude::STANDARD_GRAVITY / 4096.0),
+            registers: Vec::new(),
             bias_observer: None,
         }
     }

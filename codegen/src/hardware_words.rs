@@ -10,8 +10,10 @@ use crate::hardware::BiasObserverSpec;
 use crate::helpers::bias_observer::BiasObserver;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::line::Line;
+use crate::helpers::supervisor::Limits;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
+use crate::supervisor;
 
 /// The observer that does nothing.
 const NO_OBSERVER: BiasObserver = BiasObserver {
@@ -24,6 +26,10 @@ const NO_OBSERVER: BiasObserver = BiasObserver {
     angle_shift: 1,
     limit: 0,
 };
+
+/// Fewest bits of a line's slope: its error, half a unit in 2²³, is a hundredth of a count over the
+/// 2¹⁶ counts of a duty.
+const SLOPE_BITS_MIN: f64 = 24.0;
 
 /// All words of the emitted constants.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +54,10 @@ pub struct HardwareWords {
     pub zero_current: u16,
     /// Observer of the angle's bias.
     pub bias_observer: BiasObserver,
+    /// Of the supervisor.
+    pub limits: Limits,
+    /// Sample time in µs.
+    pub sample_time_us: u32,
 }
 
 /// The words for `spec`, whose control law is `law`.
@@ -75,11 +85,12 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, Atti
     let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
     let wheel_max = word_at_most(spec.ranges.wheel_speed_rad_s * wheel_unit);
     let drive = &spec.drive;
-    let counts = i32::from(drive.counts());
-    let zero = i32::from(drive.duty_zero);
-    let duty_per_current = f64::from(counts) / drive.current_range_a / current_unit;
+    let duty_per_current = 1.0 / drive.amperes_per_count / current_unit;
+    let filter = attitude_words::derive(&filter_spec)?;
     Ok(HardwareWords {
-        filter: attitude_words::derive(&filter_spec)?,
+        limits: supervisor::derive(spec, law, &filter)?,
+        sample_time_us: supervisor::sample_time_us(spec.sample_time_s)?,
+        filter,
         mounting_angle: attitude_words::mounting_word(filter_spec.mounting_angle_rad)?,
         angle_max,
         angle_factor: 1 << angle_bits.saturating_sub(28),
@@ -101,9 +112,9 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, Atti
         duty: line(
             "the duty",
             duty_per_current,
-            f64::from(zero),
-            (zero - counts).max(0),
-            zero + counts,
+            f64::from(drive.duty_zero),
+            drive.duty_low.into(),
+            drive.duty_high.into(),
         )?,
         zero_current: drive.duty_zero,
         bias_observer,
@@ -115,7 +126,9 @@ fn word_at_most(value: f64) -> i32 {
     value.floor().min(f64::from(i32::MAX)) as i32
 }
 
-/// The line `slope`·word + `at_zero`, rounded to the nearest, as words.
+/// The line `slope`·word + `at_zero`, rounded to the nearest, as words: the slope has 30 bits, or as
+/// many fewer as it takes that the offset stays within 2⁶¹. Each bit less doubles the slope's error,
+/// at 30 bits a share of 2⁻³⁰; [`SLOPE_BITS_MIN`] bits still place every word of the result.
 fn line(
     what: &'static str,
     slope: f64,
@@ -123,17 +136,20 @@ fn line(
     low: i32,
     high: i32,
 ) -> Result<Line, AttitudeRefusal> {
-    // The shift that brings the slope into [2²⁹, 2³⁰).
-    let shift = 29.0 - slope.abs().log2().floor();
     let refused = |value: f64| AttitudeRefusal::NoLine { what, value };
-    if !(1.0..=62.0).contains(&shift) {
+    // The shift that brings the slope into [2²⁹, 2³⁰).
+    let finest = 29.0 - slope.abs().log2().floor();
+    // The largest with which the offset fits.
+    let room = (2f64.powi(61) / (at_zero + 0.5).abs()).log2().floor();
+    if !finest.is_finite() || !at_zero.is_finite() {
+        return Err(refused(slope));
+    }
+    let shift = finest.min(room).min(62.0);
+    if shift < 1.0 || finest - shift > 30.0 - SLOPE_BITS_MIN {
         return Err(refused(slope));
     }
     let scale = 2f64.powf(shift);
     let offset = (at_zero + 0.5) * scale;
-    if !offset.is_finite() || offset.abs() > 2f64.powi(61) {
-        return Err(refused(at_zero));
-    }
     Ok(Line {
         scale: (slope * scale).round() as i32,
         offset: offset.round() as i64,

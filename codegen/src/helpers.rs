@@ -25,3 +25,5 @@ pub mod product;
 pub mod root;
 #[path = "../runtime/scaling.rs"]
 pub mod scaling;
+#[path = "../runtime/supervisor.rs"]
+pub mod supervisor;

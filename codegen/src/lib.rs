@@ -37,6 +37,7 @@ pub mod refusal;
 pub mod runtime;
 pub mod spec;
 pub mod stability;
+pub mod supervisor;
 
 pub use file::{EmittedCrate, EmittedFile, FileError};
 pub use refusal::Refusal;

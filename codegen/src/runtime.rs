@@ -44,7 +44,7 @@ impl Helper {
 }
 
 /// Every helper of the emitted crate.
-pub const HELPERS: [Helper; 13] = [
+pub const HELPERS: [Helper; 14] = [
     helper!("arc_tangent.rs"),
     helper!("attitude.rs"),
     helper!("bias_observer.rs"),
@@ -58,6 +58,7 @@ pub const HELPERS: [Helper; 13] = [
     helper!("product.rs"),
     helper!("root.rs"),
     helper!("scaling.rs"),
+    helper!("supervisor.rs"),
 ];
 
 /// All helpers as they are emitted.

@@ -24,6 +24,8 @@ pub struct ModuleSpec {
     pub drive: PwmDrive,
     /// The sensors that the states come from.
     pub hardware: HardwareSpec,
+    /// What of sensors and drive nobody stated, so that it was taken from another bench; sentences.
+    pub assumed: Vec<String>,
     /// Identified parameters of the model behind the gains.
     pub parameters: Vec<ModelParameter>,
     /// Diagonal of the state weight Q.
@@ -55,37 +57,71 @@ pub struct PhysicalRanges {
 }
 
 impl PhysicalRanges {
-    /// The bench of the thesis: any angle up to half a turn, every count of its gyroscope
-    /// (32768 counts of 62.5 mdps are 35.7443 rad/s), a wheel of about ±700 rad/s.
-    pub const THESIS_BENCH: Self = Self {
-        angle_rad: core::f64::consts::PI,
-        rate_rad_s: 35.745,
-        wheel_speed_rad_s: 700.0,
-    };
+    /// What the sensors can show: any angle up to half a turn, every count of the gyroscope, every
+    /// count of the converter. Rounded up in the fifth digit.
+    pub fn of(hardware: &HardwareSpec) -> Self {
+        let gyro = &hardware.attitude.gyro;
+        let counts = gyro.bias_counts.map(|bias| 32_768.0 + bias.abs());
+        let rate = gyro.matrix.row(2).abs() * counts;
+        let speed = |count: u16| {
+            hardware.wheel_speed_per_count * f64::from(count) + hardware.wheel_speed_at_zero
+        };
+        let wheel = speed(hardware.wheel_low)
+            .abs()
+            .max(speed(hardware.wheel_high).abs());
+        Self {
+            angle_rad: core::f64::consts::PI,
+            rate_rad_s: rounded_up(rate[0]),
+            wheel_speed_rad_s: rounded_up(wheel),
+        }
+    }
 }
 
-/// A current drive fed by a 16-bit PWM whose duty is a straight line of the current.
+/// The next number with five digits; what is not positive stays, to be refused by name.
+fn rounded_up(value: f64) -> f64 {
+    if !(value.is_finite() && value > 0.0) {
+        return value;
+    }
+    let digits = 4 - value.log10().floor() as i32;
+    let scaled = (value * 10f64.powi(digits) * (1.0 - 1e-12)).ceil();
+    // Read back from its decimal, which is the one that documents print.
+    format!("{scaled:.0}e{}", -digits).parse().unwrap_or(value)
+}
+
+/// A current drive whose current is a straight line of the duty of a timer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwmDrive {
-    /// Current at the ends of the duty range (A).
-    pub current_range_a: f64,
+    /// Bits of the timer.
+    pub bits: u32,
     /// Duty at zero current (counts).
     pub duty_zero: u16,
-    /// Duty at `current_range_a` (counts); as far below zero for the negative current.
-    pub duty_max: u16,
+    /// Smallest duty that the drive reads as a current.
+    pub duty_low: u16,
+    /// Largest duty that the drive reads as a current.
+    pub duty_high: u16,
+    /// A per count; negative where a larger duty drives backwards.
+    pub amperes_per_count: f64,
 }
 
 impl PwmDrive {
-    /// ESCON 24/2 of the thesis: 10 % to 90 % duty for −2.2 A to 2.2 A.
+    /// ESCON 24/2 of the thesis: 10 % to 90 % duty of 16 bits for −2.2 A to 2.2 A.
     pub const THESIS_BENCH: Self = Self {
-        current_range_a: 2.2,
+        bits: 16,
         duty_zero: 32_768,
-        duty_max: 58_982,
+        duty_low: 6_554,
+        duty_high: 58_982,
+        amperes_per_count: 2.2 / 26_214.0,
     };
 
-    /// Counts of duty between zero and the largest current.
+    /// Counts of duty between zero and the largest current that the drive gives both ways.
     pub fn counts(&self) -> u16 {
-        self.duty_max.saturating_sub(self.duty_zero)
+        let above = self.duty_high.saturating_sub(self.duty_zero);
+        above.min(self.duty_zero.saturating_sub(self.duty_low))
+    }
+
+    /// The largest current that the drive gives both ways (A).
+    pub fn current_range_a(&self) -> f64 {
+        f64::from(self.counts()) * self.amperes_per_count.abs()
     }
 }
 
@@ -117,11 +153,8 @@ impl ModuleSpec {
             ("angle range", self.ranges.angle_rad),
             ("rate range", self.ranges.rate_rad_s),
             ("wheel speed range", self.ranges.wheel_speed_rad_s),
-            ("current range of the drive", self.drive.current_range_a),
-            (
-                "duty span of the drive",
-                f64::from(self.drive.duty_max) - f64::from(self.drive.duty_zero),
-            ),
+            ("duty span of the drive", f64::from(self.drive.counts())),
+            ("current range of the drive", self.drive.current_range_a()),
             ("current weight", self.current_weight),
         ];
         for (what, value) in positive {

@@ -174,7 +174,7 @@ prop_compose! {
                 rate_rad_s: ranges[1],
                 wheel_speed_rad_s: ranges[2],
             },
-            drive: PwmDrive { current_range_a: drive, ..PwmDrive::THESIS_BENCH },
+            drive: PwmDrive { amperes_per_count: drive / 26_214.0, ..PwmDrive::THESIS_BENCH },
             current_limit_a: drive * limit_fraction,
             ..thesis::spec()
         }
@@ -197,8 +197,8 @@ prop_compose! {
         spec.ranges.angle_rad *= 10_f64.powf(ranges[0]);
         spec.ranges.rate_rad_s *= 10_f64.powf(ranges[1]);
         spec.ranges.wheel_speed_rad_s *= 10_f64.powf(ranges[2]);
-        spec.drive.current_range_a = drive;
-        spec.current_limit_a = drive * limit_fraction;
+        spec.drive.amperes_per_count = drive / 26_214.0;
+        spec.current_limit_a = spec.drive.current_range_a() * limit_fraction;
         spec
     }
 }
@@ -262,7 +262,7 @@ fn no_bit_is_given_away() {
         .any(|t| t.gain.raw.checked_mul(2).is_none());
     let sum_overflows = (doubled << 31) + (1 << law.shift) > i128::from(i64::MAX);
     assert!(word_overflows || sum_overflows);
-    // Derived by hand for half a turn, ±35.745 rad/s, ±700 rad/s and ±2.2 A.
+    // Derived by hand for half a turn, ±35.745 rad/s, ±690.58 rad/s and ±2.2 A.
     let state_bits = law
         .terms
         .clone()

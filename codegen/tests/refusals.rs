@@ -33,7 +33,7 @@ fn each_refusal_names_the_claim_and_the_cure() {
         (|s| s.ranges.rate_rad_s = -1.0, None, &["rate range"]),
         (|s| s.current_weight = 0.0, None, &["current weight"]),
         (
-            |s| s.drive.duty_max = s.drive.duty_zero,
+            |s| s.drive.duty_high = s.drive.duty_zero,
             None,
             &["duty span"],
         ),

@@ -558,6 +558,8 @@ fn constants() -> impl Strategy<Value = FilterConstants> {
                         tangential,
                     },
                     beta,
+                    accel_clip: [32_764; 3],
+                    mag_clip: [12_000, 30_000, 32_767],
                 }
             },
         )

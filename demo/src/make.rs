@@ -217,6 +217,33 @@ fn balance(name: &'static str, gains: [f64; 3]) -> Result<File, Box<dyn Error>> 
     Ok(File { name, text })
 }
 
+/// Sensors and drive that the controller of this bench would have.
+const HARDWARE: &str = r#"# A bench like that of the thesis, with an MPU-6050 on the body.
+[hardware.gyroscope]
+part = "MPU-6050"
+axes = ["x", "y", "z"]
+
+[hardware.accelerometer]
+part = "MPU-6050"
+axes = ["x", "y", "z"]
+
+[hardware.wheel_speed]
+kind   = "converter"
+slope  = 0.4
+offset = -819.2
+low    = 0
+high   = 4095
+
+[hardware.angle]
+kind = "inertial"
+
+[hardware.drive]
+part = "ESCON 24/2"
+kind = "current"
+amperes_per_count = 8.4e-5
+
+"#;
+
 fn bench_toml(gains: [f64; 3]) -> File {
     let mut text = format!(
         "# Simulated; see demo/src/make.rs. The pivot has dry friction that the base model lacks.\n\
@@ -226,7 +253,7 @@ fn bench_toml(gains: [f64; 3]) -> File {
          body_mass       = {BODY_MASS}\n\
          wheel_mass      = {WHEEL_MASS}\n\
          pivot_to_wheel  = {PIVOT_TO_WHEEL}\n\
-         pivot_to_com    = {PIVOT_TO_COM}\n\n[controller]\n\
+         pivot_to_com    = {PIVOT_TO_COM}\n\n{HARDWARE}[controller]\n\
          gains         = [{}, {}, {}]\n\
          current_limit = {CURRENT_LIMIT_A:?}\n\
          sample_time   = {SAMPLE_TIME_S}\n",

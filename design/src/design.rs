@@ -9,9 +9,9 @@ use crate::friction::{FrictionCheck, FrictionExtremes, friction_check};
 use crate::lqr::{DiscreteRegulator, Weights, discrete_regulator};
 use crate::margins::{Margins, margins};
 use crate::matrix::{check_positive, of_model};
-use crate::poles::{Pole, poles};
+use crate::poles::{Pole, eigenvalues, poles, spectral_radius};
 use crate::recovery::recovery_angle_rad;
-use crate::structural::{StructuralRank, controllability, observability};
+use crate::structural::{StructuralRank, controllability, observability, reach};
 use crate::zero_order_hold::Discrete;
 use nalgebra::{Complex, DMatrix, RowVector3, Vector3};
 use plant::LinearModel;
@@ -86,7 +86,8 @@ impl Design {
     /// Designs the controller of `model` for `settings` and checks the loop.
     ///
     /// # Errors
-    /// Those of [`discrete_regulator`]; [`DesignError::SampleTimeTooLong`] where the loop would
+    /// Those of [`discrete_regulator`]; [`DesignError::CostBlind`] where the cost does not see a mode
+    /// that does not decay by itself; [`DesignError::SampleTimeTooLong`] where the loop would
     /// not bear the delay of one sample that computing may take;
     /// [`DesignError::UnstableLoop`] where it is unstable without Coulomb friction;
     /// [`DesignError::NotAPendulum`].
@@ -95,6 +96,7 @@ impl Design {
         settings.weights.matrices()?;
         check_positive("the sample time in s", settings.sample_time_s)?;
         let recovery_angle_rad = recovery_angle_rad(model, settings.current_limit_a)?;
+        require_that_the_cost_sees(model, &settings.weights)?;
         let (regulator, margins) = regulator_with_margins(model, settings)?;
         let DiscreteRegulator {
             discrete,
@@ -177,33 +179,98 @@ impl Design {
     }
 }
 
+/// A loop whose slowest motion decays with a longer time constant than this stands by no measure of
+/// a bench, s: its wheel would run off while everything else is balanced.
+const SLOWEST_DECAY_S: f64 = 3600.0;
+
+/// Where the relative distance of the cost to not seeing a mode is below this, rounding decides.
+const SEES_MIN: f64 = 1e-12;
+
+/// What the modes are called that may not decay by themselves.
+const STATE_NAMES: [&str; 2] = ["angle", "wheel"];
+
+/// Refuses weights of zero on a mode that does not decay by itself.
+///
+/// # Errors
+/// [`DesignError::CostBlind`] with the state that most of the mode is.
+fn require_that_the_cost_sees(model: &LinearModel, weights: &Weights) -> Result<(), DesignError> {
+    let (a, _) = of_model(model)?;
+    let (q, _) = weights.matrices()?;
+    let seen = q.map(f64::sqrt);
+    for mode in eigenvalues(&a)? {
+        if mode.re < -1.0 / SLOWEST_DECAY_S {
+            continue;
+        }
+        if reach(&a.transpose(), &seen.transpose(), mode)? < SEES_MIN {
+            return Err(DesignError::CostBlind {
+                state: state_of(mode),
+                how: "its weight is zero, and left to itself it does not come to rest".to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The state that a mode of A is made of: the angle of one that falls, the wheel of one that stays.
+fn state_of(mode: Complex<f64>) -> &'static str {
+    if mode.re > 1.0 / SLOWEST_DECAY_S {
+        STATE_NAMES[0]
+    } else {
+        STATE_NAMES[1]
+    }
+}
+
+/// The regulator at one sample time, with the margins of its loop.
+fn regulator_at(
+    model: &LinearModel,
+    settings: &Settings,
+    sample_time_s: f64,
+) -> Result<(DiscreteRegulator, Margins), DesignError> {
+    let regulator = discrete_regulator(model, &settings.weights, sample_time_s)?;
+    let controller = LinearController::state_feedback(&regulator.gains);
+    let discrete = &regulator.discrete;
+    let closed = controller.closed_loop(&discrete.state, &discrete.input)?;
+    let slowest = spectral_radius(&closed)?;
+    // ρ^(t/T) = e⁻¹.
+    let decay_s = -sample_time_s / slowest.ln();
+    if !(0.0..=SLOWEST_DECAY_S).contains(&decay_s) {
+        return Err(DesignError::CostBlind {
+            state: STATE_NAMES[1],
+            how: format!(
+                "the loop would take {decay_s:.1e} s to come to rest (largest pole modulus \
+                 {slowest:.12})"
+            ),
+        });
+    }
+    let (a, b) = of_model(model)?;
+    let margins = margins(&a, &b, &controller, sample_time_s)?;
+    Ok((regulator, margins))
+}
+
 /// The regulator at the sample time asked for, with margins; an error with a shorter sample time
 /// where that one is too long.
 fn regulator_with_margins(
     model: &LinearModel,
     settings: &Settings,
 ) -> Result<(DiscreteRegulator, Margins), DesignError> {
-    let attempt = |sample_time_s: f64| {
-        let regulator = discrete_regulator(model, &settings.weights, sample_time_s)?;
-        let (a, b) = of_model(model)?;
-        let controller = LinearController::state_feedback(&regulator.gains);
-        let margins = margins(&a, &b, &controller, sample_time_s)?;
-        Ok((regulator, margins))
-    };
-    let (delay_margin_s, error) = match attempt(settings.sample_time_s) {
+    let (delay_margin_s, error) = match regulator_at(model, settings, settings.sample_time_s) {
         Ok((regulator, margins)) if margins.delay_margin_s >= settings.sample_time_s => {
             return Ok((regulator, margins));
         }
         Ok((_, margins)) => (margins.delay_margin_s, None),
+        // What is wrong with the weights no sample time cures.
+        Err(error @ DesignError::CostBlind { .. }) => return Err(error),
         Err(error) => (0.0, Some(error)),
     };
-    // Where a shorter sample time works, the sample time was what was wrong.
+    // Where a shorter sample time works, the sample time was what was wrong. Tried as it will be
+    // typed: with two digits.
     let mut shorter_s = settings.sample_time_s;
     for _ in 0..60 {
-        shorter_s *= 0.5;
-        if let Ok((_, margins)) = attempt(shorter_s)
-            && margins.delay_margin_s >= shorter_s
-        {
+        shorter_s = two_digits(0.5 * shorter_s);
+        if shorter_s <= 0.0 {
+            break;
+        }
+        if is_accepted(model, settings, shorter_s) {
             return Err(DesignError::SampleTimeTooLong {
                 sample_time_s: settings.sample_time_s,
                 delay_margin_s,
@@ -211,11 +278,33 @@ fn regulator_with_margins(
             });
         }
     }
-    Err(error.unwrap_or(DesignError::SampleTimeTooLong {
-        sample_time_s: settings.sample_time_s,
-        delay_margin_s,
-        longest_s: shorter_s,
+    Err(error.unwrap_or(DesignError::UnstableLoop {
+        loop_name: "with a delay of one sample",
+        spectral_radius: 1.0,
+        cure: "no sample time bears it with these weights; raise the current weight",
     }))
+}
+
+/// Whether a design at this sample time passes every check.
+fn is_accepted(model: &LinearModel, settings: &Settings, sample_time_s: f64) -> bool {
+    let Ok((regulator, margins)) = regulator_at(model, settings, sample_time_s) else {
+        return false;
+    };
+    let friction = |extremes: &FrictionExtremes| {
+        stable_friction_check(extremes, &regulator.gains, sample_time_s).is_ok()
+    };
+    margins.delay_margin_s >= sample_time_s
+        && settings.friction_extremes.as_ref().is_none_or(friction)
+}
+
+/// The number of two digits at or below a positive one, as it reads back from its decimal.
+fn two_digits(value: f64) -> f64 {
+    if !(value.is_finite() && value > 0.0) {
+        return 0.0;
+    }
+    let exponent = value.log10().floor() as i32 - 1;
+    let digits = (value / 10f64.powi(exponent) * (1.0 + 1e-12)).floor();
+    format!("{digits:.0}e{exponent}").parse().unwrap_or(0.0)
 }
 
 /// The check, as an error where the bench would fall: without the friction that the design counted
@@ -298,6 +387,49 @@ mod tests {
                 }
                 other => panic!("{sample_time_s}: {other:?}"),
             }
+        }
+    }
+
+    /// The wheel of a bench without wheel friction keeps its speed where no weight asks for rest; a
+    /// weight of 1e-20 asks too little.
+    #[test]
+    fn a_cost_that_does_not_see_the_wheel_is_refused() {
+        let mut parameters = thesis::PARAMETERS;
+        parameters[5] = 0.0;
+        let model = thesis::model_of(parameters);
+        for (weight, time) in [(0.0, 1e-3), (0.0, 0.0119), (1e-20, 1e-3), (1e-30, 1e-4)] {
+            let mut settings = settings();
+            settings.weights.state[2] = weight;
+            settings.sample_time_s = time;
+            match Design::new(&model, &settings) {
+                Err(DesignError::CostBlind { state, .. }) => assert_eq!(state, "wheel"),
+                other => panic!("{weight}: {other:?}"),
+            }
+        }
+        // With friction it comes to rest by itself.
+        let mut with_friction = settings();
+        with_friction.weights.state[2] = 0.0;
+        assert!(Design::new(&thesis::model(), &with_friction).is_ok());
+        // Nobody looks at the angle.
+        let mut blind = settings();
+        blind.weights.state = Vector3::zeros();
+        assert!(matches!(
+            Design::new(&thesis::model(), &blind),
+            Err(DesignError::CostBlind { state: "angle", .. })
+        ));
+    }
+
+    #[test]
+    fn two_digits_read_back() {
+        for (value, text) in [
+            (0.15, "0.15"),
+            (0.0119, "0.011"),
+            (4.56e-7, "0.00000045"),
+            (0.1, "0.1"),
+            (99.9, "99"),
+            (2e-3, "0.002"),
+        ] {
+            assert_eq!(two_digits(value).to_string(), text);
         }
     }
 

@@ -65,6 +65,27 @@ pub enum DesignError {
         /// Largest modulus of the closed-loop poles.
         spectral_radius: f64,
     },
+    /// The cost does not see a mode that does not decay by itself, or so weakly that the loop takes
+    /// for ever.
+    #[error(
+        "the cost does not see the {state}: {how}; give it a state weight that counts (the thesis has \
+         25, 0.5 and 5e-4 for angle, rate and wheel speed)"
+    )]
+    CostBlind {
+        /// The state that most of the mode is.
+        state: &'static str,
+        /// What would become of the mode.
+        how: String,
+    },
+    /// Double and extended precision give different gains.
+    #[error(
+        "the gains cannot be computed reliably (double and extended precision differ by a share of \
+         {difference:.1e}); the model or the weights span too many orders of magnitude"
+    )]
+    GainsUncertain {
+        /// Norm of the difference over that of the gains.
+        difference: f64,
+    },
     /// An iteration did not settle.
     #[error(
         "{method} did not converge after {iterations} steps (last change {change:.1e}); {cure}"
@@ -112,16 +133,16 @@ pub enum DesignError {
     },
     /// The loop could not bear the delay that sampling at this rate brings with it.
     #[error(
-        "a sample time of {sample_time_s} s is too long: the loop tolerates {delay_margin_s:.4} s \
-         of delay, less than the one sample that computing may take; sample at {longest_s:.4} s \
-         or less"
+        "a sample time of {sample_time_s} s is too long: the loop tolerates {delay_margin_s:.2e} s \
+         of delay, less than the one sample that computing may take; sample at \
+         {longest_s} s, or raise the current weight so that the loop asks less"
     )]
     SampleTimeTooLong {
         /// The sample time asked for, in s.
         sample_time_s: f64,
         /// The delay margin of the design at that sample time, in s.
         delay_margin_s: f64,
-        /// A sample time that works, in s.
+        /// A sample time of two digits that works, in s.
         longest_s: f64,
     },
     /// A model that is not an inverted pendulum, so the quantity asked for has no meaning.

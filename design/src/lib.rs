@@ -9,6 +9,7 @@
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
 //! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
 //! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
+//! | [`disturbance`] | what a disturbing torque does to the loop |
 //! | [`friction`], [`uncertainty`] | the loop around benches that differ from the model |
 //! | [`recovery`], [`wheel_sizing`] | what current and wheel speed allow |
 //! | [`angle_bias`], [`bias_observer`] | what a wrong angle costs, and its cure |
@@ -24,7 +25,10 @@ pub mod care;
 pub mod controller;
 pub mod dare;
 mod design;
+pub mod disturbance;
+mod double_double;
 mod error;
+mod extended;
 pub mod friction;
 pub mod lqr;
 pub mod margins;
@@ -46,6 +50,7 @@ pub use care::{CareSolution, solve_care};
 pub use controller::LinearController;
 pub use dare::{DareSolution, solve_dare};
 pub use design::{Design, Settings};
+pub use disturbance::{TorqueResponse, torque_response};
 pub use error::DesignError;
 pub use friction::{ExtremeCheck, FrictionCheck, FrictionExtremes, Hunting, friction_check};
 pub use lqr::{

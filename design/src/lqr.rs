@@ -5,6 +5,7 @@ use crate::care::solve_care;
 use crate::dare::DareSolution;
 use crate::dare::solve_dare;
 use crate::error::DesignError;
+use crate::extended;
 use crate::matrix::{check_finite, check_positive, of_model};
 use crate::sampled_cost::sampled_cost;
 use crate::zero_order_hold::{Discrete, zero_order_hold};
@@ -69,10 +70,10 @@ fn row(gain: &DMatrix<f64>) -> RowVector3<f64> {
 }
 
 /// The regulator that minimises the *continuous* cost with a current that is held for
-/// `sample_time_s` (see [`crate::sampled_cost`]).
+/// `sample_time_s` (see [`crate::sampled_cost`]). Its gains are computed in extended precision.
 ///
 /// # Errors
-/// Those of [`solve_dare`], [`zero_order_hold`] and [`sampled_cost`].
+/// [`DesignError::GainsUncertain`]; those of [`solve_dare`], [`zero_order_hold`] and [`sampled_cost`].
 pub fn discrete_regulator(
     model: &LinearModel,
     weights: &Weights,
@@ -82,7 +83,8 @@ pub fn discrete_regulator(
     let (q, r) = weights.matrices()?;
     let discrete = zero_order_hold(&a, &b, sample_time_s)?;
     let cost = sampled_cost(&a, &b, &q, &r, sample_time_s)?;
-    let riccati = solve_dare(&discrete.state, &discrete.input, &cost)?;
+    let mut riccati = solve_dare(&discrete.state, &discrete.input, &cost)?;
+    riccati.gain = extended::gains(&a, &b, (&q, &r), sample_time_s, &riccati.gain)?;
     Ok(DiscreteRegulator {
         gains: row(&riccati.gain),
         discrete,

@@ -1,30 +1,36 @@
 //! The diagnosis of a fitted model, from the logs to the verdict.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use identify::{Cancelled, Effort, FitProblem, Minimum, Progress, joined, refit};
+use identify::{
+    Cancelled, Effort, FitProblem, IdentifyError, Minimum, Progress, carry_over, contradictions,
+    extend, identify_until, joined, refit,
+};
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
 use crate::applicable::is_cleared;
 use crate::bench::{IsCancelled, SearchBench};
 use crate::candidate::Candidate;
+use crate::decision::{Decision, decide};
 use crate::economy::{MOST_REVISIONS, MOST_SUSPECTS, SAMPLES_PER_PERIOD};
 use crate::genuine::genuine;
 use crate::imperfection::Imperfections;
 use crate::next_experiment::propose;
-use crate::path::{path, without_absorbers};
-use crate::pool::{Search, common};
+use crate::pool::Search;
 use crate::ranking::{Ranked, ranked};
-use crate::report::{Diagnosis, Step, looks, suspect, whole_step};
+use crate::remains::remains;
+use crate::report::{Diagnosis, Look, Step, looks, suspects};
 use crate::search::search;
 use crate::short_windows::shows_in_short_windows;
 use crate::shown::shows;
+use crate::steps::{Planned, planned};
 use crate::thinned::{is_thinned, whole_fit, windows_at};
 use crate::thresholds::Thresholds;
-use crate::validation::mean_fit_percent;
-use crate::verdict::{Findings, Verdict, verdict};
+use crate::validation::is_worse;
+use crate::verdict::Verdict;
 
 /// What may be asked of a diagnosis beside the model.
 #[derive(Clone, Debug)]
@@ -45,7 +51,8 @@ impl Default for Options<'_> {
     }
 }
 
-/// Diagnoses a fitted model.
+/// Diagnoses a fitted model. The search starts from the base model with those effects of the model that are no
+/// suspects, so that its end does not depend on the suspects with which the model starts.
 ///
 /// # Errors
 /// [`Cancelled`] soon after `progress` answers that the work is called off.
@@ -57,6 +64,16 @@ pub fn diagnose_with(
     progress: &Progress,
 ) -> Result<Diagnosis, Cancelled> {
     progress.check()?;
+    let ground = ground_of(model, options.suspects);
+    let given = (model, &minimum);
+    let from_ground;
+    let (model, minimum) = if ground == *model {
+        given
+    } else {
+        (progress.say)("fitting the model without what is suspected");
+        from_ground = ground_fit(problem, &ground, given, progress)?;
+        (&ground, &from_ground)
+    };
     let cleared = problem.with_more_pushes(model, &minimum.values);
     let has_more_pushes = cleared.is_some();
     let mut problem = cleared.unwrap_or_else(|| problem.clone());
@@ -71,7 +88,7 @@ pub fn diagnose_with(
         let (thresholds, cancelled) = (&options.thresholds, progress.cancelled);
         let suspects = options.suspects;
         Ok(Start::new(
-            problem, model, &minimum, is_fitted, suspects, thresholds, cancelled,
+            problem, model, minimum, is_fitted, suspects, thresholds, cancelled,
         ))
     };
     let mut start = begin(&problem, is_fitted)?;
@@ -89,7 +106,41 @@ pub fn diagnose_with(
         problem = revised;
         searched = Searched::new(begin(&problem, false)?, progress)?;
     }
-    searched.diagnosis(&problem, progress)
+    searched.diagnosis(&problem, given, progress)
+}
+
+/// The base model with those effects of a model that are no suspects.
+fn ground_of(model: &Model, suspects: &[EffectId]) -> Model {
+    let base = Model::base();
+    let kept = model.effects().iter().copied();
+    let kept: Vec<EffectId> = kept
+        .filter(|effect| base.has(*effect) || !suspects.contains(effect))
+        .collect();
+    Model::with_effects(&kept)
+}
+
+/// The fit of the ground: what anyone would have who begins with it, so that a diagnosis does not depend on the
+/// model that is `given`. Where that fit fails, the given one is carried over.
+fn ground_fit(
+    problem: &FitProblem,
+    ground: &Model,
+    (model, minimum): (&Model, &Minimum),
+    progress: &Progress,
+) -> Result<Minimum, Cancelled> {
+    match identify_until(problem, ground, None, progress) {
+        Ok(found) => Ok(found.fit.minimum),
+        Err(IdentifyError::Cancelled(cancelled)) => Err(cancelled),
+        Err(_) => {
+            let suited = problem.suited_to(ground);
+            let records = suited.all_records();
+            let start = suited.start_values(ground);
+            let values = carry_over(model, &minimum.values, ground, &start);
+            let windows = joined(&records, &values, &minimum.windows);
+            let free = suited.free(ground);
+            let effort = Effort::FULL.until(progress.cancelled);
+            Ok(refit(&records, ground, values, windows, &free, effort))
+        }
+    }
 }
 
 /// What a search starts from.
@@ -109,15 +160,22 @@ struct Start<'a> {
     imperfections: Arc<Imperfections>,
 }
 
+/// The fit of a model to thinned logs, from where it was fitted to all samples.
+fn thin_fit(thin: &FitProblem, thinning: &[usize], model: &Model, before: &Minimum) -> Minimum {
+    let records = thin.all_records();
+    let thinned = |start: usize, step: usize| start.div_ceil(step);
+    let windows = windows_at(&before.windows, thinning, thinned);
+    let values = before.values.clone();
+    let windows = joined(&records, &values, &windows);
+    let free = thin.free(model);
+    refit(&records, model, values, windows, &free, Effort::FULL)
+}
+
 /// A search over the logs of a bench, and what it comes to.
 struct Searched<'a> {
     start: Start<'a>,
     found: Search,
-    /// Index of the candidate with what could be added for certain.
-    chosen: usize,
-    /// Its structured remainder in units of noise.
-    remainder: f64,
-    verdict: Verdict,
+    decision: Decision,
 }
 
 impl<'a> Start<'a> {
@@ -138,12 +196,7 @@ impl<'a> Start<'a> {
         let minimum = if is_fitted && !is_thinned(&thinning) {
             given.clone()
         } else {
-            let thinned = |start: usize, step: usize| start.div_ceil(step);
-            let before = windows_at(&given.windows, &thinning, thinned);
-            let values = given.values.clone();
-            let windows = joined(&records, &values, &before);
-            let free = thin.free(model);
-            refit(&records, model, values, windows, &free, Effort::FULL)
+            thin_fit(&thin, &thinning, model, given)
         };
         let candidate = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
         Start {
@@ -156,6 +209,30 @@ impl<'a> Start<'a> {
             is_cancelled,
             imperfections: Arc::default(),
         }
+    }
+
+    /// The fit of a model to the thinned logs, from where it was fitted to the logs before.
+    fn fit(&self, model: &Model, before: &Minimum) -> Minimum {
+        thin_fit(&self.thin, &self.thinning, model, before)
+    }
+
+    /// A step as it is reported, fitted to all samples of the bench; `known`: such a fit, where it was made before.
+    fn step(
+        &self,
+        problem: &FitProblem,
+        planned: Planned,
+        candidate: &Candidate,
+        look: &Look,
+        known: Option<&Minimum>,
+    ) -> Step {
+        if !is_thinned(&self.thinning) {
+            return Step::new(planned, look, candidate.clone(), look.fit.clone());
+        }
+        let minimum = match known {
+            Some(known) => known.clone(),
+            None => whole_fit(problem, &self.thinning, candidate),
+        };
+        Step::whole(problem, planned, look, candidate, minimum)
     }
 
     /// What the search works on.
@@ -184,27 +261,11 @@ impl<'a> Searched<'a> {
     fn new(start: Start<'a>, progress: &Progress) -> Result<Searched<'a>, Cancelled> {
         let bench = start.bench();
         let found = search(&bench, start.candidate.clone(), progress)?;
-        let chosen = if found.ties.is_empty() {
-            found.best
-        } else {
-            common(&found).unwrap_or(0)
-        };
         let left = |index: usize| bench.unexplained_remainder(&found.pool[index]);
-        let remainder = left(chosen);
-        let findings = Findings {
-            added: found.pool[chosen].added.len(),
-            remainder,
-            ties: found.ties.len(),
-            left_by_ties: found
-                .ties
-                .iter()
-                .map(|&index| left(index))
-                .fold(f64::INFINITY, f64::min),
-        };
+        let excess = |index: usize| bench.excess(&found.pool[index]);
+        let decision = decide(&found, left, excess, start.thresholds);
         Ok(Searched {
-            chosen,
-            remainder,
-            verdict: verdict(&findings, start.thresholds),
+            decision,
             found,
             start,
         })
@@ -214,7 +275,10 @@ impl<'a> Searched<'a> {
     /// look different with it: pushes that the first model hid, or driven logs that cogging has made
     /// unpredictable in one piece.
     fn revised(&self, problem: &FitProblem) -> Option<FitProblem> {
-        if matches!(self.verdict, Verdict::NothingMissing | Verdict::Explained) {
+        if matches!(
+            self.decision.verdict,
+            Verdict::NothingMissing | Verdict::Explained
+        ) {
             return None;
         }
         let best = &self.found.pool[self.found.best];
@@ -223,66 +287,73 @@ impl<'a> Searched<'a> {
             .or_else(|| self.start.in_windows(best, problem))
     }
 
-    fn diagnosis(self, problem: &FitProblem, progress: &Progress) -> Result<Diagnosis, Cancelled> {
+    /// `given`: the model that was diagnosed, as it was fitted before.
+    fn diagnosis(
+        self,
+        problem: &FitProblem,
+        given: (&Model, &Minimum),
+        progress: &Progress,
+    ) -> Result<Diagnosis, Cancelled> {
         (progress.say)("predicting experiments that the fit has not seen");
         let Searched {
             start,
-            found,
-            chosen,
-            remainder,
-            verdict,
+            mut found,
+            decision,
         } = self;
-        let (bench, thinning) = (start.bench(), &start.thinning);
-        let (chosen, remainder) = if verdict == Verdict::Unexplained {
-            let excess: Vec<f64> = found.pool.iter().map(|one| bench.excess(one)).collect();
-            let chosen = without_absorbers(&found, chosen, &excess);
-            (chosen, bench.unexplained_remainder(&found.pool[chosen]))
-        } else {
-            (chosen, remainder)
-        };
-        let path = path(&found, chosen);
-        let ranked = most_probable(&bench, &found, verdict);
-        let indices = path.iter().map(|&(_, index)| index);
-        let looks = looks(
-            &bench,
-            &found,
-            indices.chain(ranked.iter().map(|one| one.index)),
-        )?;
-        let steps = path
-            .into_par_iter()
-            .map(|(effect, index)| {
-                let (candidate, look) = (&found.pool[index], &looks[&index]);
-                if is_thinned(thinning) {
-                    bench.check()?;
-                    let known = start.whole.as_ref().filter(|_| effect.is_none());
-                    let minimum = match known {
-                        Some(known) => known.clone(),
-                        None => whole_fit(problem, thinning, candidate),
-                    };
-                    Ok(whole_step(problem, effect, candidate, minimum, look))
-                } else {
-                    Ok(Step {
-                        effect,
-                        fit: look.fit.clone(),
-                        validation_fit_percent: mean_fit_percent(&look.held_out),
-                        held_out: look.held_out.clone(),
-                        candidate: candidate.clone(),
-                    })
-                }
-            })
-            .collect::<Result<_, Cancelled>>()?;
-        let suspects = ranked
+        let bench = start.bench();
+        let ranked = most_probable(&bench, &found, &decision);
+        let steps = planned(&found, &decision, given.0);
+        let candidates = steps
+            .iter()
+            .map(|step| place_of(&bench, &mut found, &start, step, given))
+            .collect::<Result<Vec<usize>, Cancelled>>()?;
+        let rows = ranked.iter().map(|one| one.index);
+        let looks = looks(&bench, &found, candidates.iter().copied().chain(rows))?;
+        let mut verdict = decision.verdict;
+        let is_as_it_was = given.0 == &found.pool[decision.last()].model;
+        if verdict == Verdict::Explained && is_as_it_was {
+            verdict = Verdict::NothingMissing;
+        }
+        let mut steps = steps
             .into_iter()
-            .map(|one| suspect(&bench, &found, &looks[&one.index], one))
-            .collect();
-        let ambiguous_between: Vec<Vec<EffectId>> = found
+            .zip(&candidates)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(step, &index)| {
+                bench.check()?;
+                let is_ground = step.model == start.candidate.model;
+                let known = start.whole.as_ref().filter(|_| is_ground);
+                Ok(start.step(problem, step, &found.pool[index], &looks[&index], known))
+            })
+            .collect::<Result<Vec<Step>, Cancelled>>()?;
+        for index in 1..steps.len() {
+            steps[index].is_held_out_worse =
+                is_worse(&steps[index - 1].held_out, &steps[index].held_out);
+        }
+        let suspects = suspects(&bench, &found, &looks, ranked)?;
+        progress.check()?;
+        let last = &found.pool[decision.last()];
+        let plain: Vec<_> = if matches!(verdict, Verdict::NothingMissing | Verdict::Explained) {
+            let (values, windows) = (&last.minimum.values, &last.minimum.windows);
+            let mut all = contradictions(&start.thin, &last.model, values, windows, &[]);
+            all.retain(|one| one.sigmas > start.thresholds.contradiction);
+            all
+        } else {
+            vec![]
+        };
+        if !plain.is_empty() {
+            verdict = Verdict::Unexplained;
+        }
+        let ambiguous_between: Vec<Vec<EffectId>> = decision
             .ties
             .iter()
-            .filter(|_| verdict == Verdict::Ambiguous)
             .map(|&index| found.pool[index].set())
             .collect();
-        let next_experiment = match (found.ties.as_slice(), verdict) {
-            ([a, b, ..], Verdict::Ambiguous) => propose(problem, &found.pool[*a], &found.pool[*b]),
+        let next_experiment = match (decision.ties.as_slice(), verdict) {
+            ([a, b, ..], _) => propose(problem, &found.pool[*a], &found.pool[*b]),
+            (_, Verdict::Unexplained) if !plain.is_empty() => {
+                "Measure again what contradicts itself: the value, or the experiment.".to_owned()
+            }
             (_, Verdict::Unexplained) => {
                 "Repeat the experiment in which the error is largest: what \
              comes back at the same place is physics that the library lacks, what does not is a \
@@ -293,17 +364,67 @@ impl<'a> Searched<'a> {
         };
         Ok(Diagnosis {
             verdict,
+            certain: found.pool[decision.certain].model.clone(),
             steps,
             suspects,
             ambiguous_between,
             next_experiment,
-            remainder,
+            remainder: decision.remainder,
+            remains: remains(&bench.records, last),
+            contradictions: plain,
         })
     }
 }
 
+/// Where the model of a step stands in the pool; it is fitted and put there if it is not.
+fn place_of(
+    bench: &SearchBench,
+    found: &mut Search,
+    start: &Start,
+    step: &Planned,
+    (model, minimum): (&Model, &Minimum),
+) -> Result<usize, Cancelled> {
+    let known = found
+        .pool
+        .iter()
+        .position(|candidate| candidate.model == step.model);
+    // The model as it was is also fitted from where it was.
+    let is_given = step.model == *model && *model != start.candidate.model;
+    if let (Some(known), false) = (known, is_given) {
+        return Ok(known);
+    }
+    bench.check()?;
+    let (problem, records) = (bench.problem, &bench.records);
+    let fitted = if is_given {
+        start.fit(&step.model, minimum)
+    } else {
+        let ground = &found.pool[0];
+        let (from, minimum) = (&ground.model, &ground.minimum);
+        extend(problem, records, from, minimum, &step.model, Effort::FULL)
+    };
+    if let Some(known) = known.filter(|&known| found.pool[known].minimum.cost <= fitted.cost) {
+        return Ok(known);
+    }
+    let ground = found.pool[0].model.clone();
+    let added = step.model.effects().iter().copied();
+    let added = added.filter(|effect| !ground.has(*effect)).collect();
+    let model = step.model.clone();
+    let candidate = Candidate::new(problem, records, added, model, fitted, None);
+    match known {
+        Some(known) => {
+            found.pool[known] = candidate;
+            Ok(known)
+        }
+        None => {
+            found.pool.push(candidate);
+            found.evidence.push(f64::NEG_INFINITY);
+            Ok(found.pool.len() - 1)
+        }
+    }
+}
+
 /// The effects that are reported as suspects.
-fn most_probable(bench: &SearchBench, found: &Search, verdict: Verdict) -> Vec<Ranked> {
+fn most_probable(bench: &SearchBench, found: &Search, decision: &Decision) -> Vec<Ranked> {
     let (base, best) = (&found.pool[0], &found.pool[found.best]);
     // Sets that add to the best one what no sensor would show do not vote.
     let is_needless: Vec<bool> = found
@@ -317,11 +438,27 @@ fn most_probable(bench: &SearchBench, found: &Search, verdict: Verdict) -> Vec<R
         })
         .collect();
     // Where something remains, what the best set takes of the misfit need not be its own.
-    let is_genuine = if verdict == Verdict::Unexplained && bench.excess(base) > 0.0 {
-        let share = 1.0 - bench.excess(best) / bench.excess(base);
-        genuine(share, bench.thresholds)
+    let share = if decision.verdict == Verdict::Unexplained && bench.excess(base) > 0.0 {
+        genuine(
+            1.0 - bench.excess(best) / bench.excess(base),
+            bench.thresholds,
+        )
     } else {
         1.0
+    };
+    // What was added, or ties with it, has taken more than what remains: its rivals are the other effects.
+    let is_taken: BTreeSet<EffectId> = decision
+        .ties
+        .iter()
+        .chain([&decision.certain])
+        .flat_map(|&index| found.pool[index].added.iter().copied())
+        .collect();
+    let is_genuine = |effect: EffectId| {
+        if is_taken.contains(&effect) {
+            1.0
+        } else {
+            share
+        }
     };
     let mut ranked = ranked(found, &is_needless, is_genuine);
     ranked.truncate(MOST_SUSPECTS);

@@ -8,6 +8,7 @@
 //! | `economy` | the numbers that only save time |
 //! | `remainder` | what a model leaves of every series, in units of its noise |
 //! | `candidate` | a model that was tried: plain data |
+//! | `remains` | how large that is against noise and signal, and as a torque |
 //! | `imperfection` | what the smoothed sign of dry friction alone leaves |
 //! | `bench` | what a search works on, and what it keeps of it |
 //! | `shown` | whether a sensor would show what one candidate adds to another |
@@ -21,9 +22,11 @@
 //! | `short_windows` | whether driven logs must be read in short windows |
 //! | `thinned` | logs that are read more sparsely than they were recorded |
 //! | `path` | the way to the chosen candidate, one effect a step |
+//! | `verdict` | the verdict that the findings come to |
+//! | `decision` | what is certain, what is taken provisionally, and the verdict |
+//! | `steps` | the steps from the model as it was to the last one |
 //! | `ranking` | the effects that could be missing, by probability |
 //! | `genuine` | how probable an effect is beside something unknown |
-//! | `verdict` | the verdict that the findings come to |
 //! | `validation` | how well a model predicts an experiment that its fit has not seen |
 //! | `next_experiment` | the experiment that would separate explanations which tie |
 //! | `report` | steps and suspects, as they are reported |
@@ -32,6 +35,7 @@
 mod applicable;
 mod bench;
 mod candidate;
+mod decision;
 mod diagnosis;
 mod economy;
 mod evidence;
@@ -44,12 +48,14 @@ mod path;
 mod pool;
 mod ranking;
 mod remainder;
+mod remains;
 mod report;
 mod round;
 mod score;
 mod search;
 mod short_windows;
 mod shown;
+mod steps;
 mod thinned;
 mod thresholds;
 mod trial;
@@ -63,10 +69,11 @@ pub use diagnosis::{Options, diagnose_with};
 pub use imperfection::{Imperfection, Imperfections, imperfection};
 pub use next_experiment::propose;
 pub use pool::Search;
+pub use remains::{RemainingTorque, Remains};
 pub use report::{Diagnosis, Step, Suspect};
 pub use round::{Round, try_all};
 pub use search::{prepared, search};
 pub use shown::largest_trace;
 pub use thresholds::Thresholds;
-pub use validation::{HeldOut, mean_fit_percent};
+pub use validation::{HeldOut, Unseen, mean_fit_percent};
 pub use verdict::Verdict;

@@ -32,8 +32,13 @@ pub struct Ranked {
 }
 
 /// The effects that could be missing, most probable first. `is_needless` says which candidates add to the best
-/// one what no sensor would show: they have no vote. Every probability is lowered by the factor `is_genuine`.
-pub fn ranked(found: &Search, is_needless: &[bool], is_genuine: f64) -> Vec<Ranked> {
+/// one what no sensor would show: they have no vote. The probability of an effect is lowered by the factor
+/// `is_genuine` of it.
+pub fn ranked(
+    found: &Search,
+    is_needless: &[bool],
+    is_genuine: impl Fn(EffectId) -> f64,
+) -> Vec<Ranked> {
     let votes: Vec<f64> = found
         .evidence
         .iter()
@@ -71,7 +76,7 @@ pub fn ranked(found: &Search, is_needless: &[bool], is_genuine: f64) -> Vec<Rank
                 .filter(|candidate| candidate.added == [effect])
                 .map(|candidate| base.minimum.cost - candidate.minimum.cost)
                 .fold(0.0, f64::max);
-            let probability = probability * is_genuine;
+            let probability = probability * is_genuine(effect);
             let ranked = Ranked {
                 effect,
                 probability,
@@ -100,7 +105,7 @@ mod tests {
     use crate::hand_made::search;
 
     fn order(found: &Search, is_needless: &[bool]) -> Vec<EffectId> {
-        let ranked = ranked(found, is_needless, 1.0);
+        let ranked = ranked(found, is_needless, |_| 1.0);
         ranked.into_iter().map(|one| one.effect).collect()
     }
 
@@ -117,7 +122,7 @@ mod tests {
             &[],
         );
         // Votes 1 and 1/3; the set with the spring adds what no sensor shows and has none.
-        let ranked = ranked(&found, &[false, false, false, true], 0.5);
+        let ranked = ranked(&found, &[false, false, false, true], |_| 0.5);
         let expected = [(Coulomb, 0.375, 3), (Drag, 0.125, 2), (Spring, 0.0, 3)];
         for (one, (effect, probability, index)) in ranked.iter().zip(expected) {
             assert_eq!((one.effect, one.index), (effect, index));

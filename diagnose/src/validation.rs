@@ -28,19 +28,48 @@ pub struct HeldOut {
     pub output: Output,
     /// Root mean square of measured − predicted in the unit of the channel.
     pub rmse: f64,
+    /// Standard deviation of the sensor's noise, same unit.
+    pub noise_std: f64,
+    /// Number of samples.
+    pub samples: usize,
     /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖).
     pub fit_percent: f64,
 }
 
-/// Every series that moves, predicted by parameters that have not seen its experiment; empty where
+/// What the parameters have not seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unseen {
+    /// Whole experiments, each predicted by the others.
+    Experiments,
+    /// The second half of every log, predicted by the first halves.
+    SecondHalves,
+}
+
+/// Every series that moves, predicted by parameters that have not seen it, and what that is; empty where
 /// nothing can be held out.
-pub fn held_out(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+pub fn held_out(bench: &SearchBench, model: &Model, minimum: &Minimum) -> (Unseen, Vec<HeldOut>) {
     let series = by_experiment(bench, model, minimum);
     if series.is_empty() {
-        by_halves(bench, model, minimum)
+        (Unseen::SecondHalves, by_halves(bench, model, minimum))
     } else {
-        series
+        (Unseen::Experiments, series)
     }
+}
+
+/// Whether held-out prediction is plainly worse after a step than before it: the squared errors of the series
+/// that both predict are larger in sum, in units of the noise, by more than a hundredth. Noise alone moves the
+/// sum over n samples by √(2/n) of it, a hundredth at 20,000 samples; beside a misfit it moves it by less.
+pub fn is_worse(before: &[HeldOut], after: &[HeldOut]) -> bool {
+    let pairs = before.iter().filter_map(|old| {
+        let is_same = |new: &&HeldOut| new.experiment == old.experiment && new.output == old.output;
+        after.iter().find(is_same).map(|new| (old, new))
+    });
+    let (mut old_cost, mut new_cost) = (0.0, 0.0);
+    for (old, new) in pairs {
+        old_cost += (old.rmse / old.noise_std).powi(2) * old.samples as f64;
+        new_cost += (new.rmse / new.noise_std).powi(2) * new.samples as f64;
+    }
+    new_cost > 1.01 * old_cost
 }
 
 /// Mean fit percent over held-out series; NaN if there is none.
@@ -75,6 +104,8 @@ fn predicted(
             experiment: record.name.clone(),
             output: channel.output,
             rmse: trace.rmse,
+            noise_std: channel.noise_std,
+            samples: channel.samples.len(),
             fit_percent: trace.fit_percent,
         })
         .collect()
@@ -171,4 +202,30 @@ fn by_halves(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldO
         series.extend(predicted(second, model, &fitted.values, windows));
     }
     series
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(experiment: &str, rmse: f64) -> HeldOut {
+        HeldOut {
+            experiment: experiment.to_owned(),
+            output: Output::Angle,
+            rmse,
+            noise_std: 1.0,
+            samples: 100,
+            fit_percent: 0.0,
+        }
+    }
+
+    #[test]
+    fn prediction_is_worse_where_the_squares_grow_in_sum() {
+        let before = [series("a", 3.0), series("b", 1.0)];
+        assert!(!is_worse(&before, &[series("a", 2.0), series("b", 1.5)]));
+        assert!(is_worse(&before, &[series("a", 3.0), series("b", 1.5)]));
+        // What only one of them predicts does not count.
+        assert!(!is_worse(&before, &[series("a", 3.0), series("c", 9.0)]));
+        assert!(!is_worse(&before, &before));
+    }
 }

@@ -51,6 +51,17 @@ impl Random {
         }
     }
 
+    /// A sample of a body that balances: upright, nearly at rest, the wheel anywhere.
+    fn balancing(&mut self, nine_axes: bool) -> Sample {
+        let noise = self.axes(10);
+        Sample {
+            gyro: self.axes(11),
+            accel: [4096 + noise[0], noise[1], noise[2]],
+            mag: if nine_axes { Some(self.axes(6)) } else { None },
+            wheel_adc: 600 + (self.word() >> 23) as u16,
+        }
+    }
+
     fn sample(&mut self, nine_axes: bool) -> Sample {
         Sample {
             gyro: self.reading(),
@@ -140,6 +151,11 @@ fn main() -> ! {
     let mut random = Random(0x9e37_79b9);
     let mut attitude = Attitude::new();
     let mut controller = Controller::new();
+    // A window of quiet samples sets the attitude; without it nothing is armed.
+    for _ in 0..1000 {
+        let sample = random.balancing(false);
+        step(&mut controller, &sample);
+    }
     controller.arm();
     count(
         "control",
@@ -160,6 +176,20 @@ fn main() -> ! {
         || random.sample(true),
         |sample| {
             black_box(nine_axes(&mut attitude, sample));
+        },
+    );
+    count(
+        "balance-6",
+        || random.balancing(false),
+        |sample| {
+            black_box(step(&mut controller, sample));
+        },
+    );
+    count(
+        "balance-9",
+        || random.balancing(true),
+        |sample| {
+            black_box(step(&mut controller, sample));
         },
     );
     count(

@@ -8,7 +8,7 @@
 
 use std::borrow::Cow;
 
-use diagnose::{Diagnosis, Options, Verdict, diagnose_with};
+use diagnose::{Diagnosis, Options, Step, Verdict, diagnose_with};
 use identify::{
     Cancelled, Effort, Fit, FitProblem, IdentifyError, Progress, identify, joined, refit,
 };
@@ -82,7 +82,7 @@ impl Interval {
 pub struct Paper {
     /// The verdict.
     pub verdict: Verdict,
-    /// The effects of its last step.
+    /// The effects that it is certain of.
     pub named: Vec<EffectId>,
     /// All suspects with their probabilities, most probable first.
     pub suspects: Vec<(EffectId, f64)>,
@@ -181,11 +181,7 @@ fn marked(
     shown: Vec<f64>,
     seconds: f64,
 ) -> Paper {
-    let mut named: Vec<EffectId> = match diagnosis.last() {
-        Some(step) => step.candidate.set(),
-        None => vec![],
-    };
-    named.sort();
+    let named = diagnosis.certain_effects();
     let is_accepted = |set: &[EffectId]| {
         set == answer.effects
             || rivals
@@ -242,7 +238,8 @@ fn marked(
     }
     accepted.sort();
     accepted.dedup();
-    let intervals = match diagnosis.last() {
+    let certain = |step: &&Step| step.fit.model == diagnosis.certain;
+    let intervals = match diagnosis.steps.iter().rev().find(certain) {
         Some(step) if named == answer.effects => intervals(problem, &step.fit, answer),
         _ => vec![],
     };

@@ -4,12 +4,17 @@
 
 use fixed::types::I2F30;
 
-use super::constants::{ANGLE_FACTOR, ANGLE_MAX, ANGLE_SHIFT, FILTER, MOUNTING_ANGLE, RATE_LINE};
+use super::calibration::{calibrate, is_saturated};
+use super::constants::{
+    ANGLE_FACTOR, ANGLE_MAX, ANGLE_SHIFT, FILTER, LIMITS, MOUNTING_ANGLE, RATE_LINE,
+};
 use super::control::{Angle, Rate};
-use super::filter::{FilterState, START, align, step_imu, step_marg};
+use super::filter::{FilterState, START, align, align_to, is_gravity_usable, step_imu, step_marg};
+use super::lever_arm::length_squared;
 use super::line::on_line;
 use super::pivot_angle::pivot_angle;
 use super::product::clamp;
+use super::scaling::is_within;
 
 /// Attitude of the sensor from raw counts, by Madgwick's filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +34,44 @@ impl Attitude {
         let (state, is_usable) = align(&self.state, accel, &FILTER);
         self.state = state;
         is_usable
+    }
+
+    /// Sets the attitude by a mean reading of the accelerometer, in its calibrated units within ±2²⁹;
+    /// nothing changes if it is shorter than gravity may be.
+    pub fn align_to(&mut self, up: [i32; 3]) {
+        let within = [
+            clamp(up[0], -0x2000_0000, 0x2000_0000),
+            clamp(up[1], -0x2000_0000, 0x2000_0000),
+            clamp(up[2], -0x2000_0000, 0x2000_0000),
+        ];
+        self.state = align_to(&self.state, within, &FILTER);
+    }
+
+    /// The accelerometer's reading in its calibrated units.
+    pub fn reading(&self, accel: [i16; 3]) -> [i32; 3] {
+        calibrate(accel, &FILTER.accel)
+    }
+
+    /// Whether an accelerometer reading, without correction for motion, shows the vertical.
+    pub fn shows_gravity(&self, accel: [i16; 3]) -> bool {
+        is_gravity_usable(accel, calibrate(accel, &FILTER.accel), &FILTER)
+    }
+
+    /// Whether gyroscope or accelerometer is at or beyond the end of its range.
+    pub fn is_clipped(&self, gyro: [i16; 3], accel: [i16; 3]) -> bool {
+        is_saturated(gyro, LIMITS.gyro_clip) || is_saturated(accel, FILTER.accel_clip)
+    }
+
+    /// Whether a sample is one of a body at rest: nearly no turn, and a reading as long as gravity.
+    pub fn is_quiet(&self, gyro: [i16; 3], accel: [i16; 3]) -> bool {
+        let turn = calibrate(gyro, &FILTER.gyro);
+        let squared = length_squared(calibrate(accel, &FILTER.accel));
+        is_within(turn[0], LIMITS.quiet_turn)
+            && is_within(turn[1], LIMITS.quiet_turn)
+            && is_within(turn[2], LIMITS.quiet_turn)
+            && !is_saturated(accel, FILTER.accel_clip)
+            && squared >= LIMITS.gravity_low
+            && squared <= LIMITS.gravity_high
     }
 
     /// One step with gyroscope and accelerometer, raw counts.

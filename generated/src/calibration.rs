@@ -53,14 +53,15 @@ pub fn dot(row: [i32; 3], x: i32, y: i32, z: i32) -> i32 {
     mul_high(row[0], x) + mul_high(row[1], y) + mul_high(row[2], z)
 }
 
-/// Whether any axis is at a limit of its range, where the true value is unknown.
+/// Whether any axis is at or beyond the limits ±`clip` of its range, where the true value is
+/// unknown.
 #[inline]
-pub fn is_saturated(raw: [i16; 3]) -> bool {
-    is_at_limit(raw[0]) || is_at_limit(raw[1]) || is_at_limit(raw[2])
+pub fn is_saturated(raw: [i16; 3], clip: [i32; 3]) -> bool {
+    is_at_limit(raw[0], clip[0]) || is_at_limit(raw[1], clip[1]) || is_at_limit(raw[2], clip[2])
 }
 
-/// Whether one axis is at a limit of its range.
+/// Whether one axis is at or beyond a limit of its range.
 #[inline]
-fn is_at_limit(axis: i16) -> bool {
-    axis == -32_768 || axis == 32_767
+fn is_at_limit(axis: i16, limit: i32) -> bool {
+    (axis as i32) <= -limit || (axis as i32) >= limit
 }

@@ -6,12 +6,18 @@
 
 use super::{
     bias_observer::BiasObserver, calibration::SensorLine, filter::FilterConstants,
-    lever_arm::LeverArm, line::Line,
+    lever_arm::LeverArm, line::Line, supervisor::Limits,
 };
 
+/// Time between two steps in µs.
+pub const SAMPLE_TIME_US: u32 = 1_000;
+
 /// Attitude filter at 0.001 s with beta = 0.033 rad/s.
+/// The correction has one size: at rest the estimate ripples by up to 2 beta T = 6.60e-5 rad.
 ///
 /// Gravity 9.80665 m/s2, weakest usable field 10 uT, lever arm (0, 0) m.
+///
+/// Unknown at or beyond: accelerometer 32764, 32764, 32764 counts, magnetometer 12000, 12000, 12000 counts.
 ///
 /// | sensor | bias (counts) | matrix, row by row |
 /// |---|---|---|
@@ -50,6 +56,8 @@ pub const FILTER: FilterConstants = FilterConstants {
         tangential: [0, 0],
     },
     beta: 1_133_871,
+    accel_clip: [32_764, 32_764, 32_764],
+    mag_clip: [12_000, 12_000, 12_000],
 };
 
 /// Mounting angle 0 rad, wrapped, in Q28.
@@ -73,18 +81,18 @@ pub const RATE_LINE: Line = Line {
     high: 2_147_483_647,
 };
 
-/// From counts to the word of the wheel speed (I11F21): 0.893372608506227 count + -690.5744251365963 rad/s, within ±700 rad/s.
+/// From counts to the word of the wheel speed (I11F21): 0.893372608506227 count + -690.5744251365963 rad/s, within ±690.58 rad/s.
 pub const WHEEL_SPEED_LINE: Line = Line {
     scale: 959_251_534,
     offset: -741_498_642_598,
     shift: 9,
-    low: -1_468_006_400,
-    high: 1_468_006_400,
+    low: -1_448_251_228,
+    high: 1_448_251_228,
 };
 
-/// From the word of the current (I3F29) to the duty: 26214 counts for 2.2 A.
+/// From the word of the current (I3F29) to the duty: 8.392462806134127e-5 A per count, duty 32768 at zero current.
 pub const DUTY_LINE: Line = Line {
-    scale: 780_891_229,
+    scale: 780_891_158,
     offset: 1_152_939_096_792_891_392,
     shift: 45,
     low: 6_554,
@@ -104,4 +112,36 @@ pub const BIAS_OBSERVER: BiasObserver = BiasObserver {
     state_shift: 1,
     angle_shift: 1,
     limit: 0,
+};
+
+/// When the controller is armed and when it trips.
+///
+/// | condition | limit |
+/// |---|---|
+/// | armed within | 15.86°, 0.736 rad/s, no sensor stuck |
+/// | attitude set by | quiet samples of about 0.25 s: gravity within 15 %, readings within 10 % of it, below 0.3 rad/s |
+/// | angle | 31.72°, at once |
+/// | gyroscope's words stand still | 0.0250 s (its noise is taken to be half a count or more) |
+/// | gyroscope or accelerometer clipped | 0.01 s |
+/// | wheel speed at the ends of its sensor | 0.02 s |
+/// | accelerometer shows no gravity | 2 s |
+/// | current at its limit | 1.403 s |
+pub const LIMITS: Limits = Limits {
+    angle_trip: 297_227_676,
+    angle_arm: 148_613_838,
+    rate_arm: 24_696_834,
+    window: 256,
+    window_shift: 8,
+    gravity_low: 189_399,
+    gravity_high: 346_685,
+    agreement: 3_355_443,
+    quiet_turn: 644_245,
+    gyro_clip: [32_767, 32_767, 32_767],
+    wheel_low: 0,
+    wheel_high: 1_546,
+    wheel_steps: 20,
+    clipped_steps: 10,
+    frozen_steps: 25,
+    rejected_steps: 2_000,
+    saturated_steps: 1_404,
 };

@@ -15,8 +15,8 @@
 //! |---|---|---|---|
 //! | `angle` | ±3.141592653589793 rad | `I3F29` | 1.87e-9 rad |
 //! | `rate` | ±35.745 rad/s | `I7F25` | 2.99e-8 rad/s |
-//! | `wheel_speed` | ±700 rad/s | `I11F21` | 4.77e-7 rad/s |
-//! | current | ±2.2 A | `I3F29` | 1.87e-9 A |
+//! | `wheel_speed` | ±690.58 rad/s | `I11F21` | 4.77e-7 rad/s |
+//! | current | ±2.2000002000000003 A | `I3F29` | 1.87e-9 A |
 //!
 //! # Arithmetic
 //! The three products have 54 fraction bits each and add up exactly in 64 bits, for every bit
@@ -33,7 +33,7 @@
 //! # Origin
 //! - Model: `thesis-4.4`.
 //! - State weights 25, 0.5, 0.0005; current weight 1.
-//! - Gains K: -24.267196196755645, -2.1297349577800064, -0.022587576060394222.
+//! - Gains K: -24.26719619675542, -2.129734957779981, -0.02258757606039341.
 //!
 //! | parameter | value | standard error | unit |
 //! |---|---|---|---|
@@ -51,7 +51,7 @@ pub type Angle = fixed::types::I3F29;
 /// Angular rate of the body (rad/s), within ±35.745 on the bench.
 pub type Rate = fixed::types::I7F25;
 
-/// Speed of the wheel relative to the body (rad/s), within ±700 on the bench.
+/// Speed of the wheel relative to the body (rad/s), within ±690.58 on the bench.
 pub type WheelSpeed = fixed::types::I11F21;
 
 /// Motor current (A); positive current drives the wheel forward.
@@ -60,19 +60,19 @@ pub type Current = fixed::types::I3F29;
 /// Largest magnitude of a command: 2 A, as 1073741824 / 2^29.
 pub const CURRENT_LIMIT: Current = Current::from_bits(1_073_741_824);
 
-/// -K₁ = 24.267196196755645 A/rad, as 814271985 / 2^25.
+/// -K₁ = 24.26719619675542 A/rad, as 814271985 / 2^25.
 ///
 /// Off by 1.15e-8 A/rad, which is 3.61e-8 A at the end of the range of `angle`.
 pub const ANGLE_GAIN: i32 = 814_271_985;
 
-/// -K₂ = 2.1297349577800064 A s/rad, as 1143392749 / 2^29.
+/// -K₂ = 2.129734957779981 A s/rad, as 1143392749 / 2^29.
 ///
 /// Off by -1.9e-10 A s/rad, which is -6.77e-9 A at the end of the range of `rate`.
 pub const RATE_GAIN: i32 = 1_143_392_749;
 
-/// -K₃ = 0.022587576060394222 A s/rad, as 194025801 / 2^33.
+/// -K₃ = 0.02258757606039341 A s/rad, as 194025801 / 2^33.
 ///
-/// Off by 5.75e-12 A s/rad, which is 4.03e-9 A at the end of the range of `wheel_speed`.
+/// Off by 5.76e-12 A s/rad, which is 3.98e-9 A at the end of the range of `wheel_speed`.
 pub const WHEEL_SPEED_GAIN: i32 = 194_025_801;
 
 /// Bits that the rounding removes: 54 of a product less 29 of a [`Current`].

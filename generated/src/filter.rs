@@ -3,7 +3,8 @@
 //! One step of the attitude filter, from raw counts to the next state.
 //!
 //! Measurements that cannot be used fall back by this rule:
-//! - an accelerometer or magnetometer reading with any axis at a limit of its range is not used;
+//! - an accelerometer or magnetometer reading with any axis at or beyond a limit of its range is not
+//!   used;
 //! - an accelerometer vector shorter than g/8, after the lever-arm correction, is not used (free
 //!   fall, the zero vector), nor a magnetic field shorter than its stated minimum;
 //! - without the accelerometer the step integrates the gyroscope alone; with it and without the
@@ -33,6 +34,10 @@ pub struct FilterConstants {
     pub lever_arm: LeverArm,
     /// β T in Q35, below 2²⁹.
     pub beta: i32,
+    /// Accelerometer counts at or beyond which, either way, a reading is not used.
+    pub accel_clip: [i32; 3],
+    /// The same of the magnetometer.
+    pub mag_clip: [i32; 3],
 }
 
 /// What a step leaves behind. Invariant: components of the quaternion within
@@ -85,7 +90,9 @@ pub fn step_marg(
     let up = gravity(accel, turn[2], state.slow_rate, constants);
     let field = calibrate(mag, &constants.mag);
     let correction = if is_gravity_usable(accel, up, constants) {
-        if is_saturated(mag) || length_squared(field) < constants.field_squared_min {
+        if is_saturated(mag, constants.mag_clip)
+            || length_squared(field) < constants.field_squared_min
+        {
             correction_imu(state.quaternion, unit_q28(up), constants.beta)
         } else {
             correction_marg(
@@ -122,6 +129,21 @@ pub fn align(
     }
 }
 
+/// The attitude by a mean reading of the accelerometer in calibrated units, within ±2³⁰; the state is
+/// unchanged if the reading is shorter than gravity may be.
+#[inline]
+pub fn align_to(state: &FilterState, up: [i32; 3], constants: &FilterConstants) -> FilterState {
+    if length_squared(up) >= constants.gravity_squared_min {
+        FilterState {
+            quaternion: aligned(unit_q28(up)),
+            rate: state.rate,
+            slow_rate: state.slow_rate,
+        }
+    } else {
+        *state
+    }
+}
+
 /// The reading without the part of the body's motion; components within ±2³⁰.
 #[inline]
 fn gravity(accel: [i16; 3], rate: i32, slow: i32, constants: &FilterConstants) -> [i32; 3] {
@@ -132,7 +154,7 @@ fn gravity(accel: [i16; 3], rate: i32, slow: i32, constants: &FilterConstants) -
 /// Whether `up`, from the counts `raw`, shows the vertical.
 #[inline]
 pub fn is_gravity_usable(raw: [i16; 3], up: [i32; 3], constants: &FilterConstants) -> bool {
-    !is_saturated(raw) && length_squared(up) >= constants.gravity_squared_min
+    !is_saturated(raw, constants.accel_clip) && length_squared(up) >= constants.gravity_squared_min
 }
 
 /// The state after turning by `turn` and correcting.

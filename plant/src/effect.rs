@@ -6,6 +6,7 @@
 //! [`crate::ExternalEffect`].
 
 use crate::hiding::Hiding;
+use crate::prior::{Commonness, Prior};
 use crate::{Kind, Output, Reading, Scalar};
 
 /// Everything that a term of the model may look at, at one instant.
@@ -172,6 +173,8 @@ pub struct EffectInfo {
     pub source: &'static str,
     /// What a person would look for in the measurements.
     pub fingerprint: &'static str,
+    /// How common it is on real benches.
+    pub prior: Prior,
     /// Where in the model it acts.
     pub role: Role,
     /// Its parameters, as many as it needs. Their place in a parameter vector is [`crate::Model`]'s job.
@@ -230,6 +233,10 @@ impl EffectInfo {
         meaning: "",
         source: "",
         fingerprint: "",
+        prior: Prior {
+            commonness: Commonness::Occasional,
+            reason: "nothing is known of how common it is",
+        },
         role: Role::Body,
         parameters: &[],
         starts: &[],

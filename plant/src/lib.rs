@@ -29,6 +29,7 @@ mod input;
 mod linear;
 mod model;
 mod plant;
+mod prior;
 mod reading;
 mod scalar;
 
@@ -41,10 +42,11 @@ pub use experiment::Kind;
 pub use external::{Definition, External, ExternalEffect, ExternalError, Partials};
 pub use hiding::{Hiding, HidingPlace};
 pub use input::{Hold, Input};
-pub use linear::{LinearModel, LinearisationError, linearise};
+pub use linear::{LinearModel, LinearisationError, linearise, torque_inputs};
 pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
 pub use plant::{Current, Drive, Plant, State};
+pub use prior::{Commonness, Prior};
 pub use reading::{Output, Reading};
 pub use scalar::{Dual, Scalar};

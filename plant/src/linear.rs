@@ -97,6 +97,22 @@ pub fn linearise(
     })
 }
 
+/// How a torque enters the linear model: the input matrices (3×1, units of row per N m and second) of a torque on
+/// the body, and of one on the wheel with its reaction on the body. `values` as in [`linearise`].
+pub fn torque_inputs(model: &Model, values: &[f64]) -> [Vector3<f64>; 2] {
+    let plant = Plant::new(model, values, Kind::Balance);
+    let rest = State::rest();
+    let ([rate, wheel], [pushed_rate, pushed_wheel]) = (
+        <[f64; 2]>::from(plant.derivative(&rest, 0.0, 0.0)),
+        <[f64; 2]>::from(plant.derivative(&rest, 0.0, 1.0)),
+    );
+    let body = Vector3::new(0.0, pushed_rate - rate, pushed_wheel - wheel);
+    [
+        body,
+        Vector3::new(0.0, 0.0, 1.0 / values[WHEEL_INERTIA]) - body,
+    ]
+}
+
 /// The part of a model that its linear model carries, with the parameters that belong to it.
 fn kept(model: &Model, values: &[f64], keep_dry_friction: bool) -> (Model, Vec<f64>) {
     let mut effects = vec![];

@@ -45,6 +45,9 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         Err(error) if matches!(error.problem(), Problem::NotFound) => ModelFile::new(),
         Err(error) => return Err(error.into()),
     };
+    if let Some(hardware) = &recordings.hardware {
+        file.hardware = Some(hardware.clone());
+    }
     report.apply_to(&mut file);
     let figures = write_files(&out, &report.drawings())?;
     file.write(&model)?;

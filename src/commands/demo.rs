@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             base,
             report,
             designed.report()?,
-            designed.generate()?,
+            designed.generate(None)?,
             closed_loop,
         ))
     })?;

@@ -65,6 +65,11 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     } else {
         (String::new(), None, None)
     };
+    let more = if arguments.apply {
+        more
+    } else {
+        would_add(&report) + &more
+    };
     let text = diagnosis::text(&report) + &more + "\nFigures\n" + &listed(&figures);
     Report::new(
         text,
@@ -87,10 +92,40 @@ fn applied_text(applied: &AppliedDiagnosis, session: &Session) -> String {
             "\nNo controller can be designed from this model: {reason}\n"
         ));
     }
-    let added = match applied.added.join(", ") {
-        none if none.is_empty() => "nothing".to_owned(),
-        added => added,
-    };
-    text.push_str(&format!("\nAdded: {added}\n"));
+    text.push_str(&format!("\nAdded: {}\n", some_or_nothing(&applied.added)));
+    if !applied.provisional.is_empty() {
+        text.push_str(&format!(
+            "Provisional until an experiment has decided: {} (`add` of the same effect confirms it, `add` of a \
+             rival takes that in its place)\n",
+            applied.provisional.join(", ")
+        ));
+    }
+    if !applied.taken_out.is_empty() {
+        text.push_str(&format!("Taken out: {}\n", applied.taken_out.join(", ")));
+    }
     text + &format!("Written: {}\n", session.model_path().display())
+}
+
+/// What `--apply` would do.
+fn would_add(report: &DiagnosisReport) -> String {
+    let (added, taken_out) = (report.added(), report.taken_out());
+    if added.is_empty() && taken_out.is_empty() {
+        return String::new();
+    }
+    let out = match taken_out.join(", ") {
+        none if none.is_empty() => none,
+        names => format!(" and take out {names}"),
+    };
+    format!(
+        "\nWould add {}{out}: `diagnose --apply` does it.\n",
+        some_or_nothing(&added)
+    )
+}
+
+fn some_or_nothing(names: &[String]) -> String {
+    if names.is_empty() {
+        "nothing".to_owned()
+    } else {
+        names.join(", ")
+    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use codegen::FileError;
 use serde::Serialize;
 use workbench::numbers::significant;
-use workbench::{ControlDesign, GeneratedController};
+use workbench::{ControlDesign, GeneratedController, Preset};
 
 use crate::arguments::JsonOutput;
 use crate::failure::Failure;
@@ -19,11 +19,21 @@ pub struct Arguments {
     /// Folder of the emitted crate
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Take what the model states neither under [hardware] nor under [calibration] from this bench
+    #[arg(long, value_name = "BENCH")]
+    pub preset: Option<PresetName>,
     /// Compare instead of writing: exit code 1 where DIR is not what would be written
     #[arg(long)]
     pub check: bool,
     #[command(flatten)]
     pub output: JsonOutput,
+}
+
+/// The benches that may stand in.
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub enum PresetName {
+    /// The bench of the thesis
+    ThesisBench,
 }
 
 #[derive(Serialize)]
@@ -41,7 +51,10 @@ struct Generated<'a> {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let out = &arguments.out;
-    let controller = ControlDesign::read(&arguments.model)?.generate()?;
+    let preset = arguments.preset.map(|name| match name {
+        PresetName::ThesisBench => Preset::ThesisBench,
+    });
+    let controller = ControlDesign::read(&arguments.model)?.generate(preset)?;
     let files: Vec<PathBuf> = controller.files().map(|(path, _)| out.join(path)).collect();
     let mut text = law(&controller);
     let (mut changed, mut differing) = (Vec::new(), Vec::new());
@@ -97,6 +110,15 @@ fn law(controller: &GeneratedController) -> String {
              the certificate's bound for all time is that of the loop without this observer and is left out\n",
             significant(time, 3)
         ));
+    }
+    for warning in &controller.warnings {
+        law.push_str(&format!("Warning: {warning}\n"));
+    }
+    if !controller.assumed.is_empty() {
+        law.push_str("Assumed, from the bench of the thesis:\n");
+        for sentence in &controller.assumed {
+            law.push_str(&format!("  {sentence}\n"));
+        }
     }
     law
 }

@@ -43,9 +43,18 @@ pub fn changed(change: &EffectChange) -> String {
     let after = &change.after;
     head(&after.bench, &after.experiments, &after.notes)
         + &parameter_table(after)
+        + &provisional(change)
         + &difference_table(change)
         + &place_table(after)
         + &remarks(after)
+}
+
+fn provisional(change: &EffectChange) -> String {
+    if change.provisional.is_empty() {
+        return String::new();
+    }
+    let names = change.provisional.join(", ");
+    format!("\nProvisional until an experiment has decided: {names}\n")
 }
 
 fn parameter_table(comparison: &ComparisonReport) -> String {

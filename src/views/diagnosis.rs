@@ -1,8 +1,8 @@
 //! A diagnosis in words.
 
-use workbench::DiagnosisReport;
 use workbench::numbers::{with_prefix, with_uncertainty};
 use workbench::words::set;
+use workbench::{DiagnosisReport, HeldOutBy, SuspectEffect};
 
 use super::{comparison, decay};
 use crate::report::table::{Align, Table};
@@ -15,6 +15,11 @@ pub fn text(report: &DiagnosisReport) -> String {
         comparison::head(&report.bench, &last.experiments, &report.notes),
         report.sentence
     );
+    // Beside a contradiction the logs may leave nothing.
+    let shown = report.remains.as_ref();
+    if let Some(remains) = shown.filter(|remains| remains.over_noise > 1.0) {
+        text.push_str(&format!("{}\n", remains.sentence()));
+    }
     text.push_str(&staircase_table(report));
     text.push_str(&suspect_table(report));
     if !report.ambiguous_between.is_empty() {
@@ -69,8 +74,22 @@ pub fn staircase_table(report: &DiagnosisReport) -> String {
     );
     row.push(String::new());
     table.row(row);
+    let held_out = match report.held_out_by {
+        HeldOutBy::Experiments => "predicted by the other experiments",
+        HeldOutBy::SecondHalves => "the second half of each log, predicted by the first",
+    };
+    let worse: String = steps
+        .iter()
+        .filter(|step| step.held_out_worse)
+        .map(|step| {
+            format!(
+                "{}: what is held out is predicted worse with it\n",
+                step.name()
+            )
+        })
+        .collect();
     format!(
-        "\nThe error, step by step (held out: predicted by the other experiments)\n{}",
+        "\nThe error, step by step (held out: {held_out})\n{}{worse}",
         table.text()
     )
 }
@@ -82,8 +101,10 @@ fn suspect_table(report: &DiagnosisReport) -> String {
     let mut table = Table::new(&[
         ("suspect", Align::Left),
         ("probability", Align::Right),
+        ("takes away", Align::Right),
         ("fit, held out", Align::Right),
-        ("parameters", Align::Left),
+        ("in the model with", Align::Left),
+        ("its parameters", Align::Left),
     ]);
     let mut words = String::new();
     for suspect in &report.suspects {
@@ -100,12 +121,31 @@ fn suspect_table(report: &DiagnosisReport) -> String {
         table.row([
             suspect.effect.clone(),
             probability(suspect.probability),
+            most_taken_away(suspect),
             percent(suspect.validation_fit_percent),
+            others_of(suspect),
             parameters.join(", "),
         ]);
         words.push_str(&format!("  {}: {}\n", suspect.effect, suspect.fingerprint));
     }
     format!("\nSuspects\n{}\n{words}", table.text())
+}
+
+/// The largest share of a series' error that the suspect alone takes away.
+fn most_taken_away(suspect: &SuspectEffect) -> String {
+    let shares = suspect.takes_away.iter().map(|(_, share)| *share);
+    percent(100.0 * shares.fold(f64::NAN, f64::max))
+}
+
+/// The effects beside the suspect in its model, without those of every model.
+fn others_of(suspect: &SuspectEffect) -> String {
+    let always = ["body-viscous-friction", "wheel-viscous-friction"];
+    let is_other = |name: &&str| *name != suspect.effect && !always.contains(name);
+    let others = suspect.model.iter().map(String::as_str).filter(is_other);
+    match set(others) {
+        none if none.is_empty() => "–".to_owned(),
+        others => others,
+    }
 }
 
 fn percent(value: f64) -> String {

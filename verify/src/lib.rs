@@ -16,3 +16,5 @@ pub mod properties;
 mod proofs;
 #[cfg(kani)]
 mod proofs_attitude;
+#[cfg(kani)]
+mod proofs_supervisor;

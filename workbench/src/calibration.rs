@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use ::calibrate::{CalibrationError, LineFit, PlumbLine};
+use ::calibrate::{CalibrationError, Counts, LineFit, PlumbLine};
 use bench_files::{
-    Calibration, CalibrationRecordings, LeverArmCalibration, LineCalibration, ModelFile,
-    MountingCalibration, Parameter, StoredSensorCalibration,
+    Calibration, CalibrationRecordings, CountsRecording, LeverArmCalibration, LineCalibration,
+    ModelFile, MountingCalibration, Parameter, StoredSensorCalibration,
 };
 use serde::{Deserialize, Serialize};
 
@@ -281,7 +281,8 @@ impl Work<'_> {
         let Some(recording) = &self.recordings.magnetometer else {
             return Ok(());
         };
-        let counts = &recording.counts;
+        let usable = self.usable_readings(recording);
+        let counts = &usable;
         let in_file = in_recording(&recording.file);
         let field_ut = match self.recordings.field_ut {
             Some(field) => field,
@@ -305,6 +306,15 @@ impl Work<'_> {
                 100.0 * ::calibrate::COVERAGE_MIN
             ));
         }
+        if !found.fits() {
+            self.report.warnings.push(format!(
+                "the magnetometer's readings do not lie on an ellipsoid: after calibration their \
+                 length still varies by {:.1} % ({:.0} % are allowed); record it away from motor and \
+                 iron, and within the sensor's range",
+                100.0 * found.spread_after,
+                100.0 * ::calibrate::SPREAD_MAX
+            ));
+        }
         self.report.found.magnetometer = Some(to_file(&found.sensor));
         self.report.magnetometer = Some(CalibratedSensor::of("µT", &found.sensor, &quality));
         self.report.magnetometer_points = Some(MagnetometerPoints {
@@ -318,6 +328,31 @@ impl Work<'_> {
         Ok(())
     }
 
+    /// The readings within the sensor's range; what was left out is warned of.
+    fn usable_readings(&mut self, recording: &CountsRecording) -> Vec<[i16; 3]> {
+        let hardware = self.recordings.hardware.as_ref();
+        let stated = hardware.and_then(|hardware| hardware.magnetometer.as_ref());
+        let clip = stated.map_or(attitude::WORD_CLIP, |sensor| sensor.clip);
+        let found = ::calibrate::usable_readings(&recording.counts, clip);
+        if found.overflowed > 0 {
+            self.report.warnings.push(format!(
+                "{} of {} readings of the magnetometer overflowed (at a limit of the range, or far \
+                 outside the sphere of the others) and were left out",
+                found.overflowed,
+                recording.counts.len()
+            ));
+        }
+        for (axis, end, times) in &found.clipped {
+            self.report.warnings.push(format!(
+                "the magnetometer's {axis} axis stops at {end} counts, its value in {times} of {} \
+                 readings: it is clipped there, and these readings were left out; choose a larger \
+                 range, or take the magnet nearby away",
+                recording.counts.len()
+            ));
+        }
+        found.readings
+    }
+
     fn mounting(
         &mut self,
         accelerometer: &::calibrate::SensorCalibration,
@@ -327,14 +362,28 @@ impl Work<'_> {
         else {
             return Ok(None);
         };
+        let hardware = self.recordings.hardware.as_ref();
+        let stated = hardware.and_then(|hardware| hardware.accelerometer.as_ref()?.rotation);
+        let is_stated = stated.is_some();
+        // The body's z axis in the sensor's frame is the last row.
+        let nearer_to = stated.map_or([0.0, 0.0, 1.0], |rotation| rotation[2]);
         let found = ::calibrate::mounting(
             &swing.counts,
             &gyroscope.line,
             &hanging.counts,
             accelerometer,
+            &nearer_to.into(),
         )
         .map_err(in_recording(&swing.file))?;
         let axis = [found.axis.x, found.axis.y, found.axis.z];
+        if !is_stated {
+            self.report.warnings.push(
+                "which way the pivot axis points, no inertial recording shows (a sensor that is \
+                 turned by half a turn reads a swing alike): the end nearer to the sensor's z is taken; \
+                 state axes under [hardware.accelerometer], or settle it by flywheel bring-up"
+                    .to_owned(),
+            );
+        }
         self.report.found.mounting = Some(MountingCalibration {
             axis,
             axis_std_rad: found.axis_std_rad,
@@ -439,20 +488,66 @@ impl Work<'_> {
     }
 
     fn lines(&mut self) -> Result<(), Error> {
-        let fit = |points: &Option<Vec<(f64, f64)>>| -> Result<Option<LineFit>, Error> {
+        let fit = |points: &Option<Vec<(f64, f64)>>, counts| -> Result<Option<LineFit>, Error> {
             points
                 .as_ref()
-                .map(|points| ::calibrate::fit_line(points))
+                .map(|points| ::calibrate::fit_line_within_range(points, counts))
                 .transpose()
                 .map_err(in_recording(&self.recordings.folder))
         };
-        let wheel_speed = fit(&self.recordings.wheel_speed)?;
-        let duty = fit(&self.recordings.duty)?;
+        let wheel_speed = fit(&self.recordings.wheel_speed, Counts::X)?;
+        let duty = fit(&self.recordings.duty, Counts::Y)?;
+        if let Some(line) = &wheel_speed {
+            self.warn_of_left_out("the converter", ["counts", "rad/s"], line);
+            self.warn_of_one_way();
+        }
+        if let Some(line) = &duty {
+            self.warn_of_left_out("the drive", ["A", "counts"], line);
+        }
         self.report.found.wheel_speed = wheel_speed.as_ref().map(line_to_file);
         self.report.found.duty = duty.as_ref().map(line_to_file);
         self.report.wheel_speed = wheel_speed.as_ref().map(CalibratedLine::of);
         self.report.current = duty.as_ref().map(CalibratedLine::of);
         Ok(())
+    }
+
+    /// Points that do not lie on a line, with the worst.
+    fn warn_of_left_out(&mut self, what: &str, [unit, result]: [&str; 2], line: &LineFit) {
+        let size = |point: &::calibrate::LeftOut| point.residual.abs();
+        let worst = line
+            .left_out
+            .iter()
+            .max_by(|a, b| size(a).total_cmp(&size(b)));
+        let Some(worst) = worst else {
+            return;
+        };
+        self.report.warnings.push(format!(
+            "{} points of {what} do not lie on the line of the others and were left out (at {} {unit} \
+             by {} {result}): the ends of its range, or a slip; use it between them only",
+            line.left_out.len(),
+            significant(worst.x, 5),
+            significant(worst.residual.abs(), 3)
+        ));
+    }
+
+    /// A converter that was recorded one way only.
+    fn warn_of_one_way(&mut self) {
+        let points = self.recordings.wheel_speed.iter().flatten();
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (_, speed) in points {
+            least = least.min(*speed);
+            most = most.max(*speed);
+        }
+        // A twentieth of the range beyond zero is no turning the other way.
+        if least > -0.05 * most || most < -0.05 * least {
+            self.report.warnings.push(format!(
+                "the converter was recorded one way only, from {} to {} rad/s, and the wheel turns \
+                 both ways: a converter whose line ends at zero cannot show the other; see to an \
+                 offset of its signal, or record the other way too",
+                significant(least, 3),
+                significant(most, 3)
+            ));
+        }
     }
 
     fn centre_of_mass(&mut self) -> Result<(), Error> {

@@ -11,6 +11,8 @@ pub struct EffectChange {
     /// The new model beside the measurements.
     #[serde(flatten)]
     pub after: ComparisonReport,
+    /// The effects of the new model that hold only until an experiment has decided.
+    pub provisional: Vec<String>,
     /// The effects of the old model.
     pub effects_before: Vec<String>,
     /// Its root mean square errors, SI units.

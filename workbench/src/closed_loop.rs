@@ -20,6 +20,7 @@ use simulate::{
     effects_on_transient, largest_recoverable_angle, overlay, region_of_attraction,
 };
 
+use crate::bench_hardware::Preset;
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 use crate::measured_linearity::{MeasuredSwings, PERIODS, SpinUpLinearity, SwingLinearity};
@@ -55,6 +56,9 @@ pub struct SimulationReport {
     pub gains: [f64; 3],
     /// Largest current either way.
     pub current_limit_a: f64,
+    /// What of sensors and drive the model does not state, so that the simulation takes it from the
+    /// bench of the thesis; sentences.
+    pub assumed: Vec<String>,
     /// Seed of the sensors' noise.
     pub seed: u64,
     /// Transient, disturbance, half a minute with pushes.
@@ -284,6 +288,7 @@ impl ControlDesign {
         let values = with_changes(self.model(), self.values(), settings.parameters)?;
         let plant = Plant::new(self.model(), &values, Kind::Balance);
         let mut laws = Laws::new(self, &plant, &values, settings.seed)?;
+        let assumed = laws.spec.assumed.clone();
         let runs = laws.scenarios()?;
         progress.check()?;
         let raw_counts = laws.raw_counts()?;
@@ -308,6 +313,7 @@ impl ControlDesign {
             model: self.name().to_owned(),
             gains: self.gains(),
             current_limit_a: self.wishes().current_limit_a,
+            assumed,
             seed: settings.seed,
             runs,
             raw_counts,
@@ -364,7 +370,7 @@ fn sensors_of(spec: &ModuleSpec) -> Result<RawSensors, SimulateError> {
         wheel_speed_per_count: spec.hardware.wheel_speed_per_count,
         wheel_speed_at_zero: spec.hardware.wheel_speed_at_zero,
         duty_zero: spec.drive.duty_zero,
-        current_per_count_a: spec.drive.current_range_a / f64::from(spec.drive.counts()),
+        current_per_count_a: spec.drive.amperes_per_count,
         ..RawSensors::calibrated_by(&spec.hardware.attitude)?
     })
 }
@@ -386,8 +392,10 @@ impl<'a> Laws<'a> {
             reason: format!("source: {error}"),
         };
         let limit_a = designed.wishes().current_limit_a;
-        let spec = designed.module_spec()?;
-        let generated = designed.generate()?;
+        // A simulation needs sensors; a controller for a real motor does not get them for nothing.
+        let preset = Some(Preset::ThesisBench);
+        let spec = designed.module_spec(preset)?;
+        let generated = designed.generate(preset)?;
         let module = generated.module(&designed.path())?;
         Ok(Laws {
             plant,
@@ -470,7 +478,7 @@ impl<'a> Laws<'a> {
         let failure = self.failure();
         let scenario = Scenario::half_minute(&self.scale);
         let on = RawLoop {
-            drive_limit_a: self.spec.drive.current_range_a,
+            drive_limit_a: self.spec.drive.current_range_a(),
             sample_time_s: self.spec.sample_time_s,
             pushes: scenario.pushes,
             ..RawLoop::new(self.plant, self.sensors, self.seed)

@@ -440,5 +440,9 @@ pub(crate) fn with_model(
 ) -> ModelFile {
     file.replace_model_parameters(parameters, correlation);
     file.effects = model.effects().to_vec();
+    // A tie is open as long as the model has what it is about.
+    file.tie = file
+        .tie
+        .filter(|tie| tie.provisional.iter().all(|effect| model.has(*effect)));
     file
 }

@@ -7,6 +7,7 @@ use codegen::{EmittedCrate, FileError};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
+use crate::bench_hardware::Preset;
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 
@@ -24,6 +25,10 @@ pub struct GeneratedController {
     pub sample_time_s: f64,
     /// Time constant of the observer of the angle's bias, if the model asks for one.
     pub bias_time_constant_s: Option<f64>,
+    /// What of sensors and drive was taken from the preset; sentences.
+    pub assumed: Vec<String>,
+    /// What of sensors and drive is not as it should be; sentences.
+    pub warnings: Vec<String>,
     /// The files of the crate, by their paths in it; certificate.json is the last.
     #[serde(skip)]
     emitted: Files,
@@ -41,25 +46,33 @@ impl Default for Files {
 
 impl ControlDesign {
     /// Emits the controller as readable `no_std` Rust in fixed point, from raw sensor counts to the
-    /// duty of the drive, with a certificate.
+    /// duty of the drive, with a certificate. What the model does not state of sensors and drive is
+    /// taken from `preset`, and said; without one it is refused.
     ///
     /// # Errors
+    /// [`Error::Hardware`] where sensors or drive are not stated, or contradict each other;
     /// [`Error::Refused`] where a claim could not be kept; [`Error::Design`] where the observer of
     /// the angle's bias that is asked for does not work.
-    pub fn generate(&self) -> Result<GeneratedController, Error> {
-        let spec = self.module_spec()?;
+    pub fn generate(&self, preset: Option<Preset>) -> Result<GeneratedController, Error> {
+        let hardware = self.hardware(preset)?;
+        let (assumed, warnings) = (hardware.assumed.clone(), hardware.warnings.clone());
+        let spec = self.module_spec_with(hardware)?;
         let emitted = codegen::generate(&spec).map_err(|source| Error::Refused {
             model: self.path(),
             source: Box::new(source),
         })?;
-        Ok(GeneratedController {
+        let controller = GeneratedController {
             model: spec.model_name.clone(),
             gains: spec.gains,
             current_limit_a: spec.current_limit_a,
             sample_time_s: spec.sample_time_s,
             bias_time_constant_s: self.wishes().bias_time_constant_s,
+            assumed,
+            warnings,
             emitted: Files(emitted),
-        })
+        };
+        controller.check_signs(&self.path())?;
+        Ok(controller)
     }
 }
 
@@ -92,6 +105,28 @@ impl GeneratedController {
         }
     }
 
+    /// The claim `physical-signs`, before anything is written: nobody should flash what fails it.
+    fn check_signs(&self, model: &Path) -> Result<(), Error> {
+        let module = self.module(model)?;
+        let certificate = self.certificate(model)?;
+        checker::claims::physical_signs::check(&certificate, &module).map_err(|reason| {
+            Error::Unphysical {
+                model: model.to_path_buf(),
+                reason,
+            }
+        })
+    }
+
+    fn certificate(&self, model: &Path) -> Result<Certificate, Error> {
+        let mut files = self.files();
+        let found = files.find(|(path, _)| *path == "certificate.json");
+        let text = found.map_or("", |(_, text)| text);
+        Certificate::parse(text).map_err(|error| Error::Emitted {
+            model: model.to_path_buf(),
+            reason: error.to_string(),
+        })
+    }
+
     /// The emitted source as the checker reads it.
     pub(crate) fn module(&self, model: &Path) -> Result<checker::Module, Error> {
         let sources: Vec<(&str, &str)> = self
@@ -106,22 +141,11 @@ impl GeneratedController {
 
     /// P of the set in which no command saturates, where the certificate states one.
     pub(crate) fn ellipsoid(&self, model: &Path) -> Result<Option<Matrix3<f64>>, Error> {
-        let certificate = self
-            .files()
-            .find(|(path, _)| *path == "certificate.json")
-            .map(|(_, text)| Certificate::parse(text))
-            .transpose()
-            .map_err(|error| Error::Emitted {
-                model: model.to_path_buf(),
-                reason: error.to_string(),
-            })?;
-        Ok(certificate.and_then(|certificate| {
-            let rows = certificate.closed_loop?.ellipsoid;
+        Ok(self.certificate(model)?.closed_loop.map(|found| {
+            let rows = found.ellipsoid;
             // Every decimal of the certificate is a number.
             let entry = |row: usize, column: usize| rows[row][column].to_string().parse();
-            Some(Matrix3::from_fn(|row, column| {
-                entry(row, column).unwrap_or(f64::NAN)
-            }))
+            Matrix3::from_fn(|row, column| entry(row, column).unwrap_or(f64::NAN))
         }))
     }
 }

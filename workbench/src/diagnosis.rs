@@ -1,8 +1,8 @@
 //! Which physical effects a model lacks.
 
-use bench_files::{Correlation, ModelFile, Parameter};
-use diagnose::{Diagnosis, Options, Step, Suspect, Verdict};
-use identify::{Fit, Identification, PredictedSeries, Progress, Record};
+use bench_files::{Correlation, ModelFile, Parameter, Tie};
+use diagnose::{Diagnosis, Options, Step, Suspect, Unseen, Verdict};
+use identify::{Contradiction, Fit, Identification, PredictedSeries, Progress, Record};
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
 
@@ -10,11 +10,13 @@ use crate::comparison::{
     BenchNote, ComparisonReport, FailurePlace, PushInLog, correlation_of, effect_names,
     parameters_of, with_model,
 };
+use crate::control_design::ControlDesign;
 use crate::design_change::DesignChange;
 use crate::error::Error;
 use crate::named;
 use crate::numbers::significant;
 use crate::per_series::{PerSeries, SeriesName};
+use crate::remains::RemainsReport;
 use crate::session::Session;
 use crate::swing_decay::{SwingDecay, swing_decays};
 use crate::words;
@@ -32,12 +34,21 @@ pub struct DiagnosisReport {
     pub sentence: String,
     /// The model as it was, then each effect that was added, in order.
     pub steps: Vec<DiagnosisStep>,
+    /// The model of the last step.
+    #[serde(rename = "final")]
+    pub last_model: FinalModel,
+    /// Those of its effects that hold only until an experiment has decided.
+    pub provisional: Vec<String>,
+    /// What the parameters had not seen where predictions are called held out.
+    pub held_out_by: HeldOutBy,
     /// The effects that could be missing, the most probable first.
     pub suspects: Vec<SuspectEffect>,
     /// The sets of effects that tie; empty where none do.
     pub ambiguous_between: Vec<Vec<String>>,
     /// The experiment that would settle what is open; empty where nothing is.
     pub next_experiment: String,
+    /// How large what no effect explains is, and whether it matters; `None` where nothing is unexplained.
+    pub remains: Option<RemainsReport>,
     /// Where the model of the last step fails, the plainest place first.
     #[serde(rename = "where")]
     pub places: Vec<FailurePlace>,
@@ -62,8 +73,17 @@ pub struct DiagnosisReport {
 /// The model as it was, or after one effect more; refitted to all experiments.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DiagnosisStep {
-    /// The effect that was added; `None` for the model as it was.
+    /// The effect that was added; `None` for the model as it was, and for a step that only takes out.
     pub effect: Option<String>,
+    /// The effects of the model before that are no longer there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub replaces: Vec<String>,
+    /// Whether it holds only until an experiment has decided between explanations that tie.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub provisional: bool,
+    /// Whether the step before predicts what the parameters have not seen plainly better.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held_out_worse: bool,
     /// All effects of the model.
     pub effects: Vec<String>,
     /// Its parameters.
@@ -81,6 +101,27 @@ pub struct DiagnosisStep {
     pub validation_rmse: PerSeries,
 }
 
+/// The model of the last step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FinalModel {
+    /// All of its effects.
+    pub effects: Vec<String>,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
+    /// Root mean square errors, SI units.
+    pub rmse: PerSeries,
+}
+
+/// What parameters had not seen when they predicted it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeldOutBy {
+    /// Whole experiments, each predicted by the others.
+    Experiments,
+    /// The second half of every log, predicted by the first halves.
+    SecondHalves,
+}
+
 /// An effect that could be missing.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SuspectEffect {
@@ -88,6 +129,11 @@ pub struct SuspectEffect {
     pub effect: String,
     /// Probability that the model lacks it.
     pub probability: f64,
+    /// All effects of the best model that has it; everything else here belongs to that model.
+    pub model: Vec<String>,
+    /// For every series the share of the error that this effect alone takes away: 1 − with/without, where
+    /// "without" is the same model without the effect, fitted anew.
+    pub takes_away: PerSeries,
     /// Mean fit of experiments that the fit has not seen, %; NaN (null) where there is none.
     #[serde(with = "named::gap")]
     pub validation_fit_percent: f64,
@@ -104,6 +150,10 @@ pub struct SuspectEffect {
 pub struct AppliedDiagnosis {
     /// The effects that were added.
     pub added: Vec<String>,
+    /// Those of them that hold only until an experiment has decided.
+    pub provisional: Vec<String>,
+    /// The effects that were taken out.
+    pub taken_out: Vec<String>,
     /// What they change in the controller; `None` where nothing was added, or no controller can be had.
     pub design_change: Option<DesignChange>,
     /// Why no controller can be had, where that is so.
@@ -112,12 +162,14 @@ pub struct AppliedDiagnosis {
 
 impl Session {
     /// Which physical effects the model lacks. Its parameters are refitted first: wrong numbers are
-    /// not a missing effect. The session's model stays as it is; see [`Session::apply`].
+    /// not a missing effect. What is provisional in the model does not count, so that a tie is found again. The session's model stays as it is; see [`Session::apply`].
     ///
     /// # Errors
     /// Those of [`Session::identify`]; [`Error::Cancelled`] soon after the work was called off.
     pub fn diagnose(&self, progress: &Progress) -> Result<DiagnosisReport, Error> {
-        let model = self.model().map_or_else(Model::base, ModelFile::model);
+        let model = self
+            .model()
+            .map_or_else(Model::base, ModelFile::certain_model);
         let identified = self.fit(&model, progress)?;
         let fit = &identified.fit;
         let options = Options::default();
@@ -147,33 +199,48 @@ impl Session {
         progress.check()?;
         let last = self.comparison_of(&last_fit);
         progress.check()?;
-        Ok(DiagnosisReport::new(self, &found, &last_fit, last))
+        let mut report = DiagnosisReport::new(self, &found, &last_fit, last);
+        if found.verdict == Verdict::Unexplained {
+            let file = report.steps.last().map(|step| self.model_of(step));
+            let design = file.and_then(|file| ControlDesign::of(file).ok());
+            let remains = RemainsReport::new(&found.remains, self.problem(), design.as_ref());
+            report.remains = Some(remains);
+        }
+        Ok(report)
     }
 
     /// Makes the last step of a diagnosis the session's model, and says what its effects change in
-    /// the controller.
+    /// the controller. Where explanations tie, the model says which of its effects are provisional and what
+    /// could stand in their place; what it had for certain before stays certain.
     pub fn apply(&mut self, report: &DiagnosisReport) -> AppliedDiagnosis {
         let before = report.steps.first().map(|step| self.model_of(step));
-        let added: Vec<String> = report
-            .steps
-            .iter()
-            .filter_map(|step| step.effect.clone())
-            .collect();
-        if let Some(step) = report.steps.last() {
-            self.set_model(self.model_of(step));
+        let mut applied = AppliedDiagnosis {
+            added: report.added(),
+            provisional: vec![],
+            taken_out: report.taken_out(),
+            design_change: None,
+            no_controller: None,
+        };
+        if let (Some(before), Some(step)) = (&before, report.steps.last()) {
+            let mut file = self.model_of(step);
+            file.tie = report.tie().filter(|tie| {
+                let was_certain = before.certain_model();
+                tie.provisional
+                    .iter()
+                    .any(|effect| !was_certain.has(*effect))
+            });
+            let provisional = file.tie.iter().flat_map(|tie| &tie.provisional);
+            applied.provisional = provisional.map(|one| one.name().to_owned()).collect();
+            self.set_model(file);
         }
-        let (mut design_change, mut no_controller) = (None, None);
-        if let (false, Some(before), Some(after)) = (added.is_empty(), before, self.model()) {
+        let is_changed = report.steps.len() > 1;
+        if let (true, Some(before), Some(after)) = (is_changed, before, self.model()) {
             match DesignChange::between(before, after.clone()) {
-                Ok(change) => design_change = Some(change),
-                Err(error) => no_controller = Some(error.to_string()),
+                Ok(change) => applied.design_change = Some(change),
+                Err(error) => applied.no_controller = Some(error.to_string()),
             }
         }
-        AppliedDiagnosis {
-            added,
-            design_change,
-            no_controller,
-        }
+        applied
     }
 
     /// Makes the model that the diagnosis began with, refitted, the session's model.
@@ -207,6 +274,7 @@ impl DiagnosisReport {
     ) -> DiagnosisReport {
         let records = &session.problem().records;
         let parameters = |fit: &Fit| parameters_of(session.problem(), fit);
+        let final_step = found.last();
         DiagnosisReport {
             bench: session.bench().name.clone(),
             verdict: found.verdict,
@@ -216,6 +284,9 @@ impl DiagnosisReport {
                 .iter()
                 .map(|step| DiagnosisStep {
                     effect: step.effect.map(|effect| effect.name().to_owned()),
+                    replaces: names_of(&step.replaces),
+                    provisional: step.is_provisional,
+                    held_out_worse: step.is_held_out_worse,
                     effects: effect_names(&step.fit.model),
                     parameters: parameters(&step.fit),
                     correlation: correlation_of(&step.fit),
@@ -228,12 +299,27 @@ impl DiagnosisReport {
                     validation_rmse: held_out(step),
                 })
                 .collect(),
+            last_model: FinalModel {
+                effects: final_step.map_or(vec![], |step| effect_names(&step.fit.model)),
+                parameters: final_step.map_or(vec![], |step| parameters(&step.fit)),
+                rmse: per_series(
+                    records,
+                    final_step.map_or(vec![], |step| step.candidate.rmse()),
+                ),
+            },
+            provisional: provisional_effects(found),
+            held_out_by: match final_step.map(|step| step.unseen) {
+                Some(Unseen::SecondHalves) => HeldOutBy::SecondHalves,
+                Some(Unseen::Experiments) | None => HeldOutBy::Experiments,
+            },
             suspects: found
                 .suspects
                 .iter()
                 .map(|suspect| SuspectEffect {
                     effect: suspect.effect.name().to_owned(),
                     probability: suspect.probability,
+                    model: effect_names(&suspect.model),
+                    takes_away: per_series(records, suspect.takes_away.iter().copied()),
                     validation_fit_percent: suspect.validation_fit_percent,
                     parameters: own_parameters(parameters(&suspect.fit), suspect),
                     rmse: per_series(records, suspect.rmse.iter().copied()),
@@ -243,8 +329,9 @@ impl DiagnosisReport {
             ambiguous_between: found
                 .ambiguous_between
                 .iter()
-                .map(|set| set.iter().map(|effect| effect.name().to_owned()).collect())
+                .map(|set| names_of(set))
                 .collect(),
+            remains: None,
             next_experiment: found.next_experiment.clone(),
             places: last.places.clone(),
             remainder: found.remainder,
@@ -257,6 +344,54 @@ impl DiagnosisReport {
         }
     }
 
+    /// The effects that the steps add, in order; of a refinement and what it replaces both.
+    pub fn added(&self) -> Vec<String> {
+        let last = &self.last_model.effects;
+        let steps = self.steps.iter();
+        let added = steps.filter_map(|step| step.effect.clone());
+        added.filter(|effect| last.contains(effect)).collect()
+    }
+
+    /// The effects of the first step that the last one does not have.
+    pub fn taken_out(&self) -> Vec<String> {
+        let first = self.steps.first().map_or(&[][..], |step| &step.effects);
+        let last = &self.last_model.effects;
+        let gone = first.iter().filter(|effect| !last.contains(effect));
+        gone.cloned().collect()
+    }
+
+    /// The tie that is open, as model.toml states it: what of the last model is provisional, and every other set
+    /// that could stand in its place.
+    fn tie(&self) -> Option<Tie> {
+        if self.provisional.is_empty() {
+            return None;
+        }
+        let effects = |names: &[String]| -> Vec<EffectId> {
+            let effects = names.iter();
+            effects
+                .filter_map(|name| EffectId::from_name(name))
+                .collect()
+        };
+        let kept: Vec<&String> = self
+            .last_model
+            .effects
+            .iter()
+            .filter(|effect| !self.provisional.contains(effect))
+            .collect();
+        let rivals = self.ambiguous_between.iter().map(|set| {
+            let mut set = set.clone();
+            set.retain(|effect| !kept.contains(&effect));
+            effects(&set)
+        });
+        let provisional = effects(&self.provisional);
+        Some(Tie {
+            rivals: rivals
+                .filter(|set| !set.is_empty() && *set != provisional)
+                .collect(),
+            provisional,
+        })
+    }
+
     /// The suspects that are more probable than not.
     pub fn likely_suspects(&self) -> impl Iterator<Item = &SuspectEffect> {
         self.suspects
@@ -266,11 +401,22 @@ impl DiagnosisReport {
 }
 
 impl DiagnosisStep {
-    /// "as it was", or "+ " and the effect.
+    /// "as it was", or what was added and taken out: "+ body-presliding-friction − body-coulomb-friction".
     pub fn name(&self) -> String {
-        match &self.effect {
-            None => "as it was".to_owned(),
-            Some(effect) => format!("+ {effect}"),
+        let taken_out: String = self
+            .replaces
+            .iter()
+            .map(|one| format!(" − {one}"))
+            .collect();
+        let name = match &self.effect {
+            None if self.replaces.is_empty() => "as it was".to_owned(),
+            None => taken_out.trim_start().to_owned(),
+            Some(effect) => format!("+ {effect}{taken_out}"),
+        };
+        if self.provisional {
+            format!("{name} (provisional)")
+        } else {
+            name
         }
     }
 }
@@ -311,12 +457,29 @@ fn own_parameters(mut parameters: Vec<Parameter>, suspect: &Suspect) -> Vec<Para
     parameters
 }
 
+fn names_of(effects: &[EffectId]) -> Vec<String> {
+    effects.iter().map(|one| one.name().to_owned()).collect()
+}
+
+/// The effects of the last model that are not certain.
+fn provisional_effects(found: &Diagnosis) -> Vec<String> {
+    let effects = found
+        .last()
+        .map_or(&[][..], |step| step.fit.model.effects());
+    let open = effects.iter().filter(|one| !found.certain.has(**one));
+    open.map(|one| one.name().to_owned()).collect()
+}
+
 /// The verdict as a sentence or two; `last` is the model of the last step.
 fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
+    let first = found.steps.first();
+    let was_there = |effect: &EffectId| first.is_some_and(|step| step.fit.model.has(*effect));
     let added: Vec<&str> = found
-        .steps
+        .certain
+        .effects()
         .iter()
-        .filter_map(|step| Some(step.effect?.name()))
+        .filter(|effect| !was_there(effect))
+        .map(|effect| effect.name())
         .collect();
     let added = added.join(" and ");
     let noise = if found.remainder > 0.0 {
@@ -327,7 +490,7 @@ fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
     } else {
         "nothing but noise".to_owned()
     };
-    match found.verdict {
+    let text = match found.verdict {
         Verdict::NothingMissing => {
             format!("Nothing is missing: what the model leaves in the measurements is {noise}.")
         }
@@ -336,24 +499,41 @@ fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
              {noise}."
         ),
         Verdict::Ambiguous => {
-            let sets: Vec<String> = found
-                .ambiguous_between
-                .iter()
-                .map(|set| words::set(set.iter().map(|effect| effect.name())))
-                .collect();
             let beside = match added.as_str() {
                 "" => String::new(),
                 added => format!(" What all of them share was added: {added}."),
             };
             format!(
                 "Ambiguous: something is missing, but these logs cannot tell {}.{beside}",
-                sets.join(" from ")
+                alternatives(found)
+            )
+        }
+        Verdict::Unexplained if !found.contradictions.is_empty() => {
+            let with = match added.as_str() {
+                "" => String::new(),
+                added => format!(" with {added}"),
+            };
+            let sentences = found.contradictions.iter();
+            let sentences: Vec<String> = sentences.map(Contradiction::sentence).collect();
+            format!(
+                "Unexplained: the model{with} follows every log, but what it is made of does not agree: {}.",
+                sentences.join("; ")
             )
         }
         Verdict::Unexplained => {
-            let missing = match added.as_str() {
-                "" => "something".to_owned(),
-                added => format!("the model lacks {added}, and beyond that something"),
+            let missing = match (added.as_str(), found.ambiguous_between.is_empty()) {
+                ("", true) => "something".to_owned(),
+                (added, true) => format!("the model lacks {added}, and beyond that something"),
+                ("", false) => format!(
+                    "the model lacks one of several effects that these logs cannot tell apart ({}), and beyond \
+                     that something",
+                    alternatives(found)
+                ),
+                (added, false) => format!(
+                    "the model lacks {added} and one of several effects that these logs cannot tell apart ({}), \
+                     and beyond that something",
+                    alternatives(found)
+                ),
             };
             format!(
                 "Unexplained: {missing} remains{}: {} times the noise of the sensor. No effect \
@@ -362,7 +542,34 @@ fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
                 significant(found.remainder, 2)
             )
         }
+    };
+    text + &until_decided(found)
+}
+
+/// "body-presliding-friction from body-coulomb-friction + body-softening-spring".
+fn alternatives(found: &Diagnosis) -> String {
+    let sets = found.ambiguous_between.iter();
+    let sets: Vec<String> = sets
+        .map(|set| words::set(set.iter().map(|effect| effect.name())))
+        .collect();
+    sets.join(" from ")
+}
+
+/// What the model predicts with as long as a tie is open, and why.
+fn until_decided(found: &Diagnosis) -> String {
+    let names = provisional_effects(found);
+    let reasons: Vec<&str> = names
+        .iter()
+        .filter_map(|name| Some(EffectId::from_name(name)?.info().prior.reason))
+        .collect();
+    if names.is_empty() {
+        return String::new();
     }
+    format!(
+        " Until an experiment has decided, the model predicts with {}, the most usual of them ({}).",
+        names.join(" + "),
+        reasons.join("; ")
+    )
 }
 
 /// " at about 0.15 rad (angle 0.1 to 0.2 rad in free swing 52 deg)".

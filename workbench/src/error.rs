@@ -10,6 +10,8 @@ use figures::FigureError;
 use identify::{Cancelled, IdentifyError};
 use simulate::SimulateError;
 
+use crate::bench_hardware::HardwareError;
+
 /// Why there is no result. Messages name the file that is to be mended, where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -114,6 +116,14 @@ pub enum Error {
         /// Why.
         source: DesignError,
     },
+    /// The sensors or the drive are not stated, or contradict each other.
+    #[error("{}: {source}", model.display())]
+    Hardware {
+        /// The model's file.
+        model: PathBuf,
+        /// Why.
+        source: HardwareError,
+    },
     /// The generator refuses: a claim could not be kept.
     #[error("{}: {source}", model.display())]
     Refused {
@@ -121,6 +131,14 @@ pub enum Error {
         model: PathBuf,
         /// Why, and what would cure it.
         source: Box<Refusal>,
+    },
+    /// What would be emitted drives the motor the wrong way, or contradicts physics otherwise.
+    #[error("{}: {reason}; see [hardware], [calibration] and [parameters]", model.display())]
+    Unphysical {
+        /// The model's file.
+        model: PathBuf,
+        /// What contradicts.
+        reason: String,
     },
     /// What the generator emitted cannot be read back.
     #[error("{}: the emitted {reason}", model.display())]

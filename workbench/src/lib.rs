@@ -34,7 +34,7 @@
 //! assert!(closed_loop.runs.iter().all(|run| !run.fell));
 //!
 //! // In fixed point, with a certificate that is checked from the emitted files alone.
-//! let controller = design.generate()?;
+//! let controller = design.generate(None)?;
 //! println!("{} files", controller.files().count()); // or controller.write(folder)
 //! let settings = ProofSettings { cases: 1000, smt: false, compiled: false, ..Default::default() };
 //! assert!(controller.prove(&settings, &progress)?.passed());
@@ -59,6 +59,7 @@
 //! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; one in a
 //! file knows file, line and column.
 
+mod bench_hardware;
 mod calibration;
 mod change;
 mod closed_loop;
@@ -77,6 +78,7 @@ pub mod numbers;
 mod output_file;
 mod per_series;
 mod proof;
+mod remains;
 mod session;
 mod swing_decay;
 pub mod words;
@@ -84,6 +86,7 @@ pub mod words;
 pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
+pub use bench_hardware::{HardwareError, Preset};
 pub use calibration::{
     CalibratedLine, CalibratedSensor, LeverArmOfSwing, LeverArmReport, MagnetometerPoints,
     PlumbedCentre, SensorCalibrationReport, SensorMounting, calibrate,
@@ -105,12 +108,15 @@ pub use design_report::{
     SensorCondition, WheelSize,
 };
 pub use diagnose::Verdict;
-pub use diagnosis::{AppliedDiagnosis, DiagnosisReport, DiagnosisStep, SuspectEffect};
+pub use diagnosis::{
+    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
+};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
 pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
+pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

@@ -1,15 +1,13 @@
 //! What the generator is told about a model: the one place where model.toml becomes a
 //! [`ModuleSpec`].
 
-use attitude::SensorLine;
-use bench_files::Calibration;
-use calibrate::{Calibrated, Mounting, SensorCalibration};
 use codegen::hardware::{BiasObserverSpec, HardwareSpec};
-use codegen::spec::{ModelParameter, ModuleSpec, PhysicalRanges, PwmDrive};
+use codegen::spec::{ModelParameter, ModuleSpec, PhysicalRanges};
 use design::BiasObserver;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use simulate::Sensors;
 
+use crate::bench_hardware::{BenchHardware, Preset, bench_hardware};
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 
@@ -18,30 +16,44 @@ use crate::error::Error;
 const BIAS_LIMIT_RAD: f64 = 0.1;
 
 impl ControlDesign {
-    /// What the generator is told. Ranges are those of the thesis bench, and so are sensors and drive
-    /// where they are not calibrated.
+    /// What the generator is told. Sensors and drive are those that the model states; `preset` fills
+    /// what it does not.
     ///
     /// # Errors
+    /// [`Error::Hardware`] where sensors or drive are not stated, or contradict each other;
     /// [`Error::Design`]: an observer of the angle's bias that the model cannot carry.
-    pub fn module_spec(&self) -> Result<ModuleSpec, Error> {
+    pub fn module_spec(&self, preset: Option<Preset>) -> Result<ModuleSpec, Error> {
+        self.module_spec_with(self.hardware(preset)?)
+    }
+
+    /// The sensors and the drive of the model's bench.
+    pub(crate) fn hardware(&self, preset: Option<Preset>) -> Result<BenchHardware, Error> {
+        bench_hardware(self.file(), preset).map_err(|source| Error::Hardware {
+            model: self.path(),
+            source,
+        })
+    }
+
+    /// What the generator is told of a bench with these sensors and this drive.
+    pub(crate) fn module_spec_with(&self, found: BenchHardware) -> Result<ModuleSpec, Error> {
         let design = self.design();
         let wishes = self.wishes();
-        let calibration = &self.file().calibration.unwrap_or_default();
         let rows = |value: &dyn Fn(usize, usize) -> f64| {
             [0, 1, 2].map(|row| [0, 1, 2].map(|column| value(row, column)))
         };
         let hardware = HardwareSpec {
             bias_observer: bias_observer(self)?,
-            ..hardware(calibration)
+            ..found.sensors
         };
         Ok(ModuleSpec {
             model_name: self.name().to_owned(),
             gains: [0, 1, 2].map(|index| design.gains[index]),
             current_limit_a: wishes.current_limit_a,
             sample_time_s: wishes.sample_time_s,
-            ranges: PhysicalRanges::THESIS_BENCH,
-            drive: drive(calibration),
+            ranges: PhysicalRanges::of(&hardware),
+            drive: found.drive,
             hardware,
+            assumed: found.assumed,
             parameters: self
                 .file()
                 .parameters
@@ -91,64 +103,4 @@ fn bias_observer(designed: &ControlDesign) -> Result<Option<BiasObserverSpec>, E
         from_current: observer.from_current,
         limit_rad: BIAS_LIMIT_RAD,
     }))
-}
-
-/// The sensors of the thesis bench, with the calibrated ones in their places.
-fn hardware(calibration: &Calibration) -> HardwareSpec {
-    let thesis = HardwareSpec::thesis_bench();
-    let accelerometer = calibration.accelerometer.as_ref().map(sensor);
-    let gyroscope = calibration.gyroscope.as_ref().map(sensor);
-    let magnetometer = calibration.magnetometer.as_ref().map(sensor);
-    let mounting = calibration.mounting.map(|mounting| Mounting {
-        axis: mounting.axis.into(),
-        axis_std_rad: mounting.axis_std_rad,
-        alignment: calibrate::alignment(&mounting.axis.into()),
-        angle_rad: mounting.angle_rad,
-        angle_std_rad: mounting.angle_std_rad,
-    });
-    let attitude = calibrate::attitude_spec(
-        &thesis.attitude,
-        &Calibrated {
-            accelerometer: accelerometer.as_ref(),
-            gyroscope: gyroscope.as_ref(),
-            magnetometer: magnetometer.as_ref(),
-            mounting: mounting.as_ref(),
-            lever_arm_m: calibration.lever_arm.map(|arm| arm.position_m),
-            beta_rad_s: calibration.beta_rad_s,
-        },
-    );
-    let wheel_speed = calibration.wheel_speed;
-    HardwareSpec {
-        attitude,
-        wheel_speed_per_count: wheel_speed.map_or(thesis.wheel_speed_per_count, |line| line.slope),
-        wheel_speed_at_zero: wheel_speed.map_or(thesis.wheel_speed_at_zero, |line| line.offset),
-        ..thesis
-    }
-}
-
-/// A sensor as `calibrate` has it.
-fn sensor(found: &bench_files::StoredSensorCalibration) -> SensorCalibration {
-    SensorCalibration {
-        line: SensorLine {
-            bias_counts: found.bias_counts.into(),
-            matrix: Matrix3::from_fn(|row, column| found.matrix[row][column]),
-        },
-        bias_std: found.bias_std.into(),
-        matrix_std: Matrix3::from_fn(|row, column| found.matrix_std[row][column]),
-    }
-}
-
-/// The drive of the thesis bench, its line as calibrated: the largest duty stays, and the current
-/// that it stands for follows.
-fn drive(calibration: &Calibration) -> PwmDrive {
-    let thesis = PwmDrive::THESIS_BENCH;
-    let Some(line) = calibration.duty else {
-        return thesis;
-    };
-    let duty_zero = line.offset.round().clamp(0.0, f64::from(thesis.duty_max)) as u16;
-    PwmDrive {
-        current_range_a: f64::from(thesis.duty_max - duty_zero) / line.slope,
-        duty_zero,
-        ..thesis
-    }
 }

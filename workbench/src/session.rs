@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem};
+use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, Tie};
 use design::Settings;
 use identify::{
     Contradiction, Effort, FitProblem, Identification, Minimum, PredictedSeries, Progress,
@@ -69,7 +69,7 @@ impl Session {
         };
         let mut session = Session::new(bench, model_path, true)?;
         session.model = match ModelFile::read(&session.model_path) {
-            Ok(model) => Some(model),
+            Ok(model) => Some(session.with_hardware(model)),
             Err(error) if matches!(error.problem(), Problem::NotFound) => None,
             Err(error) => return Err(error.into()),
         };
@@ -84,7 +84,8 @@ impl Session {
     pub fn from_files(files: &FilesInMemory) -> Result<Session, Error> {
         let mut session = Session::from_bench(Bench::from_files(files)?)?;
         if files.contains("model.toml") {
-            session.model = Some(ModelFile::from_files(files)?);
+            let model = ModelFile::from_files(files)?;
+            session.model = Some(session.with_hardware(model));
         }
         Ok(session)
     }
@@ -134,8 +135,16 @@ impl Session {
 
     /// Puts another model in the place of the session's.
     pub fn set_model(&mut self, model: ModelFile) {
-        self.model = Some(model);
+        self.model = Some(self.with_hardware(model));
         self.fitted = None;
+    }
+
+    /// A model with the sensors and the drive that bench.toml states.
+    fn with_hardware(&self, mut model: ModelFile) -> ModelFile {
+        if let Some(hardware) = &self.bench.hardware {
+            model.hardware = Some(hardware.clone());
+        }
+        model
     }
 
     /// Writes the model to where it was read from, as a whole or not at all; nothing where there is
@@ -262,7 +271,8 @@ impl Session {
         self.started(progress).map(Predictor)
     }
 
-    /// Puts an effect into the model and fits it anew.
+    /// Puts an effect into the model and fits it anew. Where a tie is open, an effect that is there provisionally
+    /// is confirmed, and one of a rival set takes, with its set, the place of what is provisional.
     ///
     /// # Errors
     /// [`Error::UnknownEffect`], [`Error::EffectPresent`]; those of [`Session::identify`].
@@ -271,6 +281,14 @@ impl Session {
         let effect = EffectId::from_name(name).ok_or_else(|| Error::UnknownEffect {
             name: name.to_owned(),
         })?;
+        if let Some((after, tie)) = self.model.as_ref().and_then(|file| settled(file, effect)) {
+            let mut change = self.change(&before, &after, progress)?;
+            change.provisional = provisional_names(tie.as_ref());
+            if let Some(file) = &mut self.model {
+                file.tie = tie;
+            }
+            return Ok(change);
+        }
         let after = before.with(effect);
         if after == before {
             let mut effects = before.effects().iter();
@@ -316,7 +334,9 @@ impl Session {
         let old = self.fit(before, progress)?;
         let old = self.comparison_of(&old);
         let new = self.identify_as(after, progress)?;
+        let tie = self.model.as_ref().and_then(|file| file.tie.as_ref());
         Ok(EffectChange {
+            provisional: provisional_names(tie),
             after: new,
             effects_before: old.effects,
             rmse_before: old.rmse,
@@ -384,11 +404,8 @@ impl Session {
 
     /// The model's file as it is, or a new one, with a design in it.
     pub(crate) fn file_or_new(&self) -> ModelFile {
-        let mut file = self
-            .model
-            .clone()
-            .unwrap_or_default()
-            .named(&self.model_path);
+        let file = self.model.clone().unwrap_or_default();
+        let mut file = self.with_hardware(file).named(&self.model_path);
         file.design.get_or_insert_with(|| self.usual_design());
         file
     }
@@ -516,6 +533,34 @@ impl Predictor {
             .map(|(record, traces)| ExperimentCurves::new(record, traces))
             .collect())
     }
+}
+
+/// The model in which `effect` settles the tie that is open, and what of the tie is left; `None` where the tie
+/// says nothing of the effect.
+fn settled(file: &ModelFile, effect: EffectId) -> Option<(Model, Option<Tie>)> {
+    let tie = file.tie.as_ref()?;
+    if tie.provisional.contains(&effect) {
+        return Some((file.model(), None));
+    }
+    let chosen = tie.rivals.iter().position(|set| set.contains(&effect))?;
+    let mut rivals = tie.rivals.clone();
+    let provisional = std::mem::replace(&mut rivals[chosen], tie.provisional.clone());
+    let certain = file.certain_model();
+    let after = provisional
+        .iter()
+        .fold(certain, |model, &effect| model.with(effect));
+    Some((
+        after,
+        Some(Tie {
+            provisional,
+            rivals,
+        }),
+    ))
+}
+
+fn provisional_names(tie: Option<&Tie>) -> Vec<String> {
+    let effects = tie.iter().flat_map(|tie| &tie.provisional);
+    effects.map(|effect| effect.name().to_owned()).collect()
 }
 
 /// How errors name a bench: its folder, or its name where it is in memory.

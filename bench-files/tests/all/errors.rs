@@ -591,7 +591,11 @@ fn model_toml() {
         (
             "empty",
             String::new(),
-            &["model.toml:1:1", "lacks \"parameters\"", "total_inertia"],
+            &[
+                "model.toml:1:1",
+                "lacks \"effects\"",
+                "body-viscous-friction",
+            ],
         ),
         (
             "no effects",

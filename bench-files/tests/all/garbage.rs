@@ -58,7 +58,7 @@ state_weights = [25.0, 0.5, 5e-4]
 current_weight = 1.0
 current_limit = 2.0
 friction_linearisation_speed = 0.08
-[other]
+[tool.other]
 tool = "its own"
 [calibration.wheel_speed]
 slope = 0.9

@@ -5,6 +5,7 @@ mod common;
 mod drop_outs;
 mod errors;
 mod garbage;
+mod hardware;
 mod logs;
 mod model_file;
 mod shared_data;

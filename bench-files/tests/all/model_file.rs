@@ -110,7 +110,7 @@ fn a_new_file_reads_back() {
 #[test]
 fn a_change_keeps_comments_order_and_other_tools_sections() {
     let before = r#"# My bench, do not touch.
-[firmware]   # of another tool
+[tool.firmware]   # of another tool
 version = [0, 1, 2]
 
 [parameters.total_inertia] # weighed
@@ -125,7 +125,7 @@ std = 1e-6
 # the friction of the old bearing
 present = ["body-viscous-friction"]
 
-[[note]]
+[[tool.note]]
 text = "kept"
 "#;
     let mut file = parse(before);
@@ -137,10 +137,10 @@ text = "kept"
     file.effects.push(EffectId::AngleOffset);
     let after = file.to_toml();
     for kept in [
-        "# My bench, do not touch.\n[firmware]   # of another tool\nversion = [0, 1, 2]\n",
+        "# My bench, do not touch.\n[tool.firmware]   # of another tool\nversion = [0, 1, 2]\n",
         "[parameters.total_inertia] # weighed\nvalue = 2.4e-3  # by hand\nunit = \"kg·m²\"\nstd = 1e-6\n",
         "# the friction of the old bearing\npresent = [\"body-viscous-friction\", \"angle-offset\"]\n",
-        "[[note]]\ntext = \"kept\"\n",
+        "[[tool.note]]\ntext = \"kept\"\n",
     ] {
         assert!(after.contains(kept), "{kept:?} is not in\n{after}");
     }
@@ -197,7 +197,7 @@ present = []
     assert_eq!(parse(&file.to_toml()), file);
 
     // Digits that do not end; the new section stands in a file that had none.
-    let mut file = parse(&text.replace("[correlation]", "[note]"));
+    let mut file = parse(&text.replace("[correlation]", "[tool.note]"));
     assert_eq!(file.correlation, None);
     let third = 0.999 + 1e-3 / 3.0;
     let strong = Correlation {

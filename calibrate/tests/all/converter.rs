@@ -1,7 +1,7 @@
 //! The line of a converter.
 
 use crate::common::{ChiSquared, Noise};
-use calibrate::fit_line;
+use calibrate::{Counts, fit_line, fit_line_within_range};
 
 /// The converter's line of the thesis: rpm = 8.53108 count − 6594.5.
 #[test]
@@ -26,4 +26,48 @@ fn line_of_the_converter() {
     z.assert_one("line", seeds as f64, 38.0 / 36.0);
     assert!(fit_line(&[(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]).is_err());
     assert!(fit_line(&[(1.0, 2.0), (2.0, f64::NAN), (3.0, 4.0)]).is_err());
+}
+
+/// A converter that stands at both ends of its range: the points there are left out, and the line is
+/// that of the others.
+#[test]
+fn the_ends_of_a_converter_are_left_out() {
+    let (slope, offset) = (0.9_f64, -552.0);
+    let points: Vec<_> = (-14..=14)
+        .map(|step| {
+            let speed = 50.0 * f64::from(step);
+            let count = ((speed - offset) / slope).round().clamp(0.0, 1390.0);
+            (count, speed)
+        })
+        .collect();
+    let outside = points
+        .iter()
+        .filter(|(count, speed)| (slope * count + offset - speed).abs() > 2.0)
+        .count();
+    assert!(outside >= 4, "{outside} points are clipped");
+    let found = fit_line_within_range(&points, Counts::X).expect("points in between");
+    assert_eq!(found.left_out.len(), outside);
+    assert!((found.slope / slope - 1.0).abs() < 1e-3, "{}", found.slope);
+    assert!((found.offset - offset).abs() < 0.5, "{}", found.offset);
+    // All of them taken together bend the line by ten times that.
+    let bent = fit_line(&points).expect("a line");
+    assert!((bent.slope / slope - 1.0).abs() > 1e-2, "{}", bent.slope);
+}
+
+/// Of a line with noise alone next to nothing is left out.
+#[test]
+fn noise_is_not_left_out() {
+    let (mut left_out, seeds) = (0, 200);
+    for seed in 0..seeds {
+        let mut noise = Noise::new(7000 + seed);
+        let points: Vec<_> = (0..30)
+            .map(|k| {
+                let current = f64::from(k) * 0.1 - 1.5;
+                (current, 32_768.0 + 11_915.0 * current + 15.0 * noise.one())
+            })
+            .collect();
+        let found = fit_line_within_range(&points, Counts::Y).expect("thirty points");
+        left_out += found.left_out.len();
+    }
+    assert!(left_out <= 3, "{left_out} of {} points", 30 * seeds);
 }

@@ -65,7 +65,7 @@ fn found_lever_arm(
     let hanging: Vec<_> = (0..2000)
         .map(|_| read(force(0.0, 0.0, 0.0), noise))
         .collect();
-    let mounting = mounting(&swing, &gyro, &hanging, &known)?;
+    let mounting = mounting(&swing, &gyro, &hanging, &known, &Vector3::z())?;
     lever_arm(
         &swing,
         &swing_accel,
@@ -131,7 +131,7 @@ fn lever_arm_refuses_what_does_not_determine_it() {
     };
     let hanging = vec![[-4096, 0, 0]; 100];
     let swing: Vec<[i16; 3]> = (0..2000).map(|k| [0, 0, (k % 1000) as i16]).collect();
-    let place = mounting(&swing, &gyro, &hanging, &sensor).expect("one axis");
+    let place = mounting(&swing, &gyro, &hanging, &sensor, &Vector3::z()).expect("one axis");
     let accel = vec![[-4096, 0, 0]; 2000];
     let refused = |swing: &[[i16; 3]], accel: &[[i16; 3]], period_s: f64| {
         lever_arm(swing, accel, &gyro, &hanging, &sensor, &place, period_s)

@@ -2,9 +2,7 @@
 
 use crate::common::{ChiSquared, GRAVITY, Noise, counts, pose_directions};
 use attitude::{AttitudeSpec, RawFilter, SensorLine, wrap_angle};
-use calibrate::{
-    Calibrated, SensorCalibration, accelerometer, attitude_spec, gyroscope_rest, mounting,
-};
+use calibrate::{SensorCalibration, accelerometer, gyroscope_rest, mounting};
 use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 use rand::RngExt;
 use std::f64::consts::PI;
@@ -46,7 +44,7 @@ fn mounting_from_swing_and_rest() {
         let hanging: Vec<_> = (0..2000)
             .map(|_| counts(up * 4096.0 + noise.three(9.0)))
             .collect();
-        let found = mounting(&swing, &gyro, &hanging, &accel).expect("a good swing");
+        let found = mounting(&swing, &gyro, &hanging, &accel, &Vector3::z()).expect("a good swing");
         assert!((found.alignment * found.axis - Vector3::z()).norm() < 1e-12);
         let error = found.axis - axis;
         // Two directions across the axis, each with the stated share of the total.
@@ -100,19 +98,19 @@ fn the_calibrated_filter_shows_the_body_angle() {
         &gyroscope.sensor.line,
         &hanging,
         &accelerometer.sensor,
+        &Vector3::z(),
     )
     .expect("a good swing");
-    let spec = attitude_spec(
-        &AttitudeSpec::thesis(),
-        &Calibrated {
-            accelerometer: Some(&accelerometer.sensor),
-            gyroscope: Some(&gyroscope.sensor),
-            magnetometer: None,
-            mounting: Some(&mounting),
-            lever_arm_m: None,
-            beta_rad_s: None,
-        },
-    );
+    let turned = |sensor: &SensorCalibration| SensorLine {
+        bias_counts: sensor.line.bias_counts,
+        matrix: mounting.alignment.matrix() * sensor.line.matrix,
+    };
+    let spec = AttitudeSpec {
+        gyro: turned(&gyroscope.sensor),
+        accel: turned(&accelerometer.sensor),
+        mounting_angle_rad: mounting.angle_rad,
+        ..AttitudeSpec::thesis()
+    };
 
     // Held at several angles: the body's x axis (towards the centre of mass) at α from down.
     for theta in [-2.5, -0.2, 0.0, 0.1, 1.4] {
@@ -139,10 +137,11 @@ fn mounting_refuses_a_tumbling_sensor() {
         bias_std: Vector3::zeros(),
         matrix_std: Matrix3::zeros(),
     };
-    assert!(mounting(&tumbling, &line, &hanging, &accel).is_err());
+    assert!(mounting(&tumbling, &line, &hanging, &accel, &Vector3::z()).is_err());
     let across: Vec<_> = (0..500)
         .map(|k| [(3000.0 * (f64::from(k) * 0.1).sin()) as i16, 0, 0])
         .collect();
-    let error = mounting(&across, &line, &hanging, &accel).expect_err("axis along x");
+    let error =
+        mounting(&across, &line, &hanging, &accel, &Vector3::z()).expect_err("axis along x");
     assert!(error.to_string().contains("45°"), "{error}");
 }

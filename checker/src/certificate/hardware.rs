@@ -37,6 +37,8 @@ pub struct CertifiedSensor {
     pub bias_counts: [StatedDecimal; 3],
     /// Units per count, row by row.
     pub matrix: [[StatedDecimal; 3]; 3],
+    /// Counts at and beyond which a value is not known.
+    pub clip_counts: [i32; 3],
 }
 
 /// A straight line from counts.
@@ -47,4 +49,8 @@ pub struct CertifiedWheelSpeed {
     pub rad_s_per_count: StatedDecimal,
     /// rad/s at zero counts.
     pub rad_s_at_zero: StatedDecimal,
+    /// Lower end of the converter's range.
+    pub low_counts: u16,
+    /// Upper end of the converter's range.
+    pub high_counts: u16,
 }

@@ -70,6 +70,15 @@ pub struct Certificate {
     pub drive: CertifiedDrive,
     /// Sensors, mounting, filter and converter.
     pub hardware: CertifiedHardware,
+    /// The accelerometer's scale by its part or as stated, apart from its calibration (m/s² per count);
+    /// null where only a calibration is known.
+    #[serde(deserialize_with = "stated")]
+    pub accelerometer_m_s2_per_count: Option<StatedDecimal>,
+    /// Fresh samples of the gyroscope a second; null: one in each step.
+    #[serde(deserialize_with = "stated")]
+    pub gyro_rate_hz: Option<StatedDecimal>,
+    /// What of sensors and drive nobody stated; sentences.
+    pub assumed: Vec<String>,
     /// Arguments of `control`.
     pub inputs: [CertifiedInput; 3],
     /// Result of `control`.
@@ -131,13 +140,19 @@ pub struct CertifiedPlant {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedDrive {
-    /// Current at full duty (A).
-    #[serde(rename = "current_range_A")]
-    pub current_range_a: StatedDecimal,
+    /// Bits of the timer.
+    pub bits: u32,
     /// Duty at zero current.
     pub duty_zero: u16,
-    /// Duty at full current.
-    pub duty_max: u16,
+    /// Smallest duty that the drive reads as a current.
+    pub duty_low: u16,
+    /// Largest duty that the drive reads as a current.
+    pub duty_high: u16,
+    /// A per count; negative where a larger duty drives backwards.
+    pub amperes_per_count: StatedDecimal,
+    /// The largest current that the drive gives both ways (A).
+    #[serde(rename = "current_range_A")]
+    pub current_range_a: StatedDecimal,
 }
 
 /// An argument of `control`.

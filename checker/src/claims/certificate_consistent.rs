@@ -359,17 +359,41 @@ fn check_claims(certificate: &Certificate) -> Check {
 
 fn check_drive(certificate: &Certificate, module: &Module) -> Check {
     let drive = &certificate.drive;
-    holds(drive.duty_zero < drive.duty_max, || {
-        "duty_max is not above duty_zero".to_owned()
-    })?;
+    holds(
+        drive.duty_low < drive.duty_zero
+            && drive.duty_zero < drive.duty_high
+            && u64::from(drive.duty_high) < 1u64.checked_shl(drive.bits).unwrap_or(0),
+        || "duty_zero is not between duty_low and duty_high of the timer".to_owned(),
+    )?;
+    let counts = (drive.duty_high - drive.duty_zero).min(drive.duty_zero - drive.duty_low);
+    let range = drive.amperes_per_count.value.abs() * integer(counts.into());
+    let off = (&range - &drive.current_range_a.value).abs();
+    holds(
+        off <= range * crate::exact::rational::power(10, -15),
+        || {
+            format!(
+                "current_range_A is stated as {}, the duties make it {counts} counts of {} A",
+                drive.current_range_a, drive.amperes_per_count
+            )
+        },
+    )?;
     let zero = match module.constant("constants", "ZERO_CURRENT") {
         Some([word]) => *word,
         _ => return Err("src/constants.rs has no ZERO_CURRENT".to_owned()),
     };
     equal("duty_zero", i128::from(drive.duty_zero), zero)?;
-    let high = module
+    let words = module
         .constant_words("constants", "DUTY_LINE")
-        .and_then(|words| words.into_iter().find(|(name, _)| name.ends_with(".high")))
         .ok_or("src/constants.rs has no DUTY_LINE")?;
-    equal("duty_max", i128::from(drive.duty_max), high.1)
+    for (end, stated) in [("low", drive.duty_low), ("high", drive.duty_high)] {
+        let word = words
+            .iter()
+            .find(|(name, _)| {
+                name.strip_suffix(end)
+                    .is_some_and(|rest| rest.ends_with('.'))
+            })
+            .ok_or_else(|| format!("DUTY_LINE has no `{end}`"))?;
+        equal(&format!("duty_{end}"), i128::from(stated), word.1)?;
+    }
+    Ok(())
 }

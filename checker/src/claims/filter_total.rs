@@ -17,6 +17,7 @@ use crate::program::steps::Program;
 pub(crate) struct Invariant {
     pub(crate) component: i128,
     pub(crate) rate: i128,
+    pub(crate) sum: i128,
 }
 
 impl Invariant {
@@ -30,12 +31,17 @@ impl Invariant {
         Ok(Invariant {
             component: limit("madgwick", "COMPONENT_MAX")?,
             rate: limit("calibration", "CALIBRATED_MAX")?,
+            sum: limit("supervisor", "SUM_MAX")?,
         })
     }
 
     fn of(&self, name: &str) -> Option<IntegerInterval> {
         if name.contains(".quaternion[") {
             Some(IntegerInterval::new(-self.component, self.component))
+        } else if name.contains(".window.first[") {
+            Some(IntegerInterval::new(-self.rate, self.rate))
+        } else if name.contains(".window.sum[") {
+            Some(IntegerInterval::new(-self.sum, self.sum))
         } else if name.ends_with("state.rate") || name.ends_with("state.slow_rate") {
             Some(IntegerInterval::new(-self.rate, self.rate))
         } else {
@@ -94,6 +100,7 @@ pub fn check(module: &Module, contracts: &HashMap<usize, Contract>) -> Result<()
     invariant.is_kept(names, &start)?;
     for name in [
         "Attitude::align",
+        "Attitude::align_to",
         "Attitude::update_imu",
         "Attitude::update_marg",
     ] {

@@ -19,6 +19,10 @@ use crate::language::module::Module;
 
 type Check = Result<(), String>;
 
+/// The smallest power of two of a line's slope: with it the slope is off by 2⁻²⁴ of itself, a
+/// hundredth of a count over a duty of 16 bits.
+const SLOPE_BITS_MIN: i32 = 23;
+
 /// Checks all words.
 ///
 /// # Errors
@@ -42,6 +46,28 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         &filter.get("FILTER.beta")?,
         &(beta * period * power_of_two(35)),
     )?;
+
+    let limits = NamedWords::read(module, "LIMITS")?;
+    let sensors = [
+        (&limits, "LIMITS.gyro_clip", &hardware.gyroscope),
+        (&filter, "FILTER.accel_clip", &hardware.accelerometer),
+        (&filter, "FILTER.mag_clip", &hardware.magnetometer),
+    ];
+    for (words, name, stated) in sensors {
+        for (axis, clip) in stated.clip_counts.iter().enumerate() {
+            let name = format!("{name}[{axis}]");
+            exactly(words, &name, (*clip).into())?;
+            if *clip <= 0 {
+                return Err(format!("{name} is {clip}: no count would be known"));
+            }
+        }
+    }
+    let converter = &hardware.wheel_speed;
+    exactly(&limits, "LIMITS.wheel_low", converter.low_counts.into())?;
+    exactly(&limits, "LIMITS.wheel_high", converter.high_counts.into())?;
+    if converter.low_counts >= converter.high_counts {
+        return Err("the converter's range is empty".to_owned());
+    }
 
     let gyro_unit = period * half() * power_of_two(49);
     sensor(&filter, &hardware.gyroscope, "gyro", Some(&gyro_unit))?;
@@ -100,11 +126,17 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
     )?;
 
     let drive = &certificate.drive;
-    let zero = integer(drive.duty_zero.into());
-    let counts = integer(drive.duty_max.into()) - &zero;
-    let slope = &counts / &drive.current_range_a.value * law.unit();
-    let low = (&zero - &counts).max(BigRational::zero());
-    line(module, "DUTY_LINE", &slope, &zero, &low, &(&zero + &counts))?;
+    if drive.amperes_per_count.value.is_zero() {
+        return Err("the drive's amperes_per_count is zero".to_owned());
+    }
+    line(
+        module,
+        "DUTY_LINE",
+        &(law.unit() / &drive.amperes_per_count.value),
+        &integer(drive.duty_zero.into()),
+        &integer(drive.duty_low.into()),
+        &integer(drive.duty_high.into()),
+    )?;
     if let Some(closed_loop) = &certificate.closed_loop {
         check_sensor_steps(hardware, closed_loop)?;
     }
@@ -181,6 +213,16 @@ fn sensor(
     Ok(unit)
 }
 
+/// A word that is an integer of the certificate.
+fn exactly(words: &NamedWords, name: &str, stated: i128) -> Check {
+    let word = words.get(name)?;
+    if word == integer(stated) {
+        Ok(())
+    } else {
+        Err(format!("{name} is {word}, the certificate says {stated}"))
+    }
+}
+
 fn squared(words: &NamedWords, name: &str, length: &BigRational) -> Check {
     let real = length * length * power_of_two(-32);
     nearest(name, &words.get(name)?, &real.max(BigRational::one()))
@@ -219,7 +261,8 @@ fn check_angle(
     )
 }
 
-/// A line: slope to 30 bits, offset with the half that rounds, and its ends.
+/// A line: slope to 30 bits, or fewer where the offset would not stay within 2⁶¹, offset with the
+/// half that rounds, and its ends.
 fn line(
     module: &Module,
     name: &str,
@@ -232,12 +275,14 @@ fn line(
     let field = |field: &str| words.get(&format!("{name}.{field}"));
     let scale = power_of_two(words.small(&format!("{name}.shift"))?);
     let word = field("scale")?;
-    if word.abs() < power_of_two(29) || word.abs() > power_of_two(30) {
-        return Err(format!("{name}.scale has not 30 bits"));
+    let real = (at_zero + half()) * &scale;
+    // With one bit more the slope would have 31, or the offset be too large.
+    let is_finest = word.abs() >= power_of_two(29) || real.abs() * integer(2) > power_of_two(61);
+    if !is_finest || word.abs() < power_of_two(SLOPE_BITS_MIN) || word.abs() > power_of_two(30) {
+        return Err(format!("{name}.scale has not the bits that fit"));
     }
     nearest(&format!("{name}.scale"), &word, &(slope * &scale))?;
     let offset = field("offset")?;
-    let real = (at_zero + half()) * &scale;
     // The offset is rounded in double precision, some 2⁻⁵² of itself, where it has more bits than that.
     let is_exact = real
         .to_f64()

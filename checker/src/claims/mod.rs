@@ -2,12 +2,12 @@
 //!
 //! | file | claim, or what several use |
 //! |---|---|
-//! | [`source_understood`], [`texts_audited`], [`compiled_agrees`], [`certificate_consistent`], [`hardware_words`] | the claims of that name |
+//! | [`source_understood`], [`texts_audited`], [`compiled_agrees`], [`certificate_consistent`], [`hardware_words`], [`physical_signs`] | the claims of that name |
 //! | [`gains_optimal`] | K against the weights, part of `certificate-consistent` |
 //! | [`model_matches`] | the certificate against the user's model.toml |
 //! | [`control_total`], [`control_accurate`], [`control_accurate_real_gains`], [`control_monotone`] | of the control law |
 //! | [`primitives`], [`filter_total`], [`filter_length`], [`filter_accurate`], [`filter_exact`] | of the attitude filter |
-//! | [`step_total`] | of the full step |
+//! | [`step_total`], [`supervisor`] | of the full step |
 //! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`closed_loop_second`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
 //! | [`control_law`] | the law that the source implements |
 //! | [`sampling`] | the sampled model against the continuous one |
@@ -39,6 +39,7 @@ pub mod hardware_words;
 pub mod model_matches;
 pub mod named_words;
 pub mod outcome;
+pub mod physical_signs;
 pub mod primitives;
 pub mod random;
 pub mod region_of_attraction;
@@ -46,5 +47,6 @@ pub mod sampling;
 pub mod source_understood;
 pub mod stable_for_parameters;
 pub mod step_total;
+pub mod supervisor;
 pub mod texts_audited;
 pub(crate) mod upright;

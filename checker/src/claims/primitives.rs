@@ -200,14 +200,20 @@ fn motion(f: &Functions, random: &mut Random) -> Result<(), String> {
 }
 
 fn saturation(f: &Functions, random: &mut Random, case: usize) -> Result<(), String> {
-    let ends = [-32_768, -32_767, 32_766, 32_767, 0, -16_384, 16_383];
-    let mut raw = [0; 3].map(|_| random.count(30_000.0));
+    let clip = [0; 3].map(|_| 1 + random.count(32_766.0).abs());
+    let limit = clip[case % 3];
+    let ends = [-32_768, 32_767, 0, limit, -limit, limit - 1, 1 - limit];
+    let mut raw = clip.map(|limit| random.count(limit as f64 * 0.9));
     raw[case % 3] = ends[case / 3 % ends.len()];
-    let wanted = raw.iter().any(|count| [-32_768, 32_767].contains(count));
+    let wanted = raw
+        .iter()
+        .zip(clip)
+        .any(|(count, limit)| count.abs() >= limit);
+    let arguments = [raw, clip].concat();
     same(
         "is_saturated",
-        &raw,
-        &f.call("is_saturated", &raw)?,
+        &arguments,
+        &f.call("is_saturated", &arguments)?,
         &[i128::from(wanted)],
     )
 }

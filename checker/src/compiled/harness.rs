@@ -72,6 +72,17 @@ pub fn harness(module: &Module) -> Harness {
             )
         })
         .collect();
+    // `Debug` shows an enum by the variant's name; two enums may give one name two values.
+    let mut values = std::collections::BTreeMap::new();
+    for found in &declarations.enums {
+        for (value, name) in found.variants.iter().enumerate() {
+            values.entry(name.as_str()).or_insert(value);
+        }
+    }
+    let variants: String = values
+        .iter()
+        .map(|(name, value)| format!("            &quot;{name}&quot; => out.push({value}),\n"))
+        .collect();
     let text = format!(
         r"//! Written by the checker: calls the emitted crate with the words of its input.
 use std::io::{{BufRead, Write}};
@@ -86,7 +97,7 @@ fn shown(value: &dyn core::fmt::Debug, out: &mut Vec<i128>) {{
         match piece {{
             &quot;true&quot; => out.push(1),
             &quot;false&quot; => out.push(0),
-            other => out.extend(other.parse::<i128>().ok()),
+{variants}            other => out.extend(other.parse::<i128>().ok()),
         }}
     }}
 }}
@@ -186,7 +197,7 @@ impl Writer<'_> {
     /// Whether a value can be made and read from outside.
     fn is_open(&self, type_: &Type) -> bool {
         match type_ {
-            Type::Integer(_) | Type::Bool | Type::Fixed(_) => true,
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => true,
             Type::Struct(number) => {
                 let found = &self.declarations.structs[*number];
                 found.is_whole && found.fields.iter().all(|(_, type_)| self.is_open(type_))
@@ -200,7 +211,7 @@ impl Writer<'_> {
     /// Whether `Debug` shows the words of a value in order.
     fn is_shown(&self, type_: &Type) -> bool {
         match type_ {
-            Type::Integer(_) | Type::Bool => true,
+            Type::Integer(_) | Type::Bool | Type::Enum(..) => true,
             Type::Fixed(_) | Type::Option(_) => false,
             Type::Struct(number) => {
                 let fields = &self.declarations.structs[*number].fields;
@@ -274,6 +285,16 @@ impl Writer<'_> {
         match type_ {
             Type::Integer(_) => format!("({} as {})", word(), self.declarations.type_name(type_)),
             Type::Bool => format!("({} != 0)", word()),
+            Type::Enum(number, _) => {
+                let found = &self.declarations.enums[*number];
+                let path = self.path(found.module, &found.name);
+                let named = found.variants.iter().enumerate();
+                let arms: String = named
+                    .map(|(value, name)| format!("{value} => {path}::{name}, "))
+                    .collect();
+                let first = found.variants.first().map_or("", String::as_str);
+                format!("match {} {{ {arms}_ => {path}::{first} }}", word())
+            }
             Type::Fixed(_) => format!(
                 "fixed::types::{}::from_bits({} as i32)",
                 self.declarations.type_name(type_),
@@ -309,7 +330,7 @@ impl Writer<'_> {
     /// Statements that append the words of `value`.
     fn read(&self, type_: &Type, value: &str, text: &mut String) {
         match type_ {
-            Type::Integer(_) | Type::Bool => {
+            Type::Integer(_) | Type::Bool | Type::Enum(..) => {
                 let _ = writeln!(text, "            out.push({value} as i128);");
             }
             Type::Fixed(_) => {

@@ -26,6 +26,17 @@ pub struct Struct {
     pub is_whole: bool,
 }
 
+/// An enum whose variants have no fields.
+#[derive(Clone, Debug)]
+pub struct Enum {
+    /// Name.
+    pub name: String,
+    /// Module in which it stands.
+    pub module: usize,
+    /// Names of the variants, which count from zero.
+    pub variants: Vec<String>,
+}
+
 /// Values of the constants, computed when first needed.
 pub type Constants = HashMap<usize, Vec<i128>>;
 
@@ -115,6 +126,8 @@ pub struct Declarations {
     pub constants: Vec<Constant>,
     /// Functions and methods of all files.
     pub functions: Vec<Function>,
+    /// Enums of all files.
+    pub enums: Vec<Enum>,
     /// Methods and associated functions by struct and name.
     pub methods: HashMap<(usize, String), usize>,
 }
@@ -151,7 +164,7 @@ impl Declarations {
     /// Number of words that a value of `type_` takes.
     pub fn width(&self, type_: &Type) -> usize {
         match type_ {
-            Type::Integer(_) | Type::Bool | Type::Fixed(_) => 1,
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => 1,
             Type::Struct(index) => self.structs[*index]
                 .fields
                 .iter()
@@ -166,7 +179,9 @@ impl Declarations {
     /// The types of the words of a value, in order; for `Option` first whether there is a value.
     pub fn words(&self, type_: &Type) -> Vec<Type> {
         match type_ {
-            Type::Integer(_) | Type::Bool | Type::Fixed(_) => vec![type_.clone()],
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => {
+                vec![type_.clone()]
+            }
             Type::Struct(index) => self.structs[*index]
                 .fields
                 .iter()
@@ -191,7 +206,9 @@ impl Declarations {
     /// Names of the words of a value called `name`.
     pub fn word_names(&self, name: &str, type_: &Type) -> Vec<String> {
         match type_ {
-            Type::Integer(_) | Type::Bool | Type::Fixed(_) => vec![name.to_owned()],
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => {
+                vec![name.to_owned()]
+            }
             Type::Struct(index) => self.structs[*index]
                 .fields
                 .iter()
@@ -222,6 +239,7 @@ impl Declarations {
             Type::Bool => "bool".to_owned(),
             Type::Fixed(bits) => format!("I{}F{bits}", 32 - bits),
             Type::Struct(index) => self.structs[*index].name.clone(),
+            Type::Enum(index, _) => self.enums[*index].name.clone(),
             Type::Array(element, length) => format!("[{}; {length}]", self.type_name(element)),
             Type::Tuple(elements) => {
                 let names: Vec<_> = elements.iter().map(|t| self.type_name(t)).collect();
@@ -229,6 +247,22 @@ impl Declarations {
             }
             Type::Option(content) => format!("Option<{}>", self.type_name(content)),
         }
+    }
+
+    /// Type and value of a variant, where `type_` is an enum that `module` knows.
+    pub(crate) fn variant(
+        &self,
+        module: usize,
+        type_: &str,
+        variant: &str,
+    ) -> Option<(Type, i128)> {
+        let Some(Named::Type(Type::Enum(number, count))) = self.files[module].names.get(type_)
+        else {
+            return None;
+        };
+        let variants = &self.enums[*number].variants;
+        let value = variants.iter().position(|name| name == variant)?;
+        Some((Type::Enum(*number, *count), value as i128))
     }
 
     pub(super) fn lookup(&self, file: &str, name: &str) -> Option<Named> {

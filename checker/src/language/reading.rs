@@ -13,7 +13,7 @@ use syn::visit::Visit;
 
 use crate::language::attributes::{inner_attributes, no_attributes, no_generics, outer_attributes};
 use crate::language::declarations::{
-    Constant, Declarations, Function, Named, Read, SourceFile, Struct, refuse, shown,
+    Constant, Declarations, Enum, Function, Named, Read, SourceFile, Struct, refuse, shown,
 };
 use crate::language::signatures::{fixed_named, fixed_type};
 use crate::language::{plain, text};
@@ -86,6 +86,9 @@ impl Declarations {
             });
             self.define(module, path, &item.ident, Named::Type(Type::Struct(number)))?;
         }
+        if let syn::Item::Enum(item) = item {
+            self.enumeration(module, path, item)?;
+        }
         if let syn::Item::Type(item) = item {
             outer_attributes(path, &item.attrs)?;
             no_generics(path, &item.generics)?;
@@ -128,6 +131,42 @@ impl Declarations {
             self.define(module, path, &item.sig.ident, Named::Function(number))?;
         }
         Ok(())
+    }
+
+    /// An enum without fields, its values written and counted from zero.
+    fn enumeration(&mut self, module: usize, path: &Arc<str>, item: &syn::ItemEnum) -> Read<()> {
+        outer_attributes(path, &item.attrs)?;
+        no_generics(path, &item.generics)?;
+        let mut variants: Vec<String> = Vec::new();
+        for (index, variant) in item.variants.iter().enumerate() {
+            outer_attributes(path, &variant.attrs)?;
+            let value = match &variant.discriminant {
+                Some((_, syn::Expr::Lit(literal))) => match &literal.lit {
+                    syn::Lit::Int(value) => value.base10_parse::<usize>().ok(),
+                    _ => None,
+                },
+                _ => None,
+            };
+            if value != Some(index) || index > 254 || !matches!(variant.fields, syn::Fields::Unit) {
+                return refuse(
+                    path,
+                    variant.span(),
+                    format!(
+                        "found {}; a variant has no fields and the value {index}",
+                        shown(variant)
+                    ),
+                );
+            }
+            variants.push(variant.ident.to_string());
+        }
+        let (number, count) = (self.enums.len(), variants.len() as u8);
+        self.enums.push(Enum {
+            name: item.ident.to_string(),
+            module,
+            variants,
+        });
+        let type_ = Type::Enum(number, count);
+        self.define(module, path, &item.ident, Named::Type(type_))
     }
 
     fn define(
@@ -312,6 +351,7 @@ impl Declarations {
     fn item_bodies(&mut self, module: usize, path: &Arc<str>, item: &syn::Item) -> Read<()> {
         match item {
             syn::Item::Struct(_)
+            | syn::Item::Enum(_)
             | syn::Item::Const(_)
             | syn::Item::Fn(_)
             | syn::Item::Type(_)

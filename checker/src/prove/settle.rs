@@ -11,8 +11,8 @@ use crate::claims::{
     bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_second,
     closed_loop_stable, compiled_agrees, control_accurate, control_accurate_real_gains,
     control_monotone, control_total, filter_accurate, filter_exact, filter_length, filter_total,
-    hardware_words, model_matches, primitives, region_of_attraction, source_understood,
-    stable_for_parameters, step_total, texts_audited,
+    hardware_words, model_matches, physical_signs, primitives, region_of_attraction,
+    source_understood, stable_for_parameters, step_total, supervisor, texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -106,6 +106,22 @@ pub fn settle_saying(
     table.add("hardware-words", EXACT, || {
         let checked = hardware_words::check(certificate, &module, &law);
         ClaimOutcome::proved(checked.map(|()| "every word".to_owned()))
+    });
+    table.add("supervisor", EXACT, || {
+        let checked = supervisor::words::check(certificate, &module, &law);
+        ClaimOutcome::proved(checked.map(|()| "every word of LIMITS".to_owned()))
+    });
+    table.add("supervisor", RANDOM, || {
+        ClaimOutcome::tested(supervisor::runs::run(
+            &module,
+            settings.cases,
+            settings.seed,
+        ))
+    });
+    table.add("physical-signs", RANDOM, || {
+        let checked = physical_signs::check(certificate, &module);
+        // Six leans and four rates.
+        ClaimOutcome::tested(checked.map(|()| 10))
     });
     say("the closed loop");
     loop_claims(&mut table, emitted, &module, certificate, &law, settings);

@@ -36,6 +36,12 @@ struct Certificate<'a> {
     gains: [String; 3],
     drive: Drive,
     hardware: Hardware,
+    /// By the part or as stated, apart from the calibration.
+    accelerometer_m_s2_per_count: Option<String>,
+    /// Fresh samples of the gyroscope a second.
+    gyro_rate_hz: Option<String>,
+    /// What of sensors and drive nobody stated; sentences.
+    assumed: &'a [String],
     inputs: Vec<Input<'a>>,
     output: Output,
     constants: Vec<Constant<'a>>,
@@ -72,10 +78,14 @@ struct Plant {
 
 #[derive(Debug, Serialize)]
 struct Drive {
+    bits: u32,
+    duty_zero: u16,
+    duty_low: u16,
+    duty_high: u16,
+    amperes_per_count: String,
+    /// What the drive gives both ways.
     #[serde(rename = "current_range_A")]
     current_range_a: String,
-    duty_zero: u16,
-    duty_max: u16,
 }
 
 /// An argument of `control`.
@@ -183,11 +193,17 @@ pub fn file(
         },
         gains: spec.gains.map(number),
         drive: Drive {
-            current_range_a: number(spec.drive.current_range_a),
+            bits: spec.drive.bits,
             duty_zero: spec.drive.duty_zero,
-            duty_max: spec.drive.duty_max,
+            duty_low: spec.drive.duty_low,
+            duty_high: spec.drive.duty_high,
+            amperes_per_count: number(spec.drive.amperes_per_count),
+            current_range_a: number(spec.drive.current_range_a()),
         },
         hardware: Hardware::of(spec),
+        accelerometer_m_s2_per_count: spec.hardware.accelerometer_m_s2_per_count.map(number),
+        gyro_rate_hz: spec.hardware.gyro_rate_hz.map(number),
+        assumed: &spec.assumed,
         inputs: law
             .terms
             .iter()

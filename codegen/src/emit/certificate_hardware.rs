@@ -30,6 +30,8 @@ struct Sensor {
     bias_counts: [String; 3],
     /// Row by row, units per count.
     matrix: [[String; 3]; 3],
+    /// Counts at and beyond which a value is not known.
+    clip_counts: [i32; 3],
 }
 
 /// A straight line.
@@ -37,6 +39,9 @@ struct Sensor {
 struct WheelSpeed {
     rad_s_per_count: String,
     rad_s_at_zero: String,
+    /// Ends of the converter's range.
+    low_counts: u16,
+    high_counts: u16,
 }
 
 impl Hardware {
@@ -44,14 +49,15 @@ impl Hardware {
     pub(super) fn of(spec: &ModuleSpec) -> Hardware {
         let number = |value: f64| ShortestDecimal::new(value).text;
         let attitude = &spec.hardware.attitude;
-        let sensor = |line: &attitude::SensorLine| Sensor {
+        let sensor = |line: &attitude::SensorLine, clip_counts: [i32; 3]| Sensor {
+            clip_counts,
             bias_counts: [0, 1, 2].map(|axis| number(line.bias_counts[axis])),
             matrix: [0, 1, 2].map(|row| [0, 1, 2].map(|column| number(line.matrix[(row, column)]))),
         };
         Hardware {
-            gyroscope: sensor(&attitude.gyro),
-            accelerometer: sensor(&attitude.accel),
-            magnetometer: sensor(&attitude.mag),
+            gyroscope: sensor(&attitude.gyro, attitude.gyro_clip),
+            accelerometer: sensor(&attitude.accel, attitude.accel_clip),
+            magnetometer: sensor(&attitude.mag, attitude.mag_clip),
             beta_rad_s: number(attitude.beta_rad_s),
             gravity_m_s2: number(attitude.gravity_m_s2),
             field_min_ut: number(attitude.field_min_ut),
@@ -60,6 +66,8 @@ impl Hardware {
             wheel_speed: WheelSpeed {
                 rad_s_per_count: number(spec.hardware.wheel_speed_per_count),
                 rad_s_at_zero: number(spec.hardware.wheel_speed_at_zero),
+                low_counts: spec.hardware.wheel_low,
+                high_counts: spec.hardware.wheel_high,
             },
         }
     }

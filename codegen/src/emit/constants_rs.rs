@@ -11,8 +11,10 @@ use crate::helpers::bias_observer::BiasObserver;
 use crate::helpers::calibration::SensorLine;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::line::Line;
+use crate::helpers::supervisor::Limits;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
+use crate::supervisor;
 
 /// Emits `src/constants.rs`.
 pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> EmittedFile {
@@ -30,6 +32,10 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
             number(spec.sample_time_s),
             number(attitude.beta_rad_s)
         ),
+        format!(
+            "The correction has one size: at rest the estimate ripples by up to 2 beta T = {:.2e} rad.",
+            2.0 * attitude.beta_rad_s * spec.sample_time_s
+        ),
         String::new(),
         format!(
             "Gravity {} m/s2, weakest usable field {} uT, lever arm ({}, {}) m.",
@@ -37,6 +43,12 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
             number(attitude.field_min_ut),
             number(attitude.lever_arm_m[0]),
             number(attitude.lever_arm_m[1])
+        ),
+        String::new(),
+        format!(
+            "Unknown at or beyond: accelerometer {} counts, magnetometer {} counts.",
+            counts(attitude.accel_clip),
+            counts(attitude.mag_clip)
         ),
         String::new(),
         "| sensor | bias (counts) | matrix, row by row |".to_owned(),
@@ -71,10 +83,10 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         number(spec.ranges.wheel_speed_rad_s)
     )]);
     let duty_docs = outer_docs(&[format!(
-        "From the word of the current ({}) to the duty: {} counts for {} A.",
+        "From the word of the current ({}) to the duty: {} A per count, duty {} at zero current.",
         law.current.type_name(),
-        spec.drive.counts(),
-        number(spec.drive.current_range_a)
+        number(spec.drive.amperes_per_count),
+        spec.drive.duty_zero
     )]);
     let rate_line = line(&words.rate);
     let wheel_line = line(&words.wheel_speed);
@@ -95,12 +107,17 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         ],
     });
     let observer = bias_observer(&words.bias_observer);
+    let limit_docs = outer_docs(&supervisor::documents(spec));
+    let limits = limits(&words.limits);
+    let micros = integer(words.sample_time_us.into());
     let tokens = quote! {
         #docs
         use super::{
             bias_observer::BiasObserver, calibration::SensorLine, filter::FilterConstants,
-            lever_arm::LeverArm, line::Line,
+            lever_arm::LeverArm, line::Line, supervisor::Limits,
         };
+        /// Time between two steps in µs.
+        pub const SAMPLE_TIME_US: u32 = #micros;
         #filter_docs
         pub const FILTER: FilterConstants = #filter;
         #mounting_docs
@@ -121,11 +138,17 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         pub const ZERO_CURRENT: u16 = #zero;
         #observer_docs
         pub const BIAS_OBSERVER: BiasObserver = #observer;
+        #limit_docs
+        pub const LIMITS: Limits = #limits;
     };
     EmittedFile {
         path: "src/constants.rs".to_owned(),
         contents: print(spec, tokens),
     }
+}
+
+fn counts(clip: [i32; 3]) -> String {
+    clip.map(|limit| limit.to_string()).join(", ")
 }
 
 fn sensor_row(what: &str, line: &attitude::SensorLine) -> String {
@@ -152,6 +175,8 @@ fn filter(words: &FilterConstants) -> TokenStream {
     let centripetal = array(&words.lever_arm.centripetal);
     let tangential = array(&words.lever_arm.tangential);
     let beta = integer(words.beta.into());
+    let accel_clip = array(&words.accel_clip);
+    let mag_clip = array(&words.mag_clip);
     quote!(FilterConstants {
         gyro: #gyro,
         accel: #accel,
@@ -160,6 +185,8 @@ fn filter(words: &FilterConstants) -> TokenStream {
         field_squared_min: #field,
         lever_arm: LeverArm { centripetal: #centripetal, tangential: #tangential },
         beta: #beta,
+        accel_clip: #accel_clip,
+        mag_clip: #mag_clip,
     })
 }
 
@@ -206,6 +233,49 @@ fn bias_observer(words: &BiasObserver) -> TokenStream {
         angle_shift: #angle_shift,
         limit: #limit,
     })
+}
+
+fn limits(words: &Limits) -> TokenStream {
+    let fields = [
+        ("angle_trip", words.angle_trip),
+        ("angle_arm", words.angle_arm),
+        ("rate_arm", words.rate_arm),
+        ("window", words.window),
+    ]
+    .map(|(name, value)| field(name, value));
+    let window_shift = integer(words.window_shift.into());
+    let more = [
+        ("gravity_low", words.gravity_low),
+        ("gravity_high", words.gravity_high),
+        ("agreement", words.agreement),
+        ("quiet_turn", words.quiet_turn),
+    ]
+    .map(|(name, value)| field(name, value));
+    let gyro_clip = array(&words.gyro_clip);
+    let last = [
+        ("wheel_low", words.wheel_low),
+        ("wheel_high", words.wheel_high),
+        ("wheel_steps", words.wheel_steps),
+        ("clipped_steps", words.clipped_steps),
+        ("frozen_steps", words.frozen_steps),
+        ("rejected_steps", words.rejected_steps),
+        ("saturated_steps", words.saturated_steps),
+    ]
+    .map(|(name, value)| field(name, value));
+    quote!(Limits {
+        #(#fields,)*
+        window_shift: #window_shift,
+        #(#more,)*
+        gyro_clip: #gyro_clip,
+        #(#last,)*
+    })
+}
+
+/// `name: value` of a struct literal.
+fn field(name: &str, value: i32) -> TokenStream {
+    let name = quote::format_ident!("{name}");
+    let value = integer(value.into());
+    quote!(#name: #value)
 }
 
 fn array(values: &[i32]) -> TokenStream {

@@ -71,7 +71,7 @@ fn module_docs(spec: &ModuleSpec, law: &IntegerLaw) -> Vec<String> {
     lines.extend([
         format!(
             "| current | ±{} A | `{}` | {} A |",
-            number(spec.drive.current_range_a),
+            number(spec.drive.current_range_a()),
             law.current.type_name(),
             outward(&law.current.unit(), 3),
         ),

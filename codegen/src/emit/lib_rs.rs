@@ -8,17 +8,33 @@ use crate::spec::ModuleSpec;
 
 /// Emits `src/lib.rs`.
 pub fn file(spec: &ModuleSpec) -> EmittedFile {
-    let docs = inner_docs(&[
-        "Fixed-point controller of a reaction-wheel pendulum.",
-        "",
-        &format!(
+    let mut lines = vec![
+        "Fixed-point controller of a reaction-wheel pendulum.".to_owned(),
+        String::new(),
+        format!(
             "Emitted from the model `{}`. It needs no floating point, no heap and nothing but `core`",
             single_line(&spec.model_name)
         ),
-        "and `fixed`; no input of whatever value makes it panic. `certificate.json` beside this",
-        "crate states everything that is claimed of it, so that it can be checked without the",
-        "generator.",
-    ]);
+        "and `fixed`; no input of whatever value makes it panic. `certificate.json` beside this"
+            .to_owned(),
+        "crate states everything that is claimed of it, so that it can be checked without the"
+            .to_owned(),
+        "generator.".to_owned(),
+        String::new(),
+        "# What the words mean".to_owned(),
+    ];
+    let list = |lines: &mut Vec<String>, sentences: &[String]| {
+        let items = sentences.iter();
+        lines.extend(items.map(|text| format!("- {}", single_line(text))));
+    };
+    list(&mut lines, &spec.hardware.registers);
+    if !spec.assumed.is_empty() {
+        lines.push(String::new());
+        lines.push("# Assumed".to_owned());
+        lines.push("The model does not state these; they are those of another bench:".to_owned());
+        list(&mut lines, &spec.assumed);
+    }
+    let docs = inner_docs(&lines);
     let tokens = quote! {
         #docs
         #![no_std]
@@ -40,10 +56,13 @@ pub fn file(spec: &ModuleSpec) -> EmittedFile {
         pub mod product;
         pub mod root;
         pub mod scaling;
+        pub mod supervisor;
 
         pub use attitude::Attitude;
         pub use control::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed, control};
+        pub use constants::{SAMPLE_TIME_US, ZERO_CURRENT};
         pub use controller::{Controller, Duty, Sample, duty, wheel_speed};
+        pub use supervisor::Status;
     };
     EmittedFile {
         path: "src/lib.rs".to_owned(),

@@ -24,6 +24,8 @@
 //!
 //! - Files: `use super::module::{names};`, `#[inline]`, `#[derive(…)]` and contracts under
 //!   `#[cfg_attr(kani, …)]`, which are not code of the module.
+//! - Items: `pub enum` whose variants have no fields and the values 0, 1, … as written; compared and
+//!   built by their names.
 //! - Items: `pub struct` with named fields or one unnamed field, `impl` with `new`, methods on
 //!   `&self` and `&mut self`, `impl Default`; constants of struct type.
 //! - Types: `i16`, `u16`, `i32`, `i64`, `u32`, `bool`, arrays of two to four `i32` or `i16`,

@@ -12,9 +12,10 @@ pub fn spec() -> ModuleSpec {
         gains: [-24.2672423, -2.12973867, -0.0225875821],
         current_limit_a: 2.0,
         sample_time_s: 0.001,
-        ranges: PhysicalRanges::THESIS_BENCH,
+        ranges: PhysicalRanges::of(&HardwareSpec::thesis_bench()),
         drive: PwmDrive::THESIS_BENCH,
         hardware: HardwareSpec::thesis_bench(),
+        assumed: Vec::new(),
         parameters: vec![
             parameter("total_inertia", 2.30344e-3, None, "kg m2"),
             parameter("wheel_inertia", 1.36125e-4, None, "kg m2"),

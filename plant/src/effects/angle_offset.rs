@@ -1,5 +1,6 @@
 //! A constant error of the angle sensor.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, StartFrom};
 use crate::hiding::Hiding;
 use crate::{Kind, Output, Reading, Scalar};
@@ -15,6 +16,7 @@ impl Effect for AngleOffset {
         meaning: "the zero of the angle sensor is not the vertical",
         source: "thesis 5.1",
         fingerprint: "a free swing settles around an angle that is not zero; the balancing wheel settles at a speed that is not zero",
+        prior: Prior { commonness: Commonness::Usual, reason: "the zero of an angle sensor is set by hand" },
         role: Role::Sensor,
         parameters: &[ParameterInfo {
             name: "angle_offset",

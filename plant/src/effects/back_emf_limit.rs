@@ -1,5 +1,6 @@
 //! The supply cannot drive the full current into a fast motor.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Driving, Effect, EffectInfo, Instant, ParameterInfo, Role, StartFrom};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for BackEmfLimit {
         meaning: "the back-EMF of the motor uses up the supply voltage",
         source: "Krishnan, Electric Motor Drives (2001), ch. 9, voltage limit of a brushless motor",
         fingerprint: "a spin-up bends over at a high speed and ends at a speed that does not depend on the current",
+        prior: Prior { commonness: Commonness::Occasional, reason: "only a fast wheel on a low supply reaches it" },
         role: Role::Motor,
         parameters: &[ParameterInfo {
             name: "supply_voltage",

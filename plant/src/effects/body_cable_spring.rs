@@ -1,5 +1,6 @@
 //! A cable that pulls the body like a spring.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for BodyCableSpring {
         meaning: "the supply or sensor cable bends as the body turns",
         source: "Landau & Lifshitz, Mechanics (3rd ed. 1976), § 21, a linear restoring torque",
         fingerprint: "the rest position and the balance point are shifted, and the period changes",
+        prior: Prior { commonness: Commonness::Occasional, reason: "where a cable bridges the pivot" },
         role: Role::Body,
         parameters: &[ParameterInfo {
             name: "cable_stiffness",

@@ -1,5 +1,6 @@
 //! Coulomb (dry) friction of the pivot.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for BodyCoulombFriction {
         meaning: "dry rubbing in the pivot bearing",
         source: "thesis 3.10",
         fingerprint: "the amplitude falls by the same amount in every cycle, so that the swing ends at a finite time",
+        prior: Prior { commonness: Commonness::Usual, reason: "every bearing with preload or a seal has it" },
         role: Role::Body,
         parameters: &[ParameterInfo {
             name: "body_coulomb_torque",

@@ -4,6 +4,7 @@
 //! direction F → s μ + (F − s μ) exp(−σ |Δ|/μ), s = sign(Δ). The model uses this exact solution,
 //! so that a stiff contact needs no smaller time step.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, Memory, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -19,6 +20,7 @@ impl Effect for BodyPreslidingFriction {
         meaning: "asperities of the contact bend before they slide",
         source: "P. Dahl, Aerospace Corp. TOR-0158(3107-18)-1 (1968); Åström & Canudas de Wit, IEEE CSM 28(6) (2008), eq. 1",
         fingerprint: "dry friction with a period that falls as the swing gets small: the contact acts as a spring",
+        prior: Prior { commonness: Commonness::Occasional, reason: "it shows where the motion is not much larger than the bearing's deflection before it slips" },
         role: Role::Body,
         parameters: &[ParameterInfo {
             name: "body_coulomb_torque",

@@ -1,5 +1,6 @@
 //! Quadratic (air) drag of the body.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for BodyQuadraticDrag {
         meaning: "air displaced by the body",
         source: "Nelson & Olsson, Am. J. Phys. 54 (1986) 112, eq. 3",
         fingerprint: "large swings lose a larger fraction of their amplitude in a cycle than small ones",
+        prior: Prior { commonness: Commonness::Occasional, reason: "where the body is large and light for its speed" },
         role: Role::Body,
         parameters: &[ParameterInfo {
             name: "body_quadratic_drag",

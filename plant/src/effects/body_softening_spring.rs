@@ -1,5 +1,6 @@
 //! A spring that softens with the angle.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for BodySofteningSpring {
         meaning: "a suspension or cable whose stiffness falls with deflection",
         source: "Landau & Lifshitz, Mechanics (3rd ed. 1976), § 28, the cubic term of the restoring torque",
         fingerprint: "the period grows with the amplitude by more than a pendulum allows",
+        prior: Prior { commonness: Commonness::Rare, reason: "it takes a suspension that softens as it bends" },
         role: Role::Body,
         parameters: &[ParameterInfo {
             name: "spring_softening",

@@ -1,5 +1,6 @@
 //! Stribeck friction of the pivot: more friction at low speed than at high speed.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for BodyStribeckFriction {
         meaning: "boundary lubrication that gives way to sliding",
         source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30 (1994), eq. 6",
         fingerprint: "dry friction that is larger at the turning points of small swings than at high speed",
+        prior: Prior { commonness: Commonness::Rare, reason: "it takes a lubricated contact at very low speed" },
         role: Role::Body,
         parameters: &[ParameterInfo {
             name: "body_coulomb_torque",

@@ -1,5 +1,6 @@
 //! Viscous friction of the pivot: part of the base model.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing, StartFrom};
 use crate::{Kind, Scalar};
 
@@ -14,6 +15,7 @@ impl Effect for BodyViscousFriction {
         meaning: "lubricated bearing, slow air",
         source: "thesis 1.26",
         fingerprint: "the swing loses the same fraction of its amplitude in every cycle",
+        prior: Prior { commonness: Commonness::Usual, reason: "every bearing and the air around it" },
         role: Role::Body,
         parameters: &[ParameterInfo {
             name: "body_viscous_friction",

@@ -1,5 +1,6 @@
 //! A constant current that nobody asked for.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for CurrentOffset {
         meaning: "offset of the analogue set point of the drive",
         source: "Horowitz & Hill, The Art of Electronics (3rd ed. 2015), ch. 4, offset of an amplifier",
         fingerprint: "the wheel creeps at zero command; forward and reversed runs are not mirror images",
+        prior: Prior { commonness: Commonness::Occasional, reason: "amplifiers are trimmed to a small part of their range" },
         role: Role::Motor,
         parameters: &[ParameterInfo {
             name: "current_offset",

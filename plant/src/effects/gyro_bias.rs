@@ -1,5 +1,6 @@
 //! A constant error of the rate sensor.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, RateFault, Role};
 use crate::hiding::Hiding;
 use crate::{Kind, Output, Reading, Scalar};
@@ -15,6 +16,7 @@ impl Effect for GyroBias {
         meaning: "rest bias of the gyroscope",
         source: "thesis 3.2.1",
         fingerprint: "the measured rate has a mean that the angle does not integrate",
+        prior: Prior { commonness: Commonness::Usual, reason: "every gyroscope has one, and it moves with temperature" },
         role: Role::Sensor,
         parameters: &[ParameterInfo {
             name: "gyro_bias",

@@ -1,5 +1,6 @@
 //! A scale error of the rate sensor.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, RateFault, Role};
 use crate::hiding::Hiding;
 use crate::{Kind, Output, Reading, Scalar};
@@ -15,6 +16,7 @@ impl Effect for GyroScale {
         meaning: "sensitivity tolerance of the gyroscope",
         source: "thesis 3.2.1",
         fingerprint: "the measured rate is a fixed fraction larger or smaller than the derivative of the angle",
+        prior: Prior { commonness: Commonness::Occasional, reason: "data sheets allow some per cent" },
         role: Role::Sensor,
         parameters: &[ParameterInfo {
             name: "gyro_scale_error",

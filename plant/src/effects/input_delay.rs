@@ -1,5 +1,6 @@
 //! The current comes later than its command.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for InputDelay {
         meaning: "computing time, bus and PWM period",
         source: "Åström & Wittenmark, Computer-Controlled Systems (3rd ed. 1997), ch. 2, systems with time delay",
         fingerprint: "while balancing, the response to the command is shifted in time; the loop rings",
+        prior: Prior { commonness: Commonness::Occasional, reason: "a bus or a slow loop between command and drive" },
         role: Role::Motor,
         parameters: &[ParameterInfo {
             name: "input_delay",

@@ -1,5 +1,6 @@
 //! Small currents give no torque.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for MotorDeadZone {
         meaning: "dead band of the drive",
         source: "Khalil, Nonlinear Systems (3rd ed. 2002), ch. 1, common nonlinearities: dead zone",
         fingerprint: "the acceleration is short by the same amount at every current, and a coasting wheel knows nothing of it",
+        prior: Prior { commonness: Commonness::Rare, reason: "a drive whose current loop is closed has none" },
         role: Role::Motor,
         parameters: &[ParameterInfo {
             name: "dead_zone",

@@ -1,5 +1,6 @@
 //! The current follows its command with a lag.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for MotorLag {
         meaning: "winding inductance and the bandwidth of the current drive",
         source: "Franklin, Powell & Emami-Naeini, Feedback Control of Dynamic Systems, ch. 2, armature circuit of a motor",
         fingerprint: "after a step of the command the acceleration rises gradually; while balancing, the loop rings",
+        prior: Prior { commonness: Commonness::Occasional, reason: "a current loop that is slow beside the samples" },
         role: Role::Motor,
         parameters: &[ParameterInfo {
             name: "motor_lag",

@@ -1,5 +1,6 @@
 //! The torque of the motor flattens at large current.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for MotorSaturation {
         meaning: "the iron of the motor saturates",
         source: "saturation of the iron: Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 2; the shape of the knee is a choice",
         fingerprint: "twice the current gives less than twice the acceleration of the wheel",
+        prior: Prior { commonness: Commonness::Rare, reason: "it takes currents near the motor's peak" },
         role: Role::Motor,
         parameters: &[ParameterInfo {
             name: "saturation_current",

@@ -1,5 +1,6 @@
 //! Cogging of the motor.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Ripple, Role, Smoothing, StartFrom};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for WheelCogging {
         meaning: "the magnets of the rotor prefer certain positions of the stator",
         source: "Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 10",
         fingerprint: "a slow wheel speeds up and slows down n times in every turn",
+        prior: Prior { commonness: Commonness::Occasional, reason: "motors with iron teeth have it, coreless ones not" },
         role: Role::Wheel,
         parameters: &[ParameterInfo {
             name: "cogging_torque",

@@ -1,5 +1,6 @@
 //! Coulomb (dry) friction of the wheel.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for WheelCoulombFriction {
         meaning: "dry rubbing in the bearings of wheel and motor",
         source: "thesis 3.10, on the wheel",
         fingerprint: "a coasting wheel slows down along a straight line and stops; a reversed current gives the mirror image",
+        prior: Prior { commonness: Commonness::Usual, reason: "every bearing and brush has it" },
         role: Role::Wheel,
         parameters: &[ParameterInfo {
             name: "wheel_coulomb_torque",

@@ -1,5 +1,6 @@
 //! Quadratic (air) drag of the wheel.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
@@ -15,6 +16,7 @@ impl Effect for WheelQuadraticDrag {
         meaning: "air moved by the spinning wheel",
         source: "Nelson & Olsson, Am. J. Phys. 54 (1986) 112, eq. 3, on the wheel",
         fingerprint: "a fast wheel loses a larger fraction of its speed in a second than a slow one",
+        prior: Prior { commonness: Commonness::Occasional, reason: "where the wheel is fast and its rim not smooth" },
         role: Role::Wheel,
         parameters: &[ParameterInfo {
             name: "wheel_quadratic_drag",

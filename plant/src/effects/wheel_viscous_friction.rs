@@ -1,5 +1,6 @@
 //! Viscous friction of the wheel: part of the base model.
 
+use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing, StartFrom};
 use crate::{Kind, Scalar};
 
@@ -14,6 +15,7 @@ impl Effect for WheelViscousFriction {
         meaning: "bearing grease and eddy currents of the motor",
         source: "thesis 1.26",
         fingerprint: "a coasting wheel loses the same fraction of its speed in every second",
+        prior: Prior { commonness: Commonness::Usual, reason: "every bearing, and the eddy currents of the motor" },
         role: Role::Wheel,
         parameters: &[ParameterInfo {
             name: "wheel_viscous_friction",

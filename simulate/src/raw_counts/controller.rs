@@ -23,11 +23,19 @@ pub trait RawController {
     /// Back to the state after power-up: not aligned, not armed.
     fn reset(&mut self);
 
-    /// From the next step on, the motor is driven.
+    /// From the next step on, the motor is driven, where the controller allows it; returns whether it
+    /// does.
     ///
     /// # Errors
     /// [`LawFailure`] where the controller cannot be run.
-    fn arm(&mut self) -> Result<(), LawFailure>;
+    fn arm(&mut self) -> Result<bool, LawFailure>;
+
+    /// The status as the emitted `Status` counts it: 0 not aligned, 1 ready, 2 running, from 3 on
+    /// tripped.
+    ///
+    /// # Errors
+    /// [`LawFailure`] where the controller cannot be run.
+    fn status(&self) -> Result<u8, LawFailure>;
 
     /// One step; the duty in counts.
     ///
@@ -49,7 +57,8 @@ pub struct InterpretedController {
     angle: Program,
     /// For each word of the attitude, its place among those of the controller.
     attitude: Vec<usize>,
-    armed: usize,
+    arm: Program,
+    status: usize,
     angle_unit: f64,
     start: Vec<i128>,
     words: Vec<i128>,
@@ -80,7 +89,8 @@ impl InterpretedController {
             .iter()
             .map(|name| place(&name.replacen("self.", "self.attitude.", 1)))
             .collect::<Result<Vec<_>, _>>()?;
-        let armed = place("self.is_armed")?;
+        let status = place("self.status")?;
+        let arm = find("Controller::arm")?.clone();
         let start = Machine::new(find("Controller::new")?)
             .call(&[])
             .map_err(|trap| failure(trap.to_string()))?
@@ -92,7 +102,8 @@ impl InterpretedController {
         Ok(InterpretedController {
             angle,
             attitude,
-            armed,
+            arm,
+            status,
             angle_unit: 2.0_f64.powi(-(bits as i32)),
             words: start.clone(),
             start,
@@ -106,9 +117,18 @@ impl RawController for InterpretedController {
         self.words.clone_from(&self.start);
     }
 
-    fn arm(&mut self) -> Result<(), LawFailure> {
-        self.words[self.armed] = 1;
-        Ok(())
+    fn arm(&mut self) -> Result<bool, LawFailure> {
+        let results = words_of(&self.arm, &self.words)?;
+        let (is_armed, state) = results.split_at(1);
+        let is_armed = is_armed[0] == 1;
+        self.words = state.to_vec();
+        Ok(is_armed)
+    }
+
+    fn status(&self) -> Result<u8, LawFailure> {
+        u8::try_from(self.words[self.status]).map_err(|_| LawFailure {
+            message: "the status is no 8-bit word".to_owned(),
+        })
     }
 
     fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure> {

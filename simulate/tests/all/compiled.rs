@@ -63,9 +63,12 @@ impl RawController for CompiledController {
         *self = CompiledController::new();
     }
 
-    fn arm(&mut self) -> Result<(), LawFailure> {
-        self.0.arm();
-        Ok(())
+    fn arm(&mut self) -> Result<bool, LawFailure> {
+        Ok(self.0.arm())
+    }
+
+    fn status(&self) -> Result<u8, LawFailure> {
+        Ok(self.0.status() as u8)
     }
 
     fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure> {

@@ -77,12 +77,13 @@ fn a_law_emitted_for_another_bench_balances_it() {
         gains: design.gains.into(),
         current_limit_a: limit_a,
         sample_time_s: settings.sample_time_s,
-        ranges: PhysicalRanges::THESIS_BENCH,
+        ranges: PhysicalRanges::of(&HardwareSpec::thesis_bench()),
         drive: PwmDrive {
-            current_range_a: 3.0,
+            amperes_per_count: 3.0 / 26_214.0,
             ..PwmDrive::THESIS_BENCH
         },
         hardware: HardwareSpec::thesis_bench(),
+        assumed: Vec::new(),
         parameters: vec![],
         state_weights: weights.state.into(),
         current_weight: weights.current,

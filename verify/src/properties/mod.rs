@@ -2,3 +2,4 @@
 
 pub mod attitude;
 pub mod control;
+pub mod supervisor;

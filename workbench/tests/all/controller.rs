@@ -46,7 +46,7 @@ fn other_weights_give_another_controller() {
 #[test]
 fn what_is_generated_is_simulated_and_stands() {
     let design = ControlDesign::read(&thesis("thesis-3.5.3.toml")).expect("a design");
-    let controller = design.generate().expect("a controller");
+    let controller = design.generate(None).expect("a controller");
     let paths: Vec<&str> = controller.files().map(|(path, _)| path).collect();
     assert!(paths.contains(&"src/control.rs"), "{paths:?}");
     assert_eq!(paths.last(), Some(&"certificate.json"));

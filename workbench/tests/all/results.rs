@@ -80,7 +80,7 @@ fn results_come_back() {
     let design = session.design().expect("a design");
     let (json, _) = there_and_back::<DesignReport>(&design.report().expect("a report"));
     assert_keys(&json, &["A", "B", "Ad", "Bd", "gains", "dare_residual"]);
-    there_and_back(&design.generate().expect("a controller"));
+    there_and_back(&design.generate(None).expect("a controller"));
     let settings = SimulationSettings {
         seed: 3,
         bench: Some(session.bench()),

@@ -170,8 +170,8 @@ fn steps(
 ) -> Result<(), String> {
     let words = module
         .constant("constants", "FILTER")
-        .filter(|words| words.len() == 49)
-        .ok_or("constants::FILTER has not the 49 words of its documents")?;
+        .filter(|words| words.len() == 55)
+        .ok_or("constants::FILTER has not the 55 words of its documents")?;
     let mut filter = Filter {
         words: words.to_vec(),
     };

@@ -300,9 +300,11 @@ pub(crate) fn calibrated(raw: &[i128], line: &[i128]) -> Words {
         .collect()
 }
 
-/// Whether a count is at a limit of its range.
-pub(crate) fn is_saturated(raw: &[i128]) -> bool {
-    raw.iter().any(|count| [-32_768, 32_767].contains(count))
+/// Whether a count is at or beyond a limit of its range.
+pub(crate) fn is_saturated(raw: &[i128], clip: &[i128]) -> bool {
+    raw.iter()
+        .zip(clip)
+        .any(|(count, limit)| count.abs() >= *limit)
 }
 
 /// The words of `FilterConstants`, in its order.
@@ -342,7 +344,7 @@ impl Filter {
     }
 
     pub(crate) fn shows_gravity(&self, accel: &[i128], up: &[i128]) -> bool {
-        !is_saturated(accel) && squares(up) >= self.words[Self::GRAVITY_MIN]
+        !is_saturated(accel, &self.words[49..52]) && squares(up) >= self.words[Self::GRAVITY_MIN]
     }
 
     /// State: quaternion, rate, slow rate. Without a magnetometer its share is left out.
@@ -357,7 +359,7 @@ impl Filter {
         let up = self.gravity(accel, turn[2], state[5]);
         let q = &state[..4];
         let field = mag
-            .filter(|mag| !is_saturated(mag))
+            .filter(|mag| !is_saturated(mag, &self.words[52..55]))
             .map(|mag| calibrated(mag, self.mag()))
             .filter(|field| squares(field) >= self.words[Self::FIELD_MIN]);
         let correction = match field {

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::certificate::reader::Certificate;
 use crate::claims::filter_total::{Invariant, analysed};
 use crate::claims::outcome::ClaimOutcome;
+use crate::claims::supervisor::second::RUNNING;
 use crate::domains::intervals::IntegerInterval;
 use crate::language::module::Module;
 use crate::program::contract::Contract;
@@ -17,14 +18,13 @@ pub fn by_intervals(
     contracts: &HashMap<usize, Contract>,
 ) -> ClaimOutcome {
     let drive = &certificate.drive;
-    let span = drive.duty_max.saturating_sub(drive.duty_zero);
-    let low = drive.duty_zero.saturating_sub(span);
-    let checked = check(module, contracts, low, drive.duty_zero, drive.duty_max);
-    ClaimOutcome::proved(checked.map(|()| format!("duty within {low} to {}", drive.duty_max)))
+    let (low, high) = (drive.duty_low, drive.duty_high);
+    let checked = check(module, contracts, low, drive.duty_zero, high);
+    ClaimOutcome::proved(checked.map(|()| format!("duty within {low} to {high}")))
 }
 
-/// Raw counts of any value give a duty within `low` and `high`, and exactly `zero` when
-/// not armed; the state keeps its invariant.
+/// Raw counts of any value give a duty within `low` and `high`, and exactly `zero` unless the
+/// controller runs; the state keeps its invariant, also through `arm`, `disarm` and `fault`.
 ///
 /// # Errors
 /// A sentence with the place in the source.
@@ -42,28 +42,42 @@ pub fn check(
         .ok_or("there is no Controller::step")?;
     let start = analysed(module, contracts, "Controller::new", &invariant, &[])?;
     invariant.is_kept(program, &start)?;
-    let armed = program
+    let status = program
         .inputs
         .iter()
-        .position(|name| name == "self.is_armed")
-        .ok_or("the controller has no flag is_armed")?;
-    let is_armed_at_start = start[start.len() - own_words(program) + armed];
-    if is_armed_at_start != IntegerInterval::point(0) {
-        return Err("a new controller is armed".to_owned());
+        .position(|name| name == "self.status")
+        .ok_or("the controller has no status")?;
+    let status_at_start = start[start.len() - own_words(program) + status];
+    if status_at_start != IntegerInterval::point(0) {
+        return Err("a new controller is not `NotAligned`".to_owned());
     }
+    let no_current = IntegerInterval::point(zero.into());
+    let in_range = IntegerInterval::new(low.into(), high.into());
+    let others = IntegerInterval::new(RUNNING + 1, 255);
     let cases = [
-        (0, IntegerInterval::point(zero.into())),
-        (1, IntegerInterval::new(low.into(), high.into())),
+        (IntegerInterval::new(0, RUNNING - 1), no_current),
+        (IntegerInterval::point(RUNNING), in_range),
+        (others, no_current),
     ];
-    for (flag, wanted) in cases {
-        let fixed = [(armed, IntegerInterval::point(flag))];
-        let results = analysed(module, contracts, name, &invariant, &fixed)?;
-        if !results[0].is_within(wanted) {
-            return Err(format!(
-                "with is_armed = {flag} the duty may lie in [{}, {}], not within [{}, {}]",
-                results[0].low, results[0].high, wanted.low, wanted.high
-            ));
+    for (value, wanted) in cases {
+        for name in [name, "Controller::step_with_current"] {
+            let fixed = [(status, value)];
+            let results = analysed(module, contracts, name, &invariant, &fixed)?;
+            if !results[0].is_within(wanted) {
+                return Err(format!(
+                    "with a status of {} to {} the duty of `{name}` may lie in [{}, {}], not within \
+                     [{}, {}]",
+                    value.low, value.high, results[0].low, results[0].high, wanted.low, wanted.high
+                ));
+            }
+            invariant.is_kept(program, &results)?;
         }
+    }
+    for name in ["Controller::arm", "Controller::disarm", "Controller::fault"] {
+        let program = module
+            .function(name)
+            .ok_or_else(|| format!("there is no {name}"))?;
+        let results = analysed(module, contracts, name, &invariant, &[])?;
         invariant.is_kept(program, &results)?;
     }
     Ok(())

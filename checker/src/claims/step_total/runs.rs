@@ -3,6 +3,7 @@
 
 use crate::certificate::reader::Certificate;
 use crate::claims::random::Random;
+use crate::claims::supervisor::second::{ALIGNED, READY, RUNNING, STATUS};
 use crate::domains::machine::Machine;
 use crate::language::module::Module;
 use crate::program::steps::Program;
@@ -35,24 +36,18 @@ pub fn step(
         .iter()
         .filter(|name| name.starts_with("self."))
         .count();
-    let armed = step
-        .inputs
-        .iter()
-        .position(|name| name == "self.is_armed")
-        .ok_or("the controller has no flag is_armed")?;
     let has_observer = module
         .constant("constants", "BIAS_OBSERVER")
         .is_some_and(|words| words.iter().take(9).any(|word| *word != 0));
     let wheel = module
         .constant_words("constants", "WHEEL_SPEED_LINE")
         .ok_or("src/constants.rs has no WHEEL_SPEED_LINE")?;
-    let counts = f64::from(certificate.drive.duty_max) - f64::from(certificate.drive.duty_zero);
-    let range: f64 = certificate
+    let per_count: f64 = certificate
         .drive
-        .current_range_a
+        .amperes_per_count
         .text
         .parse()
-        .map_err(|_| "the drive's range is no number")?;
+        .map_err(|_| "the drive's amperes_per_count is no number")?;
     let current_unit = 2f64.powi(-(certificate.output.fraction_bits as i32));
 
     wheel_speeds(&mut speed, &wheel)?;
@@ -63,7 +58,8 @@ pub fn step(
     let mut random = Random::new(seed);
     for case in 0..cases {
         let is_armed = case % 4 != 0;
-        state[armed] = i128::from(is_armed);
+        state[STATUS] = if is_armed { RUNNING } else { READY };
+        state[ALIGNED] = 1;
         let mut arguments = state.clone();
         // The body leans a little about the pivot axis (the sensor's z): gravity along x.
         let lean = random.real() * 0.2;
@@ -82,6 +78,7 @@ pub fn step(
         arguments.push(adc);
         let result = machine.call(&arguments).map_err(trapped)?.to_vec();
         state = result[1..=own].to_vec();
+        let is_armed = state[STATUS] == RUNNING;
 
         let found_speed = speed.call(&[adc]).map_err(trapped)?[0];
         if has_observer {
@@ -105,7 +102,7 @@ pub fn step(
         } else {
             0.0
         };
-        let wanted = f64::from(certificate.drive.duty_zero) + counts * current / range;
+        let wanted = f64::from(certificate.drive.duty_zero) + current / per_count;
         if (result[0] as f64 - wanted).abs() > 0.501 {
             return Err(format!(
                 "Controller::step: duty {} for a current of {current} A, not {wanted}",

@@ -230,6 +230,15 @@ impl Builder<'_> {
                     });
                 }
             }
+            [type_, variant] => {
+                let found = self.declarations.variant(scope.module, type_, variant);
+                if let Some((type_, value)) = found {
+                    return Ok(Value {
+                        type_,
+                        slots: vec![self.known(value)],
+                    });
+                }
+            }
             _ => {}
         }
         refuse(

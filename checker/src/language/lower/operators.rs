@@ -174,8 +174,13 @@ impl Builder<'_> {
             }
         };
         let (a, b) = self.operands(scope, binary, steps)?;
-        let is_integer = matches!(a.type_, Type::Integer(_));
-        if a.type_ != b.type_ || !is_integer {
+        let is_equality = matches!(comparison, WordComparison::Equal | WordComparison::NotEqual);
+        let is_comparable = match a.type_ {
+            Type::Integer(_) => true,
+            Type::Enum(..) => is_equality,
+            _ => false,
+        };
+        if a.type_ != b.type_ || !is_comparable {
             return self.mismatch(scope, span, &a.type_, &b.type_);
         }
         let (a, b) = if is_swapped { (b, a) } else { (a, b) };

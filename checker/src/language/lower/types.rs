@@ -52,7 +52,10 @@ impl Builder<'_> {
                             _ => None,
                         }
                     }
-                    [type_, _] => Integer::named(type_).map(Type::Integer),
+                    [type_, variant] => Integer::named(type_).map(Type::Integer).or_else(|| {
+                        let value = self.declarations.variant(scope.module, type_, variant);
+                        value.map(|(type_, _)| type_)
+                    }),
                     _ => None,
                 }
             }

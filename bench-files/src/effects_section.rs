@@ -1,0 +1,109 @@
+//! The section `[effects]` of a model: which effects it has, and which of them only until an experiment has decided.
+
+use plant::EffectId;
+use toml_edit::{Array, TableLike, Value};
+
+use crate::error::{Error, Names, Problem};
+use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_writing::set;
+
+/// Explanations that tie: one of them is in the model, the others could stand in its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tie {
+    /// The effects of the model that hold until an experiment has decided; not empty.
+    pub provisional: Vec<EffectId>,
+    /// Each set could stand in their place; none is empty.
+    pub rivals: Vec<Vec<EffectId>>,
+}
+
+/// What the section says.
+pub(crate) struct EffectsSection {
+    /// The effects of the model.
+    pub present: Vec<EffectId>,
+    /// The tie that is open, where one is.
+    pub tie: Option<Tie>,
+}
+
+impl EffectsSection {
+    /// Reads the section.
+    pub fn read(source: &TomlSource, section: &Section) -> Result<EffectsSection, Error> {
+        section.allow_only(&["present", "provisional", "rivals"])?;
+        let names = section.texts("present")?.ok_or_else(|| {
+            section.error(section.missing("present", "present = [\"body-viscous-friction\"]"))
+        })?;
+        let mut present = Vec::new();
+        for name in names {
+            let effect = known(source, &name)?;
+            if let Some(other) = present.iter().find(|other| excludes(**other, effect)) {
+                return Err(source.error(
+                    name.span,
+                    Problem::EffectTwice {
+                        effect: effect.name(),
+                        other: other.name(),
+                    },
+                ));
+            }
+            present.push(effect);
+        }
+        let mut provisional = vec![];
+        for name in section.texts("provisional")?.unwrap_or_default() {
+            let effect = known(source, &name)?;
+            if !present.contains(&effect) {
+                return Err(source.error(
+                    name.span,
+                    Problem::ProvisionalAbsent {
+                        effect: effect.name(),
+                    },
+                ));
+            }
+            provisional.push(effect);
+        }
+        let mut rivals = vec![];
+        for set in section.lists_of_texts("rivals")?.unwrap_or_default() {
+            let set = set.iter().map(|name| known(source, name));
+            rivals.push(set.collect::<Result<Vec<EffectId>, Error>>()?);
+        }
+        rivals.retain(|set| !set.is_empty());
+        let tie = (!provisional.is_empty()).then_some(Tie {
+            provisional,
+            rivals,
+        });
+        Ok(EffectsSection { present, tie })
+    }
+}
+
+/// Writes the section.
+pub(crate) fn write(section: &mut dyn TableLike, present: &[EffectId], tie: Option<&Tie>) {
+    let names = |effects: &[EffectId]| -> Array { effects.iter().map(|one| one.name()).collect() };
+    set(section, "present", Value::Array(names(present)));
+    let Some(tie) = tie else {
+        section.remove("provisional");
+        section.remove("rivals");
+        return;
+    };
+    set(
+        section,
+        "provisional",
+        Value::Array(names(&tie.provisional)),
+    );
+    let rivals: Array = tie.rivals.iter().map(|set| names(set)).collect();
+    set(section, "rivals", Value::Array(rivals));
+}
+
+fn known(source: &TomlSource, name: &Located<String>) -> Result<EffectId, Error> {
+    EffectId::from_name(&name.value).ok_or_else(|| {
+        source.error(
+            name.span.clone(),
+            Problem::UnknownName {
+                what: "effect".to_string(),
+                name: name.value.clone(),
+                names: Names::new(EffectId::ALL.iter().map(|effect| effect.name())),
+            },
+        )
+    })
+}
+
+/// Whether a model cannot have both: they are the same, or one contains the other.
+fn excludes(a: EffectId, b: EffectId) -> bool {
+    a == b || a.info().replaces.contains(&b.name()) || b.info().replaces.contains(&a.name())
+}

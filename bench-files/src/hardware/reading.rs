@@ -1,0 +1,518 @@
+//! From the text of `[hardware]` to numbers, with the presets filled in.
+
+use toml_edit::Item;
+
+use super::parts::{Numbers, Part, Role, named, names};
+use super::{AngleSensor, Drive, DriveKind, Hardware, InertialSensor, WheelSpeedSensor};
+use crate::error::{Error, Names, Problem};
+use crate::toml_source::{Section, TomlSource};
+
+type Rotation = [[f64; 3]; 3];
+
+/// Farthest that an entry of R Rᵀ may be from that of the unit matrix: numbers typed with three
+/// digits pass.
+const ROTATION_ERROR_MAX: f64 = 2e-3;
+
+/// Bits of the word that an inertial sensor's reading is passed in.
+const WORD_BITS: u32 = 16;
+
+impl Hardware {
+    /// Reads the section of a document, if it has one.
+    pub(crate) fn read(source: &TomlSource, root: &Section) -> Result<Option<Hardware>, Error> {
+        let Some(section) = root.section("hardware")? else {
+            return Ok(None);
+        };
+        section.allow_only(&[
+            "gyroscope",
+            "accelerometer",
+            "magnetometer",
+            "wheel_speed",
+            "angle",
+            "drive",
+        ])?;
+        let sensor = |key, role| match section.section(key)? {
+            Some(table) => inertial(&table, role).map(Some),
+            None => Ok(None),
+        };
+        let gyroscope = sensor("gyroscope", Role::Gyroscope)?;
+        let accelerometer = sensor("accelerometer", Role::Accelerometer)?;
+        let mut magnetometer = sensor("magnetometer", Role::Magnetometer)?;
+        // A magnetometer in the housing of the other two turns with it; its part's own axes stay.
+        if let (Some(magnetometer), Some(other)) = (&mut magnetometer, &accelerometer)
+            && let (Some(part), Some(of_other)) = (magnetometer.part, other.part)
+            && part.name == of_other.name
+            && section
+                .section("magnetometer")?
+                .is_some_and(|table| !table.has("axes") && !table.has("rotation"))
+            && let (Some(own), Some(housing)) = (magnetometer.rotation, other.rotation)
+        {
+            magnetometer.rotation = Some(product(&housing, &own));
+        }
+        let wheel_speed = section.section("wheel_speed")?.as_ref().map(wheel_speed);
+        let angle = section.section("angle")?.as_ref().map(angle);
+        let drive = section.section("drive")?.as_ref().map(drive);
+        Ok(Some(Hardware {
+            gyroscope,
+            accelerometer,
+            magnetometer,
+            wheel_speed: wheel_speed.transpose()?,
+            angle: angle.transpose()?,
+            drive: drive.transpose()?,
+            text: text(source)?,
+        }))
+    }
+}
+
+/// The section as it was written, free of its place in the document.
+fn text(source: &TomlSource) -> Result<Item, Error> {
+    fn loosened(item: &mut Item) {
+        if let Item::Table(table) = item {
+            table.set_position(None);
+            for (_, inner) in table.iter_mut() {
+                loosened(inner);
+            }
+        }
+    }
+    let mut document = source.parse()?.into_mut();
+    let mut item = document.remove("hardware").unwrap_or(Item::None);
+    loosened(&mut item);
+    Ok(item)
+}
+
+/// The preset that `part` names.
+fn preset(table: &Section, roles: &[Role]) -> Result<Option<&'static Part>, Error> {
+    let Some(part) = table.text("part")? else {
+        return Ok(None);
+    };
+    match named(&part.value, roles) {
+        Some(preset) => Ok(Some(preset)),
+        None => Err(table.error_at(
+            "part",
+            Problem::UnknownName {
+                what: "part with a preset here".to_string(),
+                name: part.value,
+                names: Names::new(names(roles)),
+            },
+        )),
+    }
+}
+
+fn inertial(table: &Section, role: Role) -> Result<InertialSensor, Error> {
+    let mut known = vec![
+        "part",
+        "scale",
+        "bits",
+        "justified",
+        "clip",
+        "rate",
+        "axes",
+        "rotation",
+    ];
+    if role == Role::Accelerometer {
+        known.push("lever_arm");
+    }
+    table.allow_only(&known)?;
+    let part = preset(table, &[role])?;
+    let mut sensor = InertialSensor {
+        part,
+        scale: None,
+        bits: WORD_BITS,
+        is_left_justified: false,
+        clip: [0; 3],
+        rate_hz: None,
+        rotation: None,
+        lever_arm_m: None,
+    };
+    let mut preset_clip = None;
+    if let Some(Numbers::Inertial {
+        scale,
+        bits,
+        is_left_justified,
+        clip,
+        rate_hz,
+        axes,
+    }) = part.map(|part| &part.numbers)
+    {
+        sensor.scale = Some(*scale);
+        sensor.bits = *bits;
+        sensor.is_left_justified = *is_left_justified;
+        sensor.rate_hz = Some(*rate_hz);
+        // How the housing sits on the body is the bench's; a compass may sit otherwise in it.
+        if role == Role::Magnetometer {
+            sensor.rotation = by_axes(axes);
+        }
+        preset_clip = Some(*clip);
+    }
+    if let Some(scale) = table.positive_number("scale")? {
+        sensor.scale = Some(scale.value);
+    }
+    if let Some(bits) = whole(table, "bits", 8, WORD_BITS.into())? {
+        sensor.bits = bits as u32;
+        preset_clip = None;
+    }
+    if let Some(justified) = table.text("justified")? {
+        sensor.is_left_justified = match justified.value.as_str() {
+            "left" => true,
+            "right" => false,
+            _ => return Err(unknown(table, "justified", &["right", "left"])?),
+        };
+        preset_clip = None;
+    }
+    let largest = (1 << (sensor.bits - 1)) - 1;
+    let shift = if sensor.is_left_justified {
+        WORD_BITS - sensor.bits
+    } else {
+        0
+    };
+    sensor.clip = preset_clip.unwrap_or([largest << shift; 3]);
+    let expected = "a list of three counts, one for each axis";
+    if let Some(clip) = table.numbers("clip", &[3], expected)? {
+        for (limit, counts) in sensor.clip.iter_mut().zip(&clip) {
+            if counts.fract() != 0.0 || !(1.0..=32_767.0).contains(counts) {
+                return Err(out_of_range(
+                    table,
+                    "clip",
+                    *counts,
+                    "whole counts from 1 to 32767",
+                ));
+            }
+            *limit = *counts as i32;
+        }
+    }
+    if let Some(rate) = table.positive_number("rate")? {
+        sensor.rate_hz = Some(rate.value);
+    }
+    if let Some(rotation) = rotation(table)? {
+        sensor.rotation = Some(rotation);
+    }
+    let expected = "a list of two numbers, along the body's x and y in m";
+    if let Some(arm) = table.numbers("lever_arm", &[2], expected)? {
+        sensor.lever_arm_m = Some([arm[0], arm[1]]);
+    }
+    Ok(sensor)
+}
+
+/// From `axes` or `rotation` to the matrix that takes the sensor's axes to the body's.
+fn rotation(table: &Section) -> Result<Option<Rotation>, Error> {
+    if let Some(axes) = table.texts("axes")? {
+        if table.has("rotation") {
+            return Err(table.error_at("rotation", Problem::AxesAndRotation));
+        }
+        let names: Vec<&str> = axes.iter().map(|axis| axis.value.as_str()).collect();
+        let matrix = <[&str; 3]>::try_from(names.as_slice())
+            .ok()
+            .and_then(|names| by_axes(&names));
+        let Some(matrix) = matrix else {
+            return Err(table.error_at("axes", Problem::NotAxes));
+        };
+        return right_handed(table, "axes", matrix).map(Some);
+    }
+    let expected = "three rows of three numbers, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]";
+    let Some(numbers) = table.numbers("rotation", &[3, 3], expected)? else {
+        return Ok(None);
+    };
+    let matrix = [0, 1, 2].map(|row| [0, 1, 2].map(|column| numbers[3 * row + column]));
+    let turned_back = product(&matrix, &transposed(&matrix));
+    for (row, entries) in turned_back.iter().enumerate() {
+        for (column, entry) in entries.iter().enumerate() {
+            let wanted = f64::from(u8::from(row == column));
+            if (entry - wanted).abs() > ROTATION_ERROR_MAX {
+                return Err(table.error_at("rotation", Problem::NotARotation));
+            }
+        }
+    }
+    right_handed(table, "rotation", matrix).map(Some)
+}
+
+/// The matrix whose columns are the body axes that the sensor's axes show; `None` where these are
+/// not three different axes.
+fn by_axes(axes: &[&str; 3]) -> Option<Rotation> {
+    let mut matrix = [[0.0; 3]; 3];
+    let mut taken = [false; 3];
+    for (column, axis) in axes.iter().enumerate() {
+        let (sign, name) = match axis.strip_prefix('-') {
+            Some(name) => (-1.0, name),
+            None => (1.0, axis.strip_prefix('+').unwrap_or(axis)),
+        };
+        let row = ["x", "y", "z"].iter().position(|known| *known == name)?;
+        if std::mem::replace(&mut taken[row], true) {
+            return None;
+        }
+        matrix[row][column] = sign;
+    }
+    Some(matrix)
+}
+
+fn right_handed(table: &Section, key: &'static str, matrix: Rotation) -> Result<Rotation, Error> {
+    if determinant(&matrix) > 0.0 {
+        Ok(matrix)
+    } else {
+        Err(table.error_at(key, Problem::LeftHanded { key }))
+    }
+}
+
+fn transposed(m: &Rotation) -> Rotation {
+    [0, 1, 2].map(|row| [0, 1, 2].map(|column| m[column][row]))
+}
+
+fn product(a: &Rotation, b: &Rotation) -> Rotation {
+    [0, 1, 2].map(|row| [0, 1, 2].map(|column| (0..3).map(|k| a[row][k] * b[k][column]).sum()))
+}
+
+fn determinant(m: &Rotation) -> f64 {
+    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+        - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+}
+
+fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
+    let kinds = ["converter", "encoder", "driver"];
+    let kind = table.required_text("kind", "kind = \"converter\" (or encoder, driver)")?;
+    match kind.value.as_str() {
+        "converter" => {
+            table.allow_only(&["kind", "slope", "offset", "low", "high"])?;
+            let count = |key: &str| -> Result<u16, Error> {
+                match whole(table, key, 0, 65_535)? {
+                    Some(count) => Ok(count as u16),
+                    None => Err(table.error(table.missing(
+                        key,
+                        "low = 0 and high = 4095 (counts at the ends of the converter's range)",
+                    ))),
+                }
+            };
+            let (low, high) = (count("low")?, count("high")?);
+            if low >= high {
+                return Err(out_of_range(
+                    table,
+                    "high",
+                    f64::from(high),
+                    "greater than low",
+                ));
+            }
+            let slope = table.number("slope")?.map(|slope| slope.value);
+            if slope == Some(0.0) {
+                return Err(out_of_range(table, "slope", 0.0, "other than zero"));
+            }
+            Ok(WheelSpeedSensor::Converter {
+                slope,
+                offset: table.number("offset")?.map(|offset| offset.value),
+                low,
+                high,
+            })
+        }
+        "encoder" => {
+            table.allow_only(&["kind", "part", "counts_per_turn", "bits", "window"])?;
+            let (counts_per_turn, bits) = encoder(table)?;
+            Ok(WheelSpeedSensor::Encoder {
+                counts_per_turn,
+                bits,
+                window: match whole(table, "window", 1, 64)? {
+                    Some(window) => window as u32,
+                    None => {
+                        return Err(table.error(table.missing("window", "window = 8 (samples)")));
+                    }
+                },
+            })
+        }
+        "driver" => {
+            table.allow_only(&["kind", "scale"])?;
+            let scale = table.required_number("scale")?;
+            if scale == 0.0 {
+                return Err(out_of_range(table, "scale", 0.0, "other than zero"));
+            }
+            Ok(WheelSpeedSensor::Driver { scale })
+        }
+        _ => Err(unknown(table, "kind", &kinds)?),
+    }
+}
+
+fn angle(table: &Section) -> Result<AngleSensor, Error> {
+    let kind = table.required_text("kind", "kind = \"inertial\" (or encoder)")?;
+    match kind.value.as_str() {
+        "inertial" => {
+            table.allow_only(&["kind"])?;
+            Ok(AngleSensor::Inertial)
+        }
+        "encoder" => {
+            table.allow_only(&["kind", "part", "counts_per_turn", "bits", "zero"])?;
+            let (counts_per_turn, bits) = encoder(table)?;
+            let largest = (1_i64 << bits) - 1;
+            match whole(table, "zero", 0, largest)? {
+                Some(zero) => Ok(AngleSensor::Encoder {
+                    counts_per_turn,
+                    bits,
+                    zero: zero as u32,
+                }),
+                None => Err(table.error(table.missing("zero", "zero = 2048 (the count upright)"))),
+            }
+        }
+        _ => Err(unknown(table, "kind", &["inertial", "encoder"])?),
+    }
+}
+
+/// Counts in a turn and bits of an encoder.
+fn encoder(table: &Section) -> Result<(f64, u32), Error> {
+    let part = preset(table, &[Role::Encoder])?;
+    let (mut counts, mut bits) = match part.map(|part| &part.numbers) {
+        Some(Numbers::Encoder {
+            counts_per_turn,
+            bits,
+        }) => (Some(*counts_per_turn), *bits),
+        _ => (None, WORD_BITS),
+    };
+    if let Some(stated) = table.number("counts_per_turn")? {
+        counts = Some(stated.value);
+    }
+    if let Some(stated) = whole(table, "bits", 4, WORD_BITS.into())? {
+        bits = stated as u32;
+    }
+    match counts {
+        Some(counts) if counts.abs() >= 4.0 => Ok((counts, bits)),
+        Some(counts) => Err(out_of_range(
+            table,
+            "counts_per_turn",
+            counts,
+            "at least 4 either way",
+        )),
+        None => Err(table.error(table.missing("counts_per_turn", "counts_per_turn = 4096"))),
+    }
+}
+
+fn drive(table: &Section) -> Result<Drive, Error> {
+    let part = preset(table, &[Role::CurrentDrive, Role::VoltageDrive])?;
+    let kind = match table.text("kind")? {
+        Some(kind) => kind.value,
+        None => match part {
+            Some(part) if part.role == Role::VoltageDrive => "voltage".to_owned(),
+            Some(_) => "current".to_owned(),
+            None => {
+                let example = "kind = \"current\" (or voltage)";
+                return Err(table.error(table.missing("kind", example)));
+            }
+        },
+    };
+    let common = [
+        "kind",
+        "part",
+        "bits",
+        "duty_zero",
+        "duty_low",
+        "duty_high",
+        "amperes_per_count",
+    ];
+    let kind = match kind.as_str() {
+        "current" => {
+            table.allow_only(&common)?;
+            DriveKind::Current
+        }
+        "voltage" => {
+            let mut known = common.to_vec();
+            known.extend(["supply_voltage", "winding_resistance"]);
+            table.allow_only(&known)?;
+            DriveKind::Voltage {
+                supply_v: table
+                    .required_positive_number("supply_voltage", "supply_voltage = 12.0 (V)")?,
+                winding_ohm: table.required_positive_number(
+                    "winding_resistance",
+                    "winding_resistance = 1.2 (Ohm)",
+                )?,
+            }
+        }
+        _ => return Err(unknown(table, "kind", &["current", "voltage"])?),
+    };
+    let mut drive = Drive {
+        kind,
+        bits: WORD_BITS,
+        duty_zero: None,
+        duty_low: None,
+        duty_high: None,
+        amperes_per_count: None,
+    };
+    if let Some(Numbers::Drive {
+        bits,
+        duty,
+        amperes_per_count,
+    }) = part.map(|part| &part.numbers)
+    {
+        drive.bits = *bits;
+        if let Some([low, zero, high]) = duty {
+            drive.duty_low = Some(*low);
+            drive.duty_zero = Some(*zero);
+            drive.duty_high = Some(*high);
+        }
+        drive.amperes_per_count = *amperes_per_count;
+    }
+    if let Some(bits) = whole(table, "bits", 4, WORD_BITS.into())? {
+        drive.bits = bits as u32;
+    }
+    let largest = (1_i64 << drive.bits) - 1;
+    for (key, duty) in [
+        ("duty_zero", &mut drive.duty_zero),
+        ("duty_low", &mut drive.duty_low),
+        ("duty_high", &mut drive.duty_high),
+    ] {
+        if let Some(stated) = whole(table, key, 0, largest)? {
+            *duty = Some(stated as u16);
+        } else if let Some(preset) = *duty
+            && i64::from(preset) > largest
+        {
+            return Err(table.error(table.missing(key, "a duty within the timer's bits")));
+        }
+    }
+    if let (Some(low), Some(high)) = (drive.duty_low, drive.duty_high) {
+        let zero = drive.duty_zero.unwrap_or(low.saturating_add(1));
+        if low >= high || !(low < zero && zero < high) {
+            return Err(out_of_range(
+                table,
+                "duty_zero",
+                f64::from(zero),
+                "between duty_low and duty_high",
+            ));
+        }
+    }
+    if let Some(slope) = table.number("amperes_per_count")? {
+        if slope.value == 0.0 {
+            let must_be = "other than zero";
+            return Err(out_of_range(table, "amperes_per_count", 0.0, must_be));
+        }
+        drive.amperes_per_count = Some(slope.value);
+    }
+    Ok(drive)
+}
+
+/// The whole number under a key, within these ends.
+fn whole(table: &Section, key: &str, low: i64, high: i64) -> Result<Option<i64>, Error> {
+    let Some(number) = table.number(key)? else {
+        return Ok(None);
+    };
+    let value = number.value;
+    if value.fract() != 0.0 || value < low as f64 || value > high as f64 {
+        let must_be = format!("a whole number from {low} to {high}");
+        return Err(out_of_range(table, key, value, &must_be));
+    }
+    Ok(Some(value as i64))
+}
+
+fn out_of_range(table: &Section, key: &str, value: f64, must_be: &str) -> Error {
+    table.error_at(
+        key,
+        Problem::OutOfRange {
+            key: key.to_string(),
+            value,
+            must_be: must_be.to_string(),
+        },
+    )
+}
+
+/// The error of a text that is none of a list.
+fn unknown(table: &Section, key: &'static str, known: &[&str]) -> Result<Error, Error> {
+    let name = table.required_text(key, "one of the known names")?.value;
+    Ok(table.error_at(
+        key,
+        Problem::UnknownName {
+            what: key.to_string(),
+            name,
+            names: Names::new(known),
+        },
+    ))
+}

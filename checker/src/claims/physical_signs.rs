@@ -1,0 +1,253 @@
+//! Claim `physical-signs`: sensors, drive and law together push the body back upright.
+//!
+//! Words may all be rightly rounded and the motor still be driven the wrong way: by a sensor that is
+//! mirrored, a scale in g instead of m/s², a drive that is wired in reverse in one place only. What
+//! physics says of any such bench:
+//!
+//! 1. gyroscope and accelerometer have one handedness: no turn of a chip gives a mirror image, so the
+//!    determinants of both matrices are positive;
+//! 2. gravity is 8 to 11.5 m/s² through the accelerometer's matrix (the earth's 9.78 to 9.83 and 15 %
+//!    for a scale that is not calibrated), at the counts that the part's own scale gives one g; where
+//!    no part is stated, the 16-bit word reaches 1.2 to 40 g, as those of all such sensors do;
+//! 3. a motor pushes forward, τ > 0: the plant's body goes back and its wheel forward;
+//! 4. a body that leans forward (or falls forward) is pushed back: raw counts of a lean of 1°, 3° and
+//!    10° (rates of 0.2 and 1 rad/s), through attitude filter, law and drive, give a current that
+//!    turns the body back;
+//! 5. a sensor on the body is not far outside it: the lever arm is at most three times the length
+//!    Θ g/G of the simple pendulum that swings alike (a rod's end is at 1.5 times that).
+
+use crate::certificate::hardware::CertifiedSensor;
+use crate::certificate::reader::Certificate;
+use crate::claims::functions::Functions;
+use crate::exact::rational::integer;
+use crate::language::module::Module;
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive, Zero};
+
+type Check = Result<(), String>;
+
+/// Standard gravity, m/s².
+const G: f64 = 9.80665;
+/// What gravity may read, m/s².
+const GRAVITY_READS: [f64; 2] = [8.0, 11.5];
+/// What the largest count of a 16-bit word may stand for, in g.
+const REACH_G: [f64; 2] = [1.2, 40.0];
+/// Lever arm over the length of the equal simple pendulum.
+const LEVER_ARM_MAX: f64 = 3.0;
+/// Leans that are tried, rad.
+const LEANS_RAD: [f64; 3] = [0.017_453, 0.052_36, 0.174_53];
+/// Rates that are tried, rad/s.
+const RATES_RAD_S: [f64; 2] = [0.2, 1.0];
+
+/// A sensor as the certificate states it.
+struct Sensor {
+    bias: [f64; 3],
+    matrix: [[f64; 3]; 3],
+}
+
+/// Checks all of it.
+///
+/// # Errors
+/// A sentence that says what contradicts physics.
+pub fn check(certificate: &Certificate, module: &Module) -> Check {
+    let gyro = Sensor::of(&certificate.hardware.gyroscope)?;
+    let accel = Sensor::of(&certificate.hardware.accelerometer)?;
+    for (name, sensor) in [("gyroscope", &gyro), ("accelerometer", &accel)] {
+        let determinant = sensor.determinant();
+        if determinant.is_nan() || determinant <= 0.0 {
+            return Err(format!(
+                "the {name}'s matrix is left-handed (determinant {determinant:.3e}): no turn of a \
+                 sensor gives a mirror image"
+            ));
+        }
+    }
+    let scale = certificate
+        .accelerometer_m_s2_per_count
+        .as_ref()
+        .map(|stated| real(&stated.value))
+        .transpose()?;
+    gravity(&accel, scale)?;
+    motor(certificate)?;
+    lever_arm(certificate)?;
+    restoring(certificate, module, &gyro, &accel)
+}
+
+fn real(value: &BigRational) -> Result<f64, String> {
+    let value = value.to_f64().filter(|value| value.is_finite());
+    value.ok_or_else(|| "a number of the certificate does not fit a double".to_owned())
+}
+
+impl Sensor {
+    fn of(stated: &CertifiedSensor) -> Result<Sensor, String> {
+        let mut sensor = Sensor {
+            bias: [0.0; 3],
+            matrix: [[0.0; 3]; 3],
+        };
+        for axis in 0..3 {
+            sensor.bias[axis] = real(&stated.bias_counts[axis].value)?;
+            for column in 0..3 {
+                sensor.matrix[axis][column] = real(&stated.matrix[axis][column].value)?;
+            }
+        }
+        Ok(sensor)
+    }
+
+    fn minor(&self, row: usize, column: usize) -> f64 {
+        let m = &self.matrix;
+        let (a, b) = ((row + 1) % 3, (row + 2) % 3);
+        let (c, d) = ((column + 1) % 3, (column + 2) % 3);
+        m[a][c] * m[b][d] - m[a][d] * m[b][c]
+    }
+
+    fn determinant(&self) -> f64 {
+        (0..3)
+            .map(|column| self.matrix[0][column] * self.minor(0, column))
+            .sum()
+    }
+
+    /// The counts that stand for `value`.
+    fn counts(&self, value: [f64; 3]) -> [i128; 3] {
+        let determinant = self.determinant();
+        [0, 1, 2].map(|axis| {
+            let sum: f64 = (0..3).map(|row| self.minor(row, axis) * value[row]).sum();
+            let count = (sum / determinant + self.bias[axis]).round();
+            count.clamp(-32_768.0, 32_767.0) as i128
+        })
+    }
+
+    /// Length of what one count of an axis stands for.
+    fn per_count(&self, axis: usize) -> f64 {
+        self.matrix
+            .iter()
+            .map(|row| row[axis] * row[axis])
+            .sum::<f64>()
+            .sqrt()
+    }
+}
+
+fn gravity(accel: &Sensor, scale: Option<f64>) -> Check {
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let per_count = accel.per_count(axis);
+        if let Some(scale) = scale {
+            let reads = G / scale * per_count;
+            if !(GRAVITY_READS[0]..=GRAVITY_READS[1]).contains(&reads) {
+                return Err(format!(
+                    "along the accelerometer's {name} axis gravity would read {reads:.2} m/s2: the \
+                     matrix is not that of a sensor with {scale} m/s2 per count"
+                ));
+            }
+        }
+        let reach = 32_768.0 * per_count / G;
+        if !(REACH_G[0]..=REACH_G[1]).contains(&reach) {
+            return Err(format!(
+                "the accelerometer's {name} axis would reach {reach:.3} g: no such sensor does; its \
+                 scale is to be in m/s2 per count"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn motor(certificate: &Certificate) -> Check {
+    let torque = certificate
+        .parameters
+        .iter()
+        .find(|parameter| parameter.name == "torque_constant");
+    if let Some(torque) = torque
+        && !torque.value.value.is_positive()
+    {
+        return Err(format!(
+            "torque_constant is {}: a motor pushes forward with a positive current",
+            torque.value
+        ));
+    }
+    let b = &certificate.plant.b;
+    if !(b[1].value.is_negative() && b[2].value.is_positive()) {
+        return Err(
+            "a positive current does not push the body back and the wheel forward".to_owned(),
+        );
+    }
+    Ok(())
+}
+
+fn lever_arm(certificate: &Certificate) -> Check {
+    let parameter = |name: &str| {
+        let mut found = certificate.parameters.iter();
+        let found = found.find(|parameter| parameter.name == name)?;
+        // Per unit of inertia the lengths are not known.
+        (!found.unit.contains("per kg")).then(|| real(&found.value.value).ok())?
+    };
+    let (Some(inertia), Some(torque)) = (parameter("total_inertia"), parameter("gravity_torque"))
+    else {
+        return Ok(());
+    };
+    let hardware = &certificate.hardware;
+    let length = inertia * real(&hardware.gravity_m_s2.value)? / torque;
+    let [x, y] = &hardware.lever_arm_m;
+    let arm = real(&x.value)?.hypot(real(&y.value)?);
+    if arm > LEVER_ARM_MAX * length {
+        return Err(format!(
+            "the accelerometer would sit {arm:.3} m from the pivot, on a body that swings like a \
+             simple pendulum of {length:.3} m"
+        ));
+    }
+    Ok(())
+}
+
+/// Raw counts of a body that leans or falls, through every word, to the current.
+fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &Sensor) -> Check {
+    let f = Functions(module);
+    let hardware = &certificate.hardware;
+    let mounting = real(&hardware.mounting_angle_rad.value)?;
+    let wheel = &hardware.wheel_speed;
+    if wheel.rad_s_per_count.value.is_zero() {
+        return Err("a count of the wheel's speed is no speed".to_owned());
+    }
+    let at_rest = -&wheel.rad_s_at_zero.value / &wheel.rad_s_per_count.value;
+    let at_rest = at_rest.round().to_integer().to_i128();
+    let at_rest = at_rest.unwrap_or(0).clamp(0, 65_535);
+    let speed = f.call("wheel_speed", &[at_rest])?;
+    let per_count = &certificate.drive.amperes_per_count.value;
+    let zero = integer(certificate.drive.duty_zero.into());
+    let current = |attitude: &[i128]| -> Result<f64, String> {
+        let angle = f.call("Attitude::angle", attitude)?;
+        let rate = f.call("Attitude::rate", attitude)?;
+        let command = f.call("control", &[angle[0], rate[0], speed[0]])?;
+        let duty = f.call("duty", &command)?;
+        real(&((integer(duty[0]) - &zero) * per_count))
+    };
+    let up = |lean: f64| {
+        let (sin, cos) = (lean + mounting).sin_cos();
+        [G * cos, -G * sin, 0.0]
+    };
+    let new = f.call("Attitude::new", &[])?;
+    for lean in LEANS_RAD.into_iter().flat_map(|lean| [lean, -lean]) {
+        let reading = accel.counts(up(lean));
+        let aligned = f.call("Attitude::align", &[&new[..], &reading].concat())?;
+        let attitude = &aligned[1..];
+        let still = [attitude, &gyro.counts([0.0; 3]), &reading].concat();
+        let attitude = f.call("Attitude::update_imu", &still)?;
+        let current = current(&attitude)?;
+        if current * lean <= 0.0 {
+            return Err(format!(
+                "a lean of {:.0}° gives a current of {current:.4} A, which pushes the body on: the \
+                 sign of an axis, of the drive or of a gain is wrong",
+                lean.to_degrees()
+            ));
+        }
+    }
+    for rate in RATES_RAD_S.into_iter().flat_map(|rate| [rate, -rate]) {
+        let reading = accel.counts(up(0.0));
+        let aligned = f.call("Attitude::align", &[&new[..], &reading].concat())?;
+        let falling = [&aligned[1..], &gyro.counts([0.0, 0.0, rate]), &reading].concat();
+        let attitude = f.call("Attitude::update_imu", &falling)?;
+        let current = current(&attitude)?;
+        if current * rate <= 0.0 {
+            return Err(format!(
+                "a rate of {rate} rad/s gives a current of {current:.4} A, which speeds the body up: \
+                 the sign of the gyroscope, of the drive or of a gain is wrong"
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,6 @@
+//! Claim `supervisor`: the motor is driven only after the controller was armed near upright and at
+//! rest, and each stated condition ends that within its stated time.
+
+pub mod runs;
+pub mod second;
+pub mod words;

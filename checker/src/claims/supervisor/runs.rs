@@ -1,0 +1,276 @@
+//! Claim `supervisor` in random runs: sequences of samples with faults, word by word against the
+//! second statement; and each condition alone, which must end the current within its steps.
+
+use crate::claims::functions::{Functions, same};
+use crate::claims::random::Random;
+use crate::claims::supervisor::second::{
+    ALIGNED, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
+};
+use crate::language::module::Module;
+
+/// What a run of samples is like for a while.
+#[derive(Clone, Copy)]
+struct Phase {
+    lean: f64,
+    frozen: bool,
+    clipped: bool,
+    wheel_stuck: bool,
+    falls: bool,
+    quiet: bool,
+}
+
+/// Runs `cases` samples.
+///
+/// # Errors
+/// The first sample for which source and second statement differ, or after which a current flows
+/// where none may.
+pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
+    let f = Functions(module);
+    let second = Supervisor::read(module)?;
+    let one_g = one_g(&f)?;
+    let zero = f.constant("constants", "ZERO_CURRENT")?[0];
+    let (low, high) = (second.limit("wheel_low")?, second.limit("wheel_high")?);
+    let window = second.limit("window")?;
+    let mut random = Random::new(seed);
+    let mut words = f.call("Controller::new", &[])?;
+    if words.len() != WORDS {
+        return Err(format!(
+            "a controller has {} words, not {WORDS}",
+            words.len()
+        ));
+    }
+    same(
+        "Controller::default",
+        &[],
+        &f.call("Controller::default", &[])?,
+        &words,
+    )?;
+    let mut done = 0;
+    let mut armed = 0;
+    let mut gyro = [0; 3];
+    while done < cases {
+        let roll = random.choice(8);
+        let phase = Phase {
+            lean: if roll == 0 {
+                random.real() * 3.0
+            } else {
+                random.real() * 0.1
+            },
+            frozen: roll == 1,
+            clipped: roll == 2,
+            wheel_stuck: roll == 3,
+            falls: roll == 4,
+            quiet: roll >= 5 || random.choice(2) == 0,
+        };
+        // Long enough for a window or a count to fill, now and then.
+        let length = 1 + random.choice(2 * window as u64 + 40) as usize;
+        for _ in 0..length.min(cases - done) {
+            let sample = drawn(&mut random, phase, one_g, &mut gyro, low, high);
+            let current = (random.choice(16) == 0).then(|| random.word());
+            let (duty, wanted) = second.step(&words, &sample, current)?;
+            let mut arguments = [&words[..], &sample.words()].concat();
+            let name = match current {
+                Some(current) => {
+                    arguments.push(current);
+                    "Controller::step_with_current"
+                }
+                None => "Controller::step",
+            };
+            let found = f.call(name, &arguments)?;
+            same(name, &arguments, &found, &[&[duty], &wanted[..]].concat())?;
+            if wanted[STATUS] != RUNNING && duty != zero {
+                return Err(format!("{name}: duty {duty} while it does not run"));
+            }
+            words = wanted;
+            done += 1;
+        }
+        same(
+            "Controller::status",
+            &words,
+            &f.call("Controller::status", &words)?,
+            &words[STATUS..=STATUS],
+        )?;
+        let (may, next) = second.armed(&words)?;
+        let found = f.call("Controller::arm", &words)?;
+        same(
+            "arm",
+            &words,
+            &found,
+            &[&[i128::from(may)], &next[..]].concat(),
+        )?;
+        armed += usize::from(may);
+        if random.choice(4) == 0 {
+            let mut wanted = words.clone();
+            if wanted[STATUS] == RUNNING {
+                wanted[STATUS] = 1;
+            }
+            same(
+                "disarm",
+                &words,
+                &f.call("Controller::disarm", &words)?,
+                &wanted,
+            )?;
+            let wanted = second.tripped(&words, TRIPPED_FAULT);
+            same(
+                "fault",
+                &words,
+                &f.call("Controller::fault", &words)?,
+                &wanted,
+            )?;
+        }
+        words = match random.choice(12) {
+            0 => second.tripped(&words, TRIPPED_FAULT),
+            _ if may => next,
+            // The attitude as if a window had filled: windows of random runs rarely do.
+            1..=6 => {
+                let mut aligned = words.clone();
+                aligned[ALIGNED] = 1;
+                aligned
+            }
+            _ => words,
+        };
+    }
+    if cases >= 2000 && armed == 0 {
+        return Err("in none of the runs the controller was armed".to_owned());
+    }
+    each_condition(&f, &second, one_g, zero)?;
+    Ok(done)
+}
+
+/// Counts of one g along the accelerometer's axis that shows the body's x best: where gravity points
+/// upright, up to the mounting angle.
+fn one_g(f: &Functions) -> Result<[f64; 2], String> {
+    // The counts at which the reading of the step's own words has the length of gravity.
+    let filter = f.constant("constants", "FILTER")?;
+    let high = f.0.constant_words("constants", "LIMITS");
+    let words = high.ok_or("src/constants.rs has no LIMITS")?;
+    let squared = words
+        .iter()
+        .filter(|(name, _)| name.ends_with("gravity_low"))
+        .map(|(_, word)| *word as f64)
+        .next()
+        .ok_or("LIMITS has no gravity_low")?;
+    let gravity = (squared * 2f64.powi(32)).sqrt() / 0.85;
+    let scale = |row: usize| {
+        let entries = filter[17 + 3 * row..20 + 3 * row].iter();
+        entries
+            .map(|word| (*word as f64).powi(2))
+            .sum::<f64>()
+            .sqrt()
+            / 2f64.powi(17)
+    };
+    Ok([gravity / scale(0), gravity / scale(1)])
+}
+
+fn drawn(
+    random: &mut Random,
+    phase: Phase,
+    one_g: [f64; 2],
+    gyro: &mut [i128; 3],
+    low: i128,
+    high: i128,
+) -> Sample {
+    if !phase.frozen {
+        let most = if phase.quiet { 40.0 } else { 2_000.0 };
+        *gyro = [0; 3].map(|_| random.count(most));
+    }
+    if phase.clipped {
+        gyro[2] = 32_767;
+    }
+    let (sin, cos) = phase.lean.sin_cos();
+    let noise = if phase.quiet { 10.0 } else { 900.0 };
+    let accel = if phase.falls {
+        [0; 3].map(|_| random.count(20.0))
+    } else {
+        let read = |value: f64, random: &mut Random| {
+            (value as i128 + random.count(noise)).clamp(-32_768, 32_767)
+        };
+        [
+            read(one_g[0] * cos, random),
+            read(-one_g[1] * sin, random),
+            random.count(noise),
+        ]
+    };
+    Sample {
+        gyro: *gyro,
+        accel,
+        mag: (random.choice(5) == 0).then(|| [0; 3].map(|_| random.count(500.0))),
+        wheel: if phase.wheel_stuck {
+            if random.choice(2) == 0 { low } else { high }
+        } else {
+            low + 1 + random.choice((high - low - 1).max(1) as u64) as i128
+        },
+    }
+}
+
+/// Each condition alone, from a controller that runs upright: no current after its steps.
+fn each_condition(
+    f: &Functions,
+    second: &Supervisor,
+    one_g: [f64; 2],
+    zero: i128,
+) -> Result<(), String> {
+    let middle = (second.limit("wheel_low")? + second.limit("wheel_high")?) / 2;
+    let upright = |turn: i128| Sample {
+        gyro: [turn % 7 - 3, turn % 5 - 2, turn % 3 - 1],
+        accel: [one_g[0] as i128, 0, 0],
+        mag: None,
+        wheel: middle,
+    };
+    // The attitude by one reading stands for the window that sets it.
+    let mut start = f.call("Controller::new", &[])?;
+    let aligned = f.call(
+        "Attitude::align",
+        &[&start[..6], &upright(0).accel].concat(),
+    )?;
+    start[..6].copy_from_slice(&aligned[1..]);
+    start[ALIGNED] = 1;
+    start[STATUS] = RUNNING;
+    type Fault = fn(Sample, i128) -> Sample;
+    let conditions: [(&str, Fault); 4] = [
+        ("frozen_steps", |sample, _| Sample {
+            gyro: [5, 5, 5],
+            ..sample
+        }),
+        ("clipped_steps", |sample, _| {
+            let [x, y, _] = sample.gyro;
+            Sample {
+                gyro: [x, y, 32_767],
+                ..sample
+            }
+        }),
+        ("wheel_steps", |sample, low| Sample {
+            wheel: low,
+            ..sample
+        }),
+        ("rejected_steps", |sample, _| Sample {
+            accel: [0; 3],
+            ..sample
+        }),
+    ];
+    for (limit, fault) in conditions {
+        let steps = second.limit(limit)?;
+        let low = second.limit("wheel_low")?;
+        let mut words = start.clone();
+        let mut ended = None;
+        // One step more: the first of frozen words is one that changes.
+        for step in 0..=steps {
+            let sample = fault(upright(step), low);
+            let found = f.call("Controller::step", &[&words[..], &sample.words()].concat())?;
+            words = found[1..].to_vec();
+            if words[STATUS] != RUNNING {
+                if found[0] != zero {
+                    return Err(format!("{limit}: duty {} after a trip", found[0]));
+                }
+                ended = Some(step);
+                break;
+            }
+        }
+        if ended.is_none() {
+            return Err(format!(
+                "{limit}: the condition lasts, and the controller runs on"
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! The words of `LIMITS`, from the certificate's plant, sensors and drive.
+//!
+//! All follow from the linear model about upright, derived here a second time: the largest current
+//! holds the body at asin(|B₂| I/A₂₁), which it leaves at √A₂₁ 1/s; the wheel alone is sped up by
+//! (B₂ + B₃) I. The times are those that the claim states.
+
+use num_traits::ToPrimitive;
+
+use crate::certificate::reader::Certificate;
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::named_words::NamedWords;
+use crate::language::module::Module;
+
+/// How far a word may be from its number: a unit, and a millionth for double precision.
+const TOLERANCE: f64 = 1e-6;
+
+/// Times in s: wheel speed unknown, a sensor clipped, no gravity.
+pub(crate) const TIMES_S: [(&str, f64); 3] = [
+    ("wheel_steps", 0.020),
+    ("clipped_steps", 0.010),
+    ("rejected_steps", 2.0),
+];
+
+/// The most and the fewest refresh periods over which the gyroscope's words may stand still.
+const FROZEN_REFRESHES: [f64; 2] = [5.0, 40.0];
+
+/// Checks every word.
+///
+/// # Errors
+/// A sentence that names the word.
+pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Result<(), String> {
+    let words = NamedWords::read(module, "LIMITS")?;
+    let word = |name: &str| -> Result<f64, String> {
+        let word = words.get(&format!("LIMITS.{name}"))?;
+        word.to_f64().ok_or_else(|| format!("{name} is too large"))
+    };
+    let near = |name: &str, wanted: f64| -> Result<(), String> {
+        let found = word(name)?;
+        if (found - wanted).abs() <= 1.0 + TOLERANCE * wanted.abs() {
+            Ok(())
+        } else {
+            Err(format!(
+                "LIMITS.{name} is {found}, its number makes it {wanted:.1}"
+            ))
+        }
+    };
+    let real = |value: &num_rational::BigRational| value.to_f64().unwrap_or(f64::NAN);
+    let period = real(&certificate.sample_time_s.value);
+    let plant = &certificate.plant;
+    let (fall, push, wheel) = (
+        real(&plant.a[1][0].value),
+        real(&plant.b[1].value),
+        real(&plant.b[2].value),
+    );
+    let limit = certificate.constant("CURRENT_LIMIT");
+    let limit = real(&limit.ok_or("there is no limit")?.real.value);
+    let most = core::f64::consts::FRAC_PI_3;
+    let sine = push.abs() * limit / fall;
+    let holding = if sine > 0.0 && sine.is_finite() {
+        sine.min(0.99).asin()
+    } else {
+        most
+    };
+    let unit = |index: usize| 2f64.powi(law.state_bits[index] as i32);
+    near("angle_trip", (2.0 * holding).min(most) * unit(0))?;
+    near("angle_arm", holding.min(most) * unit(0))?;
+    near("rate_arm", 0.25 * holding * fall.max(0.0).sqrt() * unit(1))?;
+    for (name, time_s) in TIMES_S {
+        near(name, (time_s / period).max(2.0))?;
+    }
+    let range = real(&certificate.inputs[2].range.value);
+    near(
+        "saturated_steps",
+        (range / ((push + wheel).abs() * limit) / period).max(2.0),
+    )?;
+
+    let refresh_s = certificate
+        .gyro_rate_hz
+        .as_ref()
+        .map_or(period, |rate| 1.0 / real(&rate.value))
+        .max(period);
+    let refreshes = word("frozen_steps")? * period / refresh_s;
+    if !(FROZEN_REFRESHES[0]..=FROZEN_REFRESHES[1]).contains(&refreshes) {
+        return Err(format!(
+            "LIMITS.frozen_steps are {refreshes:.1} refresh periods of the gyroscope"
+        ));
+    }
+
+    let window = word("window")?;
+    let shift = word("window_shift")?;
+    if window != 2f64.powf(shift) || !(2.0..=16.0).contains(&shift) {
+        return Err(format!("LIMITS.window is {window}, not 2^{shift}"));
+    }
+    near("quiet_turn", 0.3 * 0.5 * period * 2f64.powi(32))?;
+
+    // Gravity in the accelerometer's units: the largest row of its matrix adds up to 2³⁰ in Q17.
+    let hardware = &certificate.hardware;
+    let rows = hardware.accelerometer.matrix.iter();
+    let row = rows
+        .map(|row| {
+            row.iter()
+                .map(|entry| real(&entry.value).abs())
+                .sum::<f64>()
+        })
+        .fold(0.0, f64::max);
+    let gravity = real(&hardware.gravity_m_s2.value) * 2f64.powi(13) / row;
+    near("gravity_low", (0.85 * gravity).powi(2) / 2f64.powi(32))?;
+    near("gravity_high", (1.15 * gravity).powi(2) / 2f64.powi(32))?;
+    near("agreement", 0.1 * gravity)?;
+
+    let micros = NamedWords::read(module, "SAMPLE_TIME_US")?.get("SAMPLE_TIME_US")?;
+    if (real(&micros) - 1e6 * period).abs() > TOLERANCE {
+        return Err(format!(
+            "SAMPLE_TIME_US is {micros}, the sample time {period} s"
+        ));
+    }
+    Ok(())
+}

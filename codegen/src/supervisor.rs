@@ -1,0 +1,226 @@
+//! The numbers of the supervisor, from the model, the sensors and the drive.
+//!
+//! All of them follow from the linear model about upright: τ I/G = |B₂| I/A₂₁ is the sine of the angle
+//! at which the largest current just holds the body, √A₂₁ the rate of its fall, and B₂ + B₃ = τ/j_w
+//! what a current does to the wheel alone.
+
+use core::f64::consts::PI;
+
+use attitude::AttitudeSpec;
+
+use crate::attitude::AttitudeRefusal;
+use crate::helpers::filter::FilterConstants;
+use crate::helpers::supervisor::Limits;
+use crate::ir::IntegerLaw;
+use crate::spec::ModuleSpec;
+
+/// Largest angle at which the loop may run, rad: 60°. Beyond it nothing balances; what is caught
+/// there is a fall.
+const ANGLE_TRIP_MAX_RAD: f64 = PI / 3.0;
+
+/// The sine of the angle at which the motor holds the body is not trusted nearer to one than this.
+const SINE_MAX: f64 = 0.99;
+
+/// Share of the speed of the fall from the holding angle at which the controller is armed: a hand
+/// that holds the body turns it less, and the motor stops it within a quarter of that angle.
+const RATE_ARM_SHARE: f64 = 0.25;
+
+/// How long quiet samples are averaged for the attitude, s: a quarter of a second, over which the
+/// noise of an accelerometer at 1 kHz falls sixteenfold; four such windows fit into a second.
+const WINDOW_S: f64 = 0.25;
+
+/// How far the length of a quiet reading may be from gravity: a sensor that is not calibrated is off
+/// by some per cent, a push of 0.2 g more than that.
+const GRAVITY_SHARE: f64 = 0.15;
+
+/// How far two quiet readings may differ in a component, in shares of gravity: 6° of tilt, six
+/// standard deviations of a noise of 10 mg and more.
+const AGREEMENT_SHARE: f64 = 0.1;
+
+/// Largest rate of a quiet sample about each axis, rad/s: with an uncalibrated gyroscope's bias (5 °/s
+/// by data sheets) and the tremor of a hand.
+const QUIET_RAD_S: f64 = 0.3;
+
+/// How long the wheel's speed may be unknown, s.
+const WHEEL_S: f64 = 0.020;
+/// How long a sensor may be clipped, s.
+const CLIPPED_S: f64 = 0.010;
+/// How long the accelerometer may show no gravity, s.
+const REJECTED_S: f64 = 2.0;
+
+/// Refresh periods of the gyroscope over which its three words may stand still. With noise of half a
+/// count on each axis two readings are alike with a probability of 0.18; twenty in a row come in
+/// 10¹⁵ readings, less than once in 10⁸ hours at 1 kHz.
+const FROZEN_REFRESHES: f64 = 20.0;
+
+/// The numbers in SI units, as documents state them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SupervisorNumbers {
+    /// Largest angle while running, rad.
+    pub angle_trip_rad: f64,
+    /// Largest angle at which the controller is armed, rad.
+    pub angle_arm_rad: f64,
+    /// Largest rate at which it is armed, rad/s.
+    pub rate_arm_rad_s: f64,
+    /// Time at the current's limit in which the wheel reaches its largest speed, s.
+    pub saturated_s: f64,
+    /// Time without a change of the gyroscope's words, s.
+    pub frozen_s: f64,
+}
+
+/// The numbers for `spec`.
+pub fn numbers(spec: &ModuleSpec) -> SupervisorNumbers {
+    let (fall, push) = (spec.a[1][0], spec.b[1].abs());
+    let sine = push * spec.current_limit_a / fall;
+    let holding = if sine.is_finite() && sine > 0.0 {
+        sine.min(SINE_MAX).asin()
+    } else {
+        ANGLE_TRIP_MAX_RAD
+    };
+    let speed_up = (spec.b[1] + spec.b[2]).abs() * spec.current_limit_a;
+    let refresh_s = spec
+        .hardware
+        .gyro_rate_hz
+        .map_or(spec.sample_time_s, |rate| 1.0 / rate)
+        .max(spec.sample_time_s);
+    SupervisorNumbers {
+        angle_trip_rad: (2.0 * holding).min(ANGLE_TRIP_MAX_RAD),
+        angle_arm_rad: holding.min(ANGLE_TRIP_MAX_RAD),
+        rate_arm_rad_s: RATE_ARM_SHARE * holding * fall.max(0.0).sqrt(),
+        saturated_s: spec.ranges.wheel_speed_rad_s / speed_up,
+        frozen_s: FROZEN_REFRESHES * refresh_s,
+    }
+}
+
+/// The words of the supervisor.
+///
+/// # Errors
+/// [`AttitudeRefusal::NoLine`] for a number that does not fit its word.
+pub fn derive(
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+    filter: &FilterConstants,
+) -> Result<Limits, AttitudeRefusal> {
+    let attitude: &AttitudeSpec = &spec.hardware.attitude;
+    let numbers = numbers(spec);
+    let period = spec.sample_time_s;
+    let word = |what: &'static str, value: f64| {
+        if value >= 1.0 && value <= f64::from(i32::MAX) {
+            Ok(value.floor() as i32)
+        } else {
+            Err(AttitudeRefusal::NoLine { what, value })
+        }
+    };
+    // More than a step, else one bad reading would trip.
+    let steps = |what: &'static str, time_s: f64| {
+        word(what, (time_s / period * (1.0 - 1e-9)).ceil().max(2.0))
+    };
+    let bits = |index: usize| 2f64.powi(law.terms[index].input.format.fraction_bits as i32);
+    let window_shift = (WINDOW_S / period).log2().round().clamp(2.0, 16.0) as u32;
+    // Accelerometer units of one g, from the words themselves.
+    let per_m_s2 = unit_per_m_s2(filter, attitude);
+    let gravity = attitude.gravity_m_s2 * per_m_s2;
+    let squared = |share: f64| (gravity * share).powi(2) / 2f64.powi(32);
+    Ok(Limits {
+        angle_trip: word("the largest angle", numbers.angle_trip_rad * bits(0))?,
+        angle_arm: word(
+            "the angle at which it is armed",
+            numbers.angle_arm_rad * bits(0),
+        )?,
+        rate_arm: word(
+            "the rate at which it is armed",
+            numbers.rate_arm_rad_s * bits(1),
+        )?,
+        window: 1 << window_shift,
+        window_shift,
+        gravity_low: squared(1.0 - GRAVITY_SHARE) as i32,
+        gravity_high: word("the longest gravity", squared(1.0 + GRAVITY_SHARE))?,
+        agreement: word("the agreement of readings", gravity * AGREEMENT_SHARE)?,
+        quiet_turn: word(
+            "the rate at rest",
+            QUIET_RAD_S * 0.5 * period * 2f64.powi(32),
+        )?,
+        gyro_clip: attitude.gyro_clip,
+        wheel_low: spec.hardware.wheel_low.into(),
+        wheel_high: spec.hardware.wheel_high.into(),
+        wheel_steps: steps("the time with an unknown wheel speed", WHEEL_S)?,
+        clipped_steps: steps("the time at the end of a range", CLIPPED_S)?,
+        frozen_steps: steps("the time with frozen words", numbers.frozen_s)?,
+        rejected_steps: steps("the time without gravity", REJECTED_S)?,
+        saturated_steps: steps("the time at the current's limit", numbers.saturated_s)?,
+    })
+}
+
+/// Accelerometer units per m/s²: the words of the matrix over the matrix itself, in its largest entry.
+fn unit_per_m_s2(filter: &FilterConstants, attitude: &AttitudeSpec) -> f64 {
+    let rows = [filter.accel.x, filter.accel.y, filter.accel.z];
+    let mut best = (0.0, 0.0);
+    for (row, words) in rows.iter().enumerate() {
+        for (column, word) in words.iter().enumerate() {
+            let entry = attitude.accel.matrix[(row, column)];
+            if entry.abs() > best.0 {
+                best = (entry.abs(), f64::from(*word) / entry);
+            }
+        }
+    }
+    best.1 / 2f64.powi(17)
+}
+
+/// The sample time in whole microseconds.
+///
+/// # Errors
+/// [`AttitudeRefusal::NoLine`] for a time that is no whole number of them, or below ten.
+pub fn sample_time_us(sample_time_s: f64) -> Result<u32, AttitudeRefusal> {
+    let micros = sample_time_s * 1e6;
+    if (micros - micros.round()).abs() < 1e-6 && (10.0..=1e6).contains(&micros.round()) {
+        Ok(micros.round() as u32)
+    } else {
+        Err(AttitudeRefusal::SampleTime { sample_time_s })
+    }
+}
+
+/// The lines that document [`Limits`].
+pub fn documents(spec: &ModuleSpec) -> Vec<String> {
+    let numbers = numbers(spec);
+    let degrees = |rad: f64| format!("{:.2}°", rad.to_degrees());
+    vec![
+        "When the controller is armed and when it trips.".to_owned(),
+        String::new(),
+        "| condition | limit |".to_owned(),
+        "|---|---|".to_owned(),
+        format!(
+            "| armed within | {}, {:.3} rad/s, no sensor stuck |",
+            degrees(numbers.angle_arm_rad),
+            numbers.rate_arm_rad_s
+        ),
+        format!(
+            "| attitude set by | quiet samples of about {WINDOW_S} s: gravity within {:.0} %, readings \
+             within {:.0} % of it, below {QUIET_RAD_S} rad/s |",
+            100.0 * GRAVITY_SHARE,
+            100.0 * AGREEMENT_SHARE
+        ),
+        format!("| angle | {}, at once |", degrees(numbers.angle_trip_rad)),
+        format!(
+            "| gyroscope's words stand still | {:.4} s (its noise is taken to be half a count or more) |",
+            numbers.frozen_s
+        ),
+        format!("| gyroscope or accelerometer clipped | {CLIPPED_S} s |"),
+        format!("| wheel speed at the ends of its sensor | {WHEEL_S} s |"),
+        format!("| accelerometer shows no gravity | {REJECTED_S} s |"),
+        format!("| current at its limit | {:.3} s |", numbers.saturated_s),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_time_is_whole_microseconds() {
+        assert_eq!(sample_time_us(0.001), Ok(1000));
+        assert_eq!(sample_time_us(0.0119), Ok(11_900));
+        for bad in [1.6e-8, 1e-6, 0.000_123_4, 3.0] {
+            assert!(sample_time_us(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! What a search comes to: what is certain, what is taken provisionally, and the verdict.
+
+use plant::Model;
+
+use crate::candidate::Candidate;
+use crate::path::without_absorbers;
+use crate::pool::{Search, common};
+use crate::thresholds::Thresholds;
+use crate::verdict::{Findings, Verdict, verdict};
+
+/// What a search comes to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decision {
+    /// Index of the candidate with everything that is certain.
+    pub certain: usize,
+    /// Index of the candidate that is taken until an experiment has decided: the most usual of those that tie.
+    pub provisional: Option<usize>,
+    /// The candidates that tie and are worth a choice; empty where none are.
+    pub ties: Vec<usize>,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// What the last model leaves, the largest structured remainder in units of noise.
+    pub remainder: f64,
+}
+
+impl Decision {
+    /// The model that predicts from now on.
+    pub fn last(&self) -> usize {
+        self.provisional.unwrap_or(self.certain)
+    }
+}
+
+/// Decides. For every candidate of the pool `left` is its largest structured remainder in units of noise, and
+/// `excess` is its χ² beyond the noise.
+pub fn decide(
+    found: &Search,
+    left: impl Fn(usize) -> f64,
+    excess: impl Fn(usize) -> f64,
+    thresholds: &Thresholds,
+) -> Decision {
+    let shared = if found.ties.is_empty() {
+        found.best
+    } else {
+        common(found).unwrap_or(0)
+    };
+    let findings = Findings {
+        added: found.pool[shared].added.len(),
+        remainder: left(shared),
+        ties: found.ties.len(),
+        left_by_ties: found
+            .ties
+            .iter()
+            .map(|&index| left(index))
+            .fold(f64::INFINITY, f64::min),
+    };
+    let verdict = verdict(&findings, thresholds);
+    let settled = |certain: usize, remainder: f64| Decision {
+        certain,
+        provisional: None,
+        ties: vec![],
+        verdict,
+        remainder,
+    };
+    let usual = most_usual(found, shared);
+    match (verdict, usual) {
+        (Verdict::NothingMissing | Verdict::Explained, _) => settled(shared, findings.remainder),
+        (Verdict::Ambiguous, Some(usual)) => Decision {
+            provisional: Some(usual),
+            ties: found.ties.clone(),
+            ..settled(shared, left(usual))
+        },
+        (Verdict::Ambiguous | Verdict::Unexplained, usual) => {
+            let excess: Vec<f64> = (0..found.pool.len()).map(excess).collect();
+            // What ties and takes more than it leaves is a choice, whatever else remains.
+            if let Some(usual) =
+                usual.filter(|&usual| without_absorbers(found, usual, &excess) == usual)
+            {
+                return Decision {
+                    provisional: Some(usual),
+                    ties: found.ties.clone(),
+                    ..settled(shared, left(usual))
+                };
+            }
+            let certain = without_absorbers(found, shared, &excess);
+            settled(certain, left(certain))
+        }
+    }
+}
+
+/// Of the candidates that tie, the one whose effects beyond what all `share` are the most usual on real benches;
+/// of equals that with fewer parameters, and then that which comes first in the order of the library.
+fn most_usual(found: &Search, shared: usize) -> Option<usize> {
+    let shared = &found.pool[shared].model;
+    found.ties.iter().copied().min_by(|&a, &b| {
+        let (a, b) = (&found.pool[a], &found.pool[b]);
+        log_odds(b, shared)
+            .total_cmp(&log_odds(a, shared))
+            .then(a.parameters.cmp(&b.parameters))
+            .then_with(|| a.set().cmp(&b.set()))
+    })
+}
+
+/// Logarithm of the odds that a bench has everything which the candidate adds to a model.
+fn log_odds(candidate: &Candidate, shared: &Model) -> f64 {
+    let effects = candidate.model.effects().iter();
+    effects
+        .filter(|effect| !shared.has(**effect))
+        .map(|effect| effect.info().prior.commonness.odds().ln())
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use plant::EffectId::{
+        BodyCoulombFriction as Coulomb, BodyPreslidingFriction as Presliding,
+        BodyQuadraticDrag as Drag, BodySofteningSpring as Softening, CurrentOffset as Offset,
+        WheelCoulombFriction as WheelCoulomb,
+    };
+
+    use super::*;
+    use crate::hand_made::search;
+
+    fn of(found: &Search) -> Decision {
+        let left = |index: usize| found.pool[index].largest_remainder();
+        let excess = |index: usize| found.pool[index].minimum.cost;
+        decide(found, left, excess, &Thresholds::default())
+    }
+
+    #[test]
+    fn what_explains_alone_is_certain() {
+        let found = search(
+            &[(&[], 100.0, 5.0, -50.0), (&[Coulomb], 1.0, 0.2, 0.0)],
+            1,
+            &[],
+        );
+        let decision = of(&found);
+        assert_eq!(decision.verdict, Verdict::Explained);
+        assert_eq!((decision.certain, decision.provisional), (1, None));
+        assert_eq!(decision.remainder, 0.2);
+    }
+
+    /// A wheel that coasts down: dry friction and a current offset are the same torque, and much remains
+    /// beside either.
+    #[test]
+    fn a_tie_that_takes_nearly_everything_is_taken_provisionally() {
+        let found = search(
+            &[
+                (&[], 200_000.0, 458.0, -900.0),
+                (&[Offset], 1_400.0, 38.0, 0.0),
+                (&[WheelCoulomb], 1_400.0, 38.0, -0.1),
+            ],
+            1,
+            &[1, 2],
+        );
+        let decision = of(&found);
+        assert_eq!(decision.verdict, Verdict::Unexplained);
+        // Every wheel has dry friction, not every amplifier an offset.
+        assert_eq!((decision.certain, decision.provisional), (0, Some(2)));
+        assert_eq!(decision.ties, [1, 2]);
+        assert_eq!(decision.remainder, 38.0);
+    }
+
+    #[test]
+    fn what_ties_share_is_certain() {
+        let found = search(
+            &[
+                (&[], 100.0, 9.0, -50.0),
+                (&[Coulomb], 30.0, 4.0, -20.0),
+                (&[Presliding], 2.0, 0.5, 0.0),
+                (&[Coulomb, Softening], 2.0, 0.5, -1.0),
+            ],
+            2,
+            &[2, 3],
+        );
+        let decision = of(&found);
+        assert_eq!(decision.verdict, Verdict::Ambiguous);
+        assert_eq!((decision.certain, decision.provisional), (1, Some(2)));
+    }
+
+    #[test]
+    fn ties_that_take_less_than_they_leave_are_none() {
+        let found = search(
+            &[
+                (&[], 100.0, 9.0, -50.0),
+                (&[Drag], 60.0, 7.0, -20.0),
+                (&[Coulomb], 60.0, 7.0, -20.5),
+            ],
+            1,
+            &[1, 2],
+        );
+        let decision = of(&found);
+        assert_eq!(decision.verdict, Verdict::Unexplained);
+        assert_eq!((decision.certain, decision.provisional), (0, None));
+        assert!(decision.ties.is_empty());
+    }
+
+    #[test]
+    fn of_equally_usual_explanations_the_smaller_one_is_taken() {
+        let found = search(
+            &[
+                (&[], 100.0, 9.0, -50.0),
+                (&[Presliding], 2.0, 0.5, 0.0),
+                (&[Drag], 2.0, 0.5, -1.0),
+            ],
+            1,
+            &[1, 2],
+        );
+        assert_eq!(of(&found).provisional, Some(2));
+    }
+}

@@ -1,0 +1,69 @@
+//! How large what a model leaves is: against the noise, against the signal, and as a torque.
+
+use identify::{Record, TorqueOn, residual_torques};
+
+use crate::candidate::Candidate;
+
+/// What a model leaves in the measurements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remains {
+    /// The largest structured remainder over all series, in units of its sensor's noise.
+    pub over_noise: f64,
+    /// The same remainder in units of what the series itself does (its standard deviation).
+    pub over_signal: f64,
+    /// The torque that the model lacks, where the logs show one.
+    pub torque: Option<RemainingTorque>,
+}
+
+/// A torque that a model lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RemainingTorque {
+    /// On what it acts.
+    pub on: TorqueOn,
+    /// The experiment in which it is largest.
+    pub experiment: String,
+    /// Its root mean square there beyond what the noise of the sensors makes, N m (per kg m² where the scale of
+    /// the torques is not known). It is averaged over a sixteenth of a period to either side.
+    pub rms_nm: f64,
+}
+
+/// What a candidate leaves of these records.
+pub fn remains(records: &[&Record], candidate: &Candidate) -> Remains {
+    let (mut over_noise, mut over_signal) = (0.0, 0.0);
+    for (record, left) in records.iter().zip(&candidate.remainders) {
+        for (channel, &left) in record.channels.iter().zip(left) {
+            if left > over_noise {
+                let samples = channel.samples.iter().copied();
+                let samples: Vec<f64> = samples.filter(|sample| sample.is_finite()).collect();
+                let n = samples.len().max(1) as f64;
+                let mean = samples.iter().sum::<f64>() / n;
+                let squares = samples.iter().map(|sample| (sample - mean).powi(2));
+                let signal_std = (squares.sum::<f64>() / n).sqrt();
+                over_noise = left;
+                over_signal = left * channel.noise_std / signal_std;
+            }
+        }
+    }
+    let minimum = &candidate.minimum;
+    let torques = records
+        .iter()
+        .zip(&minimum.windows)
+        .flat_map(|(record, windows)| {
+            let found = residual_torques(record, windows, &candidate.model, &minimum.values);
+            found.into_iter().filter_map(|torque| {
+                let n = torque.torque_nm.len() as f64;
+                let square = torque.torque_nm.iter().map(|one| one * one).sum::<f64>() / n;
+                let beyond = square - torque.noise_std_nm.powi(2);
+                (beyond > 0.0).then(|| RemainingTorque {
+                    on: torque.on,
+                    experiment: record.name.clone(),
+                    rms_nm: beyond.sqrt(),
+                })
+            })
+        });
+    Remains {
+        over_noise,
+        over_signal,
+        torque: torques.max_by(|a, b| a.rms_nm.total_cmp(&b.rms_nm)),
+    }
+}

@@ -1,0 +1,111 @@
+//! The supervisor: what trips, and that nothing else than arming ends a trip.
+
+use generated::constants::LIMITS;
+use generated::supervisor::{
+    Counters, EMPTY_WINDOW, Status, Window, counted, gathered, judged, may_arm, observed,
+};
+use generated::{Controller, Sample, ZERO_CURRENT};
+
+/// Claim `supervisor`: a count grows by one while its condition holds, never beyond its limit, and
+/// starts anew once it does not.
+///
+/// # Panics
+/// If the claim does not hold for these words.
+pub fn counts_are_bounded(count: i32, holds: bool, limit: i32) {
+    let next = counted(count, holds, limit);
+    assert!((0..=limit).contains(&next), "a count beyond its limit");
+    assert!(holds || next == 0, "a count of what does not hold");
+    if holds && (0..limit).contains(&count) {
+        assert!(next == count + 1, "a step is not counted");
+    }
+}
+
+/// Claim `supervisor`: counts below their limits and an angle within its own let the controller run;
+/// any other word trips it, by a status that says which.
+///
+/// # Panics
+/// If the claim does not hold for these words.
+pub fn each_limit_trips(counters: &Counters, angle: i32) {
+    let status = judged(counters, angle, &LIMITS);
+    let is_within = (-LIMITS.angle_trip..=LIMITS.angle_trip).contains(&angle)
+        && counters.frozen < LIMITS.frozen_steps
+        && counters.clipped < LIMITS.clipped_steps
+        && counters.wheel < LIMITS.wheel_steps
+        && counters.rejected < LIMITS.rejected_steps
+        && counters.saturated < LIMITS.saturated_steps;
+    assert!(
+        (status == Status::Running) == is_within,
+        "a limit without a trip"
+    );
+    assert!(
+        status != Status::NotAligned && status != Status::Ready,
+        "a judgement that is none"
+    );
+}
+
+/// Claim `supervisor`: with one sensor stuck, or far from upright, the controller is not armed.
+///
+/// # Panics
+/// If the claim does not hold for these words.
+pub fn arming_needs_sound_sensors(counters: &Counters, angle: i32, rate: i32) {
+    if may_arm(counters, angle, rate, &LIMITS) {
+        assert!(judged(counters, angle, &LIMITS) != Status::TrippedAngle);
+        assert!(counters.frozen < LIMITS.frozen_steps && counters.wheel == 0);
+        assert!(counters.clipped == 0 && counters.rejected == 0);
+    }
+}
+
+/// Claim `supervisor`: a window holds at most its samples, and none that is not quiet.
+///
+/// # Panics
+/// If the claim does not hold for these words.
+pub fn windows_are_of_quiet_samples(window: &Window, up: [i32; 3], is_quiet: bool) {
+    let next = gathered(window, up, is_quiet, &LIMITS);
+    assert!(
+        (0..=LIMITS.window).contains(&next.count),
+        "a window too long"
+    );
+    assert!(
+        is_quiet || next == EMPTY_WINDOW,
+        "a sample that is not quiet"
+    );
+}
+
+/// Claim `supervisor`: counts after a sample are those of [`counted`], of whatever sample.
+///
+/// # Panics
+/// If the claim does not hold for these words.
+pub fn observation_is_total(
+    counters: &Counters,
+    gyro: [i16; 3],
+    is_clipped: bool,
+    shows_gravity: bool,
+    wheel: u16,
+) {
+    let wheel = i32::from(wheel);
+    let next = observed(counters, gyro, is_clipped, shows_gravity, wheel, &LIMITS);
+    assert!((0..=LIMITS.wheel_steps).contains(&next.wheel));
+    assert!((0..=LIMITS.frozen_steps).contains(&next.frozen));
+    assert!((0..=LIMITS.clipped_steps).contains(&next.clipped));
+    assert!((0..=LIMITS.rejected_steps).contains(&next.rejected));
+    assert!(next.gyro == gyro && next.saturated == counters.saturated);
+}
+
+/// Claim `supervisor`: after a fault, and after a trip, no sample gives a current until the
+/// controller is armed again.
+///
+/// # Panics
+/// If the claim does not hold for these samples.
+pub fn a_fault_lasts(controller: &mut Controller, samples: &[Sample]) {
+    controller.fault();
+    for sample in samples {
+        assert!(
+            controller.step(sample).0 == ZERO_CURRENT,
+            "a current after a fault"
+        );
+        assert!(
+            controller.status() == Status::TrippedFault,
+            "a trip that ends by itself"
+        );
+    }
+}

@@ -1,0 +1,109 @@
+//! What a model leaves unexplained, and whether it matters.
+
+use design::torque_response;
+use diagnose::RemainingTorque;
+use identify::{FitProblem, TorqueOn};
+use plant::torque_inputs;
+use serde::{Deserialize, Serialize};
+
+use crate::control_design::ControlDesign;
+use crate::numbers::significant;
+
+/// How large what no effect explains is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RemainsReport {
+    /// The largest structured remainder, in units of its sensor's noise.
+    pub over_noise: f64,
+    /// The same in units of what that series itself does (its standard deviation).
+    pub over_signal: f64,
+    /// As a torque, root mean square in the experiment where it is largest, N m. `None` where the logs show no
+    /// torque, or not its scale.
+    #[serde(rename = "torque_Nm")]
+    pub torque_nm: Option<f64>,
+    /// On what it acts: `body` or `wheel`.
+    pub torque_on: Option<String>,
+    /// The experiment in which it is that large.
+    pub experiment: Option<String>,
+    /// What a torque of that size does to the controlled pendulum; `None` where no controller can be had.
+    pub closed_loop: Option<ClosedLoopDeviation>,
+}
+
+/// The root mean square deviation of the controlled pendulum under a torque of the frequency to which the loop is
+/// most sensitive: an upper bound for any other torque of that size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClosedLoopDeviation {
+    /// Of the angle, rad.
+    pub angle_rad: f64,
+    /// Of the current, A.
+    #[serde(rename = "current_A")]
+    pub current_a: f64,
+}
+
+impl RemainsReport {
+    /// `found` in the loop of `design`, on the bench of `problem`.
+    pub(crate) fn new(
+        found: &diagnose::Remains,
+        problem: &FitProblem,
+        design: Option<&ControlDesign>,
+    ) -> RemainsReport {
+        let torque = found.torque.as_ref().filter(|torque| match torque.on {
+            TorqueOn::Body | TorqueOn::BodyByCommand => problem.body_scale_known,
+            TorqueOn::Wheel => problem.wheel_scale_known || problem.coupled,
+        });
+        RemainsReport {
+            over_noise: found.over_noise,
+            over_signal: found.over_signal,
+            torque_nm: torque.map(|torque| torque.rms_nm),
+            torque_on: torque.map(|torque| name(torque.on).to_owned()),
+            experiment: torque.map(|torque| torque.experiment.clone()),
+            closed_loop: torque.and_then(|torque| deviation(torque, design?)),
+        }
+    }
+
+    /// What it means, in a sentence or two.
+    pub fn sentence(&self) -> String {
+        let mut text = format!(
+            "What remains is {} times the noise of the sensor and {} % of what the sensor sees.",
+            significant(self.over_noise, 2),
+            significant(100.0 * self.over_signal, 2)
+        );
+        if let (Some(torque), Some(on), Some(experiment)) =
+            (self.torque_nm, &self.torque_on, &self.experiment)
+        {
+            text.push_str(&format!(
+                " As a torque on the {on} it is {} mN m ({experiment})",
+                significant(1e3 * torque, 2)
+            ));
+            text.push_str(&match self.closed_loop {
+                Some(loop_) => format!(
+                    "; a torque of that size moves the controlled pendulum by at most {}° and the \
+                     current by at most {} A.",
+                    significant(loop_.angle_rad.to_degrees(), 2),
+                    significant(loop_.current_a, 2)
+                ),
+                None => ".".to_owned(),
+            });
+        }
+        text
+    }
+}
+
+fn name(on: TorqueOn) -> &'static str {
+    match on {
+        TorqueOn::Body | TorqueOn::BodyByCommand => "body",
+        TorqueOn::Wheel => "wheel",
+    }
+}
+
+fn deviation(torque: &RemainingTorque, design: &ControlDesign) -> Option<ClosedLoopDeviation> {
+    let [body, wheel] = torque_inputs(design.model(), design.values());
+    let input = match torque.on {
+        TorqueOn::Body | TorqueOn::BodyByCommand => body,
+        TorqueOn::Wheel => wheel,
+    };
+    let response = torque_response(design.design(), &input).ok()?;
+    Some(ClosedLoopDeviation {
+        angle_rad: response.angle_rad_per_nm * torque.rms_nm,
+        current_a: response.current_a_per_nm * torque.rms_nm,
+    })
+}
