@@ -1,5 +1,5 @@
 //! The audit of the texts that emitted crates are made of: `cargo run --release -p checker --example
-//! audit [DIR…]`, minutes. It writes `checker/audited.json`.
+//! audit [DIR…]`, minutes. It writes `checker/audited.json`. With `--digests` it prints digests only.
 //!
 //! Every engine runs on the crates in the folders (by default the committed one) with many more cases
 //! than `flywheel prove` takes; the functions of one word are run, compiled, on every input. If
@@ -23,6 +23,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));
     let committed = home.join("../generated");
     let mut folders: Vec<PathBuf> = std::env::args().skip(1).map(PathBuf::from).collect();
+    if folders == [PathBuf::from("--digests")] {
+        for (path, text) in &Emitted::read(&committed)?.sources {
+            println!("{path} {}", digest::of_file(path, text).unwrap_or_default());
+        }
+        return Ok(());
+    }
     if folders.is_empty() {
         folders.push(committed.clone());
     }

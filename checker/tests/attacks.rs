@@ -224,3 +224,107 @@ fn the_compiled_crate_is_compared_where_the_pendulum_operates() {
     };
     assert!(why.contains("does not compile"), "{why}");
 }
+
+/// Outcomes of a claim, by engine.
+fn results(rows: &[ClaimResult], id: &str) -> Vec<&'static str> {
+    let own = rows.iter().filter(|row| row.id == id);
+    own.map(|row| row.outcome.word()).collect()
+}
+
+/// Numbers that agree in source and certificate and yet are those of no bench.
+#[test]
+fn numbers_that_no_bench_has() {
+    let with = |file: &str, changes: &[(&str, &str)], pointer: &str, value: serde_json::Value| {
+        let mut crate_ = emitted();
+        let source = crate_.sources.iter_mut().find(|(path, _)| path == file);
+        let text = &mut source.unwrap().1;
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            *text = text.replacen(from, to, 1);
+        }
+        let mut certificate: serde_json::Value = serde_json::from_str(&crate_.certificate).unwrap();
+        *certificate.pointer_mut(pointer).unwrap() = value;
+        crate_.certificate = certificate.to_string();
+        failing(&crate_, &QUICK)
+    };
+    // A filter that never corrects.
+    let claims = with(
+        "src/constants.rs",
+        &[("beta: 1_133_871", "beta: 0")],
+        "/hardware/beta_rad_s",
+        "0".into(),
+    );
+    assert!(claims.contains(&"hardware-words".to_owned()), "{claims:?}");
+    // A gyroscope that turns the other way about the pivot: its third row reversed.
+    let claims = with(
+        "src/constants.rs",
+        &[("z: [0, 0, 1_228_166_276]", "z: [0, 0, -1_228_166_276]")],
+        "/hardware/gyroscope/matrix/2/2",
+        "-0.001090830782496456".into(),
+    );
+    assert!(claims.contains(&"physical-signs".to_owned()), "{claims:?}");
+}
+
+#[test]
+fn a_law_without_a_limit_or_with_a_branch_is_not_total() {
+    let settings = ProofSettings {
+        audited_texts: false,
+        ..QUICK
+    };
+    let changes = [
+        ("Current::from_bits(1_073_741_824)", "Current::from_bits(0)"),
+        (
+            "Current::from_bits(1_073_741_824)",
+            "Current::from_bits(-5)",
+        ),
+        ("pub const CURRENT_LIMIT", "const CURRENT_LIMIT_2"),
+        (
+            "let command = (sum + HALF_UNIT) >> SHIFT;",
+            "let command = if sum < 0 { 0 - ((sum + HALF_UNIT) >> SHIFT) } else { (sum + HALF_UNIT) >> SHIFT };",
+        ),
+    ];
+    for (from, to) in changes {
+        let claims = failing(&damaged("src/control.rs", from, to), &settings);
+        let is_noticed = claims
+            .iter()
+            .any(|claim| claim == "control-total" || claim == "source-understood");
+        assert!(is_noticed, "{to}: {claims:?}");
+    }
+}
+
+/// What a certificate leaves out switches nothing off without a word.
+#[test]
+fn a_certificate_cannot_switch_claims_off() {
+    let altered = |pointer: &str, value: serde_json::Value| {
+        let mut crate_ = emitted();
+        let mut certificate: serde_json::Value = serde_json::from_str(&crate_.certificate).unwrap();
+        *certificate.pointer_mut(pointer).unwrap() = value;
+        crate_.certificate = certificate.to_string();
+        crate_
+    };
+    let settings = ProofSettings {
+        closed_loop: true,
+        ..QUICK
+    };
+    let rows_of = |crate_: &Emitted| rows(crate_, &settings);
+    let few = rows_of(&altered("/closed_loop/terms", 1.into()));
+    assert!(results(&few, "closed-loop-for-all-time").contains(&"failed"));
+
+    let none = rows_of(&altered("/closed_loop", serde_json::Value::Null));
+    let ProofVerdict::Unsettled(claims) = verdict(&none) else {
+        panic!("{:?}", verdict(&none));
+    };
+    assert!(claims.contains(&"closed-loop-for-all-time".to_owned()));
+
+    // Twelve parameters: those that the loop does not depend on do not matter.
+    let mut certificate: serde_json::Value = serde_json::from_str(&emitted().certificate).unwrap();
+    let mut parameters = certificate["parameters"].take();
+    let list = parameters.as_array_mut().unwrap();
+    for index in list.len()..12 {
+        let mut more = list[0].clone();
+        more["name"] = format!("extra_{index}").into();
+        list.push(more);
+    }
+    let many = rows_of(&altered("/parameters", parameters));
+    assert_eq!(results(&many, "stable-for-parameters"), ["proved"]);
+}

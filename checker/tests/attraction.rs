@@ -112,6 +112,10 @@ fn stronger_gravity_leaves_less_of_the_region_and_at_last_nothing() {
     let whole = region(&certificate, &law).unwrap();
     let with_gravity = |factor: i64| {
         let mut altered = certificate.clone();
+        let factor_of_a = num_rational::BigRational::from_integer(factor.into());
+        for row in [1, 2] {
+            altered.plant.a[row][0].value *= &factor_of_a;
+        }
         for parameter in &mut altered.parameters {
             if parameter.name == "gravity_torque" {
                 parameter.value.value *= num_rational::BigRational::from_integer(factor.into());
@@ -122,6 +126,16 @@ fn stronger_gravity_leaves_less_of_the_region_and_at_last_nothing() {
     let less = with_gravity(8).unwrap();
     assert!(less.outer < whole.outer, "{less:?}");
     assert!(with_gravity(10_000).is_err());
+
+    // The sine and the linear model have one gravity.
+    let mut altered = certificate.clone();
+    for parameter in &mut altered.parameters {
+        if parameter.name == "gravity_torque" {
+            parameter.value.value *= num_rational::BigRational::from_integer(2.into());
+        }
+    }
+    let why = region(&altered, &law).unwrap_err();
+    assert!(why.contains("gravity makes it"), "{why}");
 }
 
 #[test]

@@ -88,7 +88,10 @@ fn items_outside_the_language() {
     let cases = [
         ("pub fn f<T>(a: T) -> i32 { 1 }", "nothing is generic"),
         ("static X: i32 = 1;", "found `static X"),
-        ("pub enum E { A }", "found `pub enum"),
+        (
+            "pub enum E { A }",
+            "found `A`; a variant has no fields and the value 0",
+        ),
         ("pub type A = fixed::types::I16F15;", "x + y = 32"),
         ("pub type A = i32;", "fixed::types::IxFy"),
         ("pub use law::r#control;", "found `r#`"),
@@ -134,6 +137,18 @@ fn items_outside_the_language() {
         ("#[derive(Hash)] struct X { a: i32 }", "not an attribute"),
         (
             "#[cfg_attr(kani, kani::requires(true), cfg(any()))] fn f() -> i32 { 1 }",
+            "not an attribute",
+        ),
+        (
+            "#[cfg_attr(any(kani), kani::requires(true))] fn f() -> i32 { 1 }",
+            "not an attribute",
+        ),
+        (
+            "#[cfg_attr(all(), kani::requires(true))] fn f() -> i32 { 1 }",
+            "not an attribute",
+        ),
+        (
+            "#[cfg_attr(any(), path = \"x\")] fn f() -> i32 { 1 }",
             "not an attribute",
         ),
         (

@@ -1,4 +1,4 @@
-//! Digests of token streams: what rustc compiles, without comments, documentation and layout.
+//! Digests of token streams: what rustc compiles, without comments, documentation, contracts and layout.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest, Sha256};
@@ -8,7 +8,7 @@ const WITH_NUMBERS: [&str; 2] = ["src/constants.rs", "src/control.rs"];
 
 /// SHA-256 of the tokens of a file, in hexadecimal; `None` where the text has no tokens of Rust.
 ///
-/// Documentation is left out. In the files of numbers each integer that stands alone in its place
+/// Documentation and contracts are left out. In the files of numbers each integer that stands alone in its place
 /// (`= 5;`, `[5, -6]`, `field: 5`) counts as one and the same, with its minus, and so does each
 /// format `IxFy`.
 pub fn of_file(path: &str, text: &str) -> Option<String> {
@@ -26,7 +26,7 @@ pub fn of_file(path: &str, text: &str) -> Option<String> {
     Some(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// Every token but those of documentation, groups opened and closed.
+/// Every token but those of documentation and contracts, groups opened and closed.
 fn collect(stream: TokenStream, tokens: &mut Vec<String>) {
     let mut trees = stream.into_iter().peekable();
     while let Some(tree) = trees.next() {
@@ -37,7 +37,7 @@ fn collect(stream: TokenStream, tokens: &mut Vec<String>) {
                 if is_inner {
                     trees.next();
                 }
-                if trees.peek().is_some_and(is_documentation) {
+                if trees.peek().is_some_and(is_no_code) {
                     trees.next();
                 } else {
                     tokens.push(if is_inner { "#!" } else { "#" }.to_owned());
@@ -59,17 +59,23 @@ fn collect(stream: TokenStream, tokens: &mut Vec<String>) {
     }
 }
 
-/// `[doc = "…"]`, which stands for `/// …`.
-fn is_documentation(tree: &TokenTree) -> bool {
+/// `[doc = "…"]`, which stands for `/// …`, or `[cfg_attr(…)]`, under which the reader allows contracts
+/// alone: rustc compiles neither, and contracts are proved anew in every run.
+fn is_no_code(tree: &TokenTree) -> bool {
     let TokenTree::Group(group) = tree else {
         return false;
     };
     let parts: Vec<TokenTree> = group.stream().into_iter().collect();
     group.delimiter() == Delimiter::Bracket
-        && matches!(
-            parts.as_slice(),
-            [TokenTree::Ident(name), TokenTree::Punct(_), TokenTree::Literal(_)] if name == "doc"
-        )
+        && match parts.as_slice() {
+            [
+                TokenTree::Ident(name),
+                TokenTree::Punct(_),
+                TokenTree::Literal(_),
+            ] => name == "doc",
+            [TokenTree::Ident(name), TokenTree::Group(_)] => name == "cfg_attr",
+            _ => false,
+        }
 }
 
 /// The tokens with `0` for each integer that stands alone in its place, and `IxFy` for each format.

@@ -75,8 +75,9 @@ fn is_documentation(attribute: &syn::Attribute) -> bool {
         )
 }
 
-/// Attributes that do not change what the code does. Kani's contracts stand under
-/// `cfg_attr(kani, …)`, which nothing but Kani compiles.
+/// Attributes that do not change what the code does. Contracts that Kani proves stand under
+/// `cfg_attr(kani, …)`, which nothing but Kani compiles, and those that the checker alone proves under
+/// `cfg_attr(any(), …)`, which nothing compiles.
 pub(super) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -> Read<()> {
     attributes.iter().try_for_each(|attribute| {
         let name = attribute.path();
@@ -114,10 +115,16 @@ pub(super) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -
                     .map(|path| path.iter().map(String::as_str).collect())
                     .collect();
                 let paths: Vec<&[&str]> = paths.iter().map(Vec::as_slice).collect();
-                matches!(
+                let is_never = list.first().is_some_and(|condition| match condition {
+                    syn::Meta::Path(path) => path.is_ident("kani"),
+                    syn::Meta::List(list) => list.path.is_ident("any") && list.tokens.is_empty(),
+                    syn::Meta::NameValue(_) => false,
+                });
+                let is_one_contract = matches!(
                     paths.as_slice(),
-                    [["kani"], ["kani", "requires" | "ensures"]]
-                )
+                    [["kani" | "any"], ["kani", "requires" | "ensures"]]
+                );
+                is_never && is_one_contract
             });
         if is_harmless || is_derive || is_contract {
             Ok(())

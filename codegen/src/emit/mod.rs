@@ -23,7 +23,8 @@
 //! Runtime helpers (`codegen/runtime/`) are hand-written and may in addition use:
 //!
 //! - Files: `use super::module::{names};`, `#[inline]`, `#[derive(…)]` and contracts under
-//!   `#[cfg_attr(kani, …)]`, which are not code of the module.
+//!   `#[cfg_attr(kani, …)]` (proved by Kani and by the checker) or `#[cfg_attr(any(), …)]` (by the checker
+//!   alone), which are not code of the module.
 //! - Items: `pub enum` whose variants have no fields and the values 0, 1, … as written; compared and
 //!   built by their names.
 //! - Items: `pub struct` with named fields or one unnamed field, `impl` with `new`, methods on
