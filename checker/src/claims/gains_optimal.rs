@@ -120,7 +120,8 @@ pub fn check(certificate: &Certificate) -> Result<(), String> {
     for (i, gain) in k.into_iter().enumerate() {
         let best = form[3][i] / form[3][3];
         let least = 1e-9 * k.iter().map(|gain| gain.abs()).fold(0.0, f64::max);
-        if !((best - gain).abs() <= TOLERANCE * gain.abs() + least) {
+        let off = (best - gain).abs();
+        if off.is_nan() || off > TOLERANCE * gain.abs() + least {
             return Err(format!(
                 "gains[{i}] is {gain}, model and weights make it about {best}"
             ));
