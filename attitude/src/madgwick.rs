@@ -101,6 +101,30 @@ impl Madgwick {
         self.integrate(rate, &half_gradient);
     }
 
+    /// As [`Madgwick::step_imu`]; returns vec(q* ⊗ ∇/‖∇‖) before the step, half of Madgwick's ω_ε
+    /// (eq. 47), which is zero where no correction is made.
+    pub fn step_imu_with_error(
+        &mut self,
+        rate: &Vector3<f64>,
+        accel: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let Some(measured_up) = accel.try_normalize(0.0) else {
+            self.step_gyro(rate);
+            return Vector3::zeros();
+        };
+        let w = up_in_sensor(&self.q) - measured_up;
+        let half_gradient = self.half_gradient(&w, &Vector3::zeros());
+        let error = if half_gradient.amax() >= GRADIENT_MIN {
+            let unit = half_gradient.normalize();
+            let unit = Quaternion::new(unit[0], unit[1], unit[2], unit[3]);
+            (self.q.conjugate() * unit).imag()
+        } else {
+            Vector3::zeros()
+        };
+        self.integrate(rate, &half_gradient);
+        error
+    }
+
     /// One nine-axis step. `rate` in rad/s, `accel` and `mag` in any units. Without a usable
     /// field (zero, or nearly vertical) it is the six-axis step, with a zero `accel` the gyro's.
     pub fn step_marg(&mut self, rate: &Vector3<f64>, accel: &Vector3<f64>, mag: &Vector3<f64>) {

@@ -14,6 +14,7 @@ pub struct RawFilter {
     spec: AttitudeSpec,
     filter: Madgwick,
     lever_arm: LeverArm,
+    drift_rad_s: Vector3<f64>,
 }
 
 impl RawFilter {
@@ -23,6 +24,7 @@ impl RawFilter {
             spec: *spec,
             filter: Madgwick::new(spec.beta_rad_s, spec.sample_time_s),
             lever_arm: LeverArm::new(spec.lever_arm_m, spec.sample_time_s),
+            drift_rad_s: Vector3::zeros(),
         }
     }
 
@@ -44,6 +46,28 @@ impl RawFilter {
             Some(up) => self.filter.step_imu(&rate, &up),
             None => self.filter.step_gyro(&rate),
         }
+    }
+
+    /// As [`RawFilter::update_imu`], with the gyroscope's drift taken out and followed (Madgwick 2010,
+    /// eq. 47 to 49): b ← b + ζ T ω_ε with ζ = β over `drift_time_s`.
+    pub fn update_imu_tracked(&mut self, gyro: [i16; 3], accel: [i16; 3]) {
+        let rate = self.spec.gyro.apply(gyro) - self.drift_rad_s;
+        let error = match self.gravity(accel, rate.z) {
+            Some(up) => self.filter.step_imu_with_error(&rate, &up),
+            None => {
+                self.filter.step_gyro(&rate);
+                Vector3::zeros()
+            }
+        };
+        let zeta = self.spec.beta_rad_s / self.spec.drift_time_s;
+        let limit = self.spec.drift_limit_rad_s;
+        let next = self.drift_rad_s + 2.0 * zeta * self.spec.sample_time_s * error;
+        self.drift_rad_s = next.map(|drift| drift.clamp(-limit, limit));
+    }
+
+    /// What is taken for the gyroscope's drift, rad/s.
+    pub fn drift_rad_s(&self) -> Vector3<f64> {
+        self.drift_rad_s
     }
 
     /// One step with gyroscope, accelerometer and magnetometer.

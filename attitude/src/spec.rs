@@ -38,6 +38,10 @@ pub struct AttitudeSpec {
     pub sample_time_s: f64,
     /// Madgwick's β, rad/s (see [`crate::beta_from_gyro_noise`]).
     pub beta_rad_s: f64,
+    /// Time in which the gyroscope's drift is followed, s: β/ζ of Madgwick's equations 47 to 49.
+    pub drift_time_s: f64,
+    /// Largest drift that is followed, rad/s.
+    pub drift_limit_rad_s: f64,
     /// Gyroscope, rad/s per count.
     pub gyro: SensorLine,
     /// Accelerometer, m/s² per count. At rest it reads +g upwards.
@@ -70,6 +74,10 @@ impl AttitudeSpec {
         AttitudeSpec {
             sample_time_s: 1e-3,
             beta_rad_s: 0.033,
+            // Long against a push (a second), short against warming up (minutes).
+            drift_time_s: 60.0,
+            // What data sheets allow a bias that was never calibrated.
+            drift_limit_rad_s: 5_f64.to_radians(),
             gyro: SensorLine::ideal(62.5e-3_f64.to_radians()),
             accel: SensorLine::ideal(STANDARD_GRAVITY / 4096.0),
             mag: SensorLine::ideal(0.1),

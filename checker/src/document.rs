@@ -85,7 +85,7 @@ pub fn claims(certificate: &Certificate, module: &Module, results: &[ClaimResult
 }
 
 /// The constants that hold a bench's numbers: file and name.
-const BENCH: [(&str, &str); 10] = [
+const BENCH: [(&str, &str); 12] = [
     ("constants", "FILTER"),
     ("constants", "MOUNTING_ANGLE"),
     ("constants", "ANGLE_FACTOR"),
@@ -96,6 +96,8 @@ const BENCH: [(&str, &str); 10] = [
     ("constants", "DUTY_LINE"),
     ("constants", "ZERO_CURRENT"),
     ("constants", "BIAS_OBSERVER"),
+    ("constants", "LIMITS"),
+    ("constants", "SAMPLE_TIME_US"),
 ];
 
 /// Claims that speak of every word of the filter.
@@ -103,8 +105,60 @@ const OF_FILTER: &str = "hardware-words, filter-total, filter-accurate, step-tot
 /// Claims that speak of every word of the lines into and out of the control law.
 const OF_LINES: &str = "hardware-words, step-total";
 
+/// Claims that speak of the numbers of the supervisor.
+const OF_SUPERVISOR: &str = "supervisor, step-total";
+
 /// Start of the word's name, where its number comes from, its format, the claims that speak of it.
-const TRACES: [(&str, &str, &str, &str); 21] = [
+const TRACES: [(&str, &str, &str, &str); 30] = [
+    (
+        "FILTER.accel_clip",
+        "accelerometer: counts where it clips",
+        "counts",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.mag_clip",
+        "magnetometer: counts where it clips",
+        "counts",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.drift.gain",
+        "T over the time in which the gyroscope's drift is followed",
+        "/ 2^(28 + shift)",
+        OF_FILTER,
+    ),
+    (
+        "FILTER.drift",
+        "bits of the drift beyond a turn's, and its largest value, a half-angle a step",
+        "/ 2^(32 + shift)",
+        OF_FILTER,
+    ),
+    (
+        "LIMITS.angle",
+        "asin(B2 I/A21), the angle that the current holds, once and twice",
+        "word of the angle",
+        OF_SUPERVISOR,
+    ),
+    (
+        "LIMITS.rate_arm",
+        "a quarter of that angle times sqrt(A21)",
+        "word of the rate",
+        OF_SUPERVISOR,
+    ),
+    (
+        "LIMITS.saturated_steps",
+        "largest wheel speed over (B2 + B3) I",
+        "steps",
+        OF_SUPERVISOR,
+    ),
+    (
+        "LIMITS",
+        "the stated times, the ends of the sensors, and shares of gravity",
+        "steps, counts, accelerometer units",
+        OF_SUPERVISOR,
+    ),
+    ("SAMPLE_TIME_US", "sample time", "µs", OF_SUPERVISOR),
     (
         "FILTER.gyro.bias",
         "gyroscope: bias in counts",

@@ -137,6 +137,10 @@ fn every_alteration_is_rejected() {
     let (mut tried, mut accepted) = (0, Vec::new());
     for place in &found {
         for other in alterations(whole.pointer(place).unwrap()) {
+            // Of an empty list there is no shorter one.
+            if other == *whole.pointer(place).unwrap() {
+                continue;
+            }
             let mut altered = whole.clone();
             *altered.pointer_mut(place).unwrap() = other.clone();
             // A certificate without a closed loop claims less; nothing in it is false.

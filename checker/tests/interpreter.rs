@@ -49,14 +49,32 @@ fn words<T: Copy + Into<i128>>(values: impl IntoIterator<Item = T>) -> Vec<i128>
     values.into_iter().map(Into::into).collect()
 }
 
-/// The words of the whole controller, from its `Debug` form: numbers and booleans in order.
+/// The variants of `Status`, in the order of their values.
+const STATUSES: [&str; 10] = [
+    "NotAligned",
+    "Ready",
+    "Running",
+    "TrippedAngle",
+    "TrippedFrozen",
+    "TrippedClipped",
+    "TrippedWheelSpeed",
+    "TrippedAccelerometer",
+    "TrippedCurrent",
+    "TrippedFault",
+];
+
+/// The words of the whole controller, from its `Debug` form: numbers, booleans and the status in
+/// order.
 fn state_words(value: &impl std::fmt::Debug) -> Vec<i128> {
     let text = format!("{value:?}");
     text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-' || c == '_'))
         .filter_map(|token| match token {
             "true" => Some(1),
             "false" => Some(0),
-            other => other.parse().ok(),
+            other => match STATUSES.iter().position(|status| *status == other) {
+                Some(value) => Some(value as i128),
+                None => other.parse().ok(),
+            },
         })
         .collect()
 }
@@ -112,8 +130,14 @@ proptest! {
             let gyro = gyro.map(|count| count >> shift);
             let accel = accel.map(|count| count >> (shift / 3));
             let name = if is_armed { "Controller::arm" } else { "Controller::disarm" };
-            if is_armed { controller.arm() } else { controller.disarm() }
-            state = Machine::new(module.function(name).unwrap()).call(&state).unwrap().to_vec();
+            if is_armed {
+                controller.arm();
+            } else {
+                controller.disarm();
+            }
+            let result = Machine::new(module.function(name).unwrap()).call(&state).unwrap().to_vec();
+            // `arm` also says whether it did.
+            state = result[usize::from(is_armed)..].to_vec();
 
             let duty = controller.step(&Sample { gyro, accel, mag, wheel_adc });
             let mut arguments = state.clone();

@@ -90,8 +90,12 @@ fn items_outside_the_language() {
         ("static X: i32 = 1;", "found `static X"),
         (
             "pub enum E { A }",
-            "found `A`; a variant has no fields and the value 0",
+            "a variant has no fields and the value 0",
         ),
+        ("pub enum E { A = 0, B = 2 }", "the value 1"),
+        ("pub enum E { A(i32) = 0 }", "no fields"),
+        ("pub enum E<T> { A = 0 }", "nothing is generic"),
+        ("pub union U { a: i32, b: u32 }", "found `pub union"),
         ("pub type A = fixed::types::I16F15;", "x + y = 32"),
         ("pub type A = i32;", "fixed::types::IxFy"),
         ("pub use law::r#control;", "found `r#`"),

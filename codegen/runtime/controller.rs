@@ -18,7 +18,8 @@ pub struct Sample {
     pub gyro: [i16; 3],
     /// Accelerometer, raw counts.
     pub accel: [i16; 3],
-    /// Magnetometer, raw counts, where there is a new reading. It does nothing for the pivot's angle.
+    /// Magnetometer, raw counts, where there is a new reading. The controller does not use it: it
+    /// shows the heading, not the pivot's angle.
     pub mag: Option<[i16; 3]>,
     /// The drive's speed output, raw counts of the converter.
     pub wheel_adc: u16,
@@ -122,10 +123,9 @@ impl Controller {
 
     /// Takes a sample: attitude, counts, window. Whether the motor is to be driven.
     fn is_driven(&mut self, sample: &Sample, speed: WheelSpeed) -> bool {
-        match sample.mag {
-            Some(mag) => self.attitude.update_marg(sample.gyro, sample.accel, mag),
-            None => self.attitude.update_imu(sample.gyro, sample.accel),
-        }
+        // The pivot's angle comes from the vertical alone, to which a magnetic field, of a motor say,
+        // has nothing to add: the compass is left out.
+        self.attitude.update_imu(sample.gyro, sample.accel);
         self.counters = observed(
             &self.counters,
             sample.gyro,
@@ -176,8 +176,11 @@ impl Controller {
         let word = current.to_bits();
         let limit = CURRENT_LIMIT.to_bits();
         let is_saturated = word <= -limit || word >= limit;
-        self.counters.saturated =
-            counted(self.counters.saturated, is_saturated, LIMITS.saturated_steps);
+        self.counters.saturated = counted(
+            self.counters.saturated,
+            is_saturated,
+            LIMITS.saturated_steps,
+        );
         duty(current)
     }
 }

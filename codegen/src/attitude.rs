@@ -7,6 +7,7 @@ use attitude::{AttitudeSpec, GRAVITY_SHARE_MIN, RATE_LAG_STEPS, wrap_angle};
 use nalgebra::Matrix3;
 
 use crate::helpers::calibration::SensorLine;
+use crate::helpers::drift::DriftGain;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::lever_arm::LeverArm;
 
@@ -120,7 +121,27 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
         Ok([word(spec.lever_arm_m[0])?, word(spec.lever_arm_m[1])?])
     };
 
+    let drift_time = positive("the time in which a drift is followed", spec.drift_time_s)?;
+    let drift_limit = positive("the largest drift", spec.drift_limit_rad_s)? * 0.5 * period;
+    // As many more bits as leave room for the largest drift.
+    let drift_shift = (30.0 - (drift_limit * 2f64.powi(32)).log2())
+        .floor()
+        .clamp(0.0, 14.0);
+    let drift_gain = at_most(
+        "the share of a drift that a step follows",
+        period / drift_time,
+        f64::from(i32::MAX) / 2f64.powf(28.0 + drift_shift),
+        "of it",
+        "follow it more slowly",
+    )? * 2f64.powf(28.0 + drift_shift);
+    let drift_word = (drift_limit * 2f64.powf(32.0 + drift_shift)).min(2f64.powi(30));
+
     Ok(FilterConstants {
+        drift: DriftGain {
+            gain: drift_gain.round() as i32,
+            shift: drift_shift as u32,
+            limit: drift_word.floor() as i32,
+        },
         gyro: line("the gyroscope's bias", &spec.gyro, &half_angle, shift)?,
         accel: line(
             "the accelerometer's bias",

@@ -9,6 +9,8 @@ pub mod arc_tangent;
 pub mod bias_observer;
 #[path = "../runtime/calibration.rs"]
 pub mod calibration;
+#[path = "../runtime/drift.rs"]
+pub mod drift;
 #[path = "../runtime/filter.rs"]
 pub mod filter;
 #[path = "../runtime/lever_arm.rs"]

@@ -44,12 +44,13 @@ impl Helper {
 }
 
 /// Every helper of the emitted crate.
-pub const HELPERS: [Helper; 14] = [
+pub const HELPERS: [Helper; 15] = [
     helper!("arc_tangent.rs"),
     helper!("attitude.rs"),
     helper!("bias_observer.rs"),
     helper!("calibration.rs"),
     helper!("controller.rs"),
+    helper!("drift.rs"),
     helper!("filter.rs"),
     helper!("lever_arm.rs"),
     helper!("line.rs"),

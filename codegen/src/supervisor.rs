@@ -84,8 +84,10 @@ pub fn numbers(spec: &ModuleSpec) -> SupervisorNumbers {
         .map_or(spec.sample_time_s, |rate| 1.0 / rate)
         .max(spec.sample_time_s);
     SupervisorNumbers {
-        angle_trip_rad: (2.0 * holding).min(ANGLE_TRIP_MAX_RAD),
-        angle_arm_rad: holding.min(ANGLE_TRIP_MAX_RAD),
+        angle_trip_rad: (2.0 * holding)
+            .min(ANGLE_TRIP_MAX_RAD)
+            .min(spec.ranges.angle_rad),
+        angle_arm_rad: holding.min(ANGLE_TRIP_MAX_RAD).min(spec.ranges.angle_rad),
         rate_arm_rad_s: RATE_ARM_SHARE * holding * fall.max(0.0).sqrt(),
         saturated_s: spec.ranges.wheel_speed_rad_s / speed_up,
         frozen_s: FROZEN_REFRESHES * refresh_s,

@@ -28,6 +28,7 @@ fn the_same_numbers_give_the_same_bytes() {
             "src/bias_observer.rs",
             "src/calibration.rs",
             "src/controller.rs",
+            "src/drift.rs",
             "src/filter.rs",
             "src/lever_arm.rs",
             "src/line.rs",
@@ -36,6 +37,7 @@ fn the_same_numbers_give_the_same_bytes() {
             "src/product.rs",
             "src/root.rs",
             "src/scaling.rs",
+            "src/supervisor.rs",
             "certificate.json"
         ]
     );
@@ -130,7 +132,7 @@ fn the_certificate_is_complete_and_points_into_the_source() {
     let spec = thesis::spec();
     let emitted = generate(&spec).unwrap();
     let json: Value = serde_json::from_str(emitted.file("certificate.json").unwrap()).unwrap();
-    assert_eq!(json["format_version"], 2);
+    assert_eq!(json["format_version"], 3);
     assert_eq!(json["gains"][0], "-24.2672423");
     assert_eq!(json["plant"]["Ad"][0][2], "4.038510074499915e-9");
     assert_eq!(

@@ -7,6 +7,7 @@ use attitude::{AttitudeSpec, RawFilter, SensorLine as RealLine, wrap_angle};
 use codegen::attitude::{derive, mounting_word};
 use codegen::helpers::arc_tangent::PI_Q28;
 use codegen::helpers::calibration::SensorLine;
+use codegen::helpers::drift::DriftGain;
 use codegen::helpers::filter::{FilterConstants, FilterState, START, align, step_imu, step_marg};
 use codegen::helpers::lever_arm::LeverArm;
 use codegen::helpers::madgwick::COMPONENT_MAX;
@@ -560,6 +561,11 @@ fn constants() -> impl Strategy<Value = FilterConstants> {
                     beta,
                     accel_clip: [32_764; 3],
                     mag_clip: [12_000, 30_000, 32_767],
+                    drift: DriftGain {
+                        gain: 18_325_194,
+                        shift: 12,
+                        limit: 0x3000_0000,
+                    },
                 }
             },
         )

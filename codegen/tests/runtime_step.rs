@@ -21,12 +21,13 @@ const CURRENT: f64 = (1u64 << 29) as f64;
 fn wheel_speed_of_every_count() {
     let spec = thesis::spec();
     let words = derive(&spec, &control::derive(&spec).unwrap()).unwrap();
+    let range = spec.ranges.wheel_speed_rad_s;
     for adc in 0..=u16::MAX {
         let exact = (8.53108 * f64::from(adc) - 6594.5) * TAU / 60.0;
         let found = f64::from(on_line(i32::from(adc), &words.wheel_speed)) / WHEEL_SPEED;
         // Half a unit, and the slope's rounding over the counts.
         assert!(
-            (found - exact.clamp(-700.0, 700.0)).abs() < 1e-6,
+            (found - exact.clamp(-range, range)).abs() < 1e-6,
             "{adc}: {found} {exact}"
         );
     }

@@ -9,7 +9,9 @@ use super::constants::{
     ANGLE_FACTOR, ANGLE_MAX, ANGLE_SHIFT, FILTER, LIMITS, MOUNTING_ANGLE, RATE_LINE,
 };
 use super::control::{Angle, Rate};
-use super::filter::{FilterState, START, align, align_to, is_gravity_usable, step_imu, step_marg};
+use super::filter::{
+    FilterState, START, align, align_to, is_gravity_usable, step_marg, step_tracked,
+};
 use super::lever_arm::length_squared;
 use super::line::on_line;
 use super::pivot_angle::pivot_angle;
@@ -20,12 +22,16 @@ use super::scaling::is_within;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attitude {
     state: FilterState,
+    drift: [i32; 3],
 }
 
 impl Attitude {
     /// Starts with the sensor's frame on the earth's (z upwards), at rest.
     pub const fn new() -> Self {
-        Attitude { state: START }
+        Attitude {
+            state: START,
+            drift: [0, 0, 0],
+        }
     }
 
     /// Sets the attitude by the accelerometer alone; nothing changes if the reading cannot be
@@ -74,12 +80,16 @@ impl Attitude {
             && squared <= LIMITS.gravity_high
     }
 
-    /// One step with gyroscope and accelerometer, raw counts.
+    /// One step with gyroscope and accelerometer, raw counts; the gyroscope's drift is followed.
     pub fn update_imu(&mut self, gyro: [i16; 3], accel: [i16; 3]) {
-        self.state = step_imu(&self.state, gyro, accel, &FILTER);
+        let (state, drift) = step_tracked(&self.state, self.drift, gyro, accel, &FILTER);
+        self.state = state;
+        self.drift = drift;
     }
 
-    /// One step with gyroscope, accelerometer and magnetometer, raw counts.
+    /// One step with gyroscope, accelerometer and magnetometer, raw counts, as Madgwick's report has
+    /// it: without an estimate of the drift, and the field may tilt the estimate. The controller does
+    /// not use it.
     pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
         self.state = step_marg(&self.state, gyro, accel, mag, &FILTER);
     }

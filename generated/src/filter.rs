@@ -12,6 +12,7 @@
 //! - a gyroscope at its limit is integrated as it stands.
 
 use super::calibration::{SensorLine, calibrate, is_saturated};
+use super::drift::{DriftGain, rate_error, tracked, without_drift};
 use super::lever_arm::{LeverArm, length_squared, slow_rate, without_motion};
 use super::madgwick::{
     Correction, NO_CORRECTION, ONE, aligned, correction_imu, correction_marg, turned, unit_q28,
@@ -38,6 +39,8 @@ pub struct FilterConstants {
     pub accel_clip: [i32; 3],
     /// The same of the magnetometer.
     pub mag_clip: [i32; 3],
+    /// How the gyroscope's drift is followed.
+    pub drift: DriftGain,
 }
 
 /// What a step leaves behind. Invariant: components of the quaternion within
@@ -75,6 +78,32 @@ pub fn step_imu(
         NO_CORRECTION
     };
     next(state, turn, &correction)
+}
+
+/// As [`step_imu`], with the gyroscope's drift taken out and followed: the state and the drift after
+/// the step.
+#[inline]
+pub fn step_tracked(
+    state: &FilterState,
+    drift: [i32; 3],
+    gyro: [i16; 3],
+    accel: [i16; 3],
+    constants: &FilterConstants,
+) -> (FilterState, [i32; 3]) {
+    let turn = without_drift(calibrate(gyro, &constants.gyro), drift, &constants.drift);
+    let up = gravity(accel, turn[2], state.slow_rate, constants);
+    let correction = if is_gravity_usable(accel, up, constants) {
+        correction_imu(state.quaternion, unit_q28(up), constants.beta)
+    } else {
+        NO_CORRECTION
+    };
+    let error = rate_error(state.quaternion, &correction);
+    let followed = [
+        tracked(drift[0], error[0], &constants.drift),
+        tracked(drift[1], error[1], &constants.drift),
+        tracked(drift[2], error[2], &constants.drift),
+    ];
+    (next(state, turn, &correction), followed)
 }
 
 /// One step with gyroscope, accelerometer and magnetometer.

@@ -13,6 +13,26 @@
 //! - magnetometer: FXOS8700, ±1200 µT, 400 Hz hybrid mode (NXP FXOS8700CQ data sheet rev. 8, magnetic characteristics: 0.1 µT per LSB); unknown from 12000, 12000, 12000 counts on
 //! - wheel speed: converter counts 0 to 1546, -690.574 to 690.58 rad/s
 //! - drive: duty 6554 to 58982 of a timer of 16 bits, 32768 without current, 8.39246e-5 A per count
+//!
+//! # Use
+//!
+//! ```
+//! use generated::{Controller, Sample, Status, ZERO_CURRENT};
+//!
+//! let mut controller = Controller::new();
+//! // Every SAMPLE_TIME_US: read the sensors, step, write the duty.
+//! let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };
+//! let duty = controller.step(&sample);
+//! assert_eq!(duty.0, ZERO_CURRENT);
+//! // On the operator's wish; it drives the motor only near upright, at rest, with sound sensors.
+//! assert!(!controller.arm());
+//! assert_eq!(controller.status(), Status::NotAligned);
+//! // A missed tick or a bus error: no current until `arm` succeeds again.
+//! controller.fault();
+//! assert_eq!(controller.step(&sample).0, ZERO_CURRENT);
+//! ```
+//!
+//! `status()` says why there is no current; a trip lasts until `arm()` succeeds.
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -30,6 +50,8 @@ pub mod constants;
 pub mod control;
 
 pub mod controller;
+
+pub mod drift;
 
 pub mod filter;
 

@@ -46,7 +46,9 @@ pub use law::{BiasObservingLaw, ExactLaw, Law, LawFailure, Measured, WordFormats
 pub use motion::{LinearMotion, Motion};
 pub use overlay::{LoggedLoop, overlay};
 pub use push::Push;
-pub use raw_counts::{InterpretedController, RawController, RawLoop, RawSample, RawSensors};
+pub use raw_counts::{
+    Fault, Faulty, InterpretedController, RawController, RawLoop, RawSample, RawSensors,
+};
 pub use recovery::{Recovery, largest_recoverable_angle};
 pub use scenario::Scenario;
 pub use sensors::{Sensor, Sensors};

@@ -15,6 +15,14 @@ pub fn text(report: &SimulationReport) -> String {
         "{}: the emitted law, run word for word from its source, on the nonlinear bench\n",
         report.model
     );
+    if !report.assumed.is_empty() {
+        text.push_str(
+            "Assumed, since the model does not state it, from the bench of the thesis:\n",
+        );
+        for sentence in &report.assumed {
+            text.push_str(&format!("  {sentence}\n"));
+        }
+    }
     text.push_str(&runs(&report.runs));
     text.push_str(&raw_counts(report));
     text.push_str(&recovery(report));

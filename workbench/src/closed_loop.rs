@@ -20,7 +20,6 @@ use simulate::{
     effects_on_transient, largest_recoverable_angle, overlay, region_of_attraction,
 };
 
-use crate::bench_hardware::Preset;
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 use crate::measured_linearity::{MeasuredSwings, PERIODS, SpinUpLinearity, SwingLinearity};
@@ -393,9 +392,9 @@ impl<'a> Laws<'a> {
         };
         let limit_a = designed.wishes().current_limit_a;
         // A simulation needs sensors; a controller for a real motor does not get them for nothing.
-        let preset = Some(Preset::ThesisBench);
-        let spec = designed.module_spec(preset)?;
-        let generated = designed.generate(preset)?;
+        let hardware = designed.hardware_for_simulation()?;
+        let spec = designed.module_spec_with(hardware.clone())?;
+        let generated = designed.generate_with(hardware)?;
         let module = generated.module(&designed.path())?;
         Ok(Laws {
             plant,

@@ -7,7 +7,7 @@ use codegen::{EmittedCrate, FileError};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use crate::bench_hardware::Preset;
+use crate::bench_hardware::{BenchHardware, Preset};
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 
@@ -54,7 +54,14 @@ impl ControlDesign {
     /// [`Error::Refused`] where a claim could not be kept; [`Error::Design`] where the observer of
     /// the angle's bias that is asked for does not work.
     pub fn generate(&self, preset: Option<Preset>) -> Result<GeneratedController, Error> {
-        let hardware = self.hardware(preset)?;
+        self.generate_with(self.hardware(preset)?)
+    }
+
+    /// As [`ControlDesign::generate`], for these sensors and this drive.
+    pub(crate) fn generate_with(
+        &self,
+        hardware: BenchHardware,
+    ) -> Result<GeneratedController, Error> {
         let (assumed, warnings) = (hardware.assumed.clone(), hardware.warnings.clone());
         let spec = self.module_spec_with(hardware)?;
         let emitted = codegen::generate(&spec).map_err(|source| Error::Refused {

@@ -7,7 +7,7 @@ use design::BiasObserver;
 use nalgebra::Vector3;
 use simulate::Sensors;
 
-use crate::bench_hardware::{BenchHardware, Preset, bench_hardware};
+use crate::bench_hardware::{BenchHardware, HardwareError, Preset, bench_hardware};
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 
@@ -32,6 +32,26 @@ impl ControlDesign {
             model: self.path(),
             source,
         })
+    }
+
+    /// As [`ControlDesign::hardware`], from the bench of the thesis where nothing is stated, or what is
+    /// stated is not emitted.
+    pub(crate) fn hardware_for_simulation(&self) -> Result<BenchHardware, Error> {
+        let preset = Some(Preset::ThesisBench);
+        match self.hardware(preset) {
+            Err(Error::Hardware {
+                source: HardwareError::NotEmitted(reason),
+                model,
+            }) => {
+                let mut file = self.file().clone();
+                file.hardware = None;
+                let mut found = bench_hardware(&file, preset)
+                    .map_err(|source| Error::Hardware { model, source })?;
+                found.assumed.insert(0, reason);
+                Ok(found)
+            }
+            other => other,
+        }
     }
 
     /// What the generator is told of a bench with these sensors and this drive.

@@ -79,6 +79,7 @@ pub fn check(
     check_bounds(certificate, law)?;
     check_claims(certificate)?;
     check_drive(certificate, module)?;
+    check_hardware_documents(certificate, module)?;
     check_sampling(certificate)?;
     gains_optimal::check(certificate)?;
     check_numbers(certificate)
@@ -355,6 +356,54 @@ fn check_claims(certificate: &Certificate) -> Check {
         })?;
     }
     Ok(())
+}
+
+/// What is known of sensors and drive apart from their words, and what of it is assumed, as the
+/// documents say it.
+fn check_hardware_documents(certificate: &Certificate, module: &Module) -> Check {
+    let text = |path: &str| {
+        module
+            .text(path)
+            .map(documentation)
+            .ok_or_else(|| format!("there is no {path}"))
+    };
+    let lines = text("src/constants.rs")?;
+    let stated = |what: &str, value: &Option<StatedDecimal>, unit: &str| match value {
+        Some(value) => format!("{what}: {value} {unit}."),
+        None => format!("{what}: not stated."),
+    };
+    let wanted = [
+        stated(
+            "Accelerometer by its part",
+            &certificate.accelerometer_m_s2_per_count,
+            "m/s2 per count",
+        ),
+        stated(
+            "Fresh samples of the gyroscope",
+            &certificate.gyro_rate_hz,
+            "a second",
+        ),
+        format!("Timer of the drive: {} bits.", certificate.drive.bits),
+    ];
+    for line in &wanted {
+        holds(lines.contains(&line.as_str()), || {
+            format!("src/constants.rs does not document `{line}`")
+        })?;
+    }
+    let lines = text("src/lib.rs")?;
+    let start = lines.iter().position(|line| *line == "# Assumed");
+    // The line after the heading says what the list is.
+    let listed: Vec<&str> = start.map_or(Vec::new(), |start| {
+        lines[start + 2..]
+            .iter()
+            .map_while(|line| line.strip_prefix("- "))
+            .collect()
+    });
+    equal(
+        "assumed",
+        certificate.assumed.join(" | "),
+        listed.join(" | "),
+    )
 }
 
 fn check_drive(certificate: &Certificate, module: &Module) -> Check {

@@ -18,6 +18,7 @@ pub(crate) struct Invariant {
     pub(crate) component: i128,
     pub(crate) rate: i128,
     pub(crate) sum: i128,
+    pub(crate) drift: i128,
 }
 
 impl Invariant {
@@ -32,12 +33,15 @@ impl Invariant {
             component: limit("madgwick", "COMPONENT_MAX")?,
             rate: limit("calibration", "CALIBRATED_MAX")?,
             sum: limit("supervisor", "SUM_MAX")?,
+            drift: limit("drift", "DRIFT_MAX")?,
         })
     }
 
     fn of(&self, name: &str) -> Option<IntegerInterval> {
         if name.contains(".quaternion[") {
             Some(IntegerInterval::new(-self.component, self.component))
+        } else if name.starts_with("self.") && name.contains("drift[") {
+            Some(IntegerInterval::new(-self.drift, self.drift))
         } else if name.contains(".window.first[") {
             Some(IntegerInterval::new(-self.rate, self.rate))
         } else if name.contains(".window.sum[") {

@@ -69,6 +69,8 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         return Err("the converter's range is empty".to_owned());
     }
 
+    drift(&filter, text, period)?;
+
     let gyro_unit = period * half() * power_of_two(49);
     sensor(&filter, &hardware.gyroscope, "gyro", Some(&gyro_unit))?;
     let accel_unit = sensor(&filter, &hardware.accelerometer, "accel", None)?;
@@ -163,6 +165,33 @@ fn check_sensor_steps(hardware: &CertifiedHardware, stated: &CertifiedLoop) -> C
                 rounded_up(found, 12)
             ));
         }
+    }
+    Ok(())
+}
+
+/// How the drift is followed: as documented, with as many bits as leave room for the largest.
+fn drift(filter: &NamedWords, text: &str, period: &BigRational) -> Check {
+    let stated = numbers(after(text, "drift is followed within")?);
+    let [time, limit] = stated.as_slice() else {
+        return Err("the documents of FILTER do not state how the drift is followed".to_owned());
+    };
+    if !time.is_positive() || !limit.is_positive() {
+        return Err("the drift is followed in no time, or not at all".to_owned());
+    }
+    let shift = filter.small("FILTER.drift.shift")?;
+    if !(0..=14).contains(&shift) {
+        return Err(format!("FILTER.drift.shift is {shift}"));
+    }
+    nearest(
+        "FILTER.drift.gain",
+        &filter.get("FILTER.drift.gain")?,
+        &(period / time * power_of_two(28 + shift)),
+    )?;
+    let word = filter.get("FILTER.drift.limit")?;
+    let real = limit * period * half() * power_of_two(32 + shift);
+    let real = real.min(power_of_two(30));
+    if !word.is_positive() || (&word - &real).abs() > integer(1) + &real * power_of_two(-40) {
+        return Err(format!("FILTER.drift.limit is {word}"));
     }
     Ok(())
 }

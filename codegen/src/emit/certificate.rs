@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::claims::ClaimId;
 use crate::emit::certificate_hardware::Hardware;
-use crate::emit::control_rs;
+use crate::emit::{control_rs, single_line};
 use crate::exact::{ShortestDecimal, outward};
 use crate::file::{EmittedFile, MARK};
 use crate::ir::IntegerLaw;
@@ -41,7 +41,7 @@ struct Certificate<'a> {
     /// Fresh samples of the gyroscope a second.
     gyro_rate_hz: Option<String>,
     /// What of sensors and drive nobody stated; sentences.
-    assumed: &'a [String],
+    assumed: Vec<String>,
     inputs: Vec<Input<'a>>,
     output: Output,
     constants: Vec<Constant<'a>>,
@@ -203,7 +203,7 @@ pub fn file(
         hardware: Hardware::of(spec),
         accelerometer_m_s2_per_count: spec.hardware.accelerometer_m_s2_per_count.map(number),
         gyro_rate_hz: spec.hardware.gyro_rate_hz.map(number),
-        assumed: &spec.assumed,
+        assumed: spec.assumed.iter().map(|text| single_line(text)).collect(),
         inputs: law
             .terms
             .iter()

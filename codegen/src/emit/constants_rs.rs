@@ -25,6 +25,18 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         "Numbers of this bench: sensors, mounting, converter and drive.",
         "",
         "Each word is the real number rounded once to the format stated at its field.",
+        "",
+        &stated(
+            "Accelerometer by its part",
+            hardware.accelerometer_m_s2_per_count.map(number),
+            "m/s2 per count",
+        ),
+        &stated(
+            "Fresh samples of the gyroscope",
+            hardware.gyro_rate_hz.map(number),
+            "a second",
+        ),
+        &format!("Timer of the drive: {} bits.", spec.drive.bits),
     ]);
     let filter_docs = outer_docs(&[
         format!(
@@ -43,6 +55,11 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
             number(attitude.field_min_ut),
             number(attitude.lever_arm_m[0]),
             number(attitude.lever_arm_m[1])
+        ),
+        format!(
+            "The gyroscope's drift is followed within {} s, up to {} rad/s.",
+            number(attitude.drift_time_s),
+            number(attitude.drift_limit_rad_s)
         ),
         String::new(),
         format!(
@@ -113,7 +130,8 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
     let tokens = quote! {
         #docs
         use super::{
-            bias_observer::BiasObserver, calibration::SensorLine, filter::FilterConstants,
+            bias_observer::BiasObserver, calibration::SensorLine, drift::DriftGain,
+            filter::FilterConstants,
             lever_arm::LeverArm, line::Line, supervisor::Limits,
         };
         /// Time between two steps in µs.
@@ -147,6 +165,13 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
     }
 }
 
+fn stated(what: &str, value: Option<String>, unit: &str) -> String {
+    match value {
+        Some(value) => format!("{what}: {value} {unit}."),
+        None => format!("{what}: not stated."),
+    }
+}
+
 fn counts(clip: [i32; 3]) -> String {
     clip.map(|limit| limit.to_string()).join(", ")
 }
@@ -177,6 +202,9 @@ fn filter(words: &FilterConstants) -> TokenStream {
     let beta = integer(words.beta.into());
     let accel_clip = array(&words.accel_clip);
     let mag_clip = array(&words.mag_clip);
+    let drift_gain = integer(words.drift.gain.into());
+    let drift_shift = integer(words.drift.shift.into());
+    let drift_limit = integer(words.drift.limit.into());
     quote!(FilterConstants {
         gyro: #gyro,
         accel: #accel,
@@ -187,6 +215,7 @@ fn filter(words: &FilterConstants) -> TokenStream {
         beta: #beta,
         accel_clip: #accel_clip,
         mag_clip: #mag_clip,
+        drift: DriftGain { gain: #drift_gain, shift: #drift_shift, limit: #drift_limit },
     })
 }
 

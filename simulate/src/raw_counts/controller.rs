@@ -30,6 +30,12 @@ pub trait RawController {
     /// [`LawFailure`] where the controller cannot be run.
     fn arm(&mut self) -> Result<bool, LawFailure>;
 
+    /// Reports a missed tick or a bus error.
+    ///
+    /// # Errors
+    /// [`LawFailure`] where the controller cannot be run.
+    fn fault(&mut self) -> Result<(), LawFailure>;
+
     /// The status as the emitted `Status` counts it: 0 not aligned, 1 ready, 2 running, from 3 on
     /// tripped.
     ///
@@ -58,6 +64,7 @@ pub struct InterpretedController {
     /// For each word of the attitude, its place among those of the controller.
     attitude: Vec<usize>,
     arm: Program,
+    fault: Program,
     status: usize,
     angle_unit: f64,
     start: Vec<i128>,
@@ -91,6 +98,7 @@ impl InterpretedController {
             .collect::<Result<Vec<_>, _>>()?;
         let status = place("self.status")?;
         let arm = find("Controller::arm")?.clone();
+        let fault = find("Controller::fault")?.clone();
         let start = Machine::new(find("Controller::new")?)
             .call(&[])
             .map_err(|trap| failure(trap.to_string()))?
@@ -103,6 +111,7 @@ impl InterpretedController {
             angle,
             attitude,
             arm,
+            fault,
             status,
             angle_unit: 2.0_f64.powi(-(bits as i32)),
             words: start.clone(),
@@ -123,6 +132,11 @@ impl RawController for InterpretedController {
         let is_armed = is_armed[0] == 1;
         self.words = state.to_vec();
         Ok(is_armed)
+    }
+
+    fn fault(&mut self) -> Result<(), LawFailure> {
+        self.words = words_of(&self.fault, &self.words)?;
+        Ok(())
     }
 
     fn status(&self) -> Result<u8, LawFailure> {

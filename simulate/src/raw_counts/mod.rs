@@ -6,8 +6,10 @@
 
 mod bench;
 mod controller;
+mod faults;
 mod sensors;
 
 pub use bench::RawLoop;
 pub use controller::{InterpretedController, RawController, RawSample};
+pub use faults::{Fault, Faulty};
 pub use sensors::{CountsLine, RawSensors};

@@ -67,6 +67,11 @@ impl RawController for CompiledController {
         Ok(self.0.arm())
     }
 
+    fn fault(&mut self) -> Result<(), LawFailure> {
+        self.0.fault();
+        Ok(())
+    }
+
     fn status(&self) -> Result<u8, LawFailure> {
         Ok(self.0.status() as u8)
     }

@@ -4,6 +4,7 @@ mod attitude_filters;
 mod bench;
 mod compiled;
 mod emitted_law;
+mod faults;
 mod independent_simulation;
 mod interpreted_law;
 mod physics;

@@ -167,22 +167,22 @@ fn from_source_and_compiled_are_one() {
     assert!(InterpretedController::new(&other).is_err());
 }
 
-/// The filter carries its start: without alignment at rest (the first step already drives), the
-/// loop still comes up from a small tilt.
+/// Let go before a window of quiet samples has set the attitude, the body falls without a current;
+/// held a third of a second, it comes up from a small tilt.
 #[test]
-fn armed_at_once_it_still_rises_from_a_small_tilt() {
+fn the_attitude_is_known_before_the_motor_is_driven() {
     let plant = bench(true);
-    let on = RawLoop {
-        held_s: 0.0,
-        ..on_thesis_hardware(&plant, 3)
-    };
-    let trace = on
-        .run(
-            5_f64.to_radians(),
-            10.0,
-            &mut CompiledController::new(),
-            true,
-        )
-        .unwrap();
-    assert_eq!(trace.fell_at_s, None);
+    for (held_s, stands) in [(0.0, false), (0.1, false), (0.33, true)] {
+        let on = RawLoop {
+            held_s,
+            ..on_thesis_hardware(&plant, 3)
+        };
+        let start_rad = 5_f64.to_radians();
+        let trace = on
+            .run(start_rad, 10.0, &mut CompiledController::new(), true)
+            .unwrap();
+        assert_eq!(trace.fell_at_s.is_none(), stands, "held for {held_s} s");
+        let current = largest(&trace, &trace.current_a, 0.0);
+        assert_eq!(current > 1e-3, stands, "held for {held_s} s: {current} A");
+    }
 }

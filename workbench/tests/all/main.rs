@@ -3,6 +3,7 @@
 mod bench;
 mod calling_off;
 mod controller;
+mod hardware;
 mod results;
 mod session;
 mod sliders;

@@ -153,6 +153,8 @@ fn attitude(
         &[&q[..], &turn, &direction].concat(),
         &turned(&q, &turn, &direction),
     )?;
+    let error = rate_error(&q, &direction);
+    same("rate_error", &[&q[..], &direction].concat(), &error)?;
     same("normalised", &q, &normalised(&q))?;
     same("aligned", &measured, &aligned(&measured))?;
     let mut near_down =
@@ -170,8 +172,8 @@ fn steps(
 ) -> Result<(), String> {
     let words = module
         .constant("constants", "FILTER")
-        .filter(|words| words.len() == 55)
-        .ok_or("constants::FILTER has not the 55 words of its documents")?;
+        .filter(|words| words.len() == 58)
+        .ok_or("constants::FILTER has not the 58 words of its documents")?;
     let mut filter = Filter {
         words: words.to_vec(),
     };
@@ -212,6 +214,13 @@ fn steps(
         &[&state[..], &gyro, &accel, words].concat(),
         &filter.step(&state, &gyro, &accel, None),
     )?;
+    let limit = words[57];
+    let drift: Words = (0..3).map(|_| draw.within(-limit, limit)).collect();
+    same(
+        "step_tracked",
+        &[&state[..], &drift, &gyro, &accel, words].concat(),
+        &filter.tracked(&state, &drift, &gyro, &accel),
+    )?;
     same(
         "step_marg",
         &[&state[..], &gyro, &accel, &mag, words].concat(),
@@ -239,6 +248,7 @@ fn constants(module: &Module) -> Result<(), String> {
         ("scaling", "SCALED_MIN", 1 << 29),
         ("calibration", "CALIBRATED_MAX", 1 << 29),
         ("lever_arm", "CORRECTION_MAX", 1 << 29),
+        ("drift", "DRIFT_MAX", 1 << 30),
         ("madgwick", "GRADIENT_MIN_IMU", 1 << 8),
         ("madgwick", "GRADIENT_MIN_MARG", 1 << 6),
         ("madgwick", "HORIZONTAL_SQUARED_MIN", 1 << 21),

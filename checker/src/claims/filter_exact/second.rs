@@ -300,6 +300,16 @@ pub(crate) fn calibrated(raw: &[i128], line: &[i128]) -> Words {
         .collect()
 }
 
+/// The vector part of q* ⊗ direction, times the gain: what the correction says of the rate.
+pub(crate) fn rate_error(q: &[i128], correction: &[i128]) -> [i128; 3] {
+    let (d, gain) = ([0, 1, 2, 3].map(|k| correction[k] >> 1), correction[4]);
+    [0, 1, 2].map(|axis| {
+        let (i, j, k) = (1 + axis, 1 + (axis + 1) % 3, 1 + (axis + 2) % 3);
+        let sum = q[0] * d[i] - q[i] * d[0] - q[j] * d[k] + q[k] * d[j];
+        high(nearest(sum), gain)
+    })
+}
+
 /// Whether a count is at or beyond a limit of its range.
 pub(crate) fn is_saturated(raw: &[i128], clip: &[i128]) -> bool {
     raw.iter()
@@ -345,6 +355,35 @@ impl Filter {
 
     pub(crate) fn shows_gravity(&self, accel: &[i128], up: &[i128]) -> bool {
         !is_saturated(accel, &self.words[49..52]) && squares(up) >= self.words[Self::GRAVITY_MIN]
+    }
+
+    /// A step that takes out and follows the drift: state and drift afterwards.
+    pub(crate) fn tracked(
+        &self,
+        state: &[i128],
+        drift: &[i128],
+        gyro: &[i128],
+        accel: &[i128],
+    ) -> Words {
+        let [gain, shift, limit] = [55, 56, 57].map(|at| self.words[at]);
+        let turn: Words = calibrated(gyro, self.gyro())
+            .iter()
+            .zip(drift)
+            .map(|(turn, drift)| (turn - (drift >> shift)).clamp(-(1 << 29), 1 << 29))
+            .collect();
+        let up = self.gravity(accel, turn[2], state[5]);
+        let q = &state[..4];
+        let correction = if self.shows_gravity(accel, &up) {
+            correction_imu(q, &unit(&up), self.beta())
+        } else {
+            vec![0; 5]
+        };
+        let mut next = turned(q, &turn, &correction);
+        next.extend([turn[2], (state[5] >> 1) + (turn[2] >> 1)]);
+        for (drift, error) in drift.iter().zip(rate_error(q, &correction)) {
+            next.push((drift + ((error * gain) >> 23)).clamp(-limit, limit));
+        }
+        next
     }
 
     /// State: quaternion, rate, slow rate. Without a magnetometer its share is left out.

@@ -25,7 +25,7 @@ pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, St
         "Attitude::new",
         &[],
         &f.call("Attitude::new", &[])?,
-        &[one, 0, 0, 0, 0, 0],
+        &[one, 0, 0, 0, 0, 0, 0, 0, 0],
     )?;
     let near = Upright::find(module);
     let mut random = Random::new(seed);
@@ -41,6 +41,8 @@ pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, St
             }
         };
         attitude.extend([random.count(2f64.powi(28)), random.count(2f64.powi(28))]);
+        let drift = [0; 3].map(|_| random.count(2f64.powi(29)));
+        attitude.extend(drift);
         let mut triple = |limit: f64| [0; 3].map(|_| random.count(limit));
         let (gyro, mag) = (triple(20_000.0), triple(3_000.0));
         let accel = if case % 5 == 0 {
@@ -53,25 +55,30 @@ pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, St
         let words = f.call("Attitude::quaternion", &attitude)?;
         same("quaternion", &attitude, &words, &attitude[..4])?;
         let found = f.call("Attitude::update_imu", &with(&[&gyro, &accel]))?;
-        let wanted = f.call("step_imu", &with(&[&gyro, &accel, constants]))?;
+        let arguments = [&attitude[..], &gyro, &accel, constants].concat();
+        let wanted = f.call("step_tracked", &arguments)?;
         same("update_imu", &attitude, &found, &wanted)?;
         let found = f.call("Attitude::update_marg", &with(&[&gyro, &accel, &mag]))?;
-        let wanted = f.call("step_marg", &with(&[&gyro, &accel, &mag, constants]))?;
-        same("update_marg", &attitude, &found, &wanted)?;
+        // The filter's own state, without the drift, which these leave as it is.
+        let state =
+            |parts: &[&[i128]]| -> Vec<i128> { [&attitude[..6], &parts.concat()[..]].concat() };
+        let kept = |words: Vec<i128>| [words, drift.to_vec()].concat();
+        let wanted = f.call("step_marg", &state(&[&gyro, &accel, &mag, constants]))?;
+        same("update_marg", &attitude, &found, &kept(wanted))?;
         // A field that is saturated or too weak is not used.
-        let plain = f.call("Attitude::update_imu", &with(&[&gyro, &accel]))?;
+        let plain = kept(f.call("step_imu", &state(&[&gyro, &accel, constants]))?);
         for useless in [[32_767, mag[1], mag[2]], no_field] {
             let found = f.call("Attitude::update_marg", &with(&[&gyro, &accel, &useless]))?;
             same("update_marg without a field", &attitude, &found, &plain)?;
         }
         let found = f.call("Attitude::align", &with(&[&accel]))?;
-        let mut wanted = f.call("align", &with(&[&accel, constants]))?;
+        let mut wanted = f.call("align", &state(&[&accel, constants]))?;
         wanted.rotate_right(1);
-        same("Attitude::align", &attitude, &found, &wanted)?;
+        same("Attitude::align", &attitude, &found, &kept(wanted))?;
         let sum = triple(2f64.powi(29));
         let found = f.call("Attitude::align_to", &with(&[&sum]))?;
-        let wanted = f.call("align_to", &with(&[&sum, constants]))?;
-        same("align_to", &attitude, &found, &wanted)?;
+        let wanted = f.call("align_to", &state(&[&sum, constants]))?;
+        same("align_to", &attitude, &found, &kept(wanted))?;
         let line = f.constant("constants", "RATE_LINE")?;
         let wanted = f.call("on_line", &[&attitude[4..5], line].concat())?;
         same(

@@ -4,7 +4,7 @@
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
 use crate::claims::supervisor::second::{
-    ALIGNED, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
+    ALIGNED, ATTITUDE, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
 };
 use crate::language::module::Module;
 
@@ -221,9 +221,9 @@ fn each_condition(
     let mut start = f.call("Controller::new", &[])?;
     let aligned = f.call(
         "Attitude::align",
-        &[&start[..6], &upright(0).accel].concat(),
+        &[&start[..ATTITUDE], &upright(0).accel].concat(),
     )?;
-    start[..6].copy_from_slice(&aligned[1..]);
+    start[..ATTITUDE].copy_from_slice(&aligned[1..]);
     start[ALIGNED] = 1;
     start[STATUS] = RUNNING;
     type Fault = fn(Sample, i128) -> Sample;

@@ -19,14 +19,16 @@ const TRIPPED_CURRENT: i128 = 8;
 pub(crate) const TRIPPED_FAULT: i128 = 9;
 
 /// Words of a controller: attitude, status, aligned, window, counts, observer.
-pub(crate) const WORDS: usize = 24;
-pub(crate) const STATUS: usize = 6;
-pub(crate) const ALIGNED: usize = 7;
-const WINDOW: usize = 8;
-const COUNTS: usize = 15;
+pub(crate) const WORDS: usize = ATTITUDE + 18;
+pub(crate) const STATUS: usize = ATTITUDE;
+pub(crate) const ALIGNED: usize = ATTITUDE + 1;
+const WINDOW: usize = ATTITUDE + 2;
+const COUNTS: usize = ATTITUDE + 9;
 pub(crate) const SATURATED: usize = COUNTS + 4;
 const GYRO: usize = COUNTS + 5;
-const OBSERVER: usize = 23;
+const OBSERVER: usize = ATTITUDE + 17;
+/// Words of the attitude: quaternion, rates, drift.
+pub(crate) const ATTITUDE: usize = 9;
 
 /// What the sensors said.
 #[derive(Clone, Copy, Debug)]
@@ -103,8 +105,8 @@ impl<'a> Supervisor<'a> {
         if words[STATUS] == RUNNING {
             return Ok((true, next));
         }
-        let angle = self.f.call("Attitude::angle", &words[..6])?[0];
-        let rate = self.f.call("Attitude::rate", &words[..6])?[0];
+        let angle = self.f.call("Attitude::angle", &words[..ATTITUDE])?[0];
+        let rate = self.f.call("Attitude::rate", &words[..ATTITUDE])?[0];
         let [wheel, clipped, frozen, rejected] = [0, 1, 2, 3].map(|k| words[COUNTS + k]);
         let may = words[ALIGNED] == 1
             && angle.abs() <= self.limit("angle_arm")?
@@ -136,18 +138,10 @@ impl<'a> Supervisor<'a> {
     ) -> Result<(i128, Vec<i128>), String> {
         let f = &self.f;
         let mut next = words.to_vec();
-        let with = |parts: &[&[i128]]| [&words[..6], &parts.concat()[..]].concat();
-        let attitude = match &sample.mag {
-            Some(mag) => f.call(
-                "Attitude::update_marg",
-                &with(&[&sample.gyro, &sample.accel, mag]),
-            )?,
-            None => f.call(
-                "Attitude::update_imu",
-                &with(&[&sample.gyro, &sample.accel]),
-            )?,
-        };
-        next[..6].copy_from_slice(&attitude);
+        // Whatever the magnetometer says.
+        let arguments = [&words[..ATTITUDE], &sample.gyro, &sample.accel].concat();
+        let attitude = f.call("Attitude::update_imu", &arguments)?;
+        next[..ATTITUDE].copy_from_slice(&attitude);
         let angle = f.call("Attitude::angle", &attitude)?[0];
         let rate = f.call("Attitude::rate", &attitude)?[0];
         let speed = f.call("wheel_speed", &[sample.wheel])?[0];
@@ -245,10 +239,11 @@ impl<'a> Supervisor<'a> {
         }
         if next[WINDOW] >= self.limit("window")? {
             let sum = next[WINDOW + 4..WINDOW + 7].to_vec();
-            let attitude = self
-                .f
-                .call("Attitude::align_to", &[&next[..6], &sum[..]].concat())?;
-            next[..6].copy_from_slice(&attitude);
+            let attitude = self.f.call(
+                "Attitude::align_to",
+                &[&next[..ATTITUDE], &sum[..]].concat(),
+            )?;
+            next[..ATTITUDE].copy_from_slice(&attitude);
             next[WINDOW..WINDOW + 7].fill(0);
             next[ALIGNED] = 1;
             if next[STATUS] == 0 {

@@ -54,7 +54,8 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
     );
     let limit = certificate.constant("CURRENT_LIMIT");
     let limit = real(&limit.ok_or("there is no limit")?.real.value);
-    let most = core::f64::consts::FRAC_PI_3;
+    let range = real(&certificate.inputs[0].range.value);
+    let most = core::f64::consts::FRAC_PI_3.min(range);
     let sine = push.abs() * limit / fall;
     let holding = if sine > 0.0 && sine.is_finite() {
         sine.min(0.99).asin()

@@ -1,0 +1,154 @@
+//! What goes wrong with sensors, bus and firmware, laid over an emitted controller.
+
+use super::controller::{RawController, RawSample};
+use crate::law::LawFailure;
+
+/// A fault from one instant on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The gyroscope's registers are no longer refreshed.
+    GyroscopeFrozen,
+    /// An axis of the gyroscope stays at the end of its range.
+    GyroscopeClipped,
+    /// An axis of the accelerometer stays at the end of its range.
+    AccelerometerClipped,
+    /// The accelerometer reads zero on every axis: a supply or a bus that is gone.
+    AccelerometerDead,
+    /// The converter of the wheel's speed stays at the lower end of its range.
+    WheelLow,
+    /// It stays at the upper end.
+    WheelHigh,
+    /// Every register reads zero: the bus answers with nothing.
+    BusDead,
+    /// The firmware misses a tick and reports it.
+    MissedTick,
+    /// The gyroscope's axis along the pivot reads the reverse: a wire of two came loose.
+    GyroscopeReversed,
+}
+
+impl Fault {
+    /// Every fault.
+    pub const ALL: [Fault; 9] = [
+        Fault::GyroscopeFrozen,
+        Fault::GyroscopeClipped,
+        Fault::AccelerometerClipped,
+        Fault::AccelerometerDead,
+        Fault::WheelLow,
+        Fault::WheelHigh,
+        Fault::BusDead,
+        Fault::MissedTick,
+        Fault::GyroscopeReversed,
+    ];
+}
+
+/// A controller whose samples go wrong from one of its steps on, and the record of what it did.
+#[derive(Clone, Debug)]
+pub struct Faulty<C> {
+    /// The controller.
+    pub controller: C,
+    /// What goes wrong.
+    pub fault: Fault,
+    /// From which step of the controller on, counted from its reset.
+    pub from_step: usize,
+    /// Counts at the ends of the converter's range.
+    pub wheel_ends: [u16; 2],
+    steps: usize,
+    last: Option<RawSample>,
+    duties: Vec<u16>,
+    ends: Vec<u8>,
+}
+
+impl<C: RawController> Faulty<C> {
+    /// `controller` with `fault` from its step `from_step` on.
+    pub fn new(controller: C, fault: Fault, from_step: usize, wheel_ends: [u16; 2]) -> Faulty<C> {
+        Faulty {
+            controller,
+            fault,
+            from_step,
+            wheel_ends,
+            steps: 0,
+            last: None,
+            duties: Vec::new(),
+            ends: Vec::new(),
+        }
+    }
+
+    /// The duties of all steps since the fault began, in counts.
+    pub fn duties(&self) -> &[u16] {
+        &self.duties
+    }
+
+    /// The status after each of these steps.
+    pub fn statuses(&self) -> &[u8] {
+        &self.ends
+    }
+
+    fn damaged(&self, sample: &RawSample) -> RawSample {
+        let mut damaged = *sample;
+        match self.fault {
+            Fault::GyroscopeFrozen => {
+                damaged.gyro = self.last.map_or(sample.gyro, |last| last.gyro);
+            }
+            Fault::GyroscopeClipped => damaged.gyro[2] = i16::MAX,
+            Fault::AccelerometerClipped => damaged.accel[1] = i16::MIN,
+            Fault::AccelerometerDead => damaged.accel = [0; 3],
+            Fault::WheelLow => damaged.wheel_adc = self.wheel_ends[0],
+            Fault::WheelHigh => damaged.wheel_adc = self.wheel_ends[1],
+            Fault::BusDead => {
+                damaged = RawSample {
+                    gyro: [0; 3],
+                    accel: [0; 3],
+                    mag: None,
+                    wheel_adc: 0,
+                };
+            }
+            Fault::MissedTick => {}
+            Fault::GyroscopeReversed => {
+                damaged.gyro[2] = sample.gyro[2].checked_neg().unwrap_or(i16::MAX);
+            }
+        }
+        damaged
+    }
+}
+
+impl<C: RawController> RawController for Faulty<C> {
+    fn reset(&mut self) {
+        self.controller.reset();
+        self.steps = 0;
+        self.last = None;
+        self.duties.clear();
+        self.ends.clear();
+    }
+
+    fn arm(&mut self) -> Result<bool, LawFailure> {
+        self.controller.arm()
+    }
+
+    fn fault(&mut self) -> Result<(), LawFailure> {
+        self.controller.fault()
+    }
+
+    fn status(&self) -> Result<u8, LawFailure> {
+        self.controller.status()
+    }
+
+    fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure> {
+        let step = self.steps;
+        self.steps += 1;
+        if step < self.from_step {
+            self.last = Some(*sample);
+            return self.controller.step(sample);
+        }
+        if step == self.from_step && self.fault == Fault::MissedTick {
+            self.controller.fault()?;
+        }
+        let duty = self.controller.step(&self.damaged(sample))?;
+        self.duties.push(duty);
+        self.ends.push(self.controller.status()?);
+        Ok(duty)
+    }
+
+    fn angle_rad(&self) -> Result<f64, LawFailure> {
+        self.controller.angle_rad()
+    }
+}

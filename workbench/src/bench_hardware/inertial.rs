@@ -1,0 +1,243 @@
+//! Gyroscope, accelerometer and compass: their lines, where they clip, how they sit on the body.
+
+use attitude::{AttitudeSpec, SensorLine};
+use bench_files::{Hardware, InertialSensor, StoredSensorCalibration};
+use nalgebra::{Matrix3, Rotation2, Vector2};
+
+use super::{DIFFER, HardwareError, Work};
+use crate::numbers::significant;
+
+/// What a gyroscope's bias may drift by after its calibration, with warmth above all, rad/s: 0.5 °/s,
+/// of data sheets that allow 0.01 to 0.05 °/s per kelvin.
+const GYRO_DRIFT_RAD_S: f64 = 8.726_646e-3;
+
+/// How many times that drift the correction must be able to outrun: with less the error that the
+/// drift leaves grows beyond the ripple of the correction.
+const DRIFT_MARGIN: f64 = 3.0;
+
+impl Work<'_> {
+    pub(super) fn attitude(&mut self) -> Result<Option<AttitudeSpec>, HardwareError> {
+        let thesis = AttitudeSpec::thesis();
+        let stated = self.stated;
+        let sensor = |pick: fn(&Hardware) -> Option<&InertialSensor>| stated.and_then(pick);
+        let gyroscope = sensor(|hardware| hardware.gyroscope.as_ref());
+        let accelerometer = sensor(|hardware| hardware.accelerometer.as_ref());
+        let magnetometer = sensor(|hardware| hardware.magnetometer.as_ref());
+        let gyro = self.sensor(
+            "gyroscope",
+            gyroscope,
+            self.calibration.gyroscope,
+            (thesis.gyro, thesis.gyro_clip),
+            "FXAS21002 at ±2000 °/s",
+            "part = \"MPU-6050\", or scale in rad/s per count",
+        );
+        let accel = self.sensor(
+            "accelerometer",
+            accelerometer,
+            self.calibration.accelerometer,
+            (thesis.accel, thesis.accel_clip),
+            "FXOS8700 at ±8 g, 4096 counts/g",
+            "part = \"MPU-6050\", or scale in m/s2 per count",
+        );
+        // A compass does nothing for the angle: one that is not stated is not used.
+        let mag = if magnetometer.is_some() || self.calibration.magnetometer.is_some() {
+            self.sensor(
+                "magnetometer",
+                magnetometer,
+                self.calibration.magnetometer,
+                (thesis.mag, thesis.mag_clip),
+                "FXOS8700, 0.1 µT per count",
+                "part = \"FXOS8700\", or scale in µT per count",
+            )
+        } else {
+            self.registers
+                .push("magnetometer: not stated; leave `mag` out".to_owned());
+            Some((thesis.mag, thesis.mag_clip))
+        };
+        let turns = self.turns(gyroscope, accelerometer, magnetometer);
+        let (Some(gyro), Some(accel), Some(mag), Some((turn, mounting_angle_rad))) =
+            (gyro, accel, mag, turns)
+        else {
+            return Ok(None);
+        };
+        let turned = |line: &SensorLine, turn: &Matrix3<f64>| SensorLine {
+            bias_counts: line.bias_counts,
+            matrix: turn * line.matrix,
+        };
+        let on_body = accelerometer.and_then(|sensor| sensor.lever_arm_m);
+        let lever_arm_m = match (self.calibration.lever_arm, on_body) {
+            (Some(found), _) => found.position_m,
+            // From the body's x and y to those of the aligned sensor.
+            (None, Some(arm)) => {
+                let arm = Rotation2::new(-mounting_angle_rad) * Vector2::from(arm);
+                [arm.x, arm.y]
+            }
+            (None, None) => [0.0, 0.0],
+        };
+        Ok(Some(AttitudeSpec {
+            beta_rad_s: self.beta(thesis.beta_rad_s),
+            gyro: turned(&gyro.0, &turn[0]),
+            accel: turned(&accel.0, &turn[1]),
+            mag: turned(&mag.0, &turn[2]),
+            gyro_clip: gyro.1,
+            accel_clip: accel.1,
+            mag_clip: mag.1,
+            mounting_angle_rad,
+            lever_arm_m,
+            ..thesis
+        }))
+    }
+
+    /// β as calibrated, or raised to what the gyroscope's drift asks for.
+    fn beta(&mut self, otherwise: f64) -> f64 {
+        let found = self.calibration.beta_rad_s.unwrap_or(otherwise);
+        // The correction turns the estimate by at most 2 β.
+        let least = 0.5 * DRIFT_MARGIN * GYRO_DRIFT_RAD_S;
+        if found < least {
+            self.registers.push(format!(
+                "filter: beta raised from {} to {} rad/s, so that a gyroscope's drift of 0.5 °/s after \
+                 the calibration does not carry the estimate away",
+                significant(found, 2),
+                significant(least, 3)
+            ));
+        }
+        found.max(least)
+    }
+
+    /// A sensor's line in its own axes, and where it clips.
+    fn sensor(
+        &mut self,
+        name: &'static str,
+        stated: Option<&InertialSensor>,
+        calibrated: Option<StoredSensorCalibration>,
+        preset: (SensorLine, [i32; 3]),
+        preset_name: &str,
+        example: &str,
+    ) -> Option<(SensorLine, [i32; 3])> {
+        let what = format!("[hardware.{name}]");
+        let scale = stated.and_then(|sensor| sensor.scale);
+        let line = match (calibrated, scale) {
+            (Some(found), scale) => {
+                let line = SensorLine {
+                    bias_counts: found.bias_counts.into(),
+                    matrix: Matrix3::from_fn(|row, column| found.matrix[row][column]),
+                };
+                let mean = line.matrix.determinant().abs().cbrt();
+                if let Some(scale) = scale
+                    && !(1.0 / DIFFER..=DIFFER).contains(&(mean / scale))
+                {
+                    self.warnings.push(format!(
+                        "[calibration.{name}] has {} per count, {what} {}: the calibrated one is \
+                         used; look up the sensor's range",
+                        significant(mean, 4),
+                        significant(scale, 4)
+                    ));
+                }
+                line
+            }
+            (None, Some(scale)) => SensorLine::ideal(scale),
+            (None, None) => {
+                if !self.fill(&what, preset_name, example) {
+                    return None;
+                }
+                preset.0
+            }
+        };
+        let clip = match stated {
+            Some(sensor) => sensor.clip,
+            // Named already where the line is the preset's, too.
+            None if calibrated.is_none() => preset.1,
+            None => {
+                let from_preset = format!("clips at {:?} counts", preset.1);
+                let example = format!("{example}; it says where the sensor clips");
+                if !self.fill(&what, &from_preset, &example) {
+                    return None;
+                }
+                preset.1
+            }
+        };
+        let part = match stated.and_then(|sensor| sensor.part) {
+            Some(part) => format!("{}, {} ({})", part.name, part.setting, part.source),
+            None if stated.is_some() => "as stated".to_owned(),
+            None => preset_name.to_owned(),
+        };
+        self.registers.push(format!(
+            "{name}: {part}; unknown from {} counts on",
+            clip.map(|counts| counts.to_string()).join(", ")
+        ));
+        Some((line, clip))
+    }
+
+    /// From the axes of gyroscope, accelerometer and magnetometer to those of the filter, and the
+    /// mounting angle that is left.
+    fn turns(
+        &mut self,
+        gyroscope: Option<&InertialSensor>,
+        accelerometer: Option<&InertialSensor>,
+        magnetometer: Option<&InertialSensor>,
+    ) -> Option<([Matrix3<f64>; 3], f64)> {
+        let matrix = |sensor: Option<&InertialSensor>| {
+            let rotation = sensor.and_then(|sensor| sensor.rotation)?;
+            Some(Matrix3::from_fn(|row, column| rotation[row][column]))
+        };
+        let of_compass = matrix(magnetometer).unwrap_or_else(Matrix3::identity);
+        if let Some(mounting) = self.calibration.mounting {
+            let turn = calibrate::alignment(&mounting.axis.into()).into_inner();
+            if let Some(stated) = matrix(accelerometer) {
+                self.compare_turns(&stated, &turn, mounting.angle_rad);
+                // What turns the compass against the housing, and the housing as it was found.
+                let against_housing = stated.transpose() * of_compass;
+                return Some(([turn, turn, turn * against_housing], mounting.angle_rad));
+            }
+            return Some(([turn, turn, turn * of_compass], mounting.angle_rad));
+        }
+        match (matrix(gyroscope), matrix(accelerometer)) {
+            (Some(gyro), Some(accel)) => {
+                let compass = matrix(magnetometer).unwrap_or(accel);
+                Some(([gyro, accel, compass], 0.0))
+            }
+            (None, None) => self
+                .fill(
+                    "the sensor's place on the body",
+                    "its axes are the body's, z along the pivot axis",
+                    "axes = [\"x\", \"y\", \"z\"] under [hardware.gyroscope] and \
+                     [hardware.accelerometer], or flywheel calibrate with a swing",
+                )
+                .then(|| {
+                    let own = Matrix3::identity();
+                    ([own, own, of_compass], 0.0)
+                }),
+            (gyro, _) => {
+                let lacking = if gyro.is_some() {
+                    "accelerometer"
+                } else {
+                    "gyroscope"
+                };
+                self.missing.push(format!(
+                    "the axes of the {lacking} (axes = [\"x\", \"y\", \"z\"] under \
+                     [hardware.{lacking}]; those of the other are stated)"
+                ));
+                None
+            }
+        }
+    }
+
+    /// Stated axes against the found mounting: 20° apart is another mounting.
+    fn compare_turns(&mut self, stated: &Matrix3<f64>, turn: &Matrix3<f64>, angle_rad: f64) {
+        let (sin, cos) = angle_rad.sin_cos();
+        // The aligned sensor's x axis stands at the mounting angle from the body's.
+        let about_pivot = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+        let found = about_pivot * turn;
+        let apart = (((stated.transpose() * found).trace() - 1.0) / 2.0)
+            .clamp(-1.0, 1.0)
+            .acos();
+        if apart > 20_f64.to_radians() {
+            self.warnings.push(format!(
+                "[calibration.mounting] turns the sensor {}° away from the axes that \
+                 [hardware.accelerometer] states: the calibrated mounting is used; flywheel bring-up \
+                 settles which is right",
+                significant(apart.to_degrees(), 2)
+            ));
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! Sensors, mounting, converters and centre of mass from recordings of raw counts.
+
+mod work;
+
+use std::path::Path;
+
+use ::calibrate::{CalibrationError, LineFit};
+use bench_files::{
+    Calibration, CalibrationRecordings, LineCalibration, ModelFile, Parameter,
+    StoredSensorCalibration,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use work::Work;
+
+/// What the recordings of `[calibration]` give: the result of [`calibrate()`].
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct SensorCalibrationReport {
+    /// m/s² of counts.
+    pub accelerometer: Option<CalibratedSensor>,
+    /// rad/s of counts.
+    pub gyroscope: Option<CalibratedSensor>,
+    /// µT of counts.
+    pub magnetometer: Option<CalibratedSensor>,
+    /// How the sensor sits on the body.
+    pub mounting: Option<SensorMounting>,
+    /// Where the accelerometer sits, along x and y of the aligned sensor.
+    pub lever_arm: Option<LeverArmReport>,
+    /// Wheel speed in rad/s over converter counts.
+    pub wheel_speed: Option<CalibratedLine>,
+    /// Duty in counts over current in A.
+    pub current: Option<CalibratedLine>,
+    /// Centre of mass of the body, from plumb lines.
+    pub centre_of_mass: Option<PlumbedCentre>,
+    /// What is not trustworthy, and what would help; sentences.
+    pub warnings: Vec<String>,
+    /// The magnetometer's samples before and after.
+    #[serde(skip)]
+    pub magnetometer_points: Option<MagnetometerPoints>,
+    /// The same as model.toml has it.
+    #[serde(skip)]
+    found: Calibration,
+}
+
+/// A three-axis sensor: value = matrix (counts − bias).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedSensor {
+    /// Unit of the value.
+    pub unit_per_count: String,
+    /// Bias, counts.
+    pub bias_counts: [f64; 3],
+    /// Standard errors of the bias, counts.
+    pub bias_std: [f64; 3],
+    /// Row by row.
+    pub matrix: [[f64; 3]; 3],
+    /// Standard errors; zero for entries that are not identified.
+    pub matrix_std: [[f64; 3]; 3],
+    /// Quality of the fit by name: residual, condition, coverage, noise, …
+    pub quality: Vec<(String, f64)>,
+}
+
+/// How the sensor sits on the body.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SensorMounting {
+    /// The pivot axis in the sensor's frame.
+    pub axis: [f64; 3],
+    /// Its standard error.
+    pub axis_std_rad: f64,
+    /// From the body's axis to the sensor's x axis.
+    pub angle_rad: f64,
+    /// Its standard error.
+    pub angle_std_rad: f64,
+}
+
+/// Where the accelerometer sits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeverArmReport {
+    /// What went into the model, if anything.
+    pub position_m: Option<[f64; 2]>,
+    /// Its standard errors.
+    pub position_std_m: Option<[f64; 2]>,
+    /// What was measured with a ruler, if it was.
+    pub stated_m: Option<[f64; 2]>,
+    /// Its standard errors.
+    pub stated_std_m: Option<[f64; 2]>,
+    /// What the swing gives.
+    pub from_swing: Option<LeverArmOfSwing>,
+}
+
+/// The lever arm that the accelerations of a swing show.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeverArmOfSwing {
+    /// Along x and y of the aligned sensor.
+    pub position_m: [f64; 2],
+    /// Standard errors.
+    pub position_std_m: [f64; 2],
+    /// The true rate about the pivot axis is (1 + this) times the calibrated one.
+    pub gyro_scale_error: f64,
+    /// Its standard error.
+    pub gyro_scale_error_std: f64,
+    /// What is left of the acceleration.
+    pub residual_std_m_s2: f64,
+}
+
+/// A straight line with its errors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedLine {
+    /// Slope.
+    pub slope: f64,
+    /// Its standard error.
+    pub slope_std: f64,
+    /// Value at zero.
+    pub offset: f64,
+    /// Its standard error.
+    pub offset_std: f64,
+    /// Standard deviation about the line.
+    pub residual_std: f64,
+}
+
+/// A centre of mass from plumb lines.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlumbedCentre {
+    /// Where it is.
+    pub position_m: [f64; 2],
+    /// From the pivot.
+    pub pivot_to_com_m: f64,
+    /// Standard error of that.
+    pub pivot_to_com_std_m: f64,
+    /// Largest angle between two of the lines.
+    pub crossing_angle_rad: f64,
+    /// How far each line passes from it.
+    pub residuals_m: Vec<f64>,
+}
+
+/// Samples of a magnetometer that was turned into all directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MagnetometerPoints {
+    /// Counts.
+    pub before: Vec<[f64; 3]>,
+    /// µT.
+    pub after_ut: Vec<[f64; 3]>,
+    /// Strength of the field, µT.
+    pub field_ut: f64,
+    /// Variation of the length before, as a share.
+    pub spread_before: f64,
+    /// And after.
+    pub spread_after: f64,
+    /// Share of all directions that were covered.
+    pub coverage: f64,
+}
+
+/// Calibrates everything that the recordings allow.
+///
+/// # Errors
+/// [`Error::Calibrate`] with the recording that does not allow its calibration.
+pub fn calibrate(recordings: &CalibrationRecordings) -> Result<SensorCalibrationReport, Error> {
+    let mut work = Work {
+        recordings,
+        report: SensorCalibrationReport::default(),
+    };
+    let accelerometer = work.accelerometer()?;
+    let gyroscope = work.gyroscope()?;
+    work.magnetometer()?;
+    if let (Some(accelerometer), Some(gyroscope)) = (accelerometer, gyroscope) {
+        let mounting = work.mounting(&accelerometer, &gyroscope)?;
+        let of_swing = match mounting {
+            Some(mounting) => work.lever_arm_of_swing(&accelerometer, &gyroscope, &mounting)?,
+            None => None,
+        };
+        work.lever_arm(of_swing);
+    } else {
+        work.lever_arm(None);
+    }
+    work.lines()?;
+    work.centre_of_mass()?;
+    Ok(work.report)
+}
+
+impl SensorCalibrationReport {
+    /// Puts what was found into a model; what was found before stays where nothing new was.
+    pub fn apply_to(&self, file: &mut ModelFile) {
+        file.calibration = Some(merged(file.calibration, self.found));
+        if let Some(centre) = &self.centre_of_mass {
+            file.set_parameter(Parameter {
+                name: "pivot_to_com".to_owned(),
+                value: centre.pivot_to_com_m,
+                std: Some(centre.pivot_to_com_std_m),
+                unit: "m".to_owned(),
+                source: "plumb lines".to_owned(),
+            });
+        }
+    }
+}
+
+/// What was found now, and for the rest what was found before.
+fn merged(before: Option<Calibration>, now: Calibration) -> Calibration {
+    let before = before.unwrap_or_default();
+    Calibration {
+        accelerometer: now.accelerometer.or(before.accelerometer),
+        gyroscope: now.gyroscope.or(before.gyroscope),
+        beta_rad_s: now.beta_rad_s.or(before.beta_rad_s),
+        magnetometer: now.magnetometer.or(before.magnetometer),
+        mounting: now.mounting.or(before.mounting),
+        lever_arm: now.lever_arm.or(before.lever_arm),
+        wheel_speed: now.wheel_speed.or(before.wheel_speed),
+        duty: now.duty.or(before.duty),
+    }
+}
+
+/// A calibration error with the recording that it is about.
+fn in_recording(file: &Path) -> impl Fn(CalibrationError) -> Error {
+    move |source| Error::Calibrate {
+        recording: file.to_path_buf(),
+        source,
+    }
+}
+
+fn matrix(of: &::calibrate::SensorCalibration, std: bool) -> [[f64; 3]; 3] {
+    let source = if std { &of.matrix_std } else { &of.line.matrix };
+    [0, 1, 2].map(|row| [0, 1, 2].map(|column| source[(row, column)]))
+}
+
+fn to_file(sensor: &::calibrate::SensorCalibration) -> StoredSensorCalibration {
+    StoredSensorCalibration {
+        bias_counts: sensor.line.bias_counts.into(),
+        bias_std: sensor.bias_std.into(),
+        matrix: matrix(sensor, false),
+        matrix_std: matrix(sensor, true),
+    }
+}
+
+impl CalibratedSensor {
+    fn of(
+        unit: &str,
+        sensor: &::calibrate::SensorCalibration,
+        quality: &[(&str, f64)],
+    ) -> CalibratedSensor {
+        CalibratedSensor {
+            unit_per_count: unit.to_owned(),
+            bias_counts: sensor.line.bias_counts.into(),
+            bias_std: sensor.bias_std.into(),
+            matrix: matrix(sensor, false),
+            matrix_std: matrix(sensor, true),
+            quality: quality
+                .iter()
+                .map(|(name, value)| ((*name).to_owned(), *value))
+                .collect(),
+        }
+    }
+}
+
+fn line_to_file(line: &LineFit) -> LineCalibration {
+    LineCalibration {
+        slope: line.slope,
+        slope_std: line.slope_std,
+        offset: line.offset,
+        offset_std: line.offset_std,
+    }
+}
+
+impl CalibratedLine {
+    fn of(line: &LineFit) -> CalibratedLine {
+        CalibratedLine {
+            slope: line.slope,
+            slope_std: line.slope_std,
+            offset: line.offset,
+            offset_std: line.offset_std,
+            residual_std: line.residual_std,
+        }
+    }
+}
