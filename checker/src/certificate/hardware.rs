@@ -16,6 +16,10 @@ pub struct CertifiedHardware {
     pub magnetometer: CertifiedSensor,
     /// β of the attitude filter (rad/s).
     pub beta_rad_s: StatedDecimal,
+    /// Time in which the gyroscope's drift is followed (s).
+    pub drift_time_s: StatedDecimal,
+    /// Largest drift that is followed (rad/s).
+    pub drift_limit_rad_s: StatedDecimal,
     /// Gravity (m/s²).
     pub gravity_m_s2: StatedDecimal,
     /// Weakest usable field (µT).

@@ -69,7 +69,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         return Err("the converter's range is empty".to_owned());
     }
 
-    drift(&filter, text, period)?;
+    drift(&filter, hardware, period)?;
 
     let gyro_unit = period * half() * power_of_two(49);
     sensor(&filter, &hardware.gyroscope, "gyro", Some(&gyro_unit))?;
@@ -169,12 +169,10 @@ fn check_sensor_steps(hardware: &CertifiedHardware, stated: &CertifiedLoop) -> C
     Ok(())
 }
 
-/// How the drift is followed: as documented, with as many bits as leave room for the largest.
-fn drift(filter: &NamedWords, text: &str, period: &BigRational) -> Check {
-    let stated = numbers(after(text, "drift is followed within")?);
-    let [time, limit] = stated.as_slice() else {
-        return Err("the documents of FILTER do not state how the drift is followed".to_owned());
-    };
+/// How the drift is followed: as stated, with as many bits as leave room for the largest.
+fn drift(filter: &NamedWords, hardware: &CertifiedHardware, period: &BigRational) -> Check {
+    let time = &hardware.drift_time_s.value;
+    let limit = &hardware.drift_limit_rad_s.value;
     if !time.is_positive() || !limit.is_positive() {
         return Err("the drift is followed in no time, or not at all".to_owned());
     }

@@ -14,6 +14,10 @@ pub(super) struct Hardware {
     magnetometer: Sensor,
     /// β of the filter.
     beta_rad_s: String,
+    /// Time in which the gyroscope's drift is followed.
+    drift_time_s: String,
+    /// Largest drift that is followed.
+    drift_limit_rad_s: String,
     gravity_m_s2: String,
     /// Weakest usable field.
     #[serde(rename = "field_min_uT")]
@@ -59,6 +63,8 @@ impl Hardware {
             accelerometer: sensor(&attitude.accel, attitude.accel_clip),
             magnetometer: sensor(&attitude.mag, attitude.mag_clip),
             beta_rad_s: number(attitude.beta_rad_s),
+            drift_time_s: number(attitude.drift_time_s),
+            drift_limit_rad_s: number(attitude.drift_limit_rad_s),
             gravity_m_s2: number(attitude.gravity_m_s2),
             field_min_ut: number(attitude.field_min_ut),
             lever_arm_m: attitude.lever_arm_m.map(number),
