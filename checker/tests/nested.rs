@@ -34,7 +34,8 @@ fn deep_branches() {
     ];
     for body in bodies {
         let text = format!("pub fn f(x: i32, y: i32) -> i32 {{ {body} }}");
-        let module = Module::parse(&[("src/x.rs", &text)]).unwrap_or_else(|e| panic!("{e}: {body}"));
+        let module =
+            Module::parse(&[("src/x.rs", &text)]).unwrap_or_else(|e| panic!("{e}: {body}"));
         let program = module.function("f").unwrap();
         assert!(program.len() < 20 * DEPTH, "{} steps", program.len());
         // That a sum may overflow is a finding like any other.

@@ -62,7 +62,7 @@ fn constructs_outside_the_language() {
         ("if 1 < 2 { a } else { b }", "the type of `1` is not stated"),
         (
             "let x = (if a < b { 1 } else { 2 }) as i64; x as i32",
-            "is not stated",
+            "is not clear",
         ),
         ("<i32>::MAX", "through a type"),
         ("::i32::MAX", "begins with `::`"),

@@ -12,6 +12,7 @@ use identify::Progress;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::bench_hardware::Preset;
 use crate::control_design::ControlDesign;
 use crate::controller::GeneratedController;
 use crate::error::Error;
@@ -61,17 +62,22 @@ pub fn prove(
     })
 }
 
-/// Whether the folder holds what the generator makes of the model.
+/// Whether the folder holds what the generator makes of the model, with the preset that the crate says
+/// it was generated with.
 fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
     let start = Instant::now();
-    let differing = ControlDesign::read(model)?.generate()?.differing(folder)?;
-    let outcome = match differing.first() {
-        None => ClaimOutcome::Proved("every byte of every file".to_owned()),
-        Some(path) => ClaimOutcome::Failed(format!(
-            "{} is not what the generator makes of {}",
-            path.display(),
-            model.display()
-        )),
+    let certificate = Certificate::read(folder).map_err(ProveError::from)?;
+    let preset = (!certificate.assumed.is_empty()).then_some(Preset::ThesisBench);
+    let outcome = match ControlDesign::read(model)?.generate(preset) {
+        Err(error) => ClaimOutcome::Failed(error.to_string()),
+        Ok(controller) => match controller.differing(folder)?.first() {
+            None => ClaimOutcome::Proved("every byte of every file".to_owned()),
+            Some(path) => ClaimOutcome::Failed(format!(
+                "{} is not what the generator makes of {}",
+                path.display(),
+                model.display()
+            )),
+        },
     };
     let seconds = start.elapsed().as_secs_f64();
     Ok(ClaimResult::new(
