@@ -203,11 +203,23 @@ pub fn documents(spec: &ModuleSpec) -> Vec<String> {
         ),
         format!("| angle | {}, at once |", degrees(numbers.angle_trip_rad)),
         format!(
-            "| gyroscope's words stand still | {:.4} s (its noise is taken to be half a count or more) |",
+            "| gyroscope's words stand still | {:.7} s (its noise is taken to be half a count or more) |",
             numbers.frozen_s
         ),
         format!("| gyroscope or accelerometer clipped | {CLIPPED_S} s |"),
         format!("| wheel speed at the ends of its sensor | {WHEEL_S} s |"),
+        format!(
+            "| ends of the wheel's sensor | {}, {} counts |",
+            spec.hardware.wheel_low, spec.hardware.wheel_high
+        ),
+        format!(
+            "| ends of the gyroscope | {} counts |",
+            spec.hardware
+                .attitude
+                .gyro_clip
+                .map(|counts| counts.to_string())
+                .join(", ")
+        ),
         format!("| accelerometer shows no gravity | {REJECTED_S} s |"),
         format!("| current at its limit | {:.3} s |", numbers.saturated_s),
     ]

@@ -131,9 +131,11 @@ pub const BIAS_OBSERVER: BiasObserver = BiasObserver {
 /// | armed within | 15.86°, 0.736 rad/s, no sensor stuck |
 /// | attitude set by | quiet samples of about 0.25 s: gravity within 15 %, readings within 10 % of it, below 0.3 rad/s |
 /// | angle | 31.72°, at once |
-/// | gyroscope's words stand still | 0.0250 s (its noise is taken to be half a count or more) |
+/// | gyroscope's words stand still | 0.0250000 s (its noise is taken to be half a count or more) |
 /// | gyroscope or accelerometer clipped | 0.01 s |
 /// | wheel speed at the ends of its sensor | 0.02 s |
+/// | ends of the wheel's sensor | 0, 1546 counts |
+/// | ends of the gyroscope | 32767, 32767, 32767 counts |
 /// | accelerometer shows no gravity | 2 s |
 /// | current at its limit | 1.403 s |
 pub const LIMITS: Limits = Limits {

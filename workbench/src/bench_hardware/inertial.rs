@@ -51,7 +51,7 @@ impl Work<'_> {
             )
         } else {
             self.registers
-                .push("magnetometer: not stated; leave `mag` out".to_owned());
+                .push("magnetometer: not stated; None in every sample".to_owned());
             Some((thesis.mag, thesis.mag_clip))
         };
         let turns = self.turns(gyroscope, accelerometer, magnetometer);

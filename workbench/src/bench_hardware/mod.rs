@@ -124,6 +124,7 @@ impl Work<'_> {
     /// Whether the preset may fill this in; where not, it is missing.
     fn fill(&mut self, what: &str, from_preset: &str, example: &str) -> bool {
         if self.preset.is_some() {
+            let what = what.replace(['[', ']'], "");
             self.assumed.push(format!("{what}: {from_preset}"));
             true
         } else {

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use workbench::{
-    ComparisonReport, DesignReport, DiagnosisReport, ExperimentCurves, SimulationSettings,
+    ComparisonReport, DesignReport, DiagnosisReport, ExperimentCurves, Preset, SimulationSettings,
 };
 
 use crate::bench::{session, silent};
@@ -80,7 +80,11 @@ fn results_come_back() {
     let design = session.design().expect("a design");
     let (json, _) = there_and_back::<DesignReport>(&design.report().expect("a report"));
     assert_keys(&json, &["A", "B", "Ad", "Bd", "gains", "dare_residual"]);
-    there_and_back(&design.generate(None).expect("a controller"));
+    there_and_back(
+        &design
+            .generate(Some(Preset::ThesisBench))
+            .expect("a controller"),
+    );
     let settings = SimulationSettings {
         seed: 3,
         bench: Some(session.bench()),

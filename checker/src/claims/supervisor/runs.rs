@@ -4,7 +4,7 @@
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
 use crate::claims::supervisor::second::{
-    ALIGNED, ATTITUDE, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
+    ALIGNED, ATTITUDE, COUNTS, GYRO, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
 };
 use crate::language::module::Module;
 
@@ -227,9 +227,10 @@ fn each_condition(
     start[ALIGNED] = 1;
     start[STATUS] = RUNNING;
     type Fault = fn(Sample, i128) -> Sample;
+    // In the order of the counts.
     let conditions: [(&str, Fault); 4] = [
-        ("frozen_steps", |sample, _| Sample {
-            gyro: [5, 5, 5],
+        ("wheel_steps", |sample, low| Sample {
+            wheel: low,
             ..sample
         }),
         ("clipped_steps", |sample, _| {
@@ -239,8 +240,8 @@ fn each_condition(
                 ..sample
             }
         }),
-        ("wheel_steps", |sample, low| Sample {
-            wheel: low,
+        ("frozen_steps", |sample, _| Sample {
+            gyro: [5, 5, 5],
             ..sample
         }),
         ("rejected_steps", |sample, _| Sample {
@@ -248,13 +249,16 @@ fn each_condition(
             ..sample
         }),
     ];
-    for (limit, fault) in conditions {
+    for (index, (limit, fault)) in conditions.into_iter().enumerate() {
         let steps = second.limit(limit)?;
         let low = second.limit("wheel_low")?;
+        // The condition has lasted for all but the last of its steps; that each counts by one, the
+        // runs above show.
         let mut words = start.clone();
-        let mut ended = None;
-        // One step more: the first of frozen words is one that changes.
-        for step in 0..=steps {
+        words[COUNTS + index] = (steps - 3).max(0);
+        words[GYRO..GYRO + 3].fill(5);
+        let mut has_ended = false;
+        for step in 0..3 {
             let sample = fault(upright(step), low);
             let found = f.call("Controller::step", &[&words[..], &sample.words()].concat())?;
             words = found[1..].to_vec();
@@ -262,11 +266,11 @@ fn each_condition(
                 if found[0] != zero {
                     return Err(format!("{limit}: duty {} after a trip", found[0]));
                 }
-                ended = Some(step);
+                has_ended = true;
                 break;
             }
         }
-        if ended.is_none() {
+        if !has_ended {
             return Err(format!(
                 "{limit}: the condition lasts, and the controller runs on"
             ));

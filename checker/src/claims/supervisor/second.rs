@@ -23,9 +23,9 @@ pub(crate) const WORDS: usize = ATTITUDE + 18;
 pub(crate) const STATUS: usize = ATTITUDE;
 pub(crate) const ALIGNED: usize = ATTITUDE + 1;
 const WINDOW: usize = ATTITUDE + 2;
-const COUNTS: usize = ATTITUDE + 9;
+pub(crate) const COUNTS: usize = ATTITUDE + 9;
 pub(crate) const SATURATED: usize = COUNTS + 4;
-const GYRO: usize = COUNTS + 5;
+pub(crate) const GYRO: usize = COUNTS + 5;
 const OBSERVER: usize = ATTITUDE + 17;
 /// Words of the attitude: quaternion, rates, drift.
 pub(crate) const ATTITUDE: usize = 9;
