@@ -28,7 +28,7 @@ use crate::claims::closed_loop_for_all_time::ClosedLoopBounds;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{Matrix, Vector, dot, inverse, quadratic};
-use crate::exact::rational::{half, integer, power, root_above, rounded_up};
+use crate::exact::rational::{integer, power, root_above, rounded_up};
 
 /// Shares of the set that are tried, in parts of its size.
 const PARTS: i128 = 64;
@@ -241,8 +241,9 @@ fn largest_response(a: &Matrix, t: &BigRational, p: &Matrix) -> Result<BigRation
     let scaled: Matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[i][j].abs() * t));
     let sums = scaled.each_ref().map(|row| row.iter().sum::<BigRational>());
     let norm = sums.iter().max().cloned().unwrap_or_default();
-    if norm > half() {
-        return Err("the sample time is too long for the bound: |A| T is above 1/2".to_owned());
+    // The terms after the last are then at most (8/25)^j of it, together less than it.
+    if norm > integer(8) {
+        return Err("the sample time is too long for the bound: |A| T is above 8".to_owned());
     }
     let e: Vector = [0, 1, -1].map(integer);
     let mut term: Vector = [0, 1, 1].map(integer);
@@ -255,7 +256,6 @@ fn largest_response(a: &Matrix, t: &BigRational, p: &Matrix) -> Result<BigRation
             *sum += entry;
         }
     }
-    // The terms that are left are at most this one and its halves.
     let root = |value: &BigRational| root_above(value).ok_or("a negative square".to_owned());
     let mut q = root(&quadratic(p, &e))?;
     for (i, change) in change.iter().enumerate() {

@@ -80,7 +80,6 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
         .as_ref()
         .map_or(period, |rate| 1.0 / real(&rate.value))
         .max(period);
-    near("frozen_steps", (frozen_s / period).max(2.0))?;
     let refreshes = word("frozen_steps")? * period / refresh_s;
     if !(FROZEN_REFRESHES[0]..=FROZEN_REFRESHES[1]).contains(&refreshes) {
         return Err(format!(
