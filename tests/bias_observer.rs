@@ -60,7 +60,10 @@ fn words(text: &str) -> Vec<(std::ops::Range<usize>, i64)> {
     let bytes = text.as_bytes();
     let mut found = Vec::new();
     let mut at = start;
-    while at < bytes.len() {
+    let end = text[start..]
+        .find("};")
+        .map_or(text.len(), |end| start + end);
+    while at < end {
         let is_part = |byte: u8| byte.is_ascii_digit() || byte == b'_';
         let begins = bytes[at].is_ascii_digit() && !bytes[at - 1].is_ascii_alphanumeric();
         if begins {

@@ -257,7 +257,7 @@ impl Wide {
             .fold(0.0, f64::max);
         // 28 terms of a norm of 1/8 leave 2⁻⁸⁴/28! ≈ 2⁻¹⁸², far below the words' 2⁻¹⁰⁴.
         let squarings = (norm * 8.0).log2().ceil().max(0.0);
-        if !(squarings <= 60.0) {
+        if squarings.is_nan() || squarings > 60.0 {
             return None;
         }
         let scaled = self.scaled(DoubleDouble::of(0.5_f64.powi(squarings as i32)));

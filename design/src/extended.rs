@@ -103,7 +103,7 @@ fn solved(
             break;
         }
     }
-    if !(change <= SETTLED) {
+    if change.is_nan() || change > SETTLED {
         return Err(DesignError::NoConvergence {
             method: "the doubling algorithm in extended precision",
             iterations: MOST_DOUBLINGS,

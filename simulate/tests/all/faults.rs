@@ -197,13 +197,13 @@ impl RawController for Drifting {
         let time_s = f64::from(self.steps) * 1e-3;
         self.steps += 1;
         let mut drifted = *sample;
-        for axis in 0..3 {
-            // Uniform steps with the standard deviation of the walk's.
-            let step = 0.3 / 1_800_000_f64.sqrt() * 3_f64.sqrt();
-            self.walk_deg_s[axis] += self.random.random_range(-step..step);
-            let drift_deg_s = 0.5 + time_s / 600.0 + self.walk_deg_s[axis];
+        // Uniform steps with the standard deviation of the walk's.
+        let step = 0.3 / 1_800_000_f64.sqrt() * 3_f64.sqrt();
+        for (reading, walk_deg_s) in drifted.gyro.iter_mut().zip(&mut self.walk_deg_s) {
+            *walk_deg_s += self.random.random_range(-step..step);
+            let drift_deg_s = 0.5 + time_s / 600.0 + *walk_deg_s;
             let counts = (drift_deg_s / 62.5e-3).round() as i16;
-            drifted.gyro[axis] = sample.gyro[axis].saturating_add(counts);
+            *reading = reading.saturating_add(counts);
         }
         self.controller.step(&drifted)
     }

@@ -226,16 +226,13 @@ impl<'a> Supervisor<'a> {
             next[WINDOW] > 0 && (0..3).all(|k| (up[k] - next[WINDOW + 1 + k]).abs() < agreement);
         if agrees {
             next[WINDOW] = self.counted(next[WINDOW], true, "window")?;
-            for k in 0..3 {
-                let sum = next[WINDOW + 4 + k] + share[k];
-                next[WINDOW + 4 + k] = sum.clamp(-(1 << 29), 1 << 29);
+            for (sum, share) in next[WINDOW + 4..].iter_mut().zip(&share) {
+                *sum = (*sum + share).clamp(-(1 << 29), 1 << 29);
             }
         } else {
             next[WINDOW] = 1;
-            for k in 0..3 {
-                next[WINDOW + 1 + k] = up[k];
-                next[WINDOW + 4 + k] = share[k];
-            }
+            next[WINDOW + 1..WINDOW + 4].copy_from_slice(up);
+            next[WINDOW + 4..WINDOW + 7].copy_from_slice(&share);
         }
         if next[WINDOW] >= self.limit("window")? {
             let sum = next[WINDOW + 4..WINDOW + 7].to_vec();
