@@ -3,5 +3,10 @@
 use test_conditions::Condition;
 
 fn main() {
-    test_conditions::declare(&[Condition::Rustfmt, Condition::Recordings]);
+    test_conditions::declare(&[
+        Condition::Rustfmt,
+        Condition::Recordings,
+        Condition::Gcc,
+        Condition::CrossGcc,
+    ]);
 }

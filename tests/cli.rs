@@ -1,9 +1,13 @@
 //! The command line from outside: what a user types, sees and finds on disk.
 
+#[path = "cli/data.rs"]
+mod data;
 #[path = "cli/demo.rs"]
 mod demo;
 #[path = "cli/diagnose.rs"]
 mod diagnose;
+#[path = "cli/long_work.rs"]
+mod long_work;
 #[path = "cli/prove.rs"]
 mod prove;
 
@@ -33,8 +37,15 @@ fn stderr(output: &Output) -> String {
 fn done<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> String {
     let output = flywheel(arguments);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(stderr(&output), "", "nothing on standard error");
+    assert_only_progress(&stderr(&output));
     stdout(&output)
+}
+
+/// Nothing on standard error but what long work says on its way: "fitting … (3 s)".
+fn assert_only_progress(errors: &str) {
+    for line in errors.lines() {
+        assert!(line.ends_with(" s)"), "on standard error: {errors}");
+    }
 }
 
 fn json_of<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Value {
@@ -108,11 +119,17 @@ mod bench {
         text
     }
 
+    /// Sensors and drive, which every command that writes a model copies into it.
+    const HARDWARE: &str = "[hardware.gyroscope]\npart = \"MPU-6050\"\naxes = [\"x\", \"y\", \"z\"]\n\n\
+        [hardware.accelerometer]\npart = \"MPU-6050\"\naxes = [\"x\", \"y\", \"z\"]\n\n\
+        [hardware.wheel_speed]\nkind = \"converter\"\nslope = 0.4\noffset = -819.2\nlow = 0\nhigh = 4095\n\n\
+        [hardware.drive]\npart = \"ESCON 24/2\"\namperes_per_count = 8.4e-5\n\n";
+
     /// Writes the bench into a folder.
     pub fn write(folder: &Path) {
         let toml = format!(
             "[bench]\nname = \"made here\"\n\n[known]\ntorque_constant = {TORQUE_CONSTANT}\n\
-             gravity_torque = {GRAVITY_TORQUE}\n\n\
+             gravity_torque = {GRAVITY_TORQUE}\n\n{HARDWARE}\
              [[experiment]]\nname = \"swing\"\nkind = \"free-swing\"\nfile = \"swing.csv\"\n\
              columns = {{ time = \"t_ms\", angle = \"pend_deg\" }}\n\
              units = {{ time = \"ms\", angle = \"deg\" }}\n\n\
@@ -300,6 +317,31 @@ fn the_whole_chain() {
         assert!(crate_folder.join(name).is_file(), "{name}");
     }
     done(["generate", model, "--out", emitted, "--check"]);
+    // The same in C, in a folder of its own.
+    let in_c = folder.path().join("in-c");
+    let in_c = in_c.to_str().expect("a path in UTF-8");
+    done(["generate", model, "--out", in_c, "--language", "c"]);
+    done([
+        "generate",
+        model,
+        "--out",
+        in_c,
+        "--language",
+        "c",
+        "--check",
+    ]);
+    for file in [
+        "src/flywheel.h",
+        "src/flywheel.c",
+        "library.properties",
+        "examples/flywheel/flywheel.ino",
+    ] {
+        assert!(Path::new(in_c).join(file).exists(), "{file}");
+    }
+    let certificate = fs::read_to_string(Path::new(in_c).join("certificate.json"));
+    let certificate: Value =
+        serde_json::from_str(&certificate.expect("a certificate")).expect("JSON");
+    assert_eq!(certificate["language"], "c");
 
     // --reset goes back to the base model.
     let reset = json_of([

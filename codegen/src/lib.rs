@@ -22,6 +22,7 @@
 //! ```
 
 pub mod attitude;
+pub mod c99;
 pub mod claims;
 pub mod closed_loop;
 pub mod control;

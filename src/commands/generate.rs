@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Take what the model states neither under [hardware] nor under [calibration] from this bench
     #[arg(long, value_name = "BENCH")]
     pub preset: Option<PresetName>,
+    /// The language: a Rust crate, or a C99 library for Arduino and PlatformIO (`prove` reads the Rust)
+    #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
+    pub language: Language,
     /// Compare instead of writing: exit code 1 where DIR is not what would be written
     #[arg(long)]
     pub check: bool,
@@ -34,6 +37,15 @@ pub struct Arguments {
 pub enum PresetName {
     /// The bench of the thesis
     ThesisBench,
+}
+
+/// The languages in which a controller is emitted.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Language {
+    /// A `no_std` crate
+    Rust,
+    /// A header and a source in C99
+    C,
 }
 
 #[derive(Serialize)]
@@ -55,6 +67,10 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         PresetName::ThesisBench => Preset::ThesisBench,
     });
     let controller = ControlDesign::read(&arguments.model)?.generate(preset)?;
+    let controller = match arguments.language {
+        Language::Rust => controller,
+        Language::C => controller.in_c()?,
+    };
     let files: Vec<PathBuf> = controller.files().map(|(path, _)| out.join(path)).collect();
     let mut text = law(&controller);
     let (mut changed, mut differing) = (Vec::new(), Vec::new());

@@ -15,8 +15,8 @@ pub struct Report {
     pub text: String,
     /// The same for programs, ending in a line break.
     pub json: String,
-    /// Exit code: 0 where all is as it should be, 1 where a proof or a check failed, 3 where a proof
-    /// leaves a claim unsettled.
+    /// Exit code: 0 where all is as it should be, 1 where a proof or a check failed, 2 where the data are
+    /// refused, 3 where a proof leaves a claim unsettled.
     pub code: u8,
 }
 
@@ -35,6 +35,11 @@ impl Report {
     /// The same report with exit code 1.
     pub fn failed(self) -> Report {
         Report { code: 1, ..self }
+    }
+
+    /// The same report with exit code 2.
+    pub fn refused(self) -> Report {
+        Report { code: 2, ..self }
     }
 
     /// The same report with exit code 3.

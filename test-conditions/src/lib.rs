@@ -15,7 +15,7 @@
 //! test_conditions::declare(&[Condition::Z3]);
 //! ```
 //!
-//! The reason is "needs z3", "needs rustfmt" or "needs the recordings": `.ci/run` looks for these words
+//! The reason is "needs z3", "needs rustfmt", "needs the recordings", "needs gcc" or "needs the cross compilers": `.ci/run` looks for these words
 //! and fails where a test was ignored for something that the machine has.
 
 use std::env;
@@ -35,7 +35,19 @@ pub enum Condition {
     /// folder that [`RECORDINGS`] names or else in `../shared/data` beside the project:
     /// `have_recordings`. Tests read the folder from `env!("FLYWHEEL_RECORDINGS")`.
     Recordings,
+    /// The C compiler `gcc` on the path of programs: `have_gcc`.
+    Gcc,
+    /// The C compilers for AVR, ARM, RISC-V and Xtensa that Debian has, all of them: `have_cross_gcc`.
+    CrossGcc,
 }
+
+/// The compilers of [`Condition::CrossGcc`].
+const CROSS_GCC: [&str; 4] = [
+    "avr-gcc",
+    "arm-none-eabi-gcc",
+    "riscv64-unknown-elf-gcc",
+    "xtensa-lx106-elf-gcc",
+];
 
 impl Condition {
     /// The flag for `#[cfg]`.
@@ -44,6 +56,8 @@ impl Condition {
             Condition::Z3 => "have_z3",
             Condition::Rustfmt => "have_rustfmt",
             Condition::Recordings => "have_recordings",
+            Condition::Gcc => "have_gcc",
+            Condition::CrossGcc => "have_cross_gcc",
         }
     }
 }
@@ -60,6 +74,8 @@ pub fn declare(conditions: &[Condition]) {
             Condition::Z3 => watch_program("z3"),
             Condition::Rustfmt => watch_program("rustfmt"),
             Condition::Recordings => watch_recordings(),
+            Condition::Gcc => watch_program("gcc"),
+            Condition::CrossGcc => CROSS_GCC.map(watch_program) == [true; 4],
         };
         if holds {
             println!("cargo::rustc-cfg={flag}");

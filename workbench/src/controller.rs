@@ -84,6 +84,23 @@ impl ControlDesign {
 }
 
 impl GeneratedController {
+    /// The same controller as a C99 library, for Arduino, PlatformIO or any firmware in C: a header, a source, and
+    /// the certificate, which says that the language is C. `prove` reads the Rust.
+    ///
+    /// # Errors
+    /// [`Error::Emitted`] where the emitted Rust has something that the translation does not know, a fault of
+    /// this program.
+    pub fn in_c(&self) -> Result<GeneratedController, Error> {
+        let emitted = codegen::c99::emit(&self.emitted.0).map_err(|error| Error::Emitted {
+            model: PathBuf::from(&self.model),
+            reason: error.to_string(),
+        })?;
+        Ok(GeneratedController {
+            emitted: Files(emitted),
+            ..self.clone()
+        })
+    }
+
     /// Path inside the crate and text of every file; certificate.json is the last.
     pub fn files(&self) -> impl Iterator<Item = (&str, &str)> {
         let files = self.emitted.0.files.iter();

@@ -1,0 +1,524 @@
+//! Header, source, and the library around them.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use super::items::{Function, FunctionKey, Items, Passing};
+use super::scope::{Place, Scope};
+use super::statement::Target;
+use super::types::{Key, Type, type_name};
+use super::{Result, Untranslatable, comments, constants, expression};
+use crate::file::{EmittedCrate, EmittedFile, MARK};
+
+/// What a firmware calls: module, structure, name in Rust, name in C.
+const PUBLIC: [(&str, Option<&str>, &str, &str); 11] = [
+    ("controller", Some("Controller"), "new", "flywheel_init"),
+    ("controller", Some("Controller"), "arm", "flywheel_arm"),
+    (
+        "controller",
+        Some("Controller"),
+        "disarm",
+        "flywheel_disarm",
+    ),
+    ("controller", Some("Controller"), "step", "flywheel_step"),
+    (
+        "controller",
+        Some("Controller"),
+        "step_with_current",
+        "flywheel_step_with_current",
+    ),
+    (
+        "controller",
+        Some("Controller"),
+        "status",
+        "flywheel_status",
+    ),
+    ("controller", Some("Controller"), "fault", "flywheel_fault"),
+    ("control", None, "control", "flywheel_control"),
+    ("attitude", Some("Attitude"), "angle", "flywheel_angle"),
+    ("attitude", Some("Attitude"), "rate", "flywheel_rate"),
+    (
+        "attitude",
+        Some("Attitude"),
+        "quaternion",
+        "flywheel_quaternion",
+    ),
+];
+/// Constants that a firmware uses.
+const PUBLIC_CONSTANTS: [(&str, &str); 3] = [
+    ("constants", "SAMPLE_TIME_US"),
+    ("constants", "ZERO_CURRENT"),
+    ("control", "CURRENT_LIMIT"),
+];
+
+/// The name of a function in C.
+pub fn function_name((module, owner, name): &FunctionKey) -> String {
+    let is = |own: &&(&str, Option<&str>, &str, &str)| {
+        own.0 == module && own.1 == owner.as_deref() && own.2 == name
+    };
+    if let Some((_, _, _, public)) = PUBLIC.iter().find(is) {
+        return (*public).to_string();
+    }
+    match owner {
+        Some(owner) => format!("{}_{name}", super::types::snake(owner)),
+        None if name.starts_with(module.as_str()) => name.clone(),
+        None => format!("{module}_{name}"),
+    }
+}
+
+fn is_public(key: &FunctionKey) -> bool {
+    let (module, owner, name) = key;
+    PUBLIC
+        .iter()
+        .any(|one| one.0 == module && one.1 == owner.as_deref() && one.2 == name)
+}
+
+/// A translated function.
+struct Translated {
+    prototype: String,
+    body: Vec<String>,
+}
+
+/// Translates an emitted crate: a C99 header and source, an Arduino library and a PlatformIO one around them, an
+/// example, and the certificate, which says that the language is C.
+///
+/// # Errors
+/// [`Untranslatable`] where the crate has something that the translation does not know.
+pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
+    let items = Items::read(emitted)?;
+    let mut functions: BTreeMap<FunctionKey, Translated> = BTreeMap::new();
+    let mut used: BTreeSet<Key> = BTreeSet::new();
+    let mut clamps_64 = false;
+    let mut waiting: VecDeque<FunctionKey> = PUBLIC
+        .iter()
+        .map(|(module, owner, name, _)| {
+            let owner = owner.map(str::to_string);
+            ((*module).to_string(), owner, (*name).to_string())
+        })
+        .filter(|key| items.functions.contains_key(key))
+        .collect();
+    let mut constant_texts: BTreeMap<Key, String> = BTreeMap::new();
+    let mut constants_waiting: VecDeque<Key> = PUBLIC_CONSTANTS
+        .iter()
+        .map(|(module, name)| ((*module).to_string(), (*name).to_string()))
+        .filter(|key| items.constants.contains_key(key))
+        .collect();
+    while let Some(key) = waiting.pop_front() {
+        if functions.contains_key(&key) {
+            continue;
+        }
+        let (translated, needs) = translate(&items, &key)?;
+        clamps_64 |= needs.clamp_64;
+        waiting.extend(needs.functions);
+        constants_waiting.extend(needs.constants);
+        functions.insert(key, translated);
+    }
+    while let Some(key) = constants_waiting.pop_front() {
+        if constant_texts.contains_key(&key) {
+            continue;
+        }
+        let (text, needs) = constants::definition(&items, &key)?;
+        constants_waiting.extend(needs.constants);
+        if let Some(constant) = items.constants.get(&key) {
+            collect(&items, &constant.ty, &mut used);
+        }
+        constant_texts.insert(key, text);
+    }
+    for key in functions.keys() {
+        if let Some(function) = items.functions.get(key) {
+            let types = function.parameters.iter().map(|(_, ty)| ty);
+            for ty in types.chain([&function.returns]) {
+                collect(&items, ty, &mut used);
+            }
+            if let Some(owner) = &function.owner {
+                let own = Type::Struct((function.module.clone(), owner.clone()));
+                collect(&items, &own, &mut used);
+            }
+        }
+    }
+    let mut shown = BTreeSet::new();
+    for (module, name) in [("controller", "Controller"), ("controller", "Sample")] {
+        let own = Type::Struct((module.to_string(), name.to_string()));
+        collect(&items, &own, &mut shown);
+    }
+    let title = title(emitted);
+    let source = source(&Parts {
+        items: &items,
+        title: &title,
+        functions: &functions,
+        constants: &constant_texts,
+        types: used.difference(&shown).cloned().collect(),
+        clamps_64,
+    });
+    let header = header(&items, &title, &functions, &constant_texts, &shown);
+    let file = |path: &str, contents: String| EmittedFile {
+        path: path.to_string(),
+        contents,
+    };
+    Ok(EmittedCrate {
+        files: vec![
+            file("src/flywheel.h", header),
+            file("src/flywheel.c", source),
+            file("library.properties", library_properties()),
+            file("library.json", library_json()),
+            file(
+                "examples/flywheel/flywheel.ino",
+                format!("// {MARK}; do not edit.\n{}", include_str!("example.ino")),
+            ),
+            file("certificate.json", certificate(emitted)?),
+        ],
+    })
+}
+
+/// The first line of the emitted source: from which model it is.
+fn title(emitted: &EmittedCrate) -> String {
+    let library = emitted.file("src/lib.rs").unwrap_or_default();
+    let first = library.lines().next().unwrap_or_default();
+    first.trim_start_matches("//").trim().to_string()
+}
+
+/// The certificate with its language.
+fn certificate(emitted: &EmittedCrate) -> Result<String> {
+    let fault = |what: String| Untranslatable {
+        place: "certificate.json".to_string(),
+        what,
+    };
+    let text = emitted.file("certificate.json").unwrap_or_default();
+    let open = text
+        .find('{')
+        .ok_or_else(|| fault("a certificate that is no object".to_string()))?;
+    // The text stays as it is, numbers to the last digit.
+    let (before, after) = text.split_at(open + 1);
+    Ok(format!("{before}\n  \"language\": \"c\",{after}"))
+}
+
+/// The types that a type is made of, and itself.
+fn collect(items: &Items, ty: &Type, found: &mut BTreeSet<Key>) {
+    match ty {
+        Type::Array(element, _) => collect(items, element, found),
+        Type::Tuple(parts) => {
+            for part in parts {
+                collect(items, part, found);
+            }
+        }
+        Type::Struct(key) => {
+            if found.insert(key.clone())
+                && let Some(own) = items.structs.get(key)
+            {
+                for (_, ty, _) in &own.fields {
+                    collect(items, ty, found);
+                }
+            }
+        }
+        Type::Enum(key) => {
+            found.insert(key.clone());
+        }
+        _ => {}
+    }
+}
+
+fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::scope::Needs)> {
+    let Some(function) = items.functions.get(key) else {
+        return Err(Untranslatable {
+            place: key.0.clone(),
+            what: format!("the function {}", key.2),
+        });
+    };
+    let owner = function.owner.as_deref();
+    let mut scope = Scope::new(items, &function.module, owner, &function.name);
+    scope.returns = function.returns.clone();
+    let mut parameters = vec![];
+    if let (Some(passing), Some(owner)) = (function.receiver, owner) {
+        let ty = Type::Struct((function.module.clone(), owner.to_string()));
+        let own = scope.fresh("self");
+        let constant = if passing == Passing::Shared {
+            "const "
+        } else {
+            ""
+        };
+        parameters.push(format!("{constant}{} *{own}", type_name(owner)));
+        scope.bind("self", Place::behind(&own, ty));
+    }
+    for (name, ty) in &function.parameters {
+        let own = scope.fresh(name);
+        let (text, place) = match ty {
+            Type::Struct((_, structure)) => (
+                format!("const {} *{own}", type_name(structure)),
+                Place::behind(&own, ty.clone()),
+            ),
+            Type::Array(..) => (
+                format!("const {}", ty.declare(&own)),
+                Place::variable(&own, ty.clone()),
+            ),
+            _ => (ty.declare(&own), Place::variable(&own, ty.clone())),
+        };
+        parameters.push(text);
+        scope.bind(name, place);
+    }
+    let name = function_name(key);
+    let outs = if function.returns_reference {
+        vec![]
+    } else {
+        Place::outs(&function.returns)
+    };
+    let returns = match &function.returns {
+        Type::Struct((_, structure)) if function.returns_reference => {
+            format!("const {} *", type_name(structure))
+        }
+        ty if ty.is_aggregate() => "void ".to_string(),
+        ty => ty.declare(""),
+    };
+    for out in outs {
+        parameters.push(match (&out.ty, out.is_pointer) {
+            (ty, true) => ty.declare(&format!("*{}", out.text)),
+            (ty, false) => ty.declare(&out.text),
+        });
+    }
+    if parameters.is_empty() {
+        parameters.push("void".to_string());
+    }
+    scope.block(&function.body, &Target::Return)?;
+    let prototype = format!("{returns}{name}({})", parameters.join(", "));
+    let mut body = std::mem::take(&mut scope.lines);
+    if function.receiver.is_some() && !body.iter().any(|line| line.contains("self")) {
+        body.insert(0, "    (void)self;".to_string());
+    }
+    Ok((Translated { prototype, body }, scope.needs))
+}
+
+/// Declares structures and enumerations, each after those that it is made of.
+fn type_definitions(items: &Items, keys: &BTreeSet<Key>) -> String {
+    let mut text = String::new();
+    let mut done: BTreeSet<Key> = BTreeSet::new();
+    let mut left: Vec<&Key> = keys.iter().collect();
+    while !left.is_empty() {
+        let ready = |key: &&Key| {
+            let mut needed = BTreeSet::new();
+            if let Some(own) = items.structs.get(*key) {
+                for (_, ty, _) in &own.fields {
+                    collect(items, ty, &mut needed);
+                }
+            }
+            needed
+                .iter()
+                .all(|one| done.contains(one) || !keys.contains(one))
+        };
+        let (now, later): (Vec<&Key>, Vec<&Key>) = left.into_iter().partition(ready);
+        if now.is_empty() {
+            break;
+        }
+        for key in now {
+            text.push_str(&type_definition(items, key));
+            text.push('\n');
+            done.insert(key.clone());
+        }
+        left = later;
+    }
+    text
+}
+
+fn type_definition(items: &Items, key: &Key) -> String {
+    let name = type_name(&key.1);
+    if let Some(own) = items.enums.get(key) {
+        let mut text = comments::before(&comments::lines(&own.attributes), "");
+        text.push_str("typedef enum {\n");
+        for (variant, value, attributes) in &own.variants {
+            text.push_str(&comments::before(&comments::lines(attributes), "    "));
+            text.push_str(&format!(
+                "    {} = {value},\n",
+                expression::enumerator(variant)
+            ));
+        }
+        // A comma before the end is not for every compiler's strictest mode.
+        let text = text.trim_end().trim_end_matches(',').to_string();
+        return format!("{text}\n}} {name};\n");
+    }
+    let Some(own) = items.structs.get(key) else {
+        return String::new();
+    };
+    let mut lines = comments::lines(&own.attributes);
+    if !own.optional.is_empty() {
+        lines.push(format!(
+            "What the Rust module may be given besides, and does not use, is left out: {}.",
+            own.optional.join(", ")
+        ));
+    }
+    let mut text = comments::before(&lines, "");
+    text.push_str("typedef struct {\n");
+    for (field, ty, attributes) in &own.fields {
+        text.push_str(&comments::before(&comments::lines(attributes), "    "));
+        text.push_str(&format!("    {};\n", ty.declare(field)));
+    }
+    format!("{text}}} {name};\n")
+}
+
+fn header(
+    items: &Items,
+    title: &str,
+    functions: &BTreeMap<FunctionKey, Translated>,
+    constants: &BTreeMap<Key, String>,
+    types: &BTreeSet<Key>,
+) -> String {
+    let mut text = format!(
+        "/* {title} */\n\
+         #ifndef FLYWHEEL_H\n#define FLYWHEEL_H\n\n#include <stdint.h>\n\n\
+         /* Fixed-point controller of a reaction-wheel pendulum: raw sensor counts in, duty of the timer out.\n \
+         *\n \
+         *     flywheel_init(&controller);\n \
+         *     every FLYWHEEL_SAMPLE_TIME_US:\n \
+         *         duty = flywheel_step(&controller, &sample);\n \
+         *     once FLYWHEEL_READY: flywheel_arm(&controller);\n \
+         *\n \
+         * Words are whole numbers; each stands for its value times a power of two that is stated where it is\n \
+         * used. Booleans are 0 and 1. No function keeps anything but what it is given, and none fails.\n \
+         */\n\n\
+         #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n"
+    );
+    for (module, name) in PUBLIC_CONSTANTS {
+        let key = (module.to_string(), name.to_string());
+        if let Some(constant) = constants.get(&key) {
+            text.push_str(constant);
+            text.push('\n');
+        }
+    }
+    text.push_str(&type_definitions(items, types));
+    for (module, owner, name, _) in PUBLIC {
+        let key = (
+            module.to_string(),
+            owner.map(str::to_string),
+            name.to_string(),
+        );
+        if let (Some(translated), Some(function)) = (functions.get(&key), items.functions.get(&key))
+        {
+            let mut lines = comments::lines(&function.attributes);
+            lines.extend(formats(items, function));
+            text.push_str(&comments::before(&lines, ""));
+            text.push_str(&format!("{};\n\n", translated.prototype));
+        }
+    }
+    text + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
+}
+
+/// What the words of a function's parameters are: the documentation of their types.
+fn formats(items: &Items, function: &Function) -> Vec<String> {
+    if function.module != "control" {
+        return vec![];
+    }
+    let words = items.words.iter();
+    let own = words.filter(|((module, _), _)| module == "control");
+    own.map(|((_, name), (_, attributes))| {
+        let lines = comments::lines(attributes);
+        format!("{name}: {}", lines.join(" "))
+    })
+    .collect()
+}
+
+struct Parts<'a> {
+    items: &'a Items,
+    title: &'a str,
+    functions: &'a BTreeMap<FunctionKey, Translated>,
+    constants: &'a BTreeMap<Key, String>,
+    types: BTreeSet<Key>,
+    clamps_64: bool,
+}
+
+fn source(parts: &Parts) -> String {
+    let items = parts.items;
+    let mut text = format!(
+        "/* {} */\n\
+         #include \"flywheel.h\"\n\n\
+         /* A shift of a negative number to the right must keep its sign, as every compiler in use does; the\n \
+         * language leaves it open. The build stops here where it does not. */\n\
+         typedef char flywheel_right_shift_keeps_the_sign[((-INT32_C(2) >> 1) == -INT32_C(1)) ? 1 : -1];\n\n",
+        parts.title
+    );
+    text.push_str(&type_definitions(items, &parts.types));
+    // Numbers first: tables are made of them.
+    for is_table in [false, true] {
+        for key in &items.constant_order {
+            let is_public = PUBLIC_CONSTANTS
+                .iter()
+                .any(|(module, name)| key.0 == *module && key.1 == *name);
+            let own = items.constants.get(key);
+            let is_now = own.is_some_and(|own| own.ty.is_aggregate() == is_table);
+            if let (Some(constant), true, false) = (parts.constants.get(key), is_now, is_public) {
+                text.push_str(constant);
+                text.push('\n');
+            }
+        }
+    }
+    if parts.clamps_64 {
+        text.push_str(
+            "/* The nearest value within [low, high]. */\n\
+             static int64_t clamp_64(int64_t value, int64_t low, int64_t high) {\n    \
+             if (value < low) {\n        return low;\n    }\n    \
+             if (value > high) {\n        return high;\n    }\n    return value;\n}\n\n",
+        );
+    }
+    for key in &items.function_order {
+        if let (Some(translated), false) = (parts.functions.get(key), is_public(key)) {
+            text.push_str(&format!("static {};\n", translated.prototype));
+        }
+    }
+    for (module, attributes) in &items.modules {
+        let own: Vec<&FunctionKey> = items
+            .function_order
+            .iter()
+            .filter(|key| key.0 == *module && parts.functions.contains_key(key))
+            .collect();
+        if own.is_empty() {
+            continue;
+        }
+        let lines = comments::lines(attributes);
+        text.push_str(&format!("\n/* ---- {module} ---- */\n"));
+        text.push_str(&comments::before(&lines, ""));
+        for key in own {
+            let (Some(translated), Some(function)) =
+                (parts.functions.get(key), items.functions.get(key))
+            else {
+                continue;
+            };
+            text.push('\n');
+            let storage = if is_public(key) {
+                ""
+            } else {
+                text.push_str(&comments::before(
+                    &comments::lines(&function.attributes),
+                    "",
+                ));
+                "static "
+            };
+            text.push_str(&format!("{storage}{} {{\n", translated.prototype));
+            for line in &translated.body {
+                text.push_str(line);
+                text.push('\n');
+            }
+            text.push_str("}\n");
+        }
+    }
+    text
+}
+
+fn library_properties() -> String {
+    format!(
+        "# {MARK}; do not edit.\n\
+         name=Flywheel\n\
+         version=0.1.0\n\
+         author=flywheel\n\
+         maintainer=flywheel\n\
+         sentence=Fixed-point controller of a reaction-wheel pendulum.\n\
+         paragraph=Raw sensor counts in, duty of the timer out. Emitted for one bench.\n\
+         category=Device Control\n\
+         url=https://example.invalid/flywheel\n\
+         architectures=*\n\
+         includes=flywheel.h\n"
+    )
+}
+
+fn library_json() -> String {
+    format!(
+        "{{\n  \"_comment\": \"{MARK}; do not edit.\",\n  \"name\": \"Flywheel\",\n  \"version\": \"0.1.0\",\n  \
+         \"description\": \"Fixed-point controller of a reaction-wheel pendulum\",\n  \
+         \"frameworks\": \"*\",\n  \"platforms\": \"*\",\n  \
+         \"build\": {{ \"flags\": [\"-std=c99\"] }}\n}}\n"
+    )
+}

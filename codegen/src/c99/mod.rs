@@ -1,0 +1,42 @@
+//! The emitted crate once more, as C99: for Arduino, PlatformIO and any other firmware in C.
+//!
+//! The C text is a translation of the Rust text, expression by expression, so that both come from one
+//! representation. Only what the emitted language has is translated; anything else is refused. What differs:
+//!
+//! - a word of `fixed` is its bits, an `int32_t`; a boolean is a `uint8_t`;
+//! - structures and arrays go in and out by pointer and are copied member by member, so that no compiler calls `memcpy`;
+//! - every operand is cast to its width before it is multiplied or shifted, whatever the width of `int`.
+//!
+//! | file | job |
+//! |---|---|
+//! | `types` | the types of the emitted language, and how C writes them |
+//! | `items` | what the emitted files declare, by module and name |
+//! | `scope` | the names of one function |
+//! | `expression` | scalars |
+//! | `statement` | blocks, structures and arrays |
+//! | `constants` | constants and their initialisers |
+//! | `comments` | documentation |
+//! | `files` | header, source, and the library around them |
+
+mod comments;
+mod constants;
+mod expression;
+mod files;
+mod items;
+mod scope;
+mod statement;
+mod types;
+
+pub use files::emit;
+
+/// Something in the emitted Rust that has no translation: a fault of this program.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: no translation to C for {what}")]
+pub struct Untranslatable {
+    /// The module, and the function where there is one.
+    pub place: String,
+    /// What it is.
+    pub what: String,
+}
+
+type Result<T> = std::result::Result<T, Untranslatable>;

@@ -1,0 +1,544 @@
+//! The emitted C does what the emitted Rust does, bit for bit, and compiles without a warning.
+
+use std::fs::{self, File};
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use codegen::hardware::BiasObserverSpec;
+use codegen::{EmittedCrate, EmittedFile, c99, generate};
+use generated::{Angle, Controller, Current, Rate, Sample, WheelSpeed, control};
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+mod thesis;
+
+/// The committed crate, as files.
+fn committed() -> EmittedCrate {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated");
+    let mut paths = vec!["certificate.json".to_string()];
+    for entry in fs::read_dir(folder.join("src")).expect("generated/src") {
+        let name = entry.expect("an entry").file_name();
+        paths.push(format!("src/{}", name.to_str().expect("a name in UTF-8")));
+    }
+    paths.sort();
+    let files = paths.into_iter().map(|path| EmittedFile {
+        contents: fs::read_to_string(folder.join(&path)).expect("an emitted file"),
+        path,
+    });
+    EmittedCrate {
+        files: files.collect(),
+    }
+}
+
+/// A bench that uses everything which the emitted module can do: sensors askew and with bias, an accelerometer away
+/// from the pivot, a mounting angle, an observer of the angle's bias.
+fn with_everything() -> EmittedCrate {
+    let mut spec = thesis::spec();
+    let askew = Matrix3::new(1.0, 0.02, -0.01, -0.03, 0.98, 0.015, 0.01, -0.02, 1.03);
+    let attitude = &mut spec.hardware.attitude;
+    attitude.gyro.matrix *= askew;
+    attitude.gyro.bias_counts = Vector3::new(3.5, -7.25, 11.0);
+    attitude.accel.matrix *= askew.transpose();
+    attitude.accel.bias_counts = Vector3::new(-20.5, 13.0, 40.25);
+    attitude.lever_arm_m = [0.07, -0.02];
+    attitude.mounting_angle_rad = 0.05;
+    spec.hardware.bias_observer = Some(BiasObserverSpec {
+        decay: 0.99,
+        direct: [0.1, 1e-2, 1e-4],
+        from_states: [-0.1, -1e-2, -1e-4],
+        from_current: 1e-3,
+        limit_rad: 0.02,
+    });
+    generate(&spec).expect("an emitted crate")
+}
+
+/// Writes the C of an emitted crate, and the harness beside it.
+fn written(emitted: &EmittedCrate, folder: &Path) -> EmittedCrate {
+    let emitted = c99::emit(emitted).expect("a translation");
+    emitted.write(folder).expect("written");
+    let harness = include_str!("c99/harness.c");
+    fs::write(folder.join("src/harness.c"), harness).expect("written");
+    emitted
+}
+
+const WARNINGS: [&str; 6] = [
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wconversion",
+    "-Wpedantic",
+    "-Werror",
+];
+
+/// Compiles the harness so that an overflow, a wrong shift or an index outside of an array ends the program.
+fn compile(folder: &Path, optimisation: &str) -> Result<(), String> {
+    let result = Command::new("gcc")
+        .current_dir(folder.join("src"))
+        .args(WARNINGS)
+        .args([
+            optimisation,
+            "-fsanitize=undefined",
+            "-fsanitize-undefined-trap-on-error",
+            "-o",
+            "../harness",
+            "flywheel.c",
+            "harness.c",
+        ])
+        .output()
+        .expect("gcc runs");
+    if result.status.success() {
+        Ok(())
+    } else {
+        Err(String::from_utf8_lossy(&result.stderr).into_owned())
+    }
+}
+
+/// One thing that a firmware does.
+#[derive(Clone, Copy)]
+struct Call {
+    what: u8,
+    gyro: [i16; 3],
+    accel: [i16; 3],
+    wheel_adc: u16,
+    words: [i32; 3],
+}
+
+impl Call {
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = vec![self.what];
+        for word in self.gyro.into_iter().chain(self.accel) {
+            bytes.extend(word.to_le_bytes());
+        }
+        bytes.extend(self.wheel_adc.to_le_bytes());
+        for word in self.words {
+            bytes.extend(word.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// What the committed Rust answers.
+    fn answer(&self, controller: &mut Controller) -> [i32; 8] {
+        let sample = Sample {
+            gyro: self.gyro,
+            accel: self.accel,
+            mag: None,
+            wheel_adc: self.wheel_adc,
+        };
+        let [a, b, c] = self.words;
+        let first = match self.what {
+            0 => {
+                *controller = Controller::new();
+                0
+            }
+            1 => i32::from(controller.arm()),
+            2 => {
+                controller.disarm();
+                0
+            }
+            3 => {
+                controller.fault();
+                0
+            }
+            4 => i32::from(controller.step(&sample).0),
+            5 => {
+                let current = Current::from_bits(a);
+                i32::from(controller.step_with_current(&sample, current).0)
+            }
+            _ => {
+                let (angle, rate) = (Angle::from_bits(a), Rate::from_bits(b));
+                control(angle, rate, WheelSpeed::from_bits(c)).to_bits()
+            }
+        };
+        let attitude = controller.attitude();
+        let [w, x, y, z] = attitude.quaternion().map(|part| part.to_bits());
+        let (angle, rate) = (attitude.angle().to_bits(), attitude.rate().to_bits());
+        [first, controller.status() as i32, angle, rate, w, x, y, z]
+    }
+}
+
+/// A body that sways about upright with noise, so that the controller aligns, arms, runs and trips; words at their
+/// ends; and any words at all. Each for some hundreds of steps.
+struct Calls {
+    random: ChaCha8Rng,
+    mode: u8,
+    left: u32,
+    lean_rad: f64,
+    rate_rad_s: f64,
+    falls: bool,
+    is_weightless: bool,
+    /// What every call of these steps is, where it is one and the same.
+    calls: Option<u8>,
+}
+
+impl Calls {
+    fn new(seed: u64) -> Calls {
+        Calls {
+            random: ChaCha8Rng::seed_from_u64(seed),
+            mode: 0,
+            left: 0,
+            lean_rad: 0.0,
+            rate_rad_s: 0.0,
+            falls: false,
+            is_weightless: false,
+            calls: None,
+        }
+    }
+
+    fn any<const N: usize>(&mut self) -> [i16; N] {
+        let ends = [i16::MIN, i16::MIN + 1, -1, 0, 1, i16::MAX - 1, i16::MAX];
+        std::array::from_fn(|_| match self.mode {
+            1 => ends[self.random.random_range(0..ends.len())],
+            _ => self.random.random(),
+        })
+    }
+
+    fn next(&mut self) -> Call {
+        if self.left == 0 {
+            self.mode = [0, 0, 0, 1, 2][self.random.random_range(0..5)];
+            self.left = self.random.random_range(200..3000);
+            self.lean_rad = self.random.random_range(-0.05..0.05);
+            self.rate_rad_s = self.random.random_range(-0.02..0.02);
+            self.falls = self.random.random_range(0..3) == 0;
+            self.is_weightless = !self.falls && self.random.random_range(0..4) == 0;
+            self.calls = [None, None, Some(4), Some(5)][self.random.random_range(0..4)];
+        }
+        self.left -= 1;
+        let any = match self.random.random_range(0..1000) {
+            0 => 0,
+            1..40 => 1,
+            40 => 2,
+            41 => 3,
+            42..80 => 5,
+            80..120 => 6,
+            _ => 4,
+        };
+        let what = self.calls.unwrap_or(any);
+        let (gyro, accel, wheel_adc) = if self.mode == 0 {
+            let mut noise = |size: f64| self.random.random_range(-size..size);
+            let gyro = [noise(3.0), noise(3.0), 916.7 * self.rate_rad_s + noise(3.0)];
+            let (sin, cos) = self.lean_rad.sin_cos();
+            let gravity = if self.is_weightless { 100.0 } else { 4096.0 };
+            let accel = [gravity * cos, -gravity * sin, 0.0].map(|part| part + noise(8.0));
+            let wheel = 773.0 + noise(60.0);
+            // It sways, or falls.
+            let stiffness = if self.falls { -20.0 } else { 9.0 };
+            self.rate_rad_s += 0.001 * (noise(1.0) - stiffness * self.lean_rad);
+            self.lean_rad += 0.001 * self.rate_rad_s;
+            (
+                gyro.map(|part| part.round() as i16),
+                accel.map(|part| part.round() as i16),
+                wheel as u16,
+            )
+        } else {
+            (self.any(), self.any(), self.random.random())
+        };
+        let words = match self.mode {
+            1 => [i32::MIN, i32::MAX, 0]
+                .map(|end: i32| end.wrapping_add(self.random.random_range(-1..2))),
+            // The largest current, step after step.
+            _ if self.calls == Some(5) => [i32::MAX; 3],
+            _ => self.random.random(),
+        };
+        Call {
+            what,
+            gyro,
+            accel,
+            wheel_adc,
+            words,
+        }
+    }
+}
+
+/// What a program that speaks the harness's language answers; it ends where the program does.
+fn answers(program: &mut Command, seed: u64, calls: usize) -> Vec<[i32; 8]> {
+    let mut child = program
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the harness runs");
+    let mut input = BufWriter::new(child.stdin.take().expect("standard input"));
+    let writer = std::thread::spawn(move || {
+        let mut source = Calls::new(seed);
+        for _ in 0..calls {
+            // A harness that has ended says so by what it does not answer.
+            if input.write_all(&source.next().bytes()).is_err() {
+                return;
+            }
+        }
+    });
+    let mut output = BufReader::new(child.stdout.take().expect("standard output"));
+    let mut answers = vec![];
+    let mut bytes = [0; 32];
+    while output.read_exact(&mut bytes).is_ok() {
+        answers.push(std::array::from_fn(|word| {
+            let word = &bytes[4 * word..4 * word + 4];
+            i32::from_le_bytes(word.try_into().expect("four bytes"))
+        }));
+    }
+    drop(output);
+    let _ = child.kill();
+    let _ = child.wait();
+    writer.join().expect("the writer");
+    answers
+}
+
+/// Where two programs first differ.
+fn difference(c: &[[i32; 8]], rust: &[[i32; 8]]) -> Option<String> {
+    let place = (0..rust.len()).find(|&index| c.get(index) != Some(&rust[index]))?;
+    Some(format!(
+        "call {place}: C {:?}, Rust {:?}",
+        c.get(place),
+        rust[place]
+    ))
+}
+
+/// What the committed crate, compiled into this test, answers.
+fn committed_answers(seed: u64, calls: usize) -> Vec<[i32; 8]> {
+    let (mut controller, mut source) = (Controller::new(), Calls::new(seed));
+    (0..calls)
+        .map(|_| source.next().answer(&mut controller))
+        .collect()
+}
+
+/// Builds an emitted crate with a harness in Rust that speaks the same language.
+fn rust_harness(emitted: &EmittedCrate, folder: &Path) -> Command {
+    emitted.write(&folder.join("crate")).expect("written");
+    let harness = folder.join("harness-in-rust");
+    fs::create_dir_all(harness.join("src")).expect("a folder");
+    fs::write(harness.join("src/main.rs"), include_str!("c99/harness.rs")).expect("written");
+    let manifest = "[package]\nname = \"harness\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
+                    [dependencies]\ngenerated = { path = \"../crate\" }\n\n[workspace]\n";
+    fs::write(harness.join("Cargo.toml"), manifest).expect("written");
+    // The versions that this workspace uses are at hand.
+    let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../Cargo.lock");
+    fs::copy(lock, harness.join("Cargo.lock")).expect("copied");
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c99-harness");
+    let result = Command::new(env!("CARGO"))
+        .args(["build", "--offline", "--target-dir"])
+        .arg(&target)
+        .current_dir(&harness)
+        .env_remove("RUSTFLAGS")
+        .output()
+        .expect("cargo runs");
+    let said = String::from_utf8_lossy(&result.stderr);
+    assert!(result.status.success(), "{said}");
+    Command::new(target.join("debug/harness"))
+}
+
+#[test]
+#[cfg_attr(not(have_gcc), ignore = "needs gcc")]
+fn c_and_rust_answer_alike() {
+    let folder = tempfile::tempdir().expect("a folder");
+    written(&committed(), folder.path());
+    let mut seen = [0; 10];
+    for (optimisation, seed) in [("-O0", 1), ("-O2", 2), ("-Os", 3)] {
+        compile(folder.path(), optimisation).expect("no warning");
+        let calls = if optimisation == "-O0" {
+            200_000
+        } else {
+            900_000
+        };
+        let rust = committed_answers(seed, calls);
+        let c = answers(
+            &mut Command::new(folder.path().join("harness")),
+            seed,
+            calls,
+        );
+        assert_eq!(difference(&c, &rust), None, "seed {seed}");
+        for answer in rust {
+            seen[answer[1] as usize] += 1;
+        }
+    }
+    // The comparison is worth something where the controller has done everything that it can.
+    for status in [0, 1, 2, 3, 5, 6, 7, 8, 9] {
+        assert!(seen[status] > 100, "status {status}: {seen:?}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(have_gcc), ignore = "needs gcc")]
+fn c_and_rust_answer_alike_on_a_bench_that_uses_everything() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let emitted = with_everything();
+    written(&emitted, folder.path());
+    compile(folder.path(), "-O2").expect("no warning");
+    let (seed, calls) = (5, 300_000);
+    let rust = answers(&mut rust_harness(&emitted, folder.path()), seed, calls);
+    assert_eq!(rust.len(), calls, "the harness in Rust has ended");
+    let c = answers(
+        &mut Command::new(folder.path().join("harness")),
+        seed,
+        calls,
+    );
+    assert_eq!(difference(&c, &rust), None, "seed {seed}");
+}
+
+#[test]
+#[cfg_attr(not(have_cross_gcc), ignore = "needs the cross compilers")]
+fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    written(&committed(), folder.path());
+    for (compiler, options) in [
+        ("avr-gcc", &["-mmcu=atmega328p"][..]),
+        ("arm-none-eabi-gcc", &["-mcpu=cortex-m0", "-mthumb"]),
+        ("arm-none-eabi-gcc", &["-mcpu=cortex-m4", "-mthumb"]),
+        (
+            "riscv64-unknown-elf-gcc",
+            &["-march=rv32imc", "-mabi=ilp32"],
+        ),
+        ("xtensa-lx106-elf-gcc", &[]),
+    ] {
+        for optimisation in ["-Os", "-O2"] {
+            let result = Command::new(compiler)
+                .current_dir(folder.path().join("src"))
+                .args(options)
+                .args(WARNINGS)
+                .args([
+                    optimisation,
+                    "-ffreestanding",
+                    "-c",
+                    "flywheel.c",
+                    "-o",
+                    "it.o",
+                ])
+                .output()
+                .expect("the compiler runs");
+            let said = String::from_utf8_lossy(&result.stderr);
+            assert!(result.status.success(), "{compiler} {options:?}: {said}");
+            let object = fs::read(folder.path().join("src/it.o")).expect("an object");
+            let calls_memcpy = object.windows(6).any(|name| name == b"memcpy");
+            assert!(!calls_memcpy, "{compiler} {options:?} calls memcpy");
+        }
+    }
+}
+
+/// Damages an operator or a cast of the C, one at a time; the comparison or the compiler must notice. Every 12th place.
+#[test]
+#[cfg_attr(not(have_gcc), ignore = "needs gcc")]
+fn damaged_operators_and_casts_are_noticed() {
+    damage(12, 5, false);
+}
+
+/// As above, every place, and every number changed in its last digit. It takes some minutes, and lists what no
+/// answer of the whole controller shows: the last bit of a polynomial's coefficient, a threshold moved by one unit.
+#[test]
+#[ignore = "run apart: some minutes"]
+fn any_damage_is_noticed() {
+    damage(1, 0, true);
+}
+
+fn damage(every: usize, first: usize, with_numbers: bool) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let emitted = with_everything();
+    let (seed, calls) = (11, 60_000);
+    let rust = answers(&mut rust_harness(&emitted, folder.path()), seed, calls);
+    assert_eq!(rust.len(), calls, "the harness in Rust has ended");
+    let translated = written(&emitted, folder.path());
+    let source = translated.file("src/flywheel.c").expect("the source");
+    let mutants = mutants(source, with_numbers);
+    assert!(mutants.len() > 300, "{}", mutants.len());
+    let mut unnoticed = vec![];
+    for (line, text) in mutants.iter().skip(first).step_by(every) {
+        let path = folder.path().join("src/flywheel.c");
+        File::create(path)
+            .and_then(|mut file| file.write_all(text.as_bytes()))
+            .expect("written");
+        let is_noticed = compile(folder.path(), "-O1").is_err() || {
+            let mut harness = Command::new(folder.path().join("harness"));
+            difference(&answers(&mut harness, seed, calls), &rust).is_some()
+        };
+        if !is_noticed {
+            unnoticed.push(line.clone());
+        }
+    }
+    let count = unnoticed.len();
+    assert!(
+        count == 0,
+        "{count} of {} unnoticed:\n{}",
+        mutants.len(),
+        unnoticed.join("\n")
+    );
+}
+
+/// The source with one number, cast or operator changed, and the line where that is.
+fn mutants(source: &str, with_numbers: bool) -> Vec<(String, String)> {
+    let mut found = vec![];
+    let mut offset = 0;
+    let mut is_comment = false;
+    for line in source.split_inclusive('\n') {
+        let code = line.trim_start();
+        let starts = code.starts_with("/*");
+        if !(starts || is_comment || code.starts_with('#') && !code.starts_with("#define")) {
+            for (place, length, new) in changes(line, with_numbers) {
+                let at = offset + place;
+                let text = format!("{}{new}{}", &source[..at], &source[at + length..]);
+                found.push((format!("{} -> {new}", line.trim_end()), text));
+            }
+        }
+        is_comment = (is_comment || starts) && !code.contains("*/");
+        offset += line.len();
+    }
+    found
+}
+
+/// Place, length and replacement of everything in a line that can be changed.
+fn changes(line: &str, with_numbers: bool) -> Vec<(usize, usize, String)> {
+    let mut changes = vec![];
+    for (old, new) in [
+        (" + ", " - "),
+        (" - ", " + "),
+        (" * ", " + "),
+        (" >> ", " << "),
+        (" < ", " >= "),
+        (" > ", " <= "),
+        (" <= ", " > "),
+        (" >= ", " < "),
+        (" == ", " != "),
+        (" && ", " || "),
+        (" || ", " && "),
+        ("(int64_t)", "(int32_t)"),
+        ("!", ""),
+    ] {
+        for (place, _) in line.match_indices(old) {
+            // A cast counts where nothing else widens the product.
+            if old == "(int64_t)" && !is_only_cast(line) {
+                continue;
+            }
+            changes.push((place, old.len(), new.to_string()));
+        }
+    }
+    if !with_numbers {
+        return changes;
+    }
+    // Numbers: their last digit.
+    let bytes = line.as_bytes();
+    for place in 0..bytes.len() {
+        let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_hexdigit);
+        let is_name = |at: usize| bytes[at].is_ascii_alphanumeric() || bytes[at] == b'_';
+        let is_last = bytes[place].is_ascii_digit() && !is_digit(place + 1);
+        let start = (0..=place).rev().find(|&at| at == 0 || !is_name(at - 1));
+        let is_number = start.is_some_and(|start| bytes[start].is_ascii_digit());
+        let ends = bytes
+            .get(place + 1)
+            .is_none_or(|next| !next.is_ascii_alphabetic() || *next == b'u');
+        // A longer array does the same.
+        let is_length = start.is_some_and(|start| start > 0 && bytes[start - 1] == b'[')
+            && line.contains("_t ");
+        if is_last && is_number && ends && !is_length && bytes.get(place + 1) != Some(&b'x') {
+            let digit = if bytes[place] == b'9' {
+                b'8'
+            } else {
+                bytes[place] + 1
+            };
+            changes.push((place, 1, char::from(digit).to_string()));
+        }
+    }
+    changes
+}
+
+/// Whether a line has one widening cast of a factor: `(int64_t)a * b`.
+fn is_only_cast(line: &str) -> bool {
+    line.matches("int64_t").count() == 1 && line.contains(" * ")
+}
