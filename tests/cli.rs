@@ -8,6 +8,8 @@ mod demo;
 mod diagnose;
 #[path = "cli/long_work.rs"]
 mod long_work;
+#[path = "cli/prove.rs"]
+mod prove;
 
 use std::ffi::OsStr;
 use std::fs;

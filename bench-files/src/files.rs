@@ -107,7 +107,7 @@ impl Files<'_> {
                 let inside = files.keys().filter(|path| path.parent() == Some(folder));
                 Ok(inside.filter(|path| is_toml(path)).cloned().collect())
             }
-            Files::Disk => {
+            Files::Disk | Files::Watched(_) => {
                 let entries = match fs::read_dir(folder) {
                     Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(vec![]),
                     entries => entries,

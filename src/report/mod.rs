@@ -41,6 +41,11 @@ impl Report {
     pub fn refused(self) -> Report {
         Report { code: 2, ..self }
     }
+
+    /// The same report with exit code 3.
+    pub fn unsettled(self) -> Report {
+        Report { code: 3, ..self }
+    }
 }
 
 /// A result with the paths of the figures that were made from it.

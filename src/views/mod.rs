@@ -10,3 +10,4 @@ pub mod diagnosis;
 pub mod effects;
 pub mod findings;
 pub mod new_bench;
+pub mod proof;

@@ -36,7 +36,7 @@
 //! // In fixed point, with a certificate that is checked from the emitted files alone.
 //! let controller = design.generate(None)?;
 //! println!("{} files", controller.files().count()); // or controller.write(folder)
-//! let settings = ProofSettings { cases: 1000, smt: false, ..Default::default() };
+//! let settings = ProofSettings { cases: 1000, smt: false, compiled: false, ..Default::default() };
 //! assert!(controller.prove(&settings, &progress)?.passed());
 //! # Ok(())
 //! # }
@@ -124,7 +124,7 @@ pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
-pub use proof::{MutationReport, Proof, ProofSettings, mutate, prove};
+pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
 pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};
