@@ -2,7 +2,7 @@
 
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
-use workbench::numbers::{significant, with_prefix, with_uncertainty};
+use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
 use workbench::{
     ComparisonReport, Coordinate, DesignSection, FailurePlace, PerSeries, ResidualKind, words,
 };
@@ -164,7 +164,7 @@ pub fn error_row(experiment: &str, channel: &workbench::ChannelCurves) -> Value 
         "rmse": channel.rmse,
         "rmse_text": with_prefix(channel.rmse, unit),
         "noise_text": with_prefix(channel.noise_std, unit),
-        "fit_text": format!("{:.2} %", channel.fit_percent),
+        "fit_text": fit_percent(channel.fit_percent),
         "over_noise": channel.rmse / channel.noise_std,
         "over_noise_text": significant(channel.rmse / channel.noise_std, 3),
     })

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use workbench::numbers::{significant, with_prefix, with_uncertainty};
+use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
 use workbench::{
     ComparisonReport, DiagnosisReport, Error, OutputFile, Progress, Proof, ProofSettings, Session,
     words,
@@ -196,12 +196,9 @@ fn errors(page: &mut String, findings: &Findings) {
         row.extend(base.iter().map(|base| size(base.rmse.of(series))));
         row.push(size(Some(*rmse)));
         row.push(size(found.sensor_noise.of(series)));
-        row.push(
-            found
-                .fit_percent
-                .of(series)
-                .map_or("–".to_owned(), |fit| format!("{fit:.2} %")),
-        );
+        row.push(fit_percent(
+            found.fit_percent.of(series).unwrap_or(f64::NAN),
+        ));
         row
     });
     table(page, &heads, rows);

@@ -187,3 +187,30 @@ fn the_curve_follows_the_hand() {
     );
     assert!(times[50] < 100.0, "{times:?}");
 }
+
+/// CSV files are chosen, the proposal is corrected by typing, and the folder is written on a click.
+#[test]
+#[cfg_attr(not(have_chromium), ignore = "needs chromium")]
+fn logs_become_a_bench() {
+    let place = bench::folder();
+    let logs = ["spin-up-0.4A.csv", "free-swing-20deg.csv"].map(|name| place.path().join(name));
+    let folder = place.path().join("mine");
+    let lab = Running::start(None);
+    let browser = Browser::start(1280, 900);
+    browser.go(&lab.once);
+    browser.wait_for("document.getElementById('drop-files')");
+    let paths = logs.map(|path| path.display().to_string()).join("\n");
+    browser.type_into("#drop-files", &paths);
+    browser.wait_for("document.getElementById('bench-text')");
+    browser.script(
+        "const text = document.getElementById('bench-text'); \
+         const known = '[known]\\ntorque_constant = 0.033\\ngravity_torque = 0.238383\\n'; \
+         text.value = /^\\[known\\]$/m.test(text.value) ? text.value.replace(/^\\[known\\]$/m, known) \
+         : known + text.value; text.dispatchEvent(new Event('input'))",
+    );
+    browser.script("document.getElementById('new-folder').value = ''");
+    browser.type_into("#new-folder", &folder.display().to_string());
+    work(&browser, || browser.click("#make-bench"));
+    assert!(folder.join("bench.toml").is_file());
+    assert!(rmse(&browser, "free-swing-20deg", "angle") > 0.0);
+}

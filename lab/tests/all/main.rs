@@ -2,6 +2,7 @@
 
 mod bench;
 mod browser;
+mod drop;
 mod hostile;
 mod http;
 mod report;
