@@ -205,8 +205,7 @@ fn logs_become_a_bench() {
     browser.script(
         "const text = document.getElementById('bench-text'); \
          const known = '[known]\\ntorque_constant = 0.033\\ngravity_torque = 0.238383\\n'; \
-         text.value = /^\\[known\\]$/m.test(text.value) ? text.value.replace(/^\\[known\\]$/m, known) \
-         : known + text.value; text.dispatchEvent(new Event('input'))",
+         text.value = text.value.replace(/^\\[known\\].*$/m, known); text.dispatchEvent(new Event('input'))",
     );
     browser.script("document.getElementById('new-folder').value = ''");
     browser.type_into("#new-folder", &folder.display().to_string());
