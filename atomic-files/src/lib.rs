@@ -152,5 +152,26 @@ mod tests {
         assert_eq!(fs::read(&file).expect("there"), b"new");
         let mode = fs::metadata(&file).expect("there").permissions().mode();
         assert_eq!(mode & 0o777, 0o640);
+
+        // A link to a file that is not there yet, by way of another.
+        let far = folder.path().join("far");
+        let (first, second) = (folder.path().join("first"), folder.path().join("second"));
+        symlink("second", &first).expect("a link");
+        symlink(&far, &second).expect("a link");
+        write(&first, b"there").expect("written");
+        assert!(fs::symlink_metadata(&first).expect("there").is_symlink());
+        assert_eq!(fs::read(&far).expect("there"), b"there");
+    }
+
+    #[test]
+    fn a_folder_that_takes_no_files_is_known_beforehand() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("file");
+        fs::write(&file, "old").expect("written");
+        assert!(can_write_into(folder.path()).is_ok());
+        assert!(can_write_into(&folder.path().join("new/deep")).is_ok());
+        assert!(can_write_into(&file).is_err());
+        assert!(can_write_into(&file.join("out")).is_err());
+        assert_eq!(fs::read_dir(folder.path()).expect("a list").count(), 1);
     }
 }
