@@ -6,6 +6,7 @@ use clap::Args;
 use workbench::Session;
 
 use crate::failure::Failure;
+use crate::progress::with_progress;
 
 /// Where the result goes.
 #[derive(Args)]
@@ -35,7 +36,26 @@ pub struct BenchFiles {
 impl BenchFiles {
     /// Opens the bench with the model that is named.
     pub fn open(&self, bench: &Path) -> Result<Session, Failure> {
-        Ok(Session::open_with_model(bench, self.model.as_deref())?)
+        let model = self.model.as_deref();
+        Ok(with_progress(|progress| {
+            Session::open_reporting(bench, model, progress)
+        })?)
+    }
+
+    /// Opens the bench for a command that draws: an hour's work is not to end at a folder that cannot be
+    /// written to.
+    pub fn open_to_draw(&self, bench: &Path) -> Result<Session, Failure> {
+        let session = self.open(bench)?;
+        bench_files::can_write_into(&self.out_of(&session))?;
+        Ok(session)
+    }
+
+    /// Opens the bench for a command that writes its model.
+    pub fn open_to_change(&self, bench: &Path) -> Result<Session, Failure> {
+        let session = self.open(bench)?;
+        let folder = session.model_path().parent();
+        bench_files::can_write_into(folder.unwrap_or(Path::new(".")))?;
+        Ok(session)
     }
 
     /// Where figures and reports of the bench go.

@@ -4,8 +4,8 @@ use clap::{Parser, Subcommand};
 
 use crate::arguments::JsonOutput;
 use crate::commands::{
-    add, calibrate, compare, demo, design, diagnose, exam, generate, identify, mutate, prove,
-    remove, simulate,
+    add, calibrate, check, compare, demo, design, diagnose, effects, exam, generate, identify,
+    mutate, new, prove, remove, simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -19,6 +19,9 @@ use crate::report::Report;
     arg_required_else_help = true
 )]
 pub struct Cli {
+    /// Show every row of long tables
+    #[arg(long, global = true)]
+    pub all: bool,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
@@ -29,6 +32,10 @@ pub struct Cli {
 pub enum Command {
     /// The whole chain on the bench that ships inside the program
     Demo(demo::Arguments),
+    /// Begin a bench folder from logs: a bench.toml with reasons
+    New(new::Arguments),
+    /// What is wrong with the data of a bench, before anything is fitted
+    Check(check::Arguments),
     /// Fit the base model and the effects that model.toml already has; write model.toml
     Identify(identify::Arguments),
     /// Show the model against the measurements, and where it fails
@@ -39,6 +46,8 @@ pub enum Command {
     Remove(remove::Arguments),
     /// Which physical effects the model lacks: verdict, suspects, and where it fails
     Diagnose(diagnose::Arguments),
+    /// The library of effects: equation, parameters, what to look for
+    Effects(effects::Arguments),
     /// Calibrate sensors, mounting, converters and centre of mass from recordings
     Calibrate(calibrate::Arguments),
     /// Linear model, poles, controllability, gains and margins
@@ -60,11 +69,14 @@ impl Command {
     pub fn run(&self) -> Result<Report, Failure> {
         match self {
             Command::Demo(arguments) => demo::run(arguments),
+            Command::New(arguments) => new::run(arguments),
+            Command::Check(arguments) => check::run(arguments),
             Command::Identify(arguments) => identify::run(arguments),
             Command::Compare(arguments) => compare::run(arguments),
             Command::Add(arguments) => add::run(arguments),
             Command::Remove(arguments) => remove::run(arguments),
             Command::Diagnose(arguments) => diagnose::run(arguments),
+            Command::Effects(arguments) => effects::run(arguments),
             Command::Calibrate(arguments) => calibrate::run(arguments),
             Command::Design(arguments) => design::run(arguments),
             Command::Simulate(arguments) => simulate::run(arguments),
@@ -79,11 +91,14 @@ impl Command {
     pub fn output(&self) -> &JsonOutput {
         match self {
             Command::Demo(arguments) => &arguments.output,
+            Command::New(arguments) => &arguments.output,
+            Command::Check(arguments) => &arguments.output,
             Command::Identify(arguments) => &arguments.output,
             Command::Compare(arguments) => &arguments.output,
             Command::Add(arguments) => &arguments.output,
             Command::Remove(arguments) => &arguments.output,
             Command::Diagnose(arguments) => &arguments.output,
+            Command::Effects(arguments) => &arguments.output,
             Command::Calibrate(arguments) => &arguments.output,
             Command::Design(arguments) => &arguments.output,
             Command::Simulate(arguments) => &arguments.output,

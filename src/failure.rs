@@ -5,11 +5,14 @@ use std::io::IsTerminal;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::progress::CALLED_OFF;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
-/// Bad input, or a file that cannot be written.
+/// Bad input, a file that cannot be written, or a command that was called off.
 pub struct Failure {
     message: String,
+    /// The exit code.
+    code: u8,
     /// The text of a file and the bytes of it that the message is about.
     excerpt: Option<(String, Range<usize>)>,
 }
@@ -19,8 +22,14 @@ impl Failure {
     pub fn new(message: impl Into<String>) -> Failure {
         Failure {
             message: message.into(),
+            code: 2,
             excerpt: None,
         }
+    }
+
+    /// The exit code of the program.
+    pub fn code(&self) -> u8 {
+        self.code
     }
 
     /// A failure that concerns this file.
@@ -34,7 +43,7 @@ impl Failure {
             Some((text, span)) if std::io::stderr().is_terminal() => {
                 anstream::eprintln!("{}", self.drawn(text, span.clone(), &Renderer::styled()));
             }
-            _ => eprintln!("error: {}", self.message),
+            _ => eprintln!("error: {}", crate::harmless(&self.message)),
         }
     }
 
@@ -57,6 +66,7 @@ impl From<bench_files::Error> for Failure {
         let excerpt = error.excerpt();
         Failure {
             message: error.to_string(),
+            code: 2,
             excerpt: excerpt.map(|(text, span)| (text.to_string(), span)),
         }
     }
@@ -75,6 +85,10 @@ impl From<workbench::Error> for Failure {
             Error::ParameterUnit { ref bench, .. } | Error::ParameterMissing { ref bench, .. } => {
                 Failure::new(format!("{error}; run: {}", identify(bench)))
             }
+            Error::Cancelled(cancelled) => Failure {
+                code: CALLED_OFF,
+                ..Failure::new(cancelled.to_string())
+            },
             Error::FailsUndamaged { .. } => Failure::new(format!("{error}; see flywheel prove")),
             other => Failure::new(other.to_string()),
         }

@@ -30,20 +30,24 @@ fn main() -> ExitCode {
         eprintln!("error: internal error{place}: this is a bug in flywheel, please report it");
     }));
     let cli = Cli::parse();
+    progress::heed_interrupts();
     match panic::catch_unwind(|| run(&cli)) {
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => {
             failure.print();
-            ExitCode::from(2)
+            ExitCode::from(failure.code())
         }
         Err(_) => ExitCode::from(2),
     }
 }
 
 fn run(cli: &Cli) -> Result<ExitCode, Failure> {
+    if cli.all {
+        report::table::show_all();
+    }
     let report = cli.command.run()?;
     deliver(&report, cli.command.output())?;
-    Ok(ExitCode::from(u8::from(!report.passed)))
+    Ok(ExitCode::from(report.code))
 }
 
 /// Prints the text, or writes the JSON; with `--json -` the JSON takes the text's place.
@@ -52,10 +56,22 @@ fn deliver(report: &Report, output: &JsonOutput) -> Result<(), Failure> {
         Some(path) if path.as_os_str() == "-" => print(&report.json),
         Some(path) => {
             bench_files::write_atomically(path, report.json.as_bytes())?;
-            print(&report.text)
+            print(&harmless(&report.text))
         }
-        None => print(&report.text),
+        None => print(&harmless(&report.text)),
     }
+}
+
+/// A text without the control characters that names in files may hold: a terminal would obey them.
+fn harmless(text: &str) -> String {
+    let shown = |c: char| {
+        if c.is_control() && c != '\n' {
+            '\u{fffd}'
+        } else {
+            c
+        }
+    };
+    text.chars().map(shown).collect()
 }
 
 fn print(text: &str) -> Result<(), Failure> {

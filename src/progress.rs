@@ -1,20 +1,96 @@
-//! Progress on standard error for work that takes a while.
+//! Progress on standard error for work that takes a while, and its end at the user's wish (Ctrl-C).
 
-use std::time::Duration;
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use workbench::Progress;
 
-/// Runs `work` under a spinner that says what the work says. It shows only on a terminal and is gone
-/// when the work is done. Nothing is called off: whoever wants that ends the program.
+/// Exit code of a command that was called off: 128 and the number of the signal, as shells have it.
+pub const CALLED_OFF: u8 = 130;
+
+/// The user wants the command to end.
+static IS_CALLED_OFF: AtomicBool = AtomicBool::new(false);
+/// Work is under way that asks for it, and then ends by itself before anything is written.
+static IS_ASKED_FOR: AtomicBool = AtomicBool::new(false);
+
+/// Where no terminal shows the spinner, the first line comes after this time, the next ones no faster than
+/// [`LINE_PAUSE`].
+const FIRST_LINE: Duration = Duration::from_millis(800);
+const LINE_PAUSE: Duration = Duration::from_secs(2);
+
+/// From now on Ctrl-C calls off what is under way: nothing is written then, and the exit code is [`CALLED_OFF`].
+/// Where nothing asks for it, or at the second time, the program ends at once.
+pub fn heed_interrupts() {
+    // Without the handler Ctrl-C ends the program as it would any other.
+    let _ = ctrlc::set_handler(|| {
+        let is_again = IS_CALLED_OFF.swap(true, Ordering::SeqCst);
+        if is_again || !IS_ASKED_FOR.load(Ordering::SeqCst) {
+            std::process::exit(i32::from(CALLED_OFF));
+        }
+    });
+}
+
+/// Runs `work` and shows what it says: under a spinner on a terminal, which is gone when the work is done, else in a
+/// line now and then. Ctrl-C calls it off.
 pub fn with_progress<T>(work: impl FnOnce(&Progress) -> T) -> T {
+    IS_ASKED_FOR.store(true, Ordering::SeqCst);
+    let cancelled = || IS_CALLED_OFF.load(Ordering::SeqCst);
+    let result = if std::io::stderr().is_terminal() {
+        under_spinner(work, &cancelled)
+    } else {
+        with_lines(work, &cancelled)
+    };
+    IS_ASKED_FOR.store(false, Ordering::SeqCst);
+    result
+}
+
+fn under_spinner<T>(work: impl FnOnce(&Progress) -> T, cancelled: &(dyn Fn() -> bool + Sync)) -> T {
     let spinner = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
         spinner.set_style(style);
     }
     spinner.enable_steady_tick(Duration::from_millis(100));
     let say = |what: &str| spinner.set_message(what.to_owned());
-    let result = work(&Progress::saying(&say));
+    let result = work(&Progress {
+        say: &say,
+        cancelled,
+    });
     spinner.finish_and_clear();
     result
+}
+
+/// A line on standard error whenever what is done has changed, if the work takes longer than [`FIRST_LINE`].
+fn with_lines<T>(work: impl FnOnce(&Progress) -> T, cancelled: &(dyn Fn() -> bool + Sync)) -> T {
+    let doing = Mutex::new(String::new());
+    let (done, is_done) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let is_done = is_done;
+            let began = Instant::now();
+            let mut pause = FIRST_LINE;
+            let mut last = String::new();
+            while is_done.recv_timeout(pause) == Err(RecvTimeoutError::Timeout) {
+                pause = LINE_PAUSE;
+                let now = doing.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                if now != last {
+                    eprintln!("{now} ({:.0} s)", began.elapsed().as_secs_f64());
+                    last = now;
+                }
+            }
+        });
+        let say = |what: &str| {
+            what.clone_into(&mut doing.lock().unwrap_or_else(PoisonError::into_inner));
+        };
+        let result = work(&Progress {
+            say: &say,
+            cancelled,
+        });
+        // The other end may be gone already: then there is nobody to be told.
+        let _ = done.send(());
+        result
+    })
 }

@@ -40,6 +40,38 @@ pub fn write_all<'a>(
     Ok(())
 }
 
+/// Most links that are followed to a file that is not there yet; the system gives up about there too.
+const MOST_LINKS: usize = 40;
+
+/// Where links that end at no file lead to.
+fn end_of_links(path: &Path) -> PathBuf {
+    let mut end = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&end) else {
+            break;
+        };
+        end = match end.parent() {
+            Some(folder) => folder.join(next),
+            None => next,
+        };
+    }
+    end
+}
+
+/// Whether files can be written into a folder that is there or can be made: a file without a name is put into
+/// it, or into the nearest folder above it, and taken away again.
+///
+/// # Errors
+/// What the system said.
+pub fn can_write_into(folder: &Path) -> io::Result<()> {
+    let here = Path::new(".");
+    let there = folder.ancestors().find(|folder| folder.exists());
+    let there = there
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(here);
+    tempfile::tempfile_in(there).map(|_| ())
+}
+
 /// A file that is on the disk, but not yet in its place. Dropped, it is removed.
 struct Staged {
     file: NamedTempFile,
@@ -55,7 +87,7 @@ impl Staged {
 
 fn staged(path: &Path, content: &[u8]) -> io::Result<Staged> {
     // Renaming over a link would replace the link, not what it points at.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let target = fs::canonicalize(path).unwrap_or_else(|_| end_of_links(path));
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

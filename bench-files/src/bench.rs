@@ -8,10 +8,11 @@ use plant::Kind;
 use crate::channel::{Channel, NORMALISED};
 use crate::csv_table::{self, OpenTable};
 use crate::error::{Error, Names, Problem};
-use crate::files::{Files, FilesInMemory};
+use crate::files::{Files, FilesInMemory, ReadingWatch};
 use crate::hardware::Hardware;
 use crate::known::Known;
 use crate::log::{self, ColumnUse, LoadReport, Log, Note};
+use crate::own_effect::OwnEffect;
 use crate::toml_source::{Located, Section, TomlSource};
 
 /// A bench with all its measurements, checked and in SI units.
@@ -29,6 +30,8 @@ pub struct Bench {
     pub hardware: Option<Hardware>,
     /// The experiments in the order of the file; at least one, names unique.
     pub experiments: Vec<Experiment>,
+    /// The effects that its user has written, by name.
+    pub own_effects: Vec<OwnEffect>,
     /// What the bench's user should know that concerns no single experiment; sentences.
     pub notes: Vec<String>,
 }
@@ -68,8 +71,15 @@ pub struct Experiment {
     /// wheel speed, and current where it is known; balance at least one of angle and rate, and
     /// current; driven at least one of angle and wheel speed, and current.
     pub log: Log,
+    /// The channels that the kind holds still, where the file has them: for checks, no part of a fit. Their
+    /// samples belong to the times of `log`; NaN where a cell is no number.
+    pub beside: Log,
     /// What the current means.
     pub current_meaning: CurrentMeaning,
+    /// Findings of the data check that this experiment may have (`accept`).
+    pub accept: Vec<String>,
+    /// Line of bench.toml on which its name stands.
+    pub line: usize,
     /// How the log was read.
     pub report: LoadReport,
 }
@@ -80,11 +90,23 @@ impl Bench {
     /// # Errors
     /// The first thing that is wrong, see [`Problem`].
     pub fn load(path: &Path) -> Result<Bench, Error> {
+        Bench::load_from(path, Files::Disk)
+    }
+
+    /// As [`Bench::load`], with somebody who is told how far it is and may call it off.
+    ///
+    /// # Errors
+    /// As for [`Bench::load`]; [`Problem::Unreadable`] where the reading was called off.
+    pub fn load_watched(path: &Path, watch: ReadingWatch) -> Result<Bench, Error> {
+        Bench::load_from(path, Files::Watched(watch))
+    }
+
+    fn load_from(path: &Path, files: Files) -> Result<Bench, Error> {
         let file = bench_file(path)?;
         let folder = folder_of(&file);
-        let source = TomlSource::read(Files::Disk, &file)?;
+        let source = TomlSource::read(files, &file)?;
         let document = source.parse()?;
-        read_bench(Files::Disk, &source, &source.root(&document), folder)
+        read_bench(files, &source, &source.root(&document), folder)
     }
 
     /// The same from files that are in memory, one of them `bench.toml`.
@@ -189,6 +211,7 @@ fn read_bench(
         .map(|(plan, section)| plan.load(files, source, section))
         .collect::<Result<Vec<_>, Error>>()?;
     Ok(Bench {
+        own_effects: OwnEffect::all_of(files, &folder)?,
         name: name.unwrap_or_else(|| folder_name(&folder)),
         folder,
         known,
@@ -231,6 +254,7 @@ struct Plan {
     file_key: Located<String>,
     file: PathBuf,
     columns: Vec<(Channel, Located<String>)>,
+    units: Vec<(Channel, Located<f64>)>,
     scales: Vec<(Channel, Located<f64>)>,
     signs: Vec<(Channel, Located<f64>)>,
     offsets: Vec<(Channel, Located<f64>)>,
@@ -238,8 +262,9 @@ struct Plan {
     /// The current column is a command without unit.
     normalised: bool,
     current_meaning: CurrentMeaning,
-    from_s: Option<f64>,
-    until_s: Option<f64>,
+    window: log::Window,
+    time_step: Option<Located<f64>>,
+    accept: Vec<String>,
 }
 
 /// The channels that a kind can use. The others stay in the file: a column that is nobody's input
@@ -247,7 +272,12 @@ struct Plan {
 fn useful(kind: Kind) -> &'static [Channel] {
     match kind {
         Kind::FreeSwing => &[Channel::Time, Channel::Angle, Channel::Rate],
-        Kind::SpinUp => &[Channel::Time, Channel::WheelSpeed, Channel::Current],
+        Kind::SpinUp => &[
+            Channel::Time,
+            Channel::WheelSpeed,
+            Channel::WheelAngle,
+            Channel::Current,
+        ],
         Kind::Balance | Kind::Driven => &Channel::ALL,
     }
 }
@@ -259,9 +289,12 @@ fn motion_needed(kind: Kind) -> (&'static [Channel], &'static str) {
             &[Channel::Angle, Channel::Rate],
             "the body's angle or its rate",
         ),
-        Kind::SpinUp => (&[Channel::WheelSpeed], "the wheel's speed"),
+        Kind::SpinUp => (
+            &[Channel::WheelSpeed, Channel::WheelAngle],
+            "the wheel's speed",
+        ),
         Kind::Driven => (
-            &[Channel::Angle, Channel::WheelSpeed],
+            &[Channel::Angle, Channel::WheelSpeed, Channel::WheelAngle],
             "the body's angle or the wheel's speed",
         ),
     }
@@ -275,12 +308,15 @@ impl Plan {
             "file",
             "columns",
             "units",
+            "scale",
             "sign",
             "offset",
             "constants",
             "current_meaning",
             "from",
             "until",
+            "time_step",
+            "accept",
         ])?;
         let name = section.required_text("name", "name = \"free swing 20 deg\"")?;
         let kind_name = section.required_text(
@@ -319,6 +355,7 @@ impl Plan {
         };
         let from_s = section.number("from")?;
         let until_s = section.number("until")?;
+        let time_step = section.positive_number("time_step")?;
         if let (Some(from), Some(until)) = (&from_s, &until_s)
             && from.value >= until.value
         {
@@ -334,28 +371,31 @@ impl Plan {
             columns: by_channel(section, "columns", |table, key| {
                 table.required_text(key, "the name of a column")
             })?,
-            scales: by_channel(section, "units", unit_scale)?,
+            units: by_channel(section, "units", unit_scale)?,
+            scales: by_channel(section, "scale", |table, key| {
+                not_zero(table, key, "a factor other than 0")
+            })?,
             signs: by_channel(section, "sign", |table, key| {
-                let sign = require(table.number(key)?, table, key)?;
-                if sign.value == 0.0 {
-                    return Err(table.error_at(
-                        key,
-                        Problem::OutOfRange {
-                            key: key.to_string(),
-                            value: 0.0,
-                            must_be: "1 or -1".to_string(),
-                        },
-                    ));
-                }
-                Ok(sign)
+                not_zero(table, key, "1 or -1")
             })?,
             offsets: by_channel(section, "offset", |table, key| {
                 require(table.number(key)?, table, key)
             })?,
             held_current: held_current(section, kind)?,
             normalised: is_normalised(section)?,
-            from_s: from_s.map(|from| from.value),
-            until_s: until_s.map(|until| until.value),
+            window: log::Window {
+                from_s: from_s.map(|from| from.value),
+                until_s: until_s.map(|until| until.value),
+                time_step_s: time_step.as_ref().map(|step| step.value),
+                measured_current: current_meaning == CurrentMeaning::Measured,
+            },
+            time_step,
+            accept: section
+                .texts("accept")?
+                .unwrap_or_default()
+                .into_iter()
+                .map(|finding| finding.value)
+                .collect(),
             name,
             kind,
             file_key,
@@ -370,21 +410,25 @@ impl Plan {
         source: &TomlSource,
         section: &Section,
     ) -> Result<Experiment, Error> {
-        let header = Channel::ALL.map(Channel::standard_name).join(",");
-        let table =
-            csv_table::open(files, &self.file, &header).map_err(|error| match error.problem() {
-                // The place to mend is where the file is named.
-                Problem::NotFound | Problem::NotAFile { .. } => source.error(
-                    self.file_key.span.clone(),
-                    Problem::NoLog {
-                        path: self.file.display().to_string(),
-                        reason: error.problem().to_string(),
-                    },
-                ),
-                _ => error,
-            })?;
+        let table = csv_table::open(files, &self.file).map_err(|error| match error.problem() {
+            // The place to mend is where the file is named.
+            Problem::NotFound | Problem::NotAFile { .. } => source.error(
+                self.file_key.span.clone(),
+                Problem::NoLog {
+                    path: self.file.display().to_string(),
+                    reason: error.problem().to_string(),
+                },
+            ),
+            _ => error,
+        })?;
         let uses = self.column_uses(source, section, &table)?;
-        let (mut samples, mut report) = log::read(table, &uses, self.from_s, self.until_s)?;
+        let of_file = self.units_of_file(&table, &uses);
+        let log::SamplesOfLog {
+            log: mut samples,
+            beside,
+            mut report,
+        } = log::read(table, &uses, self.window)?;
+        report.notes.extend(of_file);
 
         for (channel, sign) in &self.signs {
             if sign.value.abs() != 1.0 {
@@ -406,14 +450,29 @@ impl Plan {
             report.notes.push(Note::CurrentNotRecorded);
         }
         self.check_upright(section, &mut samples, &mut report)?;
+        let line = source.line(&self.name.span);
         Ok(Experiment {
             name: self.name.value,
             kind: self.kind,
             file: self.file,
             log: samples,
+            beside,
             current_meaning: self.current_meaning,
+            accept: self.accept,
+            line,
             report,
         })
+    }
+
+    /// The units that are the file's own word, in notes.
+    fn units_of_file(&self, table: &OpenTable, uses: &[ColumnUse]) -> Vec<Note> {
+        let found = uses.iter().filter_map(|column| {
+            let channel = column.channel;
+            let (unit, scale) = unit_of_file(table, channel, &column.name)?;
+            let is_news = find(&self.units, channel).is_none() && scale != 1.0;
+            is_news.then_some(Note::UnitFromFile { channel, unit })
+        });
+        found.collect()
     }
 
     /// Which column each channel comes from; everything that is wrong with that is said here.
@@ -456,8 +515,31 @@ impl Plan {
                 },
             ));
         }
+        if let (Some(step), Some(column)) = (&self.time_step, column_of(Channel::Time)) {
+            return Err(source.error(
+                step.span.clone(),
+                Problem::TimeStepAndColumn {
+                    column: column.to_string(),
+                    file: self.file_key.value.clone(),
+                },
+            ));
+        }
+        for (index, (channel, column)) in self.columns.iter().enumerate() {
+            let mut before = self.columns[..index].iter();
+            if let Some((other, _)) = before.find(|(_, other)| other.value == column.value) {
+                return Err(source.error(
+                    column.span.clone(),
+                    Problem::ColumnMappedTwice {
+                        column: column.value.clone(),
+                        first: other.key(),
+                        second: channel.key(),
+                    },
+                ));
+            }
+        }
         for (key, list) in [
-            ("units", &self.scales),
+            ("units", &self.units),
+            ("scale", &self.scales),
             ("sign", &self.signs),
             ("offset", &self.offsets),
         ] {
@@ -476,21 +558,29 @@ impl Plan {
             }
         }
 
-        let uses: Vec<ColumnUse> = useful(self.kind)
-            .iter()
-            .filter_map(|&channel| {
+        let used = useful(self.kind);
+        let uses: Vec<ColumnUse> = Channel::ALL
+            .into_iter()
+            .filter_map(|channel| {
                 let name = column_of(channel)?.to_string();
-                let unit = find(&self.scales, channel).map_or(1.0, |scale| scale.value);
-                let sign = find(&self.signs, channel).map_or(1.0, |sign| sign.value);
+                let stated = |list| find(list, channel).map(|one: &Located<f64>| one.value);
+                let factor = |list| stated(list).unwrap_or(1.0);
+                // bench.toml knows better than the file.
+                let of_file = unit_of_file(log, channel, &name).map_or(1.0, |(_, scale)| scale);
+                let unit = stated(&self.units).unwrap_or(of_file);
                 Some(ColumnUse {
                     channel,
                     name,
-                    scale: unit * sign,
+                    scale: unit * factor(&self.scales) * factor(&self.signs),
+                    is_beside: !used.contains(&channel),
                     offset: find(&self.offsets, channel).map_or(0.0, |offset| offset.value),
                 })
             })
             .collect();
-        let has = |channel: Channel| uses.iter().any(|column| column.channel == channel);
+        let has = |channel: Channel| {
+            let mut used = uses.iter().filter(|column| !column.is_beside);
+            used.any(|column| column.channel == channel)
+        };
         let missing = |channels: &[Channel], needs: &'static str, remark: &'static str| {
             let used: Vec<&str> = uses.iter().map(|column| column.name.as_str()).collect();
             let channel = channels[0];
@@ -507,12 +597,20 @@ impl Plan {
                         .likely_column(present, &used)
                         .unwrap_or("its name there")
                         .to_string(),
-                    remark,
+                    remark: if log.has_header() {
+                        remark
+                    } else {
+                        "; the file has no header line, so that its columns are numbered from 1"
+                    },
                 },
             )
         };
-        if !has(Channel::Time) {
-            return Err(missing(&[Channel::Time], "the time", ""));
+        if !has(Channel::Time) && self.time_step.is_none() {
+            return Err(missing(
+                &[Channel::Time],
+                "the time",
+                "; rows at equal times without a time column need time_step = 0.005 (s)",
+            ));
         }
         let (channels, needs) = motion_needed(self.kind);
         if !channels.iter().any(|channel| has(*channel)) {
@@ -557,9 +655,10 @@ impl Plan {
         } else {
             "file"
         };
-        // About its equilibrium the body does not turn over.
+        // About its equilibrium the body does not turn over. (In a free swing the check of the data says by
+        // which factor the angle is too large.)
         let farthest_rad = (low - expected).abs().max((high - expected).abs());
-        if farthest_rad > 2.0 * TAU {
+        if self.kind == Kind::Balance && farthest_rad > 2.0 * TAU {
             return Err(section.error_at(
                 key,
                 Problem::AngleTooLarge {
@@ -625,6 +724,22 @@ fn by_channel<T>(
         .collect()
 }
 
+/// A number that is not zero.
+fn not_zero(table: &Section, key: &'static str, must_be: &str) -> Result<Located<f64>, Error> {
+    let number = require(table.number(key)?, table, key)?;
+    if number.value == 0.0 {
+        return Err(table.error_at(
+            key,
+            Problem::OutOfRange {
+                key: key.to_string(),
+                value: 0.0,
+                must_be: must_be.to_string(),
+            },
+        ));
+    }
+    Ok(number)
+}
+
 /// Unwraps a value whose key is known to be there.
 fn require<T>(value: Option<T>, table: &Section, key: &str) -> Result<T, Error> {
     value.ok_or_else(|| table.error(table.missing(key, "a number")))
@@ -647,6 +762,16 @@ fn unit_scale(table: &Section, key: &'static str) -> Result<Located<f64>, Error>
             },
         )),
     }
+}
+
+/// The unit of a channel that the line of units of its file gives, and its factor to SI.
+fn unit_of_file(table: &OpenTable, channel: Channel, column: &str) -> Option<(&'static str, f64)> {
+    let unit = table.unit(column)?;
+    channel
+        .units()
+        .iter()
+        .find(|(name, _)| *name == unit)
+        .copied()
 }
 
 /// Whether `units` says that the current is a command without unit.

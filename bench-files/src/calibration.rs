@@ -327,7 +327,7 @@ impl<'a> Reader<'a> {
     /// Whether a file has the column that stands for `name`.
     fn has_column(&self, file: &Located<String>, name: &str) -> Result<bool, Error> {
         let path = self.folder.join(&file.value);
-        let table = self.open(file, &path, &[name])?;
+        let table = self.open(file, &path)?;
         Ok(table.columns().contains(&self.column(name)))
     }
 
@@ -341,12 +341,11 @@ impl<'a> Reader<'a> {
         &self,
         file: &Located<String>,
         path: &'p Path,
-        names: &[&str],
     ) -> Result<csv_table::OpenTable<'p>, Error>
     where
         'a: 'p,
     {
-        csv_table::open(self.files, path, &names.join(",")).map_err(|error| match error.problem() {
+        csv_table::open(self.files, path).map_err(|error| match error.problem() {
             Problem::NotFound | Problem::NotAFile { .. } => self.source.error(
                 file.span.clone(),
                 Problem::NoLog {
@@ -365,7 +364,7 @@ impl<'a> Reader<'a> {
         names: &[&str],
         take: impl FnMut(&csv_table::Row) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let mut table = self.open(file, path, names)?;
+        let mut table = self.open(file, path)?;
         let mapped: Vec<String> = names.iter().map(|name| self.column(name)).collect();
         for (name, column) in names.iter().zip(&mapped) {
             if !table.columns().contains(column) {

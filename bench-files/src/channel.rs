@@ -13,6 +13,8 @@ pub enum Channel {
     Rate,
     /// Wheel speed relative to the body, rad/s.
     WheelSpeed,
+    /// Wheel angle relative to the body, rad.
+    WheelAngle,
     /// Motor current, A.
     Current,
 }
@@ -33,15 +35,16 @@ pub(crate) const NORMALISED: &str = "1";
 
 impl Channel {
     /// All channels, time first.
-    pub const ALL: [Channel; 5] = [
+    pub const ALL: [Channel; 6] = [
         Channel::Time,
         Channel::Angle,
         Channel::Rate,
         Channel::WheelSpeed,
+        Channel::WheelAngle,
         Channel::Current,
     ];
 
-    /// The key in `columns`, `units`, `sign`, `offset` and `constants`; also the channel's part of
+    /// The key in `columns`, `units`, `scale`, `sign`, `offset` and `constants`; also the channel's part of
     /// "experiment/channel" in reports.
     pub fn key(self) -> &'static str {
         match self {
@@ -49,6 +52,7 @@ impl Channel {
             Channel::Angle => "angle",
             Channel::Rate => "rate",
             Channel::WheelSpeed => "wheel_speed",
+            Channel::WheelAngle => "wheel_angle",
             Channel::Current => "current",
         }
     }
@@ -67,6 +71,7 @@ impl Channel {
             Channel::Angle => "angle_rad",
             Channel::Rate => "rate_rad_s",
             Channel::WheelSpeed => "wheel_speed_rad_s",
+            Channel::WheelAngle => "wheel_angle_rad",
             Channel::Current => "current_A",
         }
     }
@@ -75,7 +80,7 @@ impl Channel {
     pub(crate) fn units(self) -> &'static [Unit] {
         match self {
             Channel::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
-            Channel::Angle => &[
+            Channel::Angle | Channel::WheelAngle => &[
                 ("rad", 1.0),
                 ("mrad", 1e-3),
                 ("deg", PI / 180.0),
@@ -97,6 +102,7 @@ impl Channel {
             ],
             Channel::Rate => &["rate", "gyro", "dtheta", "dalpha", "vel", "deg_s", "rad_s"],
             Channel::WheelSpeed => &["wheel", "rpm", "motor", "omega", "phi", "speed"],
+            Channel::WheelAngle => &["wheel_angle", "wheel_pos", "encoder", "phi"],
             Channel::Current => &["current", "amp", "curr", "i_", "u", "i"],
         }
     }

@@ -1,18 +1,21 @@
-//! CSV files with a header line, streamed: no more of a file is in memory than what its reader
-//! keeps. Lines that begin with `#` and blank lines are passed over; cells are separated by commas,
-//! or by the semicolons or tabs that the header line uses. Columns that nobody asked for may hold
-//! anything.
+//! CSV files in the dialects that people have (`dialect`), streamed: no more of a file is in memory than
+//! what its reader keeps. Lines that begin with `#` and blank lines are passed over. Columns without a header
+//! line are named "1", "2", …. Columns that nobody asked for may hold anything.
 
 use std::cell::Cell;
 use std::fmt;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::rc::Rc;
 
 use csv::{ErrorKind, StringRecord};
+use encoding_rs::UTF_8;
+use encoding_rs_io::DecodeReaderBytesBuilder;
+
+use crate::dialect::{self, Dialect, Header, LOOKED_AT};
 
 use crate::error::{Error, Names, Place, Problem, shortened};
-use crate::files::{Content, Files};
+use crate::files::Files;
 use crate::write::reason;
 
 /// Largest log that is read, in bytes.
@@ -20,17 +23,20 @@ pub const MAX_LOG_BYTES: u64 = 1 << 30;
 /// Most lines of a log that are read: two hours and three quarters at 1 kHz.
 pub const MAX_LOG_ROWS: usize = 10_000_000;
 /// What some editors put in front of UTF-8 text.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+const UTF_8_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Longest line that is read, in bytes.
 const MAX_LINE_BYTES: usize = 1 << 20;
 
 /// A CSV file that was opened: the header is read, the rows are not.
 pub(crate) struct OpenTable<'p> {
     source: Source<'p>,
-    reader: csv::Reader<Bounded<Content<'p>>>,
+    reader: csv::Reader<Bounded<'p>>,
     budget: Rc<Cell<usize>>,
     columns: Vec<String>,
+    units: Vec<Option<&'static str>>,
     header_line: u64,
+    has_header: bool,
+    decimal_comma: bool,
 }
 
 /// A file and where it is looked for.
@@ -38,6 +44,11 @@ pub(crate) struct OpenTable<'p> {
 struct Source<'p> {
     files: Files<'p>,
     path: &'p Path,
+    /// Lines and bytes that the CSV reader does not see.
+    lines_before: u64,
+    bytes_before: u64,
+    /// The bytes that the CSV reader counts are those of the file.
+    is_utf_8: bool,
 }
 
 impl Source<'_> {
@@ -46,22 +57,23 @@ impl Source<'_> {
     /// is looked at once more from there; this happens only on the way to an error.
     fn line_of(self, position: Option<&csv::Position>) -> u64 {
         let Some(position) = position else {
-            return 1;
+            return self.lines_before + 1;
         };
-        let mut line = position.line();
+        let mut line = position.line() + self.lines_before;
+        if !self.is_utf_8 {
+            return line;
+        }
         let Ok(mut file) = self.files.open(self.path) else {
             return line;
         };
-        let mut start = [0; 3];
-        let mark = match file.read(&mut start) {
-            Ok(3) if start == *BYTE_ORDER_MARK => 3,
-            _ => 0,
-        };
-        if file.seek(SeekFrom::Start(position.byte() + mark)).is_err() {
+        if file
+            .seek(SeekFrom::Start(position.byte() + self.bytes_before))
+            .is_err()
+        {
             return line;
         }
         let mut in_comment = false;
-        for byte in io::BufReader::new(file).bytes().map_while(Result::ok) {
+        for byte in BufReader::new(file).bytes().map_while(Result::ok) {
             match byte {
                 b'\n' => {
                     line += 1;
@@ -83,6 +95,7 @@ pub(crate) struct Row<'r> {
     record: &'r StringRecord,
     names: &'r [String],
     indices: &'r [usize],
+    decimal_comma: bool,
     /// Rows before this one.
     pub index: usize,
 }
@@ -91,7 +104,7 @@ impl Row<'_> {
     /// The number in the asked-for column `k`, as it stands.
     pub fn number(&self, k: usize) -> Result<f64, Error> {
         let text = self.record.get(self.indices[k]).unwrap_or("");
-        number(text).map_err(|problem| self.error(k, *problem))
+        number(text, self.decimal_comma).map_err(|problem| self.error(k, *problem))
     }
 
     /// A problem with the cell of column `k`.
@@ -109,17 +122,11 @@ impl Row<'_> {
     }
 }
 
-/// Opens a file and reads its header line; `example` is a header that would be right.
-pub(crate) fn open<'p>(
-    files: Files<'p>,
-    path: &'p Path,
-    example: &str,
-) -> Result<OpenTable<'p>, Error> {
-    let source = Source { files, path };
-    let file = files.open(path)?;
-    let bytes = file
-        .length()
-        .map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))?;
+/// Opens a file and reads its header line.
+pub(crate) fn open<'p>(files: Files<'p>, path: &'p Path) -> Result<OpenTable<'p>, Error> {
+    let unreadable = |error: io::Error| Error::in_file(path, Problem::Unreadable(reason(&error)));
+    let mut file = files.open(path)?;
+    let bytes = file.length().map_err(unreadable)?;
     if bytes > MAX_LOG_BYTES {
         return Err(Error::in_file(
             path,
@@ -130,53 +137,129 @@ pub(crate) fn open<'p>(
             },
         ));
     }
-    let budget = Rc::new(Cell::new(MAX_LINE_BYTES));
-    let mut bounded = Bounded {
-        inner: file.take(MAX_LOG_BYTES),
-        budget: budget.clone(),
-        ahead: Vec::new(),
+    let mut start = Vec::new();
+    let looked_at = file.by_ref().take(LOOKED_AT as u64);
+    { looked_at }.read_to_end(&mut start).map_err(unreadable)?;
+    let dialect = dialect::dialect(&start).map_err(|found| {
+        let place = at_line(path, found.line, None);
+        let (cell, first, second) = (shortened(&found.cell), found.first, found.second);
+        Error::at(
+            place,
+            Problem::TwoReadings {
+                cell,
+                first,
+                second,
+            },
+        )
+    })?;
+    let (text, bytes_before) =
+        text_of(start, file.take(MAX_LOG_BYTES), &dialect).map_err(unreadable)?;
+    let source = Source {
+        files,
+        path,
+        lines_before: dialect.lines_before,
+        bytes_before,
+        is_utf_8: dialect.encoding == UTF_8,
     };
-    let delimiter = bounded
-        .delimiter()
-        .map_err(|error| Error::in_file(path, Problem::Unreadable(reason(&error))))?;
-    let mut reader = csv::ReaderBuilder::new()
+    let budget = Rc::new(Cell::new(MAX_LINE_BYTES));
+    let bounded = Bounded {
+        inner: text,
+        budget: budget.clone(),
+    };
+    let reader = csv::ReaderBuilder::new()
         .has_headers(false)
-        .delimiter(delimiter)
+        .delimiter(dialect.separator)
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(bounded);
-
-    let mut header = StringRecord::new();
-    let found = reader
-        .read_record(&mut header)
-        .map_err(|error| csv_error(source, reader.position(), error))?;
-    if !found {
-        return Err(Error::in_file(path, Problem::EmptyLog));
-    }
-    let line = source.line_of(header.position());
-    if header.iter().any(|cell| cell.parse::<f64>().is_ok()) {
-        let first = header.iter().collect::<Vec<_>>().join(",");
-        return Err(Error::at(
-            at_line(path, line, None),
-            Problem::NoHeader {
-                first: shortened(&first),
-                example: example.to_owned(),
-            },
-        ));
-    }
-    Ok(OpenTable {
+    let mut table = OpenTable {
         source,
         reader,
         budget,
-        columns: header.iter().map(str::to_string).collect(),
-        header_line: line,
-    })
+        columns: vec![],
+        units: vec![],
+        header_line: dialect.lines_before + 1,
+        has_header: true,
+        decimal_comma: dialect.decimal_comma,
+    };
+    match dialect.header {
+        Header::None { columns } => {
+            table.columns = (1..=columns).map(|number| number.to_string()).collect();
+            table.has_header = false;
+        }
+        Header::Line { units } => {
+            let Some(header) = table.next_record()? else {
+                return Err(Error::in_file(path, Problem::EmptyLog));
+            };
+            table.header_line = source.line_of(header.position());
+            table.columns = header.iter().map(str::to_string).collect();
+            if units && let Some(units) = table.next_record()? {
+                table.units = units.iter().map(dialect::plain_unit).collect();
+            }
+        }
+    }
+    Ok(table)
+}
+
+/// The text of a file from the first line that counts, and how many bytes stand before it.
+fn text_of<'p>(
+    mut start: Vec<u8>,
+    rest: impl Read + 'p,
+    dialect: &Dialect,
+) -> io::Result<(Box<dyn Read + 'p>, u64)> {
+    let mut bytes_before = 0;
+    let is_utf_8 = dialect.encoding == UTF_8;
+    if is_utf_8 && start.starts_with(UTF_8_MARK) {
+        start.drain(..UTF_8_MARK.len());
+        bytes_before += UTF_8_MARK.len() as u64;
+    }
+    let whole = Cursor::new(start).chain(rest);
+    if !is_utf_8 {
+        let mut builder = DecodeReaderBytesBuilder::new();
+        let decoded = builder.encoding(Some(dialect.encoding)).build(whole);
+        let mut lines = BufReader::new(decoded);
+        skip_lines(&mut lines, dialect.lines_before)?;
+        return Ok((Box::new(lines), 0));
+    }
+    let mut lines = BufReader::new(whole);
+    bytes_before += skip_lines(&mut lines, dialect.lines_before)?;
+    Ok((Box::new(lines), bytes_before))
+}
+
+/// Passes over lines, and returns how many bytes they have.
+fn skip_lines(lines: &mut impl BufRead, count: u64) -> io::Result<u64> {
+    let mut bytes = 0;
+    for _ in 0..count {
+        bytes += lines.skip_until(b'\n')? as u64;
+    }
+    Ok(bytes)
 }
 
 impl OpenTable<'_> {
     /// The column names.
     pub fn columns(&self) -> &[String] {
         &self.columns
+    }
+
+    /// The unit that the file's own line of units gives to this column, where it has one that is known.
+    pub fn unit(&self, column: &str) -> Option<&'static str> {
+        let index = self.columns.iter().position(|name| name == column)?;
+        self.units.get(index).copied().flatten()
+    }
+
+    /// Whether the columns have names.
+    pub fn has_header(&self) -> bool {
+        self.has_header
+    }
+
+    fn next_record(&mut self) -> Result<Option<StringRecord>, Error> {
+        let mut record = StringRecord::new();
+        self.budget.set(MAX_LINE_BYTES);
+        let found = self
+            .reader
+            .read_record(&mut record)
+            .map_err(|error| csv_error(self.source, self.reader.position(), error))?;
+        Ok(found.then_some(record))
     }
 
     /// The file.
@@ -224,6 +307,7 @@ impl OpenTable<'_> {
                 record: &record,
                 names,
                 indices: &indices,
+                decimal_comma: self.decimal_comma,
                 index: rows,
             })?;
             rows += 1;
@@ -255,15 +339,23 @@ impl OpenTable<'_> {
 }
 
 /// A cell as a number.
-fn number(cell: &str) -> Result<f64, Box<Problem>> {
+fn number(cell: &str, decimal_comma: bool) -> Result<f64, Box<Problem>> {
     if cell.is_empty() {
         return Err(Box::new(Problem::EmptyCell));
     }
-    let value: f64 = cell.parse().map_err(|_| {
+    let with_point = cell.replacen(',', ".", 1);
+    let value = if decimal_comma && !cell.contains('.') {
+        with_point.parse::<f64>()
+    } else {
+        cell.parse()
+    };
+    let value = value.map_err(|_| {
         Box::new(Problem::NotANumber {
             cell: shortened(cell),
-            hint: if cell.replacen(',', ".", 1).parse::<f64>().is_ok() {
+            hint: if !decimal_comma && with_point.parse::<f64>().is_ok() {
                 " (a point, not a comma, before the decimals)"
+            } else if decimal_comma && cell.contains('.') {
+                " (the other numbers of this file have a comma before the decimals)"
             } else {
                 ""
             },
@@ -336,56 +428,59 @@ impl std::error::Error for LineTooLong {}
 
 /// A reader that gives out at most `budget` bytes until the budget is filled up again, which
 /// happens after each line: a file without line ends does not fill the memory.
-struct Bounded<R> {
-    inner: io::Take<R>,
+struct Bounded<'p> {
+    inner: Box<dyn Read + 'p>,
     budget: Rc<Cell<usize>>,
-    /// Bytes that were looked at to find the delimiter and are still to be given out.
-    ahead: Vec<u8>,
 }
 
-impl<R: Read> Bounded<R> {
-    /// Looks at the first line that is neither blank nor a comment: the separator that occurs most
-    /// often in it is the delimiter; a comma where there is none. A byte order mark is swallowed.
-    fn delimiter(&mut self) -> io::Result<u8> {
-        self.inner
-            .by_ref()
-            .take(64 << 10)
-            .read_to_end(&mut self.ahead)?;
-        if self.ahead.starts_with(BYTE_ORDER_MARK) {
-            self.ahead.drain(..3);
-        }
-        let header = self
-            .ahead
-            .split(|byte| *byte == b'\n')
-            .find(|line| !line.trim_ascii().is_empty() && !line.starts_with(b"#"))
-            .unwrap_or(b"");
-        let count = |delimiter: u8| header.iter().filter(|byte| **byte == delimiter).count();
-        let delimiter = [b',', b';', b'\t']
-            .into_iter()
-            .rev()
-            .max_by_key(|delimiter| count(*delimiter))
-            .unwrap_or(b',');
-        self.ahead.reverse();
-        Ok(delimiter)
-    }
-}
-
-impl<R: Read> Read for Bounded<R> {
+impl Read for Bounded<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let allowed = self.budget.get().min(buffer.len());
         if allowed == 0 && !buffer.is_empty() {
             return Err(io::Error::other(LineTooLong));
         }
-        let read = if self.ahead.is_empty() {
-            self.inner.read(&mut buffer[..allowed])?
-        } else {
-            let n = allowed.min(self.ahead.len());
-            for slot in &mut buffer[..n] {
-                *slot = self.ahead.pop().unwrap_or(b'\n');
-            }
-            n
-        };
+        let read = self.inner.read(&mut buffer[..allowed])?;
         self.budget.set(self.budget.get() - read);
         Ok(read)
+    }
+}
+
+/// A whole CSV file as numbers, for those who have to find out what its columns are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Names of the columns; "1", "2", … where the file has no header line.
+    pub names: Vec<String>,
+    /// Units that a line of units gives, as `units` in bench.toml writes them.
+    pub units: Vec<Option<&'static str>>,
+    /// Whether the names are the file's own.
+    pub has_header: bool,
+    /// The samples of each column; NaN where a cell is no number.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Table {
+    /// Reads the first `most_rows` rows of a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no table; two columns with one name.
+    pub fn read(path: &Path, most_rows: usize) -> Result<Table, Error> {
+        let mut table = open(Files::Disk, path)?;
+        let names = table.columns.clone();
+        let units = names.iter().map(|name| table.unit(name)).collect();
+        let mut columns = vec![vec![]; names.len()];
+        table.read_rows(&names, |row| {
+            if row.index < most_rows {
+                for (k, column) in columns.iter_mut().enumerate() {
+                    column.push(row.number(k).unwrap_or(f64::NAN));
+                }
+            }
+            Ok(())
+        })?;
+        Ok(Table {
+            has_header: table.has_header,
+            names,
+            units,
+            columns,
+        })
     }
 }

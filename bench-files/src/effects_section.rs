@@ -4,6 +4,7 @@ use plant::EffectId;
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Names, Problem};
+use crate::own_effect::OwnEffect;
 use crate::toml_source::{Located, Section, TomlSource};
 use crate::toml_writing::set;
 
@@ -25,15 +26,19 @@ pub(crate) struct EffectsSection {
 }
 
 impl EffectsSection {
-    /// Reads the section.
-    pub fn read(source: &TomlSource, section: &Section) -> Result<EffectsSection, Error> {
+    /// Reads the section; `own` are the effects that the file itself defines.
+    pub fn read(
+        source: &TomlSource,
+        section: &Section,
+        own: &[OwnEffect],
+    ) -> Result<EffectsSection, Error> {
         section.allow_only(&["present", "provisional", "rivals"])?;
         let names = section.texts("present")?.ok_or_else(|| {
             section.error(section.missing("present", "present = [\"body-viscous-friction\"]"))
         })?;
         let mut present = Vec::new();
         for name in names {
-            let effect = known(source, &name)?;
+            let effect = known(source, &name, own)?;
             if let Some(other) = present.iter().find(|other| excludes(**other, effect)) {
                 return Err(source.error(
                     name.span,
@@ -47,7 +52,7 @@ impl EffectsSection {
         }
         let mut provisional = vec![];
         for name in section.texts("provisional")?.unwrap_or_default() {
-            let effect = known(source, &name)?;
+            let effect = known(source, &name, own)?;
             if !present.contains(&effect) {
                 return Err(source.error(
                     name.span,
@@ -60,7 +65,7 @@ impl EffectsSection {
         }
         let mut rivals = vec![];
         for set in section.lists_of_texts("rivals")?.unwrap_or_default() {
-            let set = set.iter().map(|name| known(source, name));
+            let set = set.iter().map(|name| known(source, name, own));
             rivals.push(set.collect::<Result<Vec<EffectId>, Error>>()?);
         }
         rivals.retain(|set| !set.is_empty());
@@ -90,17 +95,31 @@ pub(crate) fn write(section: &mut dyn TableLike, present: &[EffectId], tie: Opti
     set(section, "rivals", Value::Array(rivals));
 }
 
-fn known(source: &TomlSource, name: &Located<String>) -> Result<EffectId, Error> {
-    EffectId::from_name(&name.value).ok_or_else(|| {
-        source.error(
-            name.span.clone(),
-            Problem::UnknownName {
-                what: "effect".to_string(),
-                name: name.value.clone(),
-                names: Names::new(EffectId::ALL.iter().map(|effect| effect.name())),
-            },
-        )
-    })
+fn known(
+    source: &TomlSource,
+    name: &Located<String>,
+    own: &[OwnEffect],
+) -> Result<EffectId, Error> {
+    let of_file = own.iter().map(|own| own.effect);
+    let of_file = || of_file.clone().find(|effect| effect.name() == name.value);
+    EffectId::from_name(&name.value)
+        .or_else(of_file)
+        .ok_or_else(|| {
+            source.error(
+                name.span.clone(),
+                Problem::UnknownName {
+                    what: "effect".to_string(),
+                    name: name.value.clone(),
+                    names: Names::new(
+                        EffectId::ALL
+                            .iter()
+                            .copied()
+                            .chain(own.iter().map(|own| own.effect))
+                            .map(|effect| effect.name()),
+                    ),
+                },
+            )
+        })
 }
 
 /// Whether a model cannot have both: they are the same, or one contains the other.

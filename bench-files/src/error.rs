@@ -216,6 +216,26 @@ pub enum Problem {
         /// The log.
         file: String,
     },
+    /// A time step beside a time column.
+    #[error(
+        "time_step is for files without a time, but {file} has the column \"{column}\" for it; keep one of the two"
+    )]
+    TimeStepAndColumn {
+        /// The column.
+        column: String,
+        /// The log.
+        file: String,
+    },
+    /// One column for two channels.
+    #[error("{second} is mapped to \"{column}\", and so is {first}; a column is one quantity")]
+    ColumnMappedTwice {
+        /// The column.
+        column: String,
+        /// The channel that has it first.
+        first: &'static str,
+        /// The channel that has it too.
+        second: &'static str,
+    },
     /// A held current in an experiment that has none.
     #[error("a {kind} experiment has no current (the wheel is locked to the body); take it out")]
     ConstantWithoutInput {
@@ -315,19 +335,25 @@ pub enum Problem {
         name: String,
     },
 
+    /// A formula of the user, or what stands beside it.
+    #[error("{0}")]
+    Formula(String),
+
     // --- logs -------------------------------------------------------------------------------
     /// Not a byte, or only blank lines and comments.
     #[error("the file is empty; a log is a CSV with a header line and one sample a line")]
     EmptyLog,
-    /// The first line is already a sample.
+    /// A number that can be read in two ways.
     #[error(
-        "the first line is \"{first}\": there is no header line; put the column names there, for example {example}"
+        "\"{cell}\" is {first} if the comma stands before the decimals, but {second} if it parts thousands; write it without a comma"
     )]
-    NoHeader {
-        /// The first line, shortened.
+    TwoReadings {
+        /// The cell.
+        cell: String,
+        /// With decimals.
         first: String,
-        /// A header that would be right.
-        example: String,
+        /// With thousands.
+        second: String,
     },
     /// A mapped column is not in the file.
     #[error(

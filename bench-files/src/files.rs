@@ -44,19 +44,33 @@ impl<N: Into<PathBuf>, C: Into<Vec<u8>>> FromIterator<(N, C)> for FilesInMemory 
     }
 }
 
+/// Is told how much of a file has been read, and can call the reading off.
+#[derive(Clone, Copy)]
+pub struct ReadingWatch<'w> {
+    /// The file, the bytes of it that have been read, and how many it has; after every [`WATCHED_BYTES`].
+    pub read: &'w dyn Fn(&Path, u64, u64),
+    /// Asked as often: `true` ends the reading with an error.
+    pub cancelled: &'w dyn Fn() -> bool,
+}
+
+/// Bytes between two reports of a [`ReadingWatch`]: some ten milliseconds of reading.
+pub const WATCHED_BYTES: u64 = 1 << 20;
+
 /// Where files are looked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) enum Files<'f> {
     /// On the disk.
     Disk,
+    /// On the disk, with somebody who watches.
+    Watched(ReadingWatch<'f>),
     /// Among these and nowhere else.
     Memory(&'f FilesInMemory),
 }
 
 /// A file that was opened.
-#[derive(Debug)]
 pub(crate) enum Content<'f> {
     Disk(File),
+    Watched(WatchedFile<'f>),
     Memory(Cursor<&'f [u8]>),
 }
 
@@ -69,6 +83,44 @@ impl<'f> Files<'f> {
                 None => Err(Error::in_file(path, Problem::NotFound)),
             },
             Files::Disk => open_regular(path).map(Content::Disk),
+            Files::Watched(watch) => {
+                let file = open_regular(path)?;
+                let length = file.metadata().map_or(0, |metadata| metadata.len());
+                Ok(Content::Watched(WatchedFile {
+                    file,
+                    path: path.to_path_buf(),
+                    length,
+                    read: 0,
+                    watch,
+                }))
+            }
+        }
+    }
+}
+
+impl Files<'_> {
+    /// The TOML files in a folder; none where there is no folder.
+    pub fn toml_files_in(self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        let is_toml = |path: &Path| path.extension().is_some_and(|ending| ending == "toml");
+        match self {
+            Files::Memory(FilesInMemory(files)) => {
+                let inside = files.keys().filter(|path| path.parent() == Some(folder));
+                Ok(inside.filter(|path| is_toml(path)).cloned().collect())
+            }
+            Files::Disk | Files::Watched(_) => {
+                let entries = match fs::read_dir(folder) {
+                    Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(vec![]),
+                    entries => entries,
+                };
+                let unreadable =
+                    |error: io::Error| Error::in_file(folder, Problem::Unreadable(reason(&error)));
+                let mut paths = vec![];
+                for entry in entries.map_err(unreadable)? {
+                    paths.push(entry.map_err(unreadable)?.path());
+                }
+                paths.retain(|path| is_toml(path));
+                Ok(paths)
+            }
         }
     }
 }
@@ -78,6 +130,7 @@ impl Content<'_> {
     pub fn length(&self) -> io::Result<u64> {
         match self {
             Content::Disk(file) => Ok(file.metadata()?.len()),
+            Content::Watched(watched) => Ok(watched.length),
             Content::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
         }
     }
@@ -87,6 +140,7 @@ impl Read for Content<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self {
             Content::Disk(file) => file.read(buffer),
+            Content::Watched(watched) => watched.read(buffer),
             Content::Memory(bytes) => bytes.read(buffer),
         }
     }
@@ -96,8 +150,33 @@ impl Seek for Content<'_> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         match self {
             Content::Disk(file) => file.seek(to),
+            Content::Watched(watched) => watched.file.seek(to),
             Content::Memory(bytes) => bytes.seek(to),
         }
+    }
+}
+
+/// A file on the disk that somebody watches.
+pub(crate) struct WatchedFile<'w> {
+    file: File,
+    path: PathBuf,
+    length: u64,
+    read: u64,
+    watch: ReadingWatch<'w>,
+}
+
+impl Read for WatchedFile<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        let before = self.read;
+        self.read += count as u64;
+        if before == 0 || before / WATCHED_BYTES != self.read / WATCHED_BYTES {
+            (self.watch.read)(&self.path, self.read, self.length);
+            if (self.watch.cancelled)() {
+                return Err(io::Error::other("called off"));
+            }
+        }
+        Ok(count)
     }
 }
 

@@ -11,11 +11,13 @@
 
 #![warn(missing_docs)]
 
+mod averages;
 mod bench;
 mod calibration;
 mod channel;
 mod correlation;
 mod csv_table;
+mod dialect;
 mod drop_out;
 mod effects_section;
 mod error;
@@ -23,7 +25,9 @@ mod files;
 mod hardware;
 mod known;
 mod log;
+mod long_log;
 mod model_file;
+mod own_effect;
 mod toml_source;
 mod toml_writing;
 mod write;
@@ -35,15 +39,17 @@ pub use calibration::{
 };
 pub use channel::Channel;
 pub use correlation::Correlation;
-pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS};
+pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS, Table};
+pub use dialect::plain_unit;
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
-pub use files::FilesInMemory;
+pub use files::{FilesInMemory, ReadingWatch, WATCHED_BYTES};
 pub use hardware::{
     AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor,
 };
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};
-pub use write::write_atomically;
+pub use own_effect::{OWN_PREFIX, OwnEffect};
+pub use write::{can_write_into, write_atomically};

@@ -6,6 +6,7 @@ use crate::channel::Channel;
 use crate::csv_table::OpenTable;
 use crate::drop_out::drop_outs;
 use crate::error::{Error, Problem, shortened};
+use crate::long_log::{CHUNK_ROWS, LongLog};
 
 /// Fewest samples that a log must have in its window: a drop-out is judged by two samples on
 /// either side of it.
@@ -22,6 +23,8 @@ pub struct Log {
     pub rate_rad_s: Option<Vec<f64>>,
     /// Wheel speed φ̇ relative to the body, rad/s, as the sensor said it.
     pub wheel_speed_rad_s: Option<Vec<f64>>,
+    /// Wheel angle φ relative to the body, rad, unwrapped, as the sensor said it.
+    pub wheel_angle_rad: Option<Vec<f64>>,
     /// Motor current, A: the command, or what flowed (see
     /// [`CurrentMeaning`](crate::CurrentMeaning)). Never NaN.
     pub current_a: Option<Vec<f64>>,
@@ -54,17 +57,33 @@ impl Log {
             Channel::Angle => self.angle_rad.as_deref(),
             Channel::Rate => self.rate_rad_s.as_deref(),
             Channel::WheelSpeed => self.wheel_speed_rad_s.as_deref(),
+            Channel::WheelAngle => self.wheel_angle_rad.as_deref(),
             Channel::Current => self.current_a.as_deref(),
         }
     }
 
-    fn channel_mut(&mut self, channel: Channel) -> Option<&mut Vec<f64>> {
+    pub(crate) fn channel_mut(&mut self, channel: Channel) -> Option<&mut Vec<f64>> {
         match channel {
             Channel::Time => Some(&mut self.time_s),
             Channel::Angle => self.angle_rad.as_mut(),
             Channel::Rate => self.rate_rad_s.as_mut(),
             Channel::WheelSpeed => self.wheel_speed_rad_s.as_mut(),
+            Channel::WheelAngle => self.wheel_angle_rad.as_mut(),
             Channel::Current => self.current_a.as_mut(),
+        }
+    }
+}
+
+impl Log {
+    /// Puts the samples of a channel in their place.
+    pub(crate) fn set(&mut self, channel: Channel, samples: Vec<f64>) {
+        match channel {
+            Channel::Time => self.time_s = samples,
+            Channel::Angle => self.angle_rad = Some(samples),
+            Channel::Rate => self.rate_rad_s = Some(samples),
+            Channel::WheelSpeed => self.wheel_speed_rad_s = Some(samples),
+            Channel::WheelAngle => self.wheel_angle_rad = Some(samples),
+            Channel::Current => self.current_a = Some(samples),
         }
     }
 }
@@ -97,6 +116,15 @@ pub enum Note {
     },
     /// A spin-up without a current column: the current was not recorded.
     CurrentNotRecorded,
+    /// The wheel's speed comes from differences of its angle.
+    SpeedFromAngle,
+    /// A unit that bench.toml does not state was taken from the file's line of units.
+    UnitFromFile {
+        /// The channel.
+        channel: Channel,
+        /// The unit, as `units` in bench.toml writes it.
+        unit: &'static str,
+    },
     /// The current column is a command without unit (`units = { current = "1" }`).
     NormalisedCommand,
     /// A `sign` that is neither 1 nor −1 was used as a factor.
@@ -105,6 +133,13 @@ pub enum Note {
         channel: Channel,
         /// The factor.
         factor: f64,
+    },
+    /// The log has more rows than are kept: its samples are averages.
+    Averaged {
+        /// Rows that were read.
+        rows: usize,
+        /// Rows in an average.
+        block: usize,
     },
     /// A pause in the log, much longer than the usual time between two samples.
     Gap {
@@ -133,17 +168,34 @@ impl fmt::Display for Note {
             }
             Note::MergedRows { count } => write!(
                 f,
-                "{count} lines repeat the time of the line before and were averaged with it"
+                "{count} {} the time of the line before, averaged with it",
+                if *count == 1 {
+                    "line repeats"
+                } else {
+                    "lines repeat"
+                }
             ),
             Note::AngleUnwrapped { count } => {
-                write!(f, "{count} jumps of the angle by a full turn taken out")
+                let jumps = if *count == 1 { "jump" } else { "jumps" };
+                write!(f, "{count} {jumps} of the angle by a full turn taken out")
             }
             Note::AngleTurned { added_rad } => {
-                write!(f, "{added_rad:.5} rad (full turns) added to the angle")
+                write!(f, "{added_rad:.3} rad (full turns) added to the angle")
             }
             Note::CurrentNotRecorded => write!(
                 f,
                 "the current was not recorded; if it was held, constants = {{ current = … }} says at what"
+            ),
+            Note::UnitFromFile { channel, unit } => {
+                write!(
+                    f,
+                    "{} is in {unit}, as the file's own line of units says",
+                    channel.key()
+                )
+            }
+            Note::SpeedFromAngle => write!(
+                f,
+                "the wheel's speed is not logged: it comes from differences of the wheel's angle"
             ),
             Note::NormalisedCommand => write!(
                 f,
@@ -154,6 +206,10 @@ impl fmt::Display for Note {
                 f,
                 "sign of {} is {factor}, neither 1 nor -1: used as a factor",
                 channel.key()
+            ),
+            Note::Averaged { rows, block } => write!(
+                f,
+                "a log of {rows} rows is used as averages of {block}; of the current each keeps the integral"
             ),
             Note::Gap { from_s, to_s } => write!(
                 f,
@@ -201,19 +257,53 @@ pub(crate) struct ColumnUse {
     pub scale: f64,
     /// SI.
     pub offset: f64,
+    /// The kind holds this channel still: it is read into [`SamplesOfLog::beside`], and a cell that is no
+    /// number is NaN there.
+    pub is_beside: bool,
 }
 
-/// Reads the samples of these columns between `from_s` and `until_s` (both included).
-/// Time must be the first column in use.
+/// What of a file is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Window {
+    /// First time, s.
+    pub from_s: Option<f64>,
+    /// Last time, s.
+    pub until_s: Option<f64>,
+    /// Time from row to row where there is no time column, s.
+    pub time_step_s: Option<f64>,
+    /// The current is what flowed, not a command that is held from row to row.
+    pub measured_current: bool,
+}
+
+/// The samples of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SamplesOfLog {
+    /// The channels that the kind uses.
+    pub log: Log,
+    /// The channels that it holds still.
+    pub beside: Log,
+    pub report: LoadReport,
+}
+
+/// Reads the samples of these columns in the window (both ends included). Time must be the first column
+/// in use, unless the window has a time step.
 pub(crate) fn read(
     mut table: OpenTable,
     uses: &[ColumnUse],
-    from_s: Option<f64>,
-    until_s: Option<f64>,
-) -> Result<(Log, LoadReport), Error> {
+    window: Window,
+) -> Result<SamplesOfLog, Error> {
+    let Window {
+        from_s,
+        until_s,
+        time_step_s,
+        measured_current,
+    } = window;
     let names: Vec<String> = uses.iter().map(|column| column.name.clone()).collect();
-    let mut series: Vec<Vec<f64>> = vec![Vec::new(); uses.len()];
-    let mut values = vec![0.0; uses.len()];
+    // With a time step the time comes before the columns, otherwise it is the first of them.
+    let ahead = usize::from(time_step_s.is_some());
+    let mut series: Vec<Vec<f64>> = vec![Vec::new(); ahead + uses.len()];
+    let mut values = vec![0.0; ahead + uses.len()];
+    let mut long = LongLog::new(uses, ahead > 0, measured_current);
     let mut rows_in_window = 0_usize;
     let mut merged = 0_usize;
     // How many lines the last sample is the mean of.
@@ -224,7 +314,11 @@ pub(crate) fn read(
     let rows = table.read_rows(&names, |row| {
         let cell = |k: usize| -> Result<f64, Error> {
             let column = &uses[k];
-            let value = column.scale * row.number(k)? + column.offset;
+            let number = match row.number(k) {
+                Err(_) if column.is_beside => return Ok(f64::NAN),
+                number => number?,
+            };
+            let value = column.scale * number + column.offset;
             if value.is_finite() {
                 Ok(value)
             } else {
@@ -232,7 +326,10 @@ pub(crate) fn read(
                 Err(row.error(k, Problem::NotFinite { cell }))
             }
         };
-        let time_s = cell(0)?;
+        let time_s = match time_step_s {
+            Some(step_s) => step_s * row.index as f64,
+            None => cell(0)?,
+        };
         if time_s < before_s {
             return Err(row.error(
                 0,
@@ -253,7 +350,7 @@ pub(crate) fn read(
         rows_in_window += 1;
         values[0] = time_s;
         for (k, value) in values.iter_mut().enumerate().skip(1) {
-            *value = cell(k)?;
+            *value = cell(k - ahead)?;
         }
         if repeated && rows_in_window > 1 {
             merged += 1;
@@ -265,6 +362,12 @@ pub(crate) fn read(
             }
         } else {
             in_last = 1.0;
+            if series
+                .first()
+                .is_some_and(|time_s| time_s.len() == CHUNK_ROWS)
+            {
+                long.take(&mut series);
+            }
             for (samples, value) in series.iter_mut().zip(&values) {
                 samples.push(*value);
             }
@@ -272,7 +375,7 @@ pub(crate) fn read(
         Ok(())
     })?;
 
-    let kept = series.first().map_or(0, Vec::len);
+    let kept = rows_in_window - merged;
     if 2 * merged > rows_in_window {
         return Err(table.header_error(
             Some(&uses[0].name),
@@ -298,16 +401,6 @@ pub(crate) fn read(
         ));
     }
 
-    let mut log = Log::default();
-    for (column, samples) in uses.iter().zip(series) {
-        match column.channel {
-            Channel::Time => log.time_s = samples,
-            Channel::Angle => log.angle_rad = Some(samples),
-            Channel::Rate => log.rate_rad_s = Some(samples),
-            Channel::WheelSpeed => log.wheel_speed_rad_s = Some(samples),
-            Channel::Current => log.current_a = Some(samples),
-        }
-    }
     let mut report = LoadReport {
         rows_in_file: rows,
         notes: Vec::new(),
@@ -315,30 +408,100 @@ pub(crate) fn read(
     if merged > 0 {
         report.notes.push(Note::MergedRows { count: merged });
     }
-    report.notes.extend(gaps(&log.time_s));
+    let (log, beside) = if long.has_begun() {
+        long.finish(series, &mut report.notes)
+    } else {
+        let (mut log, mut beside) = by_channel(series, uses, ahead > 0);
+        report.notes.extend(cleaned(&mut log, &mut beside));
+        (log, beside)
+    };
+    Ok(SamplesOfLog {
+        log,
+        beside,
+        report,
+    })
+}
+
+/// The columns in their places: channels that the kind uses, and those that it holds still. With `time_is_ahead` the
+/// time comes before the columns.
+pub(crate) fn by_channel(
+    series: Vec<Vec<f64>>,
+    uses: &[ColumnUse],
+    time_is_ahead: bool,
+) -> (Log, Log) {
+    let mut log = Log::default();
+    let mut beside = Log::default();
+    let mut series = series.into_iter();
+    if time_is_ahead {
+        log.time_s = series.next().unwrap_or_default();
+    }
+    for (column, samples) in uses.iter().zip(series) {
+        let log = if column.is_beside {
+            &mut beside
+        } else {
+            &mut log
+        };
+        log.set(column.channel, samples);
+    }
+    (log, beside)
+}
+
+/// Makes angles go on over the end of a turn, finds the wheel's speed where only its angle is there, and takes out
+/// what dropped out. Says what it did.
+pub(crate) fn cleaned(log: &mut Log, beside: &mut Log) -> Vec<Note> {
+    let mut notes = gaps(&log.time_s);
+    if let Some(angle) = &mut beside.angle_rad {
+        unwrap_turns(angle);
+    }
+    for angle in [&mut log.wheel_angle_rad, &mut beside.wheel_angle_rad]
+        .into_iter()
+        .flatten()
+    {
+        unwrap_wheel(angle);
+    }
+    speed_from_angle(log, &mut notes);
     if let Some(angle) = &mut log.angle_rad {
         let count = unwrap_turns(angle);
         if count > 0 {
-            report.notes.push(Note::AngleUnwrapped { count });
+            notes.push(Note::AngleUnwrapped { count });
         }
     }
     // The current is an input, not a state: it may really jump for one sample.
     for channel in [Channel::Angle, Channel::Rate, Channel::WheelSpeed] {
-        let time_s = log.time_s.clone();
+        let time_s = std::mem::take(&mut log.time_s);
         if let Some(samples) = log.channel_mut(channel) {
             let found = drop_outs(&time_s, samples);
             if !found.is_empty() {
                 for &i in &found {
                     samples[i] = f64::NAN;
                 }
-                report.notes.push(Note::DropOuts {
+                notes.push(Note::DropOuts {
                     channel,
                     times_s: found.iter().map(|&i| time_s[i]).collect(),
                 });
             }
         }
+        log.time_s = time_s;
     }
-    Ok((log, report))
+    notes
+}
+
+/// The wheel's speed where only its angle was logged: differences over one sample either side (one sided
+/// at the ends), whose noise is that of the angle over the time between.
+fn speed_from_angle(log: &mut Log, notes: &mut Vec<Note>) {
+    if log.wheel_speed_rad_s.is_some() {
+        return;
+    }
+    let Some(angle) = &log.wheel_angle_rad else {
+        return;
+    };
+    let last = angle.len() - 1;
+    let speed = (0..=last).map(|k| {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
+        (angle[after] - angle[before]) / (log.time_s[after] - log.time_s[before])
+    });
+    log.wheel_speed_rad_s = Some(speed.collect());
+    notes.push(Note::SpeedFromAngle);
 }
 
 /// Pauses of more than twenty usual intervals: in an irregular log intervals vary, but not so far.
@@ -361,13 +524,43 @@ fn gaps(time_s: &[f64]) -> Vec<Note> {
         .collect()
 }
 
+/// Whether a column stays within one turn (and a hundredth, for its noise), as that of a sensor that begins
+/// anew every turn does.
+fn is_within_a_turn(angle_rad: &[f64]) -> bool {
+    let finite = angle_rad.iter().copied().filter(|angle| angle.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| {
+        (low.min(angle), high.max(angle))
+    });
+    high - low <= 1.01 * std::f64::consts::TAU
+}
+
+/// Lets the angle of a wheel go on over the end of a turn: of the ways from one sample to the next it takes
+/// the shortest.
+fn unwrap_wheel(angle_rad: &mut [f64]) {
+    use std::f64::consts::TAU;
+    if !is_within_a_turn(angle_rad) {
+        return;
+    }
+    let mut turns = 0.0;
+    let mut before = angle_rad.first().copied().unwrap_or(0.0);
+    for angle in angle_rad.iter_mut() {
+        turns -= ((*angle - before) / TAU).round();
+        before = *angle;
+        *angle += turns * TAU;
+    }
+}
+
 /// Takes out the jumps of a sensor that reports the angle within one turn, and counts them.
 ///
 /// A jump of the column between two samples is a wrap if it is nearer to a full turn than to none
 /// and to two: half a turn within one sample is a speed that no pendulum reaches at a usable
-/// sampling rate, and a drop-out from upright to zero is a jump of half a turn.
+/// sampling rate, and a drop-out from upright to zero is a jump of half a turn. A column that covers more
+/// than a turn comes from no such sensor.
 fn unwrap_turns(angle_rad: &mut [f64]) -> usize {
     use std::f64::consts::{PI, TAU};
+    if !is_within_a_turn(angle_rad) {
+        return 0;
+    }
     let mut turns = 0.0;
     let mut count = 0;
     let mut before = angle_rad.first().copied().unwrap_or(0.0);

@@ -15,6 +15,7 @@ use crate::effects_section::{self, EffectsSection, Tie};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::hardware::Hardware;
+use crate::own_effect::OwnEffect;
 use crate::toml_source::{Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
 use crate::write::write_atomically;
@@ -93,6 +94,8 @@ pub struct ModelFile {
     pub effects: Vec<EffectId>,
     /// Which of them hold only until an experiment has decided, where explanations tie.
     pub tie: Option<Tie>,
+    /// The effects of users that the file defines itself; it is written with those that its model has.
+    pub own_effects: Vec<OwnEffect>,
     /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,
     /// What calibration found, if the file has any.
@@ -132,6 +135,7 @@ impl ModelFile {
             correlation: None,
             effects: Model::base().effects().to_vec(),
             tie: None,
+            own_effects: Vec::new(),
             design: None,
             calibration: None,
             hardware: None,
@@ -172,6 +176,15 @@ impl ModelFile {
         let root = source.root(&document);
         root.allow_only(&SECTIONS)?;
 
+        let mut own_effects = Vec::new();
+        if let Some(section) = root.section("own")? {
+            for key in section.keys() {
+                if let Some(own) = section.section(&key.value)? {
+                    own_effects.push(OwnEffect::read(source, &own, &key.value)?);
+                }
+            }
+        }
+
         // A file that holds a calibration only has none yet.
         let section = root.section("parameters")?;
         let mut parameters = Vec::new();
@@ -179,7 +192,7 @@ impl ModelFile {
             .iter()
             .flat_map(|section| section.keys().into_iter().map(move |key| (section, key)))
         {
-            let info = unit_and_bounds(&key.value).ok_or_else(|| {
+            let info = unit_and_bounds(&key.value, &own_effects).ok_or_else(|| {
                 source.error(
                     key.span.clone(),
                     Problem::UnknownName {
@@ -212,7 +225,7 @@ impl ModelFile {
         let EffectsSection {
             present: effects,
             tie,
-        } = EffectsSection::read(source, &section)?;
+        } = EffectsSection::read(source, &section, &own_effects)?;
 
         let design = root
             .section("design")?
@@ -227,6 +240,7 @@ impl ModelFile {
             correlation,
             effects,
             tie,
+            own_effects,
             design,
             calibration,
             hardware: Hardware::read(source, &root)?,
@@ -398,6 +412,14 @@ impl ModelFile {
         let effects = table_in(root, "effects", false);
         effects_section::write(effects, &self.effects, self.tie.as_ref());
 
+        root.remove("own");
+        for own in &self.own_effects {
+            if self.effects.contains(&own.effect) {
+                let section = table_in(root, "own", true);
+                section.insert(own.bare_name(), toml_edit::Item::Table(own.table()));
+            }
+        }
+
         match &self.design {
             None => {
                 root.remove("design");
@@ -451,14 +473,16 @@ impl ModelFile {
 }
 
 /// Unit and bounds of a parameter, if there is one with this name.
-fn unit_and_bounds(name: &str) -> Option<(&'static str, (f64, f64))> {
+fn unit_and_bounds(name: &str, own: &[OwnEffect]) -> Option<(&'static str, (f64, f64))> {
     let beside = BESIDE_THE_MOTION
         .iter()
         .find(|(known, _, _)| *known == name);
     if let Some((_, unit, bounds)) = beside {
         return Some((unit, *bounds));
     }
+    let own = own.iter().flat_map(|own| own.effect.info().parameters);
     library_parameters()
+        .chain(own)
         .find(|info| info.name == name)
         .map(|info| (info.unit, info.bounds))
 }

@@ -15,6 +15,15 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), Error> {
         .map_err(|error| Error::in_file(path, Problem::Unwritable(reason(&error))))
 }
 
+/// Whether files can be written into a folder that is there or can be made; nothing is left there.
+///
+/// # Errors
+/// [`Problem::Unwritable`] with the system's reason.
+pub fn can_write_into(folder: &Path) -> Result<(), Error> {
+    atomic_files::can_write_into(folder)
+        .map_err(|error| Error::in_file(folder, Problem::Unwritable(reason(&error))))
+}
+
 /// An input/output error without the code that only programmers read.
 pub(crate) fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();

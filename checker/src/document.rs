@@ -61,7 +61,7 @@ pub fn claims(certificate: &Certificate, module: &Module, results: &[ClaimResult
     }
     text.push_str(
         "\n# Where the constants of sensors, filter and drive come from\n\n\
-         Each word is the real number, which stands in the documents of the constant, rounded to its\n\
+         Each word is the real number, which stands in `certificate.json`, rounded to its\n\
          format; `hardware-words` computes it again.\n\n\
          | word | from | value | format | line | claims |\n|---|---|---|---|---|---|\n",
     );

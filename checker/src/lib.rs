@@ -9,6 +9,8 @@
 //! | [`domains`] | what a word is: one integer, a range, a linear form, a polynomial, a term for z3; and the one walk over a program that serves them all |
 //! | [`language`] | the emitted source, read and brought to that form; what is not in the language is refused |
 //! | [`certificate`] | `certificate.json`, read strictly, and the claims that may stand there |
+//! | [`compiled`] | the crate as rustc compiles it, run beside the reader |
+//! | [`audit`] | the texts that an emitted crate is made of, fixed by digests |
 //! | [`claims`] | one file a claim: what each engine does for it |
 //! | [`prove`] | every claim by every engine |
 //! | [`document`] | CLAIMS.md |
@@ -16,8 +18,10 @@
 
 #![warn(missing_docs)]
 
+pub mod audit;
 pub mod certificate;
 pub mod claims;
+pub mod compiled;
 pub mod document;
 pub mod domains;
 pub mod exact;

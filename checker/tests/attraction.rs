@@ -25,7 +25,7 @@ fn region(
 ) -> Result<region_of_attraction::ProvedRegion, String> {
     let stated = certificate.closed_loop.as_ref().unwrap();
     let bounds = closed_loop_for_all_time::check(certificate, stated, law).unwrap();
-    region_of_attraction::check(certificate, stated, &bounds, law)
+    region_of_attraction::check(certificate, stated, &bounds, law).map_err(|why| why.to_string())
 }
 
 /// Points all over the unit sphere (Fibonacci's spiral).
@@ -110,18 +110,32 @@ fn the_pendulum_returns_from_all_over_the_boundary_and_never_leaves() {
 fn stronger_gravity_leaves_less_of_the_region_and_at_last_nothing() {
     let (certificate, law) = read();
     let whole = region(&certificate, &law).unwrap();
-    let with_gravity = |factor: i64| {
+    let with_gravity = |tenths: i64| {
         let mut altered = certificate.clone();
+        let factor = num_rational::BigRational::new(tenths.into(), 10.into());
+        for row in [1, 2] {
+            altered.plant.a[row][0].value *= &factor;
+        }
         for parameter in &mut altered.parameters {
             if parameter.name == "gravity_torque" {
-                parameter.value.value *= num_rational::BigRational::from_integer(factor.into());
+                parameter.value.value *= &factor;
             }
         }
         region(&altered, &law)
     };
-    let less = with_gravity(8).unwrap();
+    let less = with_gravity(43).unwrap();
     assert!(less.outer < whole.outer, "{less:?}");
-    assert!(with_gravity(10_000).is_err());
+    assert!(with_gravity(100_000).is_err());
+
+    // The sine and the linear model have one gravity.
+    let mut altered = certificate.clone();
+    for parameter in &mut altered.parameters {
+        if parameter.name == "gravity_torque" {
+            parameter.value.value *= num_rational::BigRational::from_integer(2.into());
+        }
+    }
+    let why = region(&altered, &law).unwrap_err();
+    assert!(why.contains("gravity makes it"), "{why}");
 }
 
 #[test]

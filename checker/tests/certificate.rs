@@ -12,9 +12,12 @@ use serde_json::Value;
 const SETTINGS: ProofSettings = ProofSettings {
     cases: 100,
     seed: 7,
+    audited_texts: true,
+    compiled: false,
     smt: false,
     kani: false,
     closed_loop: true,
+    python: false,
     filter_ranges: true,
     filter_length: false,
 };

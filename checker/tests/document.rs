@@ -13,12 +13,14 @@ fn the_committed_file_is_current() {
     // The engines of a claim are the same whether or not they are installed here.
     let settings = ProofSettings {
         cases: 20,
+        compiled: false,
         smt: false,
         kani: false,
         closed_loop: false,
+        python: false,
         ..ProofSettings::default()
     };
-    let results = prove(folder, &settings).unwrap();
+    let results = prove(folder, None, &settings, &|_| ()).unwrap();
     let module = Module::read(folder).unwrap();
     let text = claims(&Certificate::read(folder).unwrap(), &module, &results);
     let committed = std::fs::read_to_string("../CLAIMS.md").unwrap();

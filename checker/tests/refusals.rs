@@ -51,6 +51,30 @@ fn constructs_outside_the_language() {
         ("let x = { if a < b { return a; } b }; x + 1", "return"),
         ("(if a < b { return a; } else { b }) + 1", "return"),
         ("if { return a; } { b } else { a }", "return"),
+        // Rust takes numbers whose type nothing states for i32, whatever they are cast to.
+        (
+            "(1 << 31) as i64 as i32",
+            "2:6: the type of `1` is not stated",
+        ),
+        ("(1 + 2) as i64 as i32", "the type of `1` is not stated"),
+        ("a << (1 << 3)", "the type of `1` is not stated"),
+        ("a + (1 << 3)", "the type of `1` is not stated"),
+        ("if 1 < 2 { a } else { b }", "the type of `1` is not stated"),
+        (
+            "let x = (if a < b { 1 } else { 2 }) as i64; x as i32",
+            "is not clear",
+        ),
+        ("<i32>::MAX", "through a type"),
+        ("::i32::MAX", "begins with `::`"),
+        ("i32::<>::MAX", "arguments"),
+        ("a.clamp::<>(b, b)", "arguments of types"),
+        ("'x: { a }", "2:5: found `\\'`"),
+        ("r#a + b", "2:5: found `r#`"),
+        ("a \u{2212} b", "2:7: found `\\u{2212}`"),
+        ("\u{e4}", "2:5: found `\\u{e4}`"),
+        ("a /* b */", "2:7: found `/`"),
+        ("0b1 + a", "found `0b1`"),
+        ("match Some(a) { Some(x @ y) => x, None => b }", "found `@`"),
     ];
     for (body, said) in cases {
         let message = refused(body);
@@ -74,6 +98,25 @@ fn items_outside_the_language() {
         ("pub union U { a: i32, b: u32 }", "found `pub union"),
         ("pub type A = fixed::types::I16F15;", "x + y = 32"),
         ("pub type A = i32;", "fixed::types::IxFy"),
+        ("pub use law::r#control;", "found `r#`"),
+        ("fn \u{434}() -> i32 { 1 }", "found `\\u{434}`"),
+        (
+            "// \u{202e} hidden\nfn f() -> i32 { 1 }",
+            "what is not seen",
+        ),
+        ("#![doc = include_str!(\"x\")]", "not an attribute"),
+        (
+            "fn f(a: &mut i32) -> i32 { 1 }",
+            "only a receiver is `&mut`",
+        ),
+        (
+            "struct X { a: i32 } impl X { fn f(self: &mut Self) { self.a = 1; } }",
+            "a receiver is",
+        ),
+        (
+            "struct X { a: i32 } impl X { fn f(mut self) -> i32 { self.a } }",
+            "a receiver is",
+        ),
         ("use core::mem::swap;", "is not known in this crate"),
         ("#[cfg(test)] pub fn f() -> i32 { 1 }", "not an attribute"),
         ("const X: i32 = X;", "a constant that needs itself"),
@@ -92,12 +135,24 @@ fn items_outside_the_language() {
             "fn f(#[cfg(any())] a: i32) -> i32 { 1 }",
             "an attribute stands here",
         ),
-        ("fn f(ref a: i32) -> i32 { 1 }", "an argument has a name"),
+        ("fn f(ref a: i32) -> i32 { 1 }", "binds more than a name"),
         ("type i32 = fixed::types::I3F29;", "has a meaning in Rust"),
         ("struct Option { a: i32 }", "has a meaning in Rust"),
         ("#[derive(Hash)] struct X { a: i32 }", "not an attribute"),
         (
             "#[cfg_attr(kani, kani::requires(true), cfg(any()))] fn f() -> i32 { 1 }",
+            "not an attribute",
+        ),
+        (
+            "#[cfg_attr(any(kani), kani::requires(true))] fn f() -> i32 { 1 }",
+            "not an attribute",
+        ),
+        (
+            "#[cfg_attr(all(), kani::requires(true))] fn f() -> i32 { 1 }",
+            "not an attribute",
+        ),
+        (
+            "#[cfg_attr(any(), path = \"x\")] fn f() -> i32 { 1 }",
             "not an attribute",
         ),
         (
@@ -172,7 +227,10 @@ fn expressions() {
         ("if !(a == b) && a != b { 1 } else { 0 }", 1),
         ("(b >> 1) & 1", 0),
         ("let mut x = a; if b < 0 { x = x + 1; } x", 8),
-        ("let x: i64 = (1 << (2 + 3)) * (a as i64); x as i32", 224),
+        (
+            "let x: i64 = (1_i64 << (2_u32 + 3)) * (a as i64); x as i32",
+            224,
+        ),
         ("i64::from(a) as i32 + (1i64 << 3) as i32", 15),
         ("(0x10 - a) * -2", -18),
         ("match Some(a) { Some(x) => x, None => b }", 7),
@@ -249,9 +307,11 @@ fn files_that_would_be_built_along_are_refused() {
     let certificate = Certificate::parse(&emitted.certificate).unwrap();
     let settings = ProofSettings {
         cases: 10,
+        compiled: false,
         smt: false,
         kani: false,
         closed_loop: false,
+        python: false,
         filter_length: false,
         ..ProofSettings::default()
     };

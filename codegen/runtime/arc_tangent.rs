@@ -31,8 +31,8 @@ const C6: i32 = 468_103_215;
 /// Seed: the quadratic of least relative error (1.0 %); Newton squares it twice: 1e-4, 1e-8.
 /// Error: at most 24 units of 2⁻²⁹ (4.5e-8). The range of the contract is what the ranges of the
 /// parts imply.
-#[cfg_attr(kani, kani::requires((0x2000_0000..=0x4000_0000).contains(&n)))]
-#[cfg_attr(kani, kani::ensures(|r| (-0x0c00_0000..=0x6000_0000).contains(r)))]
+#[cfg_attr(any(), kani::requires((0x2000_0000..=0x4000_0000).contains(&n)))]
+#[cfg_attr(any(), kani::ensures(|r| (-0x0c00_0000..=0x6000_0000).contains(r)))]
 #[inline]
 pub fn reciprocal_q29(n: i32) -> i32 {
     let slope = 780_903_358 - mul_high(n, 1_388_272_791);
@@ -55,8 +55,8 @@ pub fn refined(n: i32, r: i32) -> i32 {
 ///
 /// The odd polynomial of degree 13 with the least largest error on [0, 1] (2.5e-7 rad).
 /// Range: [0, π/4 + 1e-6]. Error: at most 3e-7 rad.
-#[cfg_attr(kani, kani::requires(t >= 0))]
-#[cfg_attr(kani, kani::ensures(|r| (0..=QUARTER_PI_Q28 + 256).contains(r)))]
+#[cfg_attr(any(), kani::requires(t >= 0))]
+#[cfg_attr(any(), kani::ensures(|r| (0..=QUARTER_PI_Q28 + 256).contains(r)))]
 #[inline]
 pub fn arc_tangent_q31(t: i32) -> i32 {
     let t2 = mul_high(t, t) * 2;

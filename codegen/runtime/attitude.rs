@@ -74,8 +74,7 @@ impl Attitude {
             && is_within(turn[1], LIMITS.quiet_turn)
             && is_within(turn[2], LIMITS.quiet_turn)
             && !is_saturated(accel, FILTER.accel_clip)
-            && squared >= LIMITS.gravity_low
-            && squared <= LIMITS.gravity_high
+            && clamp(squared, LIMITS.gravity_low, LIMITS.gravity_high) == squared
     }
 
     /// One step with gyroscope and accelerometer, raw counts; the gyroscope's drift is followed.

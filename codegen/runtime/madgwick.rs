@@ -45,12 +45,12 @@ pub const NO_CORRECTION: Correction = Correction {
 
 /// Unit vector in Q28 along `v`, which is within ±2³⁰ and has a component of at least 2¹⁴.
 /// Error: at most 1e-8 a component. Each component within ±5·2²⁷ for any `v` in range.
-#[cfg_attr(kani, kani::requires(
+#[cfg_attr(any(), kani::requires(
     (-0x4000_0000..=0x4000_0000).contains(&v[0])
         && (-0x4000_0000..=0x4000_0000).contains(&v[1])
         && (-0x4000_0000..=0x4000_0000).contains(&v[2])
 ))]
-#[cfg_attr(kani, kani::ensures(|r|
+#[cfg_attr(any(), kani::ensures(|r|
     (-0x2800_0000..=0x2800_0000).contains(&r[0])
         && (-0x2800_0000..=0x2800_0000).contains(&r[1])
         && (-0x2800_0000..=0x2800_0000).contains(&r[2])
@@ -91,7 +91,7 @@ pub fn up_q28(q: [i32; 4]) -> [i32; 3] {
 }
 
 /// Gradient of the six-axis error: ½Jᵀ(v − a) in Q26 (eq. 25, 26).
-#[cfg_attr(kani, kani::requires(
+#[cfg_attr(any(), kani::requires(
     (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
@@ -101,7 +101,7 @@ pub fn up_q28(q: [i32; 4]) -> [i32; 3] {
         && (-0x2800_0000..=0x2800_0000).contains(&measured_up[2])
         && (0..=0x1fff_ffff).contains(&beta)
 ))]
-#[cfg_attr(kani, kani::ensures(|r|
+#[cfg_attr(any(), kani::ensures(|r|
     (-0x7000_0000..=0x7000_0000).contains(&r.direction[0])
         && (-0x7000_0000..=0x7000_0000).contains(&r.direction[1])
         && (-0x7000_0000..=0x7000_0000).contains(&r.direction[2])
@@ -126,7 +126,7 @@ pub fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correcti
 
 /// Gradient of the nine-axis error in Q24 (eq. 29 to 34, 45, 46); that of six axes if the field
 /// is nearly vertical in the estimated frame.
-#[cfg_attr(kani, kani::requires(
+#[cfg_attr(any(), kani::requires(
     (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
@@ -139,7 +139,7 @@ pub fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correcti
         && (-0x2800_0000..=0x2800_0000).contains(&field[2])
         && (0..=0x1fff_ffff).contains(&beta)
 ))]
-#[cfg_attr(kani, kani::ensures(|r|
+#[cfg_attr(any(), kani::ensures(|r|
     (-0x7000_0000..=0x7000_0000).contains(&r.direction[0])
         && (-0x7000_0000..=0x7000_0000).contains(&r.direction[1])
         && (-0x7000_0000..=0x7000_0000).contains(&r.direction[2])
@@ -253,7 +253,7 @@ pub fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction 
 ///
 /// `half_angle` is within ±2²⁹. The change is summed in Q62 and rounded once, so that its error
 /// is half a unit of q and has no preferred sign.
-#[cfg_attr(kani, kani::requires(
+#[cfg_attr(any(), kani::requires(
     (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
@@ -267,7 +267,7 @@ pub fn scaled_correction(gradient: [i32; 4], min: i32, beta: i32) -> Correction 
         && (-0x7000_0000..=0x7000_0000).contains(&correction.direction[3])
         && (0..=0x0980_0001).contains(&correction.gain)
 ))]
-#[cfg_attr(kani, kani::ensures(|r|
+#[cfg_attr(any(), kani::ensures(|r|
     (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[0])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[1])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[2])
@@ -295,13 +295,13 @@ pub fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i3
 /// For |ε| ≤ 0.06, the most that a step can make of it, the length is 1 to within
 /// 5|ε|³/16 + 2⁻²⁵ < 1e-4. Components are clamped to [`COMPONENT_MAX`], which acts only on
 /// quaternions far from unit length.
-#[cfg_attr(kani, kani::requires(
+#[cfg_attr(any(), kani::requires(
     (-0x6000_0000..=0x6000_0000).contains(&q[0])
         && (-0x6000_0000..=0x6000_0000).contains(&q[1])
         && (-0x6000_0000..=0x6000_0000).contains(&q[2])
         && (-0x6000_0000..=0x6000_0000).contains(&q[3])
 ))]
-#[cfg_attr(kani, kani::ensures(|r|
+#[cfg_attr(any(), kani::ensures(|r|
     (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[0])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[1])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[2])

@@ -79,13 +79,13 @@ pub const WHEEL_SPEED_GAIN: i32 = 194_025_801;
 pub const SHIFT: u32 = 25;
 
 /// Half a unit of a [`Current`], on the scale of the products.
-const HALF_UNIT: i64 = 1 << (SHIFT - 1);
+const HALF_UNIT: i64 = 1_i64 << (SHIFT - 1);
 
 const _: () = {
     let angle = (ANGLE_GAIN as i128).abs();
     let rate = (RATE_GAIN as i128).abs();
     let wheel_speed = (WHEEL_SPEED_GAIN as i128).abs();
-    let largest_sum = (angle + rate + wheel_speed) * (1 << 31) + HALF_UNIT as i128;
+    let largest_sum = (angle + rate + wheel_speed) * (1_i128 << 31) + HALF_UNIT as i128;
     assert!(largest_sum <= i64::MAX as i128, "the sum overflows");
 };
 

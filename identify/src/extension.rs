@@ -3,8 +3,9 @@
 use plant::{EffectId, Model, StartFrom};
 
 use crate::bench::FitProblem;
-use crate::fit::{Effort, Minimum, cogging_start, refit};
+use crate::fit::{Effort, Minimum, cogging_start, fit_from_scratch, refit};
 use crate::records::Record;
+use crate::shape_search::shaped_start;
 
 /// Parameter values of `model` that continue those of `from`: shared parameters keep their values,
 /// an effect that replaces another takes over what it shares with it, the rest starts as given.
@@ -38,7 +39,13 @@ pub fn extend(
                 .map(|start| start.parameters_of(effect))
                 .into_iter()
                 .collect(),
-            _ => problem.starts(records, effect, &base),
+            _ => {
+                let mut starts = problem.starts(records, effect, &base);
+                if let (EffectId::External(_), Some(stated)) = (effect, starts.first()) {
+                    starts.extend(shaped_start(records, from, minimum, effect, stated));
+                }
+                starts
+            }
         }
     };
     let new: Vec<EffectId> = model
@@ -51,6 +58,9 @@ pub fn extend(
         .into_iter()
         .map(|effect| (effect, starts(effect)))
         .collect();
+    let is_outsider = starts
+        .iter()
+        .any(|(effect, _)| matches!(effect, EffectId::External(_)));
     let tries = starts.iter().map(|(_, starts)| starts.len()).max();
     let tries = tries.unwrap_or(1).max(1);
     let mut best: Option<Minimum> = None;
@@ -63,7 +73,16 @@ pub fn extend(
             }
         }
         let values = carry_over(from, &minimum.values, model, &start);
-        let look = if tries == 1 {
+        if is_outsider {
+            // Its place is uncertain, and over whole logs the cost has many minima: the windows grow from short
+            // ones, over which it is nearly quadratic.
+            let rough = Effort::ROUGH.until(effort.cancelled);
+            let grown = fit_from_scratch(records, model, values.clone(), &free, rough);
+            if best.as_ref().is_none_or(|best| grown.cost < best.cost) {
+                best = Some(grown);
+            }
+        }
+        let look = if tries == 1 && !is_outsider {
             effort
         } else {
             Effort::ROUGH.until(effort.cancelled)
@@ -74,7 +93,9 @@ pub fn extend(
         }
     }
     match best {
-        Some(best) if tries > 1 => refit(records, model, best.values, best.windows, &free, effort),
+        Some(best) if tries > 1 || is_outsider => {
+            refit(records, model, best.values, best.windows, &free, effort)
+        }
         Some(best) => best,
         None => minimum.clone(),
     }

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use crate::bench::{FitProblem, IdentifyError};
 use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictions, finish};
 use crate::extension::extend;
+use crate::first_fit::first_fit;
 use crate::fit::{
-    Effort, Minimum, PredictedSeries, Window, cost, fit_from_scratch, joined, refit, traces,
+    Effort, Minimum, PredictedSeries, Unknowns, Window, cost, failed_series, joined, refit, traces,
 };
 use crate::progress::Progress;
 use crate::residuals::{FoundPush, PushModel, find_pushes};
@@ -22,6 +23,9 @@ pub struct Identification {
     pub traces: Vec<Vec<PredictedSeries>>,
     /// For each record the pushes that nobody recorded, sized with the fitted model.
     pub pushes: Vec<Vec<FoundPush>>,
+    /// Experiments and direct measurements that cannot all be right, one sentence each; they stand among the
+    /// statements too.
+    pub contradictions: Vec<String>,
     /// What the logs leave open, one sentence each.
     pub statements: Vec<String>,
 }
@@ -30,7 +34,8 @@ pub struct Identification {
 /// neighbouring fit of the same model, from which the fit then starts.
 ///
 /// # Errors
-/// [`IdentifyError::NotFinite`] if no start leads anywhere.
+/// [`IdentifyError::NotFinite`] if no start leads anywhere, [`IdentifyError::NoBetterThanMeans`] if none leads to
+/// the logs.
 pub fn identify(
     problem: &FitProblem,
     model: &Model,
@@ -64,13 +69,7 @@ pub fn identify_until(
         None => {
             // The base model first: effects are small against inertia and gravity.
             let base = Model::base();
-            let first = fit_from_scratch(
-                &records,
-                &base,
-                problem.start_values(&base),
-                &problem.free(&base),
-                effort,
-            );
+            let first = first_fit(problem, effort);
             progress.check()?;
             if *model == base {
                 first
@@ -85,6 +84,12 @@ pub fn identify_until(
             .first()
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
+    }
+    let (values, windows) = (&minimum.values, &minimum.windows);
+    let unknowns = Unknowns::new(model, &problem.free(model));
+    let series = failed_series(&records, model, values, windows, &unknowns);
+    if !series.is_empty() {
+        return Err(IdentifyError::NoBetterThanMeans { series });
     }
     let found = identification(problem, model, minimum, None);
     progress.check()?;
@@ -150,13 +155,16 @@ fn identification(
         },
     );
     let mut statements = statements(problem, &fit);
-    statements.extend(contradicted.iter().map(Contradiction::sentence));
-    statements.extend(body_inertia_contradiction(problem, &fit));
+    let mut contradictions: Vec<String> =
+        contradicted.iter().map(Contradiction::sentence).collect();
+    contradictions.extend(body_inertia_contradiction(problem, &fit));
+    statements.extend(contradictions.iter().cloned());
     statements.extend(cautions(&records, &traces));
     Identification {
         fit,
         traces,
         pushes,
+        contradictions,
         statements,
     }
 }

@@ -11,12 +11,15 @@
 //! | `residuals` | what a model leaves: noise or structure, the torque that it lacks, pushes, where it fails |
 //! | `bench` | a whole bench: what is known, what is free, in which units |
 //! | `errors` | standard errors under correlated residuals; experiments and knowns that contradict each other |
+//! | `first_fit` | the fit of the base model, from several starts where one is not enough |
+//! | `shape_search` | where the fit of an effect from outside may begin |
 //! | `extension` | from the minimum of a model to that of a larger one |
 //! | `identification`, `statements` | everything that is said about a bench |
 
 mod bench;
 mod errors;
 mod extension;
+mod first_fit;
 mod fit;
 mod fourier;
 mod identification;
@@ -24,6 +27,7 @@ mod model_free;
 mod progress;
 mod records;
 mod residuals;
+mod shape_search;
 mod statements;
 
 pub use bench::{FitProblem, IdentifyError};
@@ -33,11 +37,11 @@ pub use errors::{
 };
 pub use extension::{carry_over, extend};
 pub use fit::{
-    CoggingStart, Effort, KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Observation, Outcome,
-    PredictedSeries, Ratios, RecordScore, ScoreStep, ScoreTest, Unknowns, Window, WindowNormal,
-    acts, base_values, cogging_start, cost, final_windows, fit_from_scratch, fit_windowed, guessed,
-    joined, minimise, normal, normal_observed, ratios, refit, relevant, score_test, settled,
-    simulate, traces,
+    CoggingStart, Effort, KnownScore, MAX_UNKNOWNS, Minimum, NoBetterThanMean, Nuisance,
+    Observation, Outcome, PredictedSeries, Ratios, RecordScore, ScoreStep, ScoreTest, Unknowns,
+    Window, WindowNormal, acts, base_values, cogging_start, cost, cost_of_means, failed_series,
+    final_windows, fit_from_scratch, fit_windowed, guessed, joined, minimise, normal,
+    normal_observed, ratios, refit, relevant, score_test, settled, simulate, traces,
 };
 pub use identification::{Identification, describe, identify, identify_until};
 pub use model_free::{
@@ -45,7 +49,7 @@ pub use model_free::{
 };
 pub use progress::{Cancelled, Progress};
 pub use records::{
-    BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, angle_samples,
+    BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, angle_samples, bumps,
     input_noise_std, noise_std, resolution,
 };
 pub use residuals::{

@@ -15,6 +15,15 @@ const OPEN_RELATIVE_STD: f64 = 1.0;
 pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> Vec<String> {
     let mut out = vec![];
     for (record, traces) in records.iter().zip(traces) {
+        if record.averaged_over > 1 {
+            out.push(format!(
+                "{}: the log is far denser than its motion and is used as {} averages over {} samples each; \
+                 errors and sensor noise are those of the averages",
+                record.name,
+                record.len(),
+                record.averaged_over
+            ));
+        }
         if record.kind == Kind::Driven && record.window_s.is_finite() {
             let why = if record.passes_over_the_top {
                 "the body passes over the top, where the least difference grows"

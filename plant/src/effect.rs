@@ -187,6 +187,8 @@ pub struct EffectInfo {
     pub absent: Option<&'static [f64]>,
     /// The effects that this one contains as a limit and therefore replaces.
     pub replaces: &'static [&'static str],
+    /// The effects that some logs cannot tell from it: in them the two are one function of the motion.
+    pub confused_with: &'static [&'static str],
     /// The experiments in which it shows.
     pub shows_in: &'static [Kind],
     /// The torque has a kink where the speed that it acts against changes sign.
@@ -242,6 +244,7 @@ impl EffectInfo {
         starts: &[],
         absent: None,
         replaces: &[],
+        confused_with: &[],
         shows_in: &[],
         has_kink: false,
         product: None,

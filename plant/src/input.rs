@@ -22,7 +22,15 @@ pub struct Input {
     current_a: Vec<f64>,
     charge_as: Vec<f64>,
     hold: Hold,
+    /// The times at which a held command steps, if that is seldom.
+    steps_s: Vec<f64>,
 }
+
+/// A step of a command is a change by at least this share of its largest value.
+const STEP_SHARE: f64 = 0.1;
+/// Samples from one step to the next, at least, on average: a command that changes all the time has no steps, but a
+/// mean.
+const SAMPLES_PER_STEP: usize = 50;
 
 /// Of an interval, what is shorter than this share is its end.
 pub(crate) const LEAST_SHARE: f64 = 1e-6;
@@ -53,12 +61,38 @@ impl Input {
             };
             charge_as[k] = charge_as[k - 1] + mean * (time_s[k] - time_s[k - 1]);
         }
+        let mut steps_s = vec![];
+        if hold == Hold::Zero {
+            let largest = current_a.iter().fold(0.0f64, |m, i| m.max(i.abs()));
+            let pairs = time_s.iter().skip(1).zip(current_a.windows(2));
+            let steps = pairs.filter(|(_, pair)| (pair[1] - pair[0]).abs() > STEP_SHARE * largest);
+            steps_s.extend(steps.map(|(&time_s, _)| time_s));
+            if steps_s.len() * SAMPLES_PER_STEP > time_s.len() {
+                steps_s.clear();
+            }
+        }
         Input {
             time_s: time_s.to_vec(),
             current_a,
             charge_as,
             hold,
+            steps_s,
         }
+    }
+
+    /// The times within (from_s, to_s) at which the command steps, if it seldom does: its mean over an interval with a
+    /// step gives the right speed at the end, but not the right way.
+    pub(crate) fn steps_within(&self, from_s: f64, to_s: f64) -> &[f64] {
+        if self.steps_s.is_empty() {
+            return &[];
+        }
+        let least_s = LEAST_SHARE * (to_s - from_s);
+        let first = self
+            .steps_s
+            .partition_point(|&step| step <= from_s + least_s);
+        let own = self.steps_s[first..].iter();
+        let count = own.take_while(|&&step| step < to_s - least_s).count();
+        &self.steps_s[first..first + count]
     }
 
     /// Time in s and current in A of the first sample, if there is one.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use plant::EffectId;
 use workbench::Progress;
 use workbench::{EffectChange, Error, Session};
@@ -16,9 +16,10 @@ use crate::views::comparison;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
+#[command(after_help = effects_help())]
 pub struct Arguments {
-    /// The effect
-    #[arg(value_parser = PossibleValuesParser::new(effect_names()), hide_possible_values = true)]
+    /// The effect: one of the library, or own:NAME for effects/NAME.toml in the bench folder
+    #[arg(value_parser = EffectNameParser)]
     pub effect: String,
     /// The bench: a folder with a bench.toml, or that file
     #[arg(long)]
@@ -34,9 +35,41 @@ pub fn effect_names() -> Vec<&'static str> {
     EffectId::ALL.iter().map(|effect| effect.name()).collect()
 }
 
+/// Reads an effect that is named on the command line: one of the library, or one of the bench's own.
+#[derive(Clone)]
+pub struct EffectNameParser;
+
+impl TypedValueParser for EffectNameParser {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<String, clap::Error> {
+        match value.to_str() {
+            Some(name) if name.starts_with(bench_files::OWN_PREFIX) => Ok(name.to_owned()),
+            _ => PossibleValuesParser::new(effect_names()).parse_ref(command, argument, value),
+        }
+    }
+}
+
+/// The list of effects below the help.
+fn effects_help() -> String {
+    let lines = EffectId::ALL.iter().map(|effect| {
+        let info = effect.info();
+        format!("  {:26}{}\n", info.name, info.meaning)
+    });
+    format!(
+        "Effects (flywheel effects NAME explains one):\n{}",
+        lines.collect::<String>()
+    )
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let session = arguments.files.open(&arguments.bench)?;
+    let session = arguments.files.open_to_change(&arguments.bench)?;
     change(session, |session, progress| {
         session.add_effect(&arguments.effect, progress)
     })

@@ -21,7 +21,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let session = arguments.files.open(&arguments.bench)?;
+    let session = arguments.files.open_to_draw(&arguments.bench)?;
     let result = with_progress(|progress| session.compare(progress))?;
     let drawings = result.drawings()?;
     let figures = write_files(&arguments.files.out_of(&session), &drawings)?;

@@ -23,9 +23,10 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let result = ControlDesign::read(&arguments.model)?.report()?;
     let out = arguments.out.clone();
     let out = out.unwrap_or_else(|| out_beside(&arguments.model));
+    bench_files::can_write_into(&out)?;
+    let result = ControlDesign::read(&arguments.model)?.report()?;
     let figures = write_files(&out, &result.drawings()?)?;
     let text = design::text(&result) + "\nFigures\n" + &listed(&figures);
     let result = &result;

@@ -39,7 +39,7 @@ struct Diagnosed<'a> {
 /// Runs the command. The model is that of model.toml, its parameters fitted anew: wrong numbers are
 /// not a missing effect.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let mut session = arguments.files.open(&arguments.bench)?;
+    let mut session = arguments.files.open_to_draw(&arguments.bench)?;
     let report = with_progress(|progress| session.diagnose(progress))?;
     let figures = write_files(&arguments.files.out_of(&session), &report.drawings()?)?;
     let (more, written, change) = if arguments.apply {

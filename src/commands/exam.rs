@@ -178,7 +178,10 @@ fn percent(rate: Rate) -> String {
 }
 
 fn text(report: &ExamReport) -> String {
-    let mut text = format!("Exam of {} benches", report.benches);
+    let mut text = match report.benches {
+        1 => "Exam of 1 bench".to_owned(),
+        benches => format!("Exam of {benches} benches"),
+    };
     if !report.void.is_empty() {
         text.push_str(&format!(
             " ({} seeds have none: their hidden term does not count)",

@@ -26,7 +26,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let mut session = arguments.files.open(&arguments.bench)?;
+    let mut session = arguments.files.open_to_change(&arguments.bench)?;
     let had_design = has_design(&session);
     let fitted = with_progress(|progress| {
         if arguments.reset {

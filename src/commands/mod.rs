@@ -2,14 +2,17 @@
 
 pub mod add;
 pub mod calibrate;
+pub mod check;
 pub mod compare;
 pub mod demo;
 pub mod design;
 pub mod diagnose;
+pub mod effects;
 pub mod exam;
 pub mod generate;
 pub mod identify;
 pub mod mutate;
+pub mod new;
 pub mod prove;
 pub mod remove;
 pub mod simulate;

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use workbench::{ProofSettings, prove};
+use workbench::{ProofSettings, ProofVerdict, prove};
 
 use crate::arguments::JsonOutput;
 use crate::failure::Failure;
 use crate::progress::with_progress;
 use crate::report::Report;
-use crate::report::table::{Align, Table};
+use crate::views;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -16,6 +16,9 @@ pub struct Arguments {
     /// Folder of an emitted crate: its sources and its certificate.json
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// The model.toml that the crate is to be of: its numbers must be those of this file
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<PathBuf>,
     /// Number of random runs of each kind
     #[arg(long, value_name = "N", default_value_t = ProofSettings::default().cases)]
     pub cases: usize,
@@ -25,11 +28,14 @@ pub struct Arguments {
     /// Leave out Kani even where it is installed (it takes minutes)
     #[arg(long)]
     pub without_kani: bool,
+    /// End with exit code 0 even where no engine settled some claim
+    #[arg(long)]
+    pub allow_not_run: bool,
     #[command(flatten)]
     pub output: JsonOutput,
 }
 
-/// Runs the command: exit code 1 where a claim fails.
+/// Runs the command: exit code 1 where a claim fails, 3 where none fails and some is unsettled.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let settings = ProofSettings {
         cases: arguments.cases,
@@ -37,46 +43,15 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         kani: !arguments.without_kani,
         ..ProofSettings::default()
     };
-    let proof = with_progress(|progress| prove(&arguments.folder, &settings, progress))?;
-    let all_hold = proof.passed();
-    let mut table = Table::new(&[
-        ("claim", Align::Left),
-        ("engine", Align::Left),
-        ("result", Align::Left),
-        ("seconds", Align::Right),
-        ("detail", Align::Left),
-    ]);
-    let mut statements = String::new();
-    let mut last = "";
-    for claim in &proof.claims {
-        table.row([
-            claim.id.clone(),
-            claim.engine.to_owned(),
-            claim.outcome.word().to_owned(),
-            format!("{:.2}", claim.seconds),
-            claim.outcome.detail(),
-        ]);
-        if claim.id != last {
-            last = &claim.id;
-            statements.push_str(&format!("  {}: {}\n", claim.id, claim.statement));
-            statements.push_str(&format!("    for {}\n", claim.domain));
-            if !claim.assumptions.is_empty() {
-                statements.push_str(&format!("    assuming {}\n", claim.assumptions));
-            }
-        }
-    }
-    let verdict = if all_hold {
-        "No claim fails."
-    } else {
-        "At least one claim FAILS."
-    };
-    let text = format!(
-        "{}: what the emitted files promise, checked from these files alone (seed {})\n{}\n{}\n{verdict}\n",
-        arguments.folder.display(),
-        arguments.seed,
-        statements,
-        table.text(),
-    );
-    let report = Report::new(text, &proof)?;
-    Ok(if all_hold { report } else { report.failed() })
+    let proof = with_progress(|progress| {
+        let model = arguments.model.as_deref();
+        prove(&arguments.folder, model, &settings, progress)
+    })?;
+    let verdict = proof.verdict();
+    let report = Report::new(views::proof::text(&proof, &verdict), &proof)?;
+    Ok(match verdict {
+        ProofVerdict::Fails(_) => report.failed(),
+        ProofVerdict::Unsettled(_) if !arguments.allow_not_run => report.unsettled(),
+        ProofVerdict::Holds | ProofVerdict::Unsettled(_) => report,
+    })
 }

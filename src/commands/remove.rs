@@ -2,18 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
-
 use crate::arguments::{BenchFiles, JsonOutput};
-use crate::commands::add::{change, effect_names};
+use crate::commands::add::{EffectNameParser, change};
 use crate::failure::Failure;
 use crate::report::Report;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The effect
-    #[arg(value_parser = PossibleValuesParser::new(effect_names()), hide_possible_values = true)]
+    /// The effect: one of the library, or own:NAME for effects/NAME.toml in the bench folder
+    #[arg(value_parser = EffectNameParser)]
     pub effect: String,
     /// The bench: a folder with a bench.toml, or that file
     #[arg(long)]
@@ -26,7 +24,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
-    let session = arguments.files.open(&arguments.bench)?;
+    let session = arguments.files.open_to_change(&arguments.bench)?;
     change(session, |session, progress| {
         session.remove_effect(&arguments.effect, progress)
     })

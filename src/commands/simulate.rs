@@ -39,6 +39,9 @@ struct Simulated<'a> {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
+    let out = arguments.out.clone();
+    let out = out.unwrap_or_else(|| out_beside(&arguments.model));
+    bench_files::can_write_into(&out)?;
     let bench = arguments.bench.as_deref().map(Bench::load).transpose()?;
     let designed = ControlDesign::read(&arguments.model)?;
     let settings = SimulationSettings {
@@ -47,8 +50,6 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         ..Default::default()
     };
     let report = with_progress(|progress| designed.simulate(&settings, progress))?;
-    let out = arguments.out.clone();
-    let out = out.unwrap_or_else(|| out_beside(&arguments.model));
     let files = write_files(&out, &report.files()?)?;
     let text = closed_loop::text(&report) + "\nFigures and tables\n" + &listed(&files);
     Report::new(

@@ -15,8 +15,9 @@ pub struct Report {
     pub text: String,
     /// The same for programs, ending in a line break.
     pub json: String,
-    /// False where a proof or a check failed (exit code 1).
-    pub passed: bool,
+    /// Exit code: 0 where all is as it should be, 1 where a proof or a check failed, 2 where the data are
+    /// refused, 3 where a proof leaves a claim unsettled.
+    pub code: u8,
 }
 
 impl Report {
@@ -27,16 +28,23 @@ impl Report {
         Ok(Report {
             text,
             json: json + "\n",
-            passed: true,
+            code: 0,
         })
     }
 
     /// The same report with exit code 1.
     pub fn failed(self) -> Report {
-        Report {
-            passed: false,
-            ..self
-        }
+        Report { code: 1, ..self }
+    }
+
+    /// The same report with exit code 2.
+    pub fn refused(self) -> Report {
+        Report { code: 2, ..self }
+    }
+
+    /// The same report with exit code 3.
+    pub fn unsettled(self) -> Report {
+        Report { code: 3, ..self }
     }
 }
 

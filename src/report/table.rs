@@ -1,4 +1,6 @@
-//! Tables whose columns align.
+//! Tables whose columns align, and that fit a terminal.
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a column is set.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -45,37 +47,155 @@ impl Table {
         self.rows.len() <= usize::from(self.has_head)
     }
 
-    /// The table as lines indented by two blanks, under a rule where it has heads.
+    /// The table as lines indented by two blanks, under a rule where it has heads. What does not fit into
+    /// [`WIDTH`] is wrapped (texts) or goes on in a table below (numbers); of long tables the first rows are
+    /// shown, unless all are asked for ([`show_all`]).
     pub fn text(&self) -> String {
-        let widths: Vec<usize> = (0..self.align.len())
-            .map(|column| {
-                self.rows
-                    .iter()
-                    .filter_map(|row| row.get(column))
-                    .map(|cell| cell.chars().count())
-                    .max()
-                    .unwrap_or(0)
-            })
-            .collect();
+        let heads = usize::from(self.has_head);
+        let rows = self.rows.len() - heads.min(self.rows.len());
+        let is_cut = rows > MOST_ROWS && !ALL.load(Ordering::Relaxed);
+        let shown = if is_cut {
+            &self.rows[..heads + MOST_ROWS]
+        } else {
+            &self.rows[..]
+        };
+        let widths = fitted(self.widths(shown), &self.align);
         let mut text = String::new();
-        for (index, row) in self.rows.iter().enumerate() {
-            let mut line = String::new();
-            for ((cell, &width), align) in row.iter().zip(&widths).zip(&self.align) {
-                line.push_str("  ");
-                match align {
-                    Align::Left => line.push_str(&format!("{cell:<width$}")),
-                    Align::Right => line.push_str(&format!("{cell:>width$}")),
-                }
+        for part in parts(&widths) {
+            if !text.is_empty() {
+                text.push('\n');
             }
-            text.push_str(line.trim_end());
-            text.push('\n');
-            if index == 0 && self.has_head {
-                let rule: usize = widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1);
-                text.push_str(&format!("  {}\n", "─".repeat(rule)));
-            }
+            self.write(shown, &part, &widths, &mut text);
+        }
+        if is_cut {
+            let left_out = rows - MOST_ROWS;
+            text.push_str(&format!("  … and {left_out} more, which --all shows\n"));
         }
         text
     }
+
+    fn widths(&self, rows: &[Vec<String>]) -> Vec<usize> {
+        let of_column = |column: usize| {
+            let cells = rows.iter().filter_map(|row| row.get(column));
+            cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+        };
+        (0..self.align.len()).map(of_column).collect()
+    }
+
+    /// Writes some of the columns.
+    fn write(&self, rows: &[Vec<String>], columns: &[usize], widths: &[usize], text: &mut String) {
+        for (index, row) in rows.iter().enumerate() {
+            let wrapped: Vec<Vec<String>> = columns
+                .iter()
+                .map(|&column| {
+                    let cell = row.get(column).map_or("", String::as_str);
+                    wrap(cell, widths[column])
+                })
+                .collect();
+            let lines = wrapped.iter().map(Vec::len).max().unwrap_or(1);
+            for number in 0..lines {
+                let mut line = String::new();
+                for (pieces, &column) in wrapped.iter().zip(columns) {
+                    let (piece, width) = (
+                        pieces.get(number).map_or("", String::as_str),
+                        widths[column],
+                    );
+                    line.push_str("  ");
+                    match self.align[column] {
+                        Align::Left => line.push_str(&format!("{piece:<width$}")),
+                        Align::Right => line.push_str(&format!("{piece:>width$}")),
+                    }
+                }
+                text.push_str(line.trim_end());
+                text.push('\n');
+            }
+            if index == 0 && self.has_head {
+                let rule: usize = columns.iter().map(|&column| widths[column] + 2).sum();
+                text.push_str(&format!("  {}\n", "─".repeat(rule.saturating_sub(2))));
+            }
+        }
+    }
+}
+
+/// Columns of a terminal that a table may take.
+pub const WIDTH: usize = 100;
+/// Rows of a table that are shown unless all are asked for: two screens.
+const MOST_ROWS: usize = 60;
+/// Least width of a column of texts that is wrapped.
+const LEAST_WIDTH: usize = 24;
+
+/// Whether the rows beyond [`MOST_ROWS`] are shown. It is set once, by the command line.
+static ALL: AtomicBool = AtomicBool::new(false);
+
+/// Lets every table show all of its rows.
+pub fn show_all() {
+    ALL.store(true, Ordering::Relaxed);
+}
+
+fn whole(widths: &[usize]) -> usize {
+    widths.iter().map(|width| width + 2).sum()
+}
+
+/// Widths in which the widest texts are narrowed until the table fits, or nothing is left to narrow.
+fn fitted(mut widths: Vec<usize>, align: &[Align]) -> Vec<usize> {
+    while whole(&widths) > WIDTH {
+        let texts =
+            (0..widths.len()).filter(|&k| align[k] == Align::Left && widths[k] > LEAST_WIDTH);
+        let Some(widest) = texts.max_by_key(|&k| widths[k]) else {
+            break;
+        };
+        let over = whole(&widths) - WIDTH;
+        widths[widest] = widths[widest].saturating_sub(over).max(LEAST_WIDTH);
+    }
+    widths
+}
+
+/// The columns of each table below another: all of them where they fit, else the first one beside as many
+/// others as do.
+fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
+    let Some((first, others)) = widths.split_first() else {
+        return vec![];
+    };
+    let mut parts: Vec<Vec<usize>> = vec![vec![0]];
+    let mut room = WIDTH.saturating_sub(first + 2);
+    for (index, width) in others.iter().enumerate() {
+        let is_alone = parts.last().is_none_or(|part| part.len() == 1);
+        if width + 2 > room && !is_alone {
+            parts.push(vec![0]);
+            room = WIDTH.saturating_sub(first + 2);
+        }
+        room = room.saturating_sub(width + 2);
+        if let Some(part) = parts.last_mut() {
+            part.push(index + 1);
+        }
+    }
+    parts
+}
+
+/// A text in lines of this width, broken at blanks where there are any.
+fn wrap(text: &str, width: usize) -> Vec<String> {
+    if text.chars().count() <= width {
+        return vec![text.to_owned()];
+    }
+    let mut lines = vec![];
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        let mut word: Vec<char> = word.chars().collect();
+        let length = line.chars().count();
+        if length > 0 && length + 1 + word.len() > width {
+            lines.push(std::mem::take(&mut line));
+        } else if length > 0 {
+            line.push(' ');
+        }
+        while word.len() > width.max(1) {
+            let rest = word.split_off(width.max(1));
+            lines.push(word.into_iter().collect());
+            word = rest;
+        }
+        line.extend(word);
+    }
+    lines.push(line);
+    lines
 }
 
 #[cfg(test)]
@@ -97,5 +217,46 @@ mod tests {
             "  name    value  unit\n  ────────────────────\n  Θ       1 ± 2  kg m2\n  torque      3\n"
         );
         assert!(!table.is_empty());
+    }
+    #[test]
+    fn no_table_is_wider_than_a_terminal() {
+        let long = "a text of many words that says what nobody reads to its end ".repeat(4);
+        let mut heads = vec![("experiment", Align::Left)];
+        heads.extend([("a step with a long name", Align::Right); 12]);
+        heads.push(("remark", Align::Left));
+        let mut table = Table::new(&heads);
+        let mut row = vec!["x".repeat(150)];
+        row.extend((0..12).map(|k| format!("{k}.0 rad/s")));
+        row.push(long.clone());
+        table.row(row);
+        let text = table.text();
+        assert!(
+            text.lines().all(|line| line.chars().count() <= WIDTH),
+            "{text}"
+        );
+        // Nothing is lost.
+        for word in long.split_whitespace() {
+            assert!(text.contains(word), "{word}");
+        }
+        // Beside the name once a table, "experiment" in its head, and "text" four times.
+        assert_eq!((text.matches('x').count() - 4) % 151, 0, "{text}");
+        assert!(
+            (0..12).all(|k| text.contains(&format!(" {k}.0 rad/s"))),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn of_a_long_table_the_first_rows_are_shown() {
+        let mut table = Table::without_head(&[Align::Right]);
+        for number in 0..1000 {
+            table.row([format!("row {number}")]);
+        }
+        let text = table.text();
+        assert_eq!(text.lines().count(), MOST_ROWS + 1);
+        assert!(
+            text.ends_with("… and 940 more, which --all shows\n"),
+            "{text}"
+        );
     }
 }

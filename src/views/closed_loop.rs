@@ -227,9 +227,12 @@ fn overlaid(overlay: &LoopOverlay) -> String {
         ]);
     }
     format!(
-        "\nSimulated over measured: {} ({} pushes found in the log; SI units)\n{}",
+        "\nSimulated over measured: {} ({} found in the log; SI units)\n{}",
         overlay.experiment,
-        overlay.pushes,
+        match overlay.pushes {
+            1 => "1 push".to_owned(),
+            pushes => format!("{pushes} pushes"),
+        },
         table.text()
     )
 }

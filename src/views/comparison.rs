@@ -1,8 +1,10 @@
 //! A model beside the measurements: what `identify`, `compare`, `add`, `remove` and `diagnose` print.
 
-use workbench::numbers::{with_prefix, with_uncertainty};
+use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
 use workbench::words::{place, residual};
-use workbench::{BenchNote, ComparisonReport, EffectChange, LoggedExperiment};
+use workbench::{BenchNote, ComparisonReport, EffectChange};
+
+use super::findings;
 
 use crate::report::table::{Align, Table};
 
@@ -10,12 +12,18 @@ use crate::report::table::{Align, Table};
 /// own (1 − 0.9²).
 const STRONG_CORRELATION: f64 = 0.9;
 
+/// A number of things: "1 experiment", "8 experiments".
+pub fn counted(number: usize, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
 /// The line that names the bench, and what there is to know about its files.
-pub fn head(bench: &str, experiments: &[LoggedExperiment], notes: &[BenchNote]) -> String {
-    let samples: usize = experiments.iter().map(|one| one.samples).sum();
+pub fn head_lines(bench: &str, experiments: usize, samples: usize, notes: &[BenchNote]) -> String {
     let mut text = format!(
-        "{bench}: {} experiments, {samples} samples\n",
-        experiments.len()
+        "{bench}: {}, {}\n",
+        counted(experiments, "experiment"),
+        counted(samples, "sample")
     );
     for BenchNote { experiment, note } in notes {
         match experiment {
@@ -26,13 +34,25 @@ pub fn head(bench: &str, experiments: &[LoggedExperiment], notes: &[BenchNote]) 
     text
 }
 
+/// [`head_lines`] of a comparison, and what is wrong with its data or cannot all be right.
+pub fn head(comparison: &ComparisonReport) -> String {
+    let experiments = comparison.experiments.len();
+    let samples = comparison.samples();
+    let mut text = head_lines(&comparison.bench, experiments, samples, &comparison.notes);
+    text.push_str(&findings::list(&comparison.findings));
+    if !comparison.contradictions.is_empty() {
+        text.push_str("\nWhat cannot all be right\n");
+        for sentence in &comparison.contradictions {
+            text.push_str(&format!("  - {sentence}\n"));
+        }
+    }
+    text
+}
+
 /// Head, parameters, errors, places, remarks.
 pub fn whole(comparison: &ComparisonReport) -> String {
-    head(
-        &comparison.bench,
-        &comparison.experiments,
-        &comparison.notes,
-    ) + &parameter_table(comparison)
+    head(comparison)
+        + &parameter_table(comparison)
         + &error_table(comparison)
         + &place_table(comparison)
         + &remarks(comparison)
@@ -41,7 +61,7 @@ pub fn whole(comparison: &ComparisonReport) -> String {
 /// The same for a model that was changed, with the errors before and after.
 pub fn changed(change: &EffectChange) -> String {
     let after = &change.after;
-    head(&after.bench, &after.experiments, &after.notes)
+    head(after)
         + &parameter_table(after)
         + &provisional(change)
         + &difference_table(change)
@@ -122,7 +142,7 @@ pub fn error_table(comparison: &ComparisonReport) -> String {
             series.channel.name().to_owned(),
             with_prefix(*rmse, unit),
             with_prefix(number(comparison.sensor_noise.of(series)), unit),
-            format!("{:.2} %", number(comparison.fit_percent.of(series))),
+            fit_percent(number(comparison.fit_percent.of(series))),
         ]);
     }
     format!("\nModel against measurement\n{}", table.text())
@@ -147,8 +167,8 @@ fn difference_table(change: &EffectChange) -> String {
             size(change.rmse_before.of(series)),
             with_prefix(*rmse, unit),
             size(after.sensor_noise.of(series)),
-            format!("{:.2} %", number(change.fit_percent_before.of(series))),
-            format!("{:.2} %", number(after.fit_percent.of(series))),
+            fit_percent(number(change.fit_percent_before.of(series))),
+            fit_percent(number(after.fit_percent.of(series))),
         ]);
     }
     format!("\nModel against measurement\n{}", table.text())
@@ -204,9 +224,12 @@ pub fn remarks(comparison: &ComparisonReport) -> String {
         text.push_str("\nPushes that no column records, left out of the fit\n");
         text.push_str(&table.text());
     }
-    if !comparison.statements.is_empty() {
-        text.push_str("\nWhat these logs leave open, or contradict\n");
-        for statement in &comparison.statements {
+    let contradicts = |statement: &&String| comparison.contradictions.contains(statement);
+    let mut open = comparison.statements.iter();
+    let open: Vec<&String> = open.by_ref().filter(|one| !contradicts(one)).collect();
+    if !open.is_empty() {
+        text.push_str("\nWhat these logs leave open\n");
+        for statement in open {
             text.push_str(&format!("  - {statement}\n"));
         }
     }

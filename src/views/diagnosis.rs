@@ -1,6 +1,6 @@
 //! A diagnosis in words.
 
-use workbench::numbers::{with_prefix, with_uncertainty};
+use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
 use workbench::words::set;
 use workbench::{DiagnosisReport, HeldOutBy, SuspectEffect};
 
@@ -10,11 +10,7 @@ use crate::report::table::{Align, Table};
 /// Everything.
 pub fn text(report: &DiagnosisReport) -> String {
     let last = &report.last;
-    let mut text = format!(
-        "{}\n{}\n",
-        comparison::head(&report.bench, &last.experiments, &report.notes),
-        report.sentence
-    );
+    let mut text = format!("{}\n{}\n", comparison::head(last), report.sentence);
     // Beside a contradiction the logs may leave nothing.
     let shown = report.remains.as_ref();
     if let Some(remains) = shown.filter(|remains| remains.over_noise > 1.0) {
@@ -70,7 +66,7 @@ pub fn staircase_table(report: &DiagnosisReport) -> String {
     row.extend(
         steps
             .iter()
-            .map(|step| percent(step.validation_fit_percent)),
+            .map(|step| fit_percent(step.validation_fit_percent)),
     );
     row.push(String::new());
     table.row(row);
@@ -122,7 +118,7 @@ fn suspect_table(report: &DiagnosisReport) -> String {
             suspect.effect.clone(),
             probability(suspect.probability),
             most_taken_away(suspect),
-            percent(suspect.validation_fit_percent),
+            fit_percent(suspect.validation_fit_percent),
             others_of(suspect),
             parameters.join(", "),
         ]);
@@ -134,7 +130,7 @@ fn suspect_table(report: &DiagnosisReport) -> String {
 /// The largest share of a series' error that the suspect alone takes away.
 fn most_taken_away(suspect: &SuspectEffect) -> String {
     let shares = suspect.takes_away.iter().map(|(_, share)| *share);
-    percent(100.0 * shares.fold(f64::NAN, f64::max))
+    fit_percent(100.0 * shares.fold(f64::NAN, f64::max))
 }
 
 /// The effects beside the suspect in its model, without those of every model.
@@ -145,14 +141,6 @@ fn others_of(suspect: &SuspectEffect) -> String {
     match set(others) {
         none if none.is_empty() => "–".to_owned(),
         others => others,
-    }
-}
-
-fn percent(value: f64) -> String {
-    if value.is_finite() {
-        format!("{value:.2} %")
-    } else {
-        "–".to_owned()
     }
 }
 

@@ -7,3 +7,7 @@ pub mod decay;
 pub mod design;
 pub mod design_change;
 pub mod diagnosis;
+pub mod effects;
+pub mod findings;
+pub mod new_bench;
+pub mod proof;

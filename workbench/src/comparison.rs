@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use ::data_check::Finding;
 use bench_files::{Bench, Correlation, ModelFile, Parameter};
 use identify::{
     Coordinate, Fit, FitProblem, FoundPush, Identification, Output, PredictedSeries, Record,
@@ -40,6 +41,13 @@ pub struct ComparisonReport {
     pub places: Vec<FailurePlace>,
     /// Pushes that no column records; they are left out of the fit.
     pub pushes: Vec<PushInLog>,
+    /// What is wrong with the data, but does not keep them from being used.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
+    /// Experiments and direct measurements that cannot all be right; sentences, which stand among the
+    /// statements too.
+    #[serde(default)]
+    pub contradictions: Vec<String>,
     /// What the logs leave open, or contradict; sentences.
     pub statements: Vec<String>,
     /// What is to be known about the files; sentences.
@@ -167,6 +175,13 @@ pub(crate) struct Compared<'a> {
     pub pushes: &'a [Vec<FoundPush>],
 }
 
+/// What is said beside the numbers.
+pub(crate) struct Said {
+    pub findings: Vec<Finding>,
+    pub contradictions: Vec<String>,
+    pub statements: Vec<String>,
+}
+
 impl ComparisonReport {
     pub(crate) fn new(
         bench: &Bench,
@@ -175,7 +190,7 @@ impl ComparisonReport {
         compared: &Compared,
         parameters: Vec<Parameter>,
         correlation: Option<Correlation>,
-        statements: Vec<String>,
+        said: Said,
     ) -> ComparisonReport {
         let records = &problem.records;
         let failure = identify::breakdown(
@@ -213,7 +228,9 @@ impl ComparisonReport {
                     })
                 })
                 .collect(),
-            statements,
+            findings: said.findings,
+            contradictions: said.contradictions,
+            statements: said.statements,
             notes: notes(bench),
             experiments: records.iter().map(LoggedExperiment::of).collect(),
             per_unit_of_inertia: !problem.body_scale_known,
@@ -228,6 +245,7 @@ impl ComparisonReport {
         problem: &FitProblem,
         model_path: PathBuf,
         found: &Identification,
+        findings: Vec<Finding>,
     ) -> ComparisonReport {
         let fit = &found.fit;
         ComparisonReport::new(
@@ -243,7 +261,11 @@ impl ComparisonReport {
             },
             parameters_of(problem, fit),
             correlation_of(fit),
-            found.statements.clone(),
+            Said {
+                findings,
+                contradictions: found.contradictions.clone(),
+                statements: found.statements.clone(),
+            },
         )
     }
 

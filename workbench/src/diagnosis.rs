@@ -1,5 +1,6 @@
 //! Which physical effects a model lacks.
 
+use ::data_check::Finding;
 use bench_files::{Correlation, ModelFile, Parameter, Tie};
 use diagnose::{Diagnosis, Options, Step, Suspect, Unseen, Verdict};
 use identify::{Contradiction, Fit, Identification, PredictedSeries, Progress, Record};
@@ -61,6 +62,9 @@ pub struct DiagnosisReport {
     pub pushes: Vec<PushInLog>,
     /// How each free swing dies out, as measured.
     pub decay: Vec<SwingDecay>,
+    /// What is wrong with the data, but does not keep them from being used.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
     /// What the logs leave open, or contradict; sentences.
     pub statements: Vec<String>,
     /// What is to be known about the files; sentences.
@@ -172,7 +176,16 @@ impl Session {
             .map_or_else(Model::base, ModelFile::certain_model);
         let identified = self.fit(&model, progress)?;
         let fit = &identified.fit;
-        let options = Options::default();
+        // What its user has written is suspected like what the library has.
+        let suspects: Vec<EffectId> = EffectId::ALL
+            .iter()
+            .copied()
+            .chain(self.bench().own_effects.iter().map(|own| own.effect))
+            .collect();
+        let options = Options {
+            suspects: &suspects,
+            ..Options::default()
+        };
         let minimum = fit.minimum.clone();
         let found =
             diagnose::diagnose_with(self.problem(), &fit.model, minimum, &options, progress)?;
@@ -189,12 +202,8 @@ impl Session {
         } else {
             // The diagnosis has read the logs differently: without pushes that only it found.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
-            identify::identify(self.problem(), &step.fit.model, Some(start)).map_err(|source| {
-                Error::Identify {
-                    bench: self.place(),
-                    source,
-                }
-            })?
+            identify::identify_until(self.problem(), &step.fit.model, Some(start), progress)
+                .map_err(|source| self.not_identified(source))?
         };
         progress.check()?;
         let last = self.comparison_of(&last_fit);
@@ -223,7 +232,7 @@ impl Session {
         };
         if let (Some(before), Some(step)) = (&before, report.steps.last()) {
             let mut file = self.model_of(step);
-            file.tie = report.tie().filter(|tie| {
+            file.tie = report.tie(self).filter(|tie| {
                 let was_certain = before.certain_model();
                 tie.provisional
                     .iter()
@@ -253,9 +262,7 @@ impl Session {
     /// The session's model file with the model of a step in it.
     fn model_of(&self, step: &DiagnosisStep) -> ModelFile {
         let effects = step.effects.iter();
-        let effects: Vec<EffectId> = effects
-            .filter_map(|name| EffectId::from_name(name))
-            .collect();
+        let effects: Vec<EffectId> = effects.filter_map(|name| self.effect_named(name)).collect();
         with_model(
             self.file_or_new(),
             &Model::with_effects(&effects),
@@ -338,6 +345,7 @@ impl DiagnosisReport {
             sensor_noise: last.sensor_noise.clone(),
             pushes: last.pushes.clone(),
             decay: swing_decays(records, &last_fit.traces),
+            findings: last.findings.clone(),
             statements: last.statements.clone(),
             notes: last.notes.clone(),
             last,
@@ -362,14 +370,14 @@ impl DiagnosisReport {
 
     /// The tie that is open, as model.toml states it: what of the last model is provisional, and every other set
     /// that could stand in its place.
-    fn tie(&self) -> Option<Tie> {
+    fn tie(&self, session: &Session) -> Option<Tie> {
         if self.provisional.is_empty() {
             return None;
         }
         let effects = |names: &[String]| -> Vec<EffectId> {
             let effects = names.iter();
             effects
-                .filter_map(|name| EffectId::from_name(name))
+                .filter_map(|name| session.effect_named(name))
                 .collect()
         };
         let kept: Vec<&String> = self

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use ::data_check::Finding;
 use calibrate::CalibrationError;
 use checker::ProveError;
 use codegen::{FileError, Refusal};
@@ -11,6 +12,7 @@ use identify::{Cancelled, IdentifyError};
 use simulate::SimulateError;
 
 use crate::bench_hardware::HardwareError;
+use crate::data_check::refusal_text;
 
 /// Why there is no result. Messages name the file that is to be mended, where there is one.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +22,30 @@ pub enum Error {
     /// line and column.
     #[error(transparent)]
     File(#[from] bench_files::Error),
+    /// The data would lead to a wrong model: see [`check_data`](crate::check_data).
+    #[error("{}", refusal_text(file, *line, refusals))]
+    Data {
+        /// The bench.toml.
+        file: PathBuf,
+        /// The line of the first finding's experiment.
+        line: Option<usize>,
+        /// The findings that refuse the data; at least one.
+        refusals: Vec<Finding>,
+    },
+    /// A bench is not begun where one is.
+    #[error("{}: there is a bench already; it is left as it is", file.display())]
+    BenchExists {
+        /// Its bench.toml.
+        file: PathBuf,
+    },
+    /// A folder cannot be made.
+    #[error("{}: cannot make the folder: {reason}", folder.display())]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
     /// The logs cannot be identified.
     #[error("{}: {source}", bench.display())]
     Identify {
@@ -36,11 +62,13 @@ pub enum Error {
         /// The bench's folder.
         bench: PathBuf,
     },
-    /// No effect of the library has this name.
-    #[error("there is no effect \"{name}\"")]
+    /// Neither the library nor the bench has an effect of this name.
+    #[error("there is no effect \"{name}\"{}", own_effects_text(own))]
     UnknownEffect {
         /// The name.
         name: String,
+        /// The effects that the user of the bench has written.
+        own: Vec<String>,
     },
     /// The model has the effect already.
     #[error("{}: {effect} is not added: {reason}", model.display())]
@@ -195,4 +223,13 @@ pub enum Error {
     /// The caller called the work off.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+fn own_effects_text(own: &[String]) -> String {
+    if own.is_empty() {
+        "; an own one is written to effects/NAME.toml in the bench folder and named own:NAME"
+            .to_owned()
+    } else {
+        format!("; the bench's own are {}", own.join(", "))
+    }
 }

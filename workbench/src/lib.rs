@@ -36,7 +36,7 @@
 //! // In fixed point, with a certificate that is checked from the emitted files alone.
 //! let controller = design.generate(None)?;
 //! println!("{} files", controller.files().count()); // or controller.write(folder)
-//! let settings = ProofSettings { cases: 1000, smt: false, ..Default::default() };
+//! let settings = ProofSettings { cases: 1000, smt: false, compiled: false, ..Default::default() };
 //! assert!(controller.prove(&settings, &progress)?.passed());
 //! # Ok(())
 //! # }
@@ -47,6 +47,7 @@
 //! |---|---|
 //! | [`Session`] | [`ComparisonReport`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
 //! | [`Session::design`], [`ControlDesign::read`] | [`ControlDesign`] |
+//! | [`check_data`] | [`DataReport`]: what is wrong with the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
@@ -66,10 +67,12 @@ mod closed_loop;
 mod comparison;
 mod control_design;
 mod controller;
+mod data_check;
 mod design_change;
 mod design_report;
 mod diagnosis;
 mod drawings;
+mod effect_library;
 mod error;
 mod measured_linearity;
 mod module_spec;
@@ -83,6 +86,7 @@ mod session;
 mod swing_decay;
 pub mod words;
 
+pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
 pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
@@ -102,6 +106,7 @@ pub use comparison::{
 };
 pub use control_design::ControlDesign;
 pub use controller::GeneratedController;
+pub use data_check::{DataReport, NewBench, check_data, new_bench};
 pub use design_change::{DesignChange, DesignSummary};
 pub use design_report::{
     DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors,
@@ -111,12 +116,13 @@ pub use diagnose::Verdict;
 pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
+pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
-pub use proof::{MutationReport, Proof, ProofSettings, mutate, prove};
+pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
 pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

@@ -1,7 +1,11 @@
 //! Numbers for people: as many digits as they deserve.
 
+/// Most digits of a number in a table or a sentence; files and JSON hold them all.
+const DIGITS: usize = 4;
+
 /// A value with its standard error, both to the same decimal, the error with two digits:
-/// `(2.3034 ± 0.0012)e-3`. Without a standard error six digits.
+/// `(2.303 ± 0.012)e-3`. Where the error is smaller than the fourth digit of the value, each has its own
+/// digits: `0.002303 ± 1.2e-6`. Without a standard error four digits.
 pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
     match std {
         Some(std) if std.is_finite() && std > 0.0 && value.is_finite() => {
@@ -9,6 +13,9 @@ pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
             let plain = (-2..4).contains(&exponent);
             let shift = if plain { 0 } else { exponent };
             let decimals = usize::try_from(shift + 1 - exponent_of(std)).unwrap_or(0);
+            if exponent - exponent_of(std) + 2 > DIGITS as i32 {
+                return format!("{} ± {}", significant(value, DIGITS), significant(std, 2));
+            }
             let scale = 10_f64.powi(-shift);
             let text = format!("{:.decimals$} ± {:.decimals$}", value * scale, std * scale);
             if plain {
@@ -17,7 +24,18 @@ pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
                 format!("({text})e{exponent}")
             }
         }
-        _ => significant(value, 6),
+        _ => significant(value, DIGITS),
+    }
+}
+
+/// A fit in percent with at most four digits; a dash where there is none, as for a signal that is constant.
+pub fn fit_percent(value: f64) -> String {
+    if !value.is_finite() {
+        "–".to_owned()
+    } else if value.abs() < 99.995 {
+        format!("{value:.2} %")
+    } else {
+        format!("{} %", significant(value, DIGITS))
     }
 }
 
@@ -91,16 +109,18 @@ mod tests {
     #[test]
     fn values_carry_the_digits_that_their_errors_allow() {
         let cases = [
-            (2.30344e-3, Some(1.2e-6), "(2.3034 ± 0.0012)e-3"),
-            (-2.30344e-3, Some(1.2e-6), "(-2.3034 ± 0.0012)e-3"),
+            (2.30344e-3, Some(1.2e-5), "(2.303 ± 0.012)e-3"),
+            (-2.30344e-3, Some(1.2e-5), "(-2.303 ± 0.012)e-3"),
+            (2.30344e-3, Some(1.2e-6), "0.002303 ± 1.2e-6"),
+            (0.25, Some(3.0e-301), "0.25 ± 3e-301"),
             (0.0335, Some(0.0001), "0.03350 ± 0.00010"),
             (12.345678, Some(0.5), "12.35 ± 0.50"),
             (1.0e-7, Some(3.0e-6), "(0.1 ± 3.0)e-6"),
-            (123456.0, Some(100.0), "(1.2346 ± 0.0010)e5"),
+            (123456.0, Some(1000.0), "(1.235 ± 0.010)e5"),
             (1234.5, Some(100.0), "1234 ± 100"),
-            (0.245158, None, "0.245158"),
-            (2.30344e-3, None, "0.00230344"),
-            (1.36125e-5, None, "1.36125e-5"),
+            (0.245158, None, "0.2452"),
+            (2.30344e-3, None, "0.002303"),
+            (1.36125e-5, None, "1.361e-5"),
             (9.81, None, "9.81"),
             (0.99999999, None, "1"),
             (0.0, Some(0.0), "0"),
@@ -109,6 +129,20 @@ mod tests {
         ];
         for (value, std, expected) in cases {
             assert_eq!(with_uncertainty(value, std), expected);
+        }
+    }
+
+    #[test]
+    fn fits_have_four_digits_or_none() {
+        for (value, expected) in [
+            (99.204, "99.20 %"),
+            (100.0, "100 %"),
+            (-12.3456, "-12.35 %"),
+            (-123_456.0, "-123500 %"),
+            (f64::NAN, "–"),
+            (f64::NEG_INFINITY, "–"),
+        ] {
+            assert_eq!(fit_percent(value), expected);
         }
     }
 

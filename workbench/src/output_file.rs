@@ -67,6 +67,24 @@ impl OutputFile {
         })
     }
 
+    /// The files under names of which no two are one on any file system: what names of experiments differ in
+    /// may be what a file name cannot hold, or the case of a letter.
+    pub(crate) fn distinct(mut files: Vec<OutputFile>) -> Vec<OutputFile> {
+        let mut used = std::collections::BTreeSet::new();
+        for file in &mut files {
+            let (stem, ending) = match file.name.rsplit_once('.') {
+                Some((stem, ending)) => (stem.to_owned(), ending.to_owned()),
+                None => (file.name.clone(), String::new()),
+            };
+            let mut count = 1;
+            while !used.insert(file.name.to_lowercase()) {
+                count += 1;
+                file.name = format!("{stem}-{count}.{ending}");
+            }
+        }
+        files
+    }
+
     /// Whether it is a figure.
     pub fn is_figure(&self) -> bool {
         self.name.ends_with(".svg")
@@ -103,6 +121,22 @@ pub(crate) fn file_name(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_file_takes_the_place_of_another() {
+        let file = |name: &str| OutputFile::svg(name, String::new());
+        let files = OutputFile::distinct(vec![
+            file("swing"),
+            file("Swing"),
+            file("swing-2"),
+            file("swing"),
+        ]);
+        let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["swing.svg", "Swing-2.svg", "swing-2-2.svg", "swing-3.svg"]
+        );
+    }
 
     #[test]
     fn file_names_are_harmless() {

@@ -2,20 +2,24 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 use checker::certificate::Certificate;
 use checker::mutate::{Mutant, MutantVerdict, Summary, chosen, judged, notices, summary};
 use checker::prove::Emitted;
-use checker::{ClaimResult, ProveError};
+use checker::{ClaimOutcome, ClaimResult, ProveError};
 use identify::Progress;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::bench_hardware::Preset;
+use crate::control_design::ControlDesign;
 use crate::controller::GeneratedController;
 use crate::error::Error;
 use crate::output_file::OutputFile;
 
 pub use checker::ProofSettings;
+pub use checker::prove::ProofVerdict;
 
 /// Every claim of a certificate, each by every engine that can settle it.
 #[derive(Clone, Debug, Serialize)]
@@ -29,19 +33,59 @@ pub struct Proof {
 }
 
 /// Settles every claim about the emitted crate in a folder: nothing else of the project has to be
-/// there, and the generator is not trusted. Takes seconds.
+/// there, and the generator is not trusted. Where the user's `model` is given, the crate is held against
+/// it, and sensors and drive against what the generator makes of it. Takes seconds.
 ///
 /// # Errors
 /// [`Error::Prove`] where the folder holds no emitted crate; what does not hold is no error but a
-/// failed claim. [`Error::Cancelled`] if the work was called off before it began.
-pub fn prove(folder: &Path, settings: &ProofSettings, progress: &Progress) -> Result<Proof, Error> {
+/// failed claim. [`Error::Cancelled`] if the work was called off before it began; any error of reading
+/// the model.
+pub fn prove(
+    folder: &Path,
+    model: Option<&Path>,
+    settings: &ProofSettings,
+    progress: &Progress,
+) -> Result<Proof, Error> {
     progress.check()?;
     (progress.say)("checking the claims of the certificate");
+    let say = |what: &str| (progress.say)(what);
+    let mut claims = checker::prove::prove(folder, model, settings, &say)?;
+    if let Some(model) = model {
+        let row = generated_again(folder, model)?;
+        let after = claims.iter().rposition(|claim| claim.id == row.id);
+        claims.insert(after.map_or(0, |after| after + 1), row);
+    }
     Ok(Proof {
         folder: folder.to_path_buf(),
         seed: settings.seed,
-        claims: checker::prove::prove(folder, settings)?,
+        claims,
     })
+}
+
+/// Whether the folder holds what the generator makes of the model, with the preset that the crate says
+/// it was generated with.
+fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
+    let start = Instant::now();
+    let certificate = Certificate::read(folder).map_err(ProveError::from)?;
+    let preset = (!certificate.assumed.is_empty()).then_some(Preset::ThesisBench);
+    let outcome = match ControlDesign::read(model)?.generate(preset) {
+        Err(error) => ClaimOutcome::Failed(error.to_string()),
+        Ok(controller) => match controller.differing(folder)?.first() {
+            None => ClaimOutcome::Proved("every byte of every file".to_owned()),
+            Some(path) => ClaimOutcome::Failed(format!(
+                "{} is not what the generator makes of {}",
+                path.display(),
+                model.display()
+            )),
+        },
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(ClaimResult::new(
+        "model-matches",
+        "the generator",
+        outcome,
+        seconds,
+    ))
 }
 
 impl GeneratedController {
@@ -72,12 +116,25 @@ impl GeneratedController {
         Ok(Proof {
             folder: PathBuf::new(),
             seed: settings.seed,
-            claims: checker::prove::settle(&emitted, &certificate, settings),
+            claims: checker::prove::settle_saying(
+                &emitted,
+                &certificate,
+                None,
+                settings,
+                &|what| {
+                    (progress.say)(what);
+                },
+            ),
         })
     }
 }
 
 impl Proof {
+    /// What all claims together say.
+    pub fn verdict(&self) -> ProofVerdict {
+        checker::prove::verdict(&self.claims)
+    }
+
     /// Whether no claim fails.
     pub fn passed(&self) -> bool {
         checker::prove::passed(&self.claims)

@@ -2,20 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, Tie};
+use ::data_check::Finding;
+use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch, Tie};
 use design::Settings;
 use identify::{
-    Contradiction, Effort, FitProblem, Identification, Minimum, PredictedSeries, Progress,
-    PushModel, Record, Window,
+    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, PredictedSeries,
+    Progress, PushModel, Record, Window,
 };
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
 
 use crate::change::EffectChange;
 use crate::comparison::{
-    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, correlation_of,
-    effect_names, notes, parameters_of, with_model,
+    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, Said,
+    correlation_of, effect_names, notes, parameters_of, with_model,
 };
+use crate::data_check;
 use crate::error::Error;
 
 /// A bench with its measurements, and the model that is being made of it.
@@ -25,6 +27,8 @@ use crate::error::Error;
 #[derive(Clone, Debug)]
 pub struct Session {
     bench: Bench,
+    /// What is wrong with its data, but does not keep them from being used.
+    findings: Vec<Finding>,
     problem: FitProblem,
     /// Where the model was read from, or would be written.
     model_path: PathBuf,
@@ -44,6 +48,8 @@ pub struct BenchCheck {
     pub experiments: Vec<LoggedExperiment>,
     /// What reading the files has shown.
     pub notes: Vec<BenchNote>,
+    /// What is wrong with the data, but does not keep them from being used.
+    pub findings: Vec<Finding>,
     /// Experiments and direct measurements that cannot all be right; sentences.
     pub contradictions: Vec<String>,
 }
@@ -52,7 +58,8 @@ impl Session {
     /// Opens a bench: its folder, or its bench.toml. The model is `model.toml` beside it.
     ///
     /// # Errors
-    /// The first thing that is wrong with a file; [`Error::Identify`] if no experiment can be used.
+    /// The first thing that is wrong with a file; [`Error::Data`] where a model of its data would be wrong;
+    /// [`Error::Identify`] if no experiment can be used.
     pub fn open(path: &Path) -> Result<Session, Error> {
         Session::open_with_model(path, None)
     }
@@ -62,17 +69,45 @@ impl Session {
     /// # Errors
     /// As for [`Session::open`].
     pub fn open_with_model(path: &Path, model: Option<&Path>) -> Result<Session, Error> {
-        let bench = Bench::load(path)?;
+        Session::open_reporting(path, model, &Progress::silent())
+    }
+
+    /// As [`Session::open_with_model`]; `progress` is told how much of each log has been read.
+    ///
+    /// # Errors
+    /// As for [`Session::open`]; [`Error::Cancelled`].
+    pub fn open_reporting(
+        path: &Path,
+        model: Option<&Path>,
+        progress: &Progress,
+    ) -> Result<Session, Error> {
+        let watch = ReadingWatch {
+            read: &|file, read, of| (progress.say)(&reading(file, read, of)),
+            cancelled: &|| (progress.cancelled)(),
+        };
+        let bench = match Bench::load_watched(path, watch) {
+            Ok(bench) => bench,
+            Err(error) => {
+                progress.check()?;
+                return Err(error.into());
+            }
+        };
+        progress.check()?;
+        (progress.say)("preparing the logs");
         let model_path = match model {
             Some(path) => path.to_path_buf(),
             None => bench.folder.join("model.toml"),
         };
         let mut session = Session::new(bench, model_path, true)?;
         session.model = match ModelFile::read(&session.model_path) {
-            Ok(model) => Some(session.with_hardware(model)),
+            Ok(mut model) => {
+                adopt_own_effects(&mut model, &session.bench);
+                Some(session.with_hardware(model))
+            }
             Err(error) if matches!(error.problem(), Problem::NotFound) => None,
             Err(error) => return Err(error.into()),
         };
+        progress.check()?;
         Ok(session)
     }
 
@@ -84,7 +119,8 @@ impl Session {
     pub fn from_files(files: &FilesInMemory) -> Result<Session, Error> {
         let mut session = Session::from_bench(Bench::from_files(files)?)?;
         if files.contains("model.toml") {
-            let model = ModelFile::from_files(files)?;
+            let mut model = ModelFile::from_files(files)?;
+            adopt_own_effects(&mut model, &session.bench);
             session.model = Some(session.with_hardware(model));
         }
         Ok(session)
@@ -93,18 +129,20 @@ impl Session {
     /// A bench that was put together by the caller.
     ///
     /// # Errors
-    /// [`Error::Identify`] if no experiment can be used.
+    /// [`Error::Data`] where a model of its data would be wrong; [`Error::Identify`] if no experiment can be used.
     pub fn from_bench(bench: Bench) -> Result<Session, Error> {
         Session::new(bench, PathBuf::from("model.toml"), false)
     }
 
     fn new(bench: Bench, model_path: PathBuf, on_disk: bool) -> Result<Session, Error> {
+        let findings = data_check::usable(&bench)?;
         let problem = FitProblem::new(&bench).map_err(|source| Error::Identify {
             bench: place_of(&bench),
             source,
         })?;
         Ok(Session {
             bench,
+            findings,
             problem,
             model_path,
             on_disk,
@@ -116,6 +154,11 @@ impl Session {
     /// The measurements.
     pub fn bench(&self) -> &Bench {
         &self.bench
+    }
+
+    /// What is wrong with the data, but does not keep them from being used.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
     }
 
     /// The measurements as fits see them: for those who go beyond the session.
@@ -191,6 +234,7 @@ impl Session {
                 .map(LoggedExperiment::of)
                 .collect(),
             notes: notes(&self.bench),
+            findings: self.findings.clone(),
             contradictions: contradictions.iter().map(Contradiction::sentence).collect(),
         })
     }
@@ -241,8 +285,9 @@ impl Session {
             .collect();
         progress.check()?;
         (progress.say)("looking for contradictions");
-        let statements =
+        let found =
             identify::contradictions(&self.problem, model, &minimum.values, &minimum.windows, &[]);
+        let contradictions: Vec<String> = found.iter().map(Contradiction::sentence).collect();
         progress.check()?;
         let compared = Compared {
             model,
@@ -258,7 +303,11 @@ impl Session {
             &compared,
             file.parameters.clone(),
             file.correlation.clone(),
-            statements.iter().map(Contradiction::sentence).collect(),
+            Said {
+                findings: self.findings.clone(),
+                contradictions: contradictions.clone(),
+                statements: contradictions,
+            },
         ))
     }
 
@@ -278,9 +327,9 @@ impl Session {
     /// [`Error::UnknownEffect`], [`Error::EffectPresent`]; those of [`Session::identify`].
     pub fn add_effect(&mut self, name: &str, progress: &Progress) -> Result<EffectChange, Error> {
         let before = self.structure();
-        let effect = EffectId::from_name(name).ok_or_else(|| Error::UnknownEffect {
-            name: name.to_owned(),
-        })?;
+        let effect = self
+            .effect_named(name)
+            .ok_or_else(|| self.unknown_effect(name))?;
         if let Some((after, tie)) = self.model.as_ref().and_then(|file| settled(file, effect)) {
             let mut change = self.change(&before, &after, progress)?;
             change.provisional = provisional_names(tie.as_ref());
@@ -315,7 +364,7 @@ impl Session {
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
         let before = self.required_model()?.model();
-        match EffectId::from_name(name).filter(|effect| before.has(*effect)) {
+        match self.effect_named(name).filter(|effect| before.has(*effect)) {
             Some(effect) => self.change(&before, &before.without(effect), progress),
             None => Err(Error::EffectAbsent {
                 model: self.model_path.clone(),
@@ -342,6 +391,24 @@ impl Session {
             rmse_before: old.rmse,
             fit_percent_before: old.fit_percent,
         })
+    }
+
+    /// The effect of this name: of the library, of the bench's own, or of those that its model brings along.
+    pub(crate) fn effect_named(&self, name: &str) -> Option<EffectId> {
+        let of_model = self.model.iter().flat_map(|model| &model.own_effects);
+        let mut own = self.bench.own_effects.iter().chain(of_model);
+        EffectId::from_name(name).or_else(|| {
+            own.find(|own| own.effect.name() == name)
+                .map(|own| own.effect)
+        })
+    }
+
+    fn unknown_effect(&self, name: &str) -> Error {
+        let own = self.bench.own_effects.iter();
+        Error::UnknownEffect {
+            name: name.to_owned(),
+            own: own.map(|own| own.effect.name().to_owned()).collect(),
+        }
     }
 
     /// The effects of the model as it is; the base model where there is none.
@@ -374,18 +441,26 @@ impl Session {
         }
         progress.check()?;
         (progress.say)("fitting the model to all experiments");
-        let found =
-            identify::identify(&self.problem, model, None).map_err(|source| Error::Identify {
+        let found = identify::identify_until(&self.problem, model, None, progress)
+            .map_err(|source| self.not_identified(source))?;
+        Ok(found)
+    }
+
+    /// Why the session's bench is not identified; a fit that was called off is no fault of the bench.
+    pub(crate) fn not_identified(&self, source: IdentifyError) -> Error {
+        match source {
+            IdentifyError::Cancelled(cancelled) => Error::Cancelled(cancelled),
+            source => Error::Identify {
                 bench: self.place(),
                 source,
-            })?;
-        progress.check()?;
-        Ok(found)
+            },
+        }
     }
 
     pub(crate) fn comparison_of(&self, found: &Identification) -> ComparisonReport {
         let path = self.model_path.clone();
-        ComparisonReport::of_identification(&self.bench, &self.problem, path, found)
+        let findings = self.findings.clone();
+        ComparisonReport::of_identification(&self.bench, &self.problem, path, found, findings)
     }
 
     /// Makes a fit the session's model.
@@ -407,6 +482,7 @@ impl Session {
         let file = self.model.clone().unwrap_or_default();
         let mut file = self.with_hardware(file).named(&self.model_path);
         file.design.get_or_insert_with(|| self.usual_design());
+        adopt_own_effects(&mut file, &self.bench);
         file
     }
 
@@ -439,7 +515,8 @@ impl Session {
             .iter()
             .map(|record| identify::final_windows(record, &values))
             .collect();
-        let minimum = identify::refit(&records, &model, values, windows, &[], Effort::FULL);
+        let effort = Effort::FULL.until(progress.cancelled);
+        let minimum = identify::refit(&records, &model, values, windows, &[], effort);
         progress.check()?;
         Ok(Started {
             problem,
@@ -535,6 +612,14 @@ impl Predictor {
     }
 }
 
+/// "reading swing.csv: 12 of 500 MB".
+fn reading(file: &Path, read: u64, of: u64) -> String {
+    const MEGABYTE: f64 = 1e6;
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let (read, of) = (read as f64 / MEGABYTE, of as f64 / MEGABYTE);
+    format!("reading {name}: {read:.0} of {of:.0} MB")
+}
+
 /// The model in which `effect` settles the tie that is open, and what of the tie is left; `None` where the tie
 /// says nothing of the effect.
 fn settled(file: &ModelFile, effect: EffectId) -> Option<(Model, Option<Tie>)> {
@@ -561,6 +646,27 @@ fn settled(file: &ModelFile, effect: EffectId) -> Option<(Model, Option<Tie>)> {
 fn provisional_names(tie: Option<&Tie>) -> Vec<String> {
     let effects = tie.iter().flat_map(|tie| &tie.provisional);
     effects.map(|effect| effect.name().to_owned()).collect()
+}
+
+/// Lets a model know the effects that the user of its bench has written. The bench's file counts where the
+/// model brings along one of the same name that reads otherwise.
+fn adopt_own_effects(file: &mut ModelFile, bench: &Bench) {
+    for own in &bench.own_effects {
+        let name = own.effect.name();
+        let old = file
+            .own_effects
+            .iter()
+            .position(|old| old.effect.name() == name);
+        match old {
+            Some(index) => file.own_effects[index] = own.clone(),
+            None => file.own_effects.push(own.clone()),
+        }
+        for effect in &mut file.effects {
+            if effect.name() == name {
+                *effect = own.effect;
+            }
+        }
+    }
 }
 
 /// How errors name a bench: its folder, or its name where it is in memory.

@@ -251,12 +251,7 @@ fn logs() {
             "free-swing",
             "",
             b"0.0,0.1\n0.1,0.1\n".to_vec(),
-            &[
-                "log.csv:1",
-                "\"0.0,0.1\"",
-                "no header line",
-                "time_s,angle_rad",
-            ],
+            &["log.csv:1", "\"1\", \"2\"", "no header line", "time_s"],
         ),
         (
             "no time",
@@ -451,14 +446,14 @@ fn logs() {
             "not UTF-8 in the header",
             "free-swing",
             "",
-            b"time_s,angle_\xb0\n0,0.1\n".to_vec(),
+            b"time_s,angle_\xb0\x01\n0,0.1\n".to_vec(),
             &["log.csv:1", "not UTF-8", "save it with that encoding"],
         ),
         (
             "not UTF-8 below",
             "free-swing",
             "",
-            b"time_s,angle_rad\n0,0.1\n0.1,\xff\n".to_vec(),
+            b"time_s,angle_rad\n0,0.1\n0.1,\xff\x01\n".to_vec(),
             &["log.csv:3", "not UTF-8"],
         ),
         (
@@ -499,9 +494,9 @@ fn logs() {
         ),
         (
             "degrees",
-            "free-swing",
+            "balance",
             "",
-            rows("time_s,angle_rad", "T,45.0").into_bytes(),
+            rows("time_s,angle_rad,current_A", "T,180.0,0.1").into_bytes(),
             &["bench.toml:4:8", "units = { angle = \"deg\" }"],
         ),
     ];

@@ -3,6 +3,8 @@
 //! Written down here a second time on purpose: a certificate that states something else is
 //! rejected, not believed.
 
+use crate::claims::outcome::{COMPILED, EXACT, INTERVALS, RANDOM, READER};
+
 /// What a claim says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClaimStatement {
@@ -14,24 +16,52 @@ pub struct ClaimStatement {
     pub domain: &'static str,
     /// What is assumed; empty if nothing.
     pub assumptions: &'static str,
+    /// What settles it wherever this program runs; other engines may settle it too.
+    pub engine: &'static str,
     /// Whether the certificate lists it.
     pub is_in_certificate: bool,
 }
 
 /// Every claim, in the order in which they are shown.
-pub const CLAIMS: [ClaimStatement; 20] = [
+pub const CLAIMS: [ClaimStatement; 23] = [
     ClaimStatement {
         id: "source-understood",
         statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
         domain: "every emitted file",
         assumptions: "",
+        engine: READER,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "texts-audited",
+        statement: "Every emitted file is, but for the numbers of the bench, token by token a text that was audited.",
+        domain: "every token of every emitted file but words, gains, limits and formats",
+        assumptions: "SHA-256 gives two texts one digest never.",
+        engine: READER,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "compiled-agrees",
+        statement: "The crate as rustc compiles it gives the words that the reader of the source gives.",
+        domain: "every public function at random words, at the ends of ranges and on both sides of each branch that was found; runs of the controller near upright",
+        assumptions: "The compiler and the crate `fixed` are those of this machine; a processor without them may have others.",
+        engine: COMPILED,
         is_in_certificate: false,
     },
     ClaimStatement {
         id: "certificate-consistent",
-        statement: "Every number and name of the certificate is the one of the source, or follows from it.",
+        statement: "Every number and name of the certificate is the one of the source, or follows from it; the gains are optimal for model and weights.",
         domain: "every field of certificate.json",
         assumptions: "",
+        engine: EXACT,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "model-matches",
+        statement: "Parameters, wishes of the design, sensors and drive are those of the user's model.",
+        domain: "every number of the model.toml that was given",
+        assumptions: "Sensors and drive are compared with what the generator makes of that file.",
+        engine: READER,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -39,6 +69,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "The words of sensors, mounting, converter and drive are the stated real numbers, rounded.",
         domain: "every constant of src/constants.rs",
         assumptions: "",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -46,6 +77,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "Sensors, law and drive push a leaning body back: one handedness, a gravity of 8 to 11.5 m/s2, a motor that pushes forward, a lever arm on the body, and a restoring current from raw counts.",
         domain: "leans of 1 to 10 degrees and rates of 0.2 and 1 rad/s, both ways",
         assumptions: "The stated sensors and drive are those of the bench; a recording shows that (`flywheel bring-up`).",
+        engine: RANDOM,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -53,6 +85,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "`control` neither overflows nor panics, and its command lies within ±CURRENT_LIMIT.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -60,6 +93,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "The command lies within half a unit of its format of the saturated law with the quantised gains.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -67,6 +101,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "The command lies within the stated bound of the law -K x with the real gains, saturated at the real limit.",
         domain: "every representable state within the physical ranges",
         assumptions: "",
+        engine: EXACT,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -74,6 +109,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "The command never falls when a state with a positive gain rises, nor rises when one with a negative gain does.",
         domain: "every bit pattern of the three inputs",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -81,6 +117,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "Each primitive of the filter keeps the contract of ranges that stands at it.",
         domain: "every argument that the contract allows",
         assumptions: "Contracts that are no ranges are checked where the primitive is called, with the words of this bench.",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -88,6 +125,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "No step of the attitude filter overflows, and each keeps its components and rates within the stated ranges.",
         domain: "every sensor reading and every state within the invariant, which holds at the start",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -95,6 +133,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "The squared length of the attitude's quaternion lies within 1 ± 2^-11 at the start and after every step and alignment.",
         domain: "every sensor reading and every state within the invariant, which holds at the start",
         assumptions: "No step overflows or leaves its ranges (`filter-total`).",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -102,6 +141,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "Raw counts give a duty within the drive's limits, and the duty of zero current unless the controller runs.",
         domain: "every sample and every state within the invariant",
         assumptions: "",
+        engine: INTERVALS,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -109,20 +149,23 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "The motor is driven only after arming with a known attitude near upright and at rest; an angle beyond its limit at once, a frozen or clipped sensor, an unknown wheel speed, a lost vertical or a current at its limit each within its stated time end that.",
         domain: "random sequences of samples with faults; each condition alone; every word of LIMITS",
         assumptions: "Attitude, law and observer are those of the source, of which other claims speak.",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
         id: "filter-accurate",
-        statement: "A step of the filter follows Madgwick's equations in double precision to within 2e-7 in each component, the pivot angle to within 1e-6 rad.",
+        statement: "A step of the filter follows Madgwick's equations in double precision to within 2e-7 and what its normalisation leaves (5/16 of the sixth power of the step's angle) in each component, the pivot angle to within 1e-6 rad.",
         domain: "random attitudes and readings",
         assumptions: "The reference is written from the paper, in floating point.",
+        engine: RANDOM,
         is_in_certificate: false,
     },
     ClaimStatement {
         id: "filter-exact",
         statement: "Every function of the filter gives, bit for bit, the words of the checker's own statement of it in exact integers.",
-        domain: "random words, ends of ranges, and words where pieces meet",
+        domain: "random words, ends of ranges, and words where pieces meet; functions of one word on every input when the text was audited",
         assumptions: "",
+        engine: RANDOM,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -130,6 +173,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "All eigenvalues of Ad - Bd K with the quantised gains lie inside the unit circle.",
         domain: "the linear model sampled at the stated time",
         assumptions: "",
+        engine: EXACT,
         is_in_certificate: true,
     },
     ClaimStatement {
@@ -137,6 +181,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "Plant, regulator and the emitted observer of the angle's bias are stable together, and leave less than a hundredth of a constant bias at rest.",
         domain: "the linear model sampled at the stated time",
         assumptions: "No saturation; a module without observer claims nothing here.",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -144,6 +189,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "From any start in the stated ellipsoid the loop with the emitted law never saturates and stays within the stated bounds of the loop in real numbers, at every step.",
         domain: "all time; every start in the ellipsoid; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model; the sensors return the nearest count, the angle directly and not through the filter; the other loop computes in real numbers.",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -151,6 +197,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "From any start in the stated share of the ellipsoid the loop with the emitted law never saturates, and comes into the stated smaller share and stays there.",
         domain: "all time; every start in that share; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model with gravity as G sin(angle); the sensors return the nearest count, the angle directly and not through the filter.",
+        engine: EXACT,
         is_in_certificate: false,
     },
     ClaimStatement {
@@ -158,6 +205,7 @@ pub const CLAIMS: [ClaimStatement; 20] = [
         statement: "The loop with the emitted gains is stable for every parameter vector that identification allows.",
         domain: "the box around the 95 % ellipsoid of the stated standard errors",
         assumptions: "The plant is the linear model; a parameter without a standard error is taken as exact; an observer of the angle's bias is left out.",
+        engine: EXACT,
         is_in_certificate: false,
     },
 ];

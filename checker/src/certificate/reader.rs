@@ -8,6 +8,7 @@ use num_rational::BigRational;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _};
 
+use crate::certificate::hardware::CertifiedHardware;
 use crate::exact::matrices::{Matrix, Vector};
 use crate::exact::rational::decimal;
 
@@ -67,6 +68,8 @@ pub struct Certificate {
     pub gains: [StatedDecimal; 3],
     /// The current drive.
     pub drive: CertifiedDrive,
+    /// Sensors, mounting, filter and converter.
+    pub hardware: CertifiedHardware,
     /// The accelerometer's scale by its part or as stated, apart from its calibration (m/s² per count);
     /// null where only a calibration is known.
     #[serde(deserialize_with = "stated")]

@@ -26,14 +26,15 @@ pub fn by_exact_arithmetic(
     module: &Module,
     law: &EmittedLaw,
 ) -> ClaimOutcome {
-    ClaimOutcome::proved(check_loop(certificate, module, law).map(|rest| match rest {
-        Some((left, speed)) => format!(
+    match check_loop(certificate, module, law) {
+        Ok(Some((left, speed))) => ClaimOutcome::Proved(format!(
             "{} of a bias is left; the wheel turns with {} rad/s for each rad of bias",
             rounded_up(&left, 2),
             rounded_up(&speed, 2)
-        ),
-        None => "there is no observer: its words are zero".to_owned(),
-    }))
+        )),
+        Ok(None) => ClaimOutcome::NotApplicable("the module has no observer".to_owned()),
+        Err(why) => ClaimOutcome::Failed(why),
+    }
 }
 
 /// Shows that plant, regulator and observer are stable together, with the words of the source, and

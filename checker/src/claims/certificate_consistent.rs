@@ -8,6 +8,7 @@ use crate::certificate::reader::{Certificate, StatedDecimal};
 use crate::claims::bias_observer_numbers::check_numbers;
 use crate::claims::control_accurate_real_gains::derived;
 use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::gains_optimal;
 use crate::claims::sampling::check_sampling;
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::declarations::Named;
@@ -80,6 +81,7 @@ pub fn check(
     check_drive(certificate, module)?;
     check_hardware_documents(certificate, module)?;
     check_sampling(certificate)?;
+    gains_optimal::check(certificate)?;
     check_numbers(certificate)
 }
 

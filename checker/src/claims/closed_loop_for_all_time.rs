@@ -463,6 +463,14 @@ impl Response<'_> {
         let reach = root(&quadratic(self.inverse, row))?;
         let rest = &reach * &self.input_norm * &power / (&one - self.gamma);
         let sum = BigRational::from(sum) * &unit + &rest;
+        if &rest * integer(1000) > sum {
+            return Err(format!(
+                "{} terms leave {} of {} open; add up more",
+                self.terms,
+                rounded_up(&rest, 3),
+                rounded_up(&sum, 3)
+            ));
+        }
         let late_gain = reach * integer(2) * power;
         let worst = worst
             .into_iter()

@@ -48,6 +48,9 @@ pub enum LawError {
     /// The result is no saturated linear form.
     #[error("the command is no linear form of the states, clamped to plus and minus one limit")]
     NotLinear,
+    /// There is no limit, or none that a command could keep.
+    #[error("src/control.rs has no positive constant CURRENT_LIMIT")]
+    NoLimit,
     /// The command may leave its limit.
     #[error("the command may reach {0}, the limit is {1} (words)")]
     BeyondLimit(i128, i128),
@@ -78,7 +81,7 @@ impl EmittedLaw {
         let range = ranges(program, &every_bit_pattern(program))?[0];
         let limit_word = match module.constant("control", "CURRENT_LIMIT") {
             Some([word]) if *word > 0 => *word,
-            _ => return Err(LawError::NotLinear),
+            _ => return Err(LawError::NoLimit),
         };
         if range.high > limit_word || range.low < -limit_word {
             let worst = if range.high > limit_word {

@@ -3,14 +3,39 @@
 
 use crate::certificate::reader::Certificate;
 use crate::claims::outcome::ClaimOutcome;
+use crate::domains::directions::{Direction, directions};
 use crate::domains::smt::{Question, SolverAnswer, TIMEOUT_MS, answered, io};
+use crate::language::module::Module;
 use crate::program::steps::Program;
 
-/// A linear form, rounded down and clamped, is monotone in each argument; that the source is one,
-/// [`crate::claims::control_law::EmittedLaw::read`] has shown.
-pub fn by_intervals() -> ClaimOutcome {
-    ClaimOutcome::Proved("a linear form, rounded down and clamped".to_owned())
+/// Follows through the source in which direction the command moves with each state.
+pub fn by_directions(module: &Module, certificate: &Certificate) -> ClaimOutcome {
+    let found = module
+        .function("control")
+        .map(directions)
+        .and_then(|results| results.into_iter().next())
+        .filter(|found| found.len() == 3);
+    let Some(found) = found else {
+        return ClaimOutcome::Failed("there is no `control` of three states".to_owned());
+    };
+    let gains = &certificate.constants;
+    for ((state, found), gain) in STATES.iter().zip(found).zip(gains) {
+        let wanted = if gain.raw >= 0 {
+            Direction::Rises
+        } else {
+            Direction::Falls
+        };
+        if found != wanted && found != Direction::Stays {
+            return ClaimOutcome::Failed(format!(
+                "the command's direction with the {state} is {found:?}, its gain makes it {wanted:?}"
+            ));
+        }
+    }
+    ClaimOutcome::Proved("sums, factors, rounding down and a clamp keep the direction".to_owned())
 }
+
+/// What the states are called.
+const STATES: [&str; 3] = ["angle", "rate", "wheel speed"];
 
 /// The questions to z3, one for each state.
 pub fn by_smt(program: &Program, certificate: &Certificate) -> SolverAnswer {

@@ -1,5 +1,5 @@
-//! The words of `src/constants.rs` against the real numbers in its documentation and, for the observer
-//! of the angle's bias (see [`crate::claims::bias_observer_words`]), in the certificate.
+//! The words of `src/constants.rs` against the real numbers of the certificate; for those of the observer
+//! of the angle's bias see [`crate::claims::bias_observer_words`].
 //!
 //! What each word stands for is derived here from the formats that the emitted fields state:
 //! half-angles a step in Q32, matrices in Q17 of which the accelerometer's and magnetometer's are
@@ -9,7 +9,8 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use crate::certificate::reader::Certificate;
+use crate::certificate::hardware::{CertifiedHardware, CertifiedSensor};
+use crate::certificate::reader::{Certificate, CertifiedLoop};
 use crate::claims::bias_observer_words::check_words;
 use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::named_words::{NamedWords, nearest};
@@ -22,80 +23,58 @@ type Check = Result<(), String>;
 /// hundredth of a count over a duty of 16 bits.
 const SLOPE_BITS_MIN: i32 = 23;
 
-/// Numbers in a line of text, in order.
-pub(crate) fn numbers(text: &str) -> Vec<BigRational> {
-    text.split(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c)))
-        .map(|piece| piece.trim_end_matches(['.', '+', '-', 'e']))
-        .filter_map(decimal)
-        .collect()
-}
-
-/// The line of documentation of `src/constants.rs` in which `mark` stands, from there on.
-pub(crate) fn after<'a>(text: &'a str, mark: &str) -> Result<&'a str, String> {
-    text.lines()
-        .find_map(|line| line.strip_prefix("///")?.split_once(mark))
-        .map(|(_, rest)| rest)
-        .ok_or_else(|| format!("src/constants.rs does not document `{mark}`"))
-}
-
 /// Checks all words.
 ///
 /// # Errors
 /// A sentence that names the word.
 pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Check {
-    let text = module
-        .text("src/constants.rs")
-        .ok_or("there is no src/constants.rs")?;
+    let hardware = &certificate.hardware;
     let period = &certificate.sample_time_s.value;
-    let stated = numbers(after(text, "Attitude filter at")?);
-    let [stated_period, beta, ..] = stated.as_slice() else {
-        return Err("the documents of FILTER do not state sample time and beta".to_owned());
-    };
-    if stated_period != period {
-        return Err("the filter's sample time is not that of the certificate".to_owned());
-    }
     let filter = NamedWords::read(module, "FILTER")?;
-    let stated = numbers(after(text, "Gravity")?);
-    let [gravity, .., field, lever_x, lever_y] = stated.as_slice() else {
-        return Err("the documents of FILTER do not state gravity, field and lever".to_owned());
-    };
+    let (beta, gravity) = (&hardware.beta_rad_s.value, &hardware.gravity_m_s2.value);
+    for (what, stated) in [
+        ("beta_rad_s", &hardware.beta_rad_s),
+        ("gravity_m_s2", &hardware.gravity_m_s2),
+        ("field_min_uT", &hardware.field_min_ut),
+    ] {
+        if !stated.value.is_positive() {
+            return Err(format!("{what} is {stated}; it is more than zero"));
+        }
+    }
     nearest(
         "FILTER.beta",
         &filter.get("FILTER.beta")?,
         &(beta * period * power_of_two(35)),
     )?;
 
-    let clips = numbers(after(text, "Unknown at or beyond:")?);
-    if clips.len() != 6 {
-        return Err("the documents of FILTER do not state where the sensors clip".to_owned());
-    }
-    for (index, stated) in clips.iter().enumerate() {
-        let sensor = ["accel", "mag"][index / 3];
-        let name = format!("FILTER.{sensor}_clip[{}]", index % 3);
-        let word = filter.get(&name)?;
-        if word != *stated || !word.is_positive() {
-            return Err(format!("{name} is {word}, its documents say {stated}"));
+    let limits = NamedWords::read(module, "LIMITS")?;
+    let sensors = [
+        (&limits, "LIMITS.gyro_clip", &hardware.gyroscope),
+        (&filter, "FILTER.accel_clip", &hardware.accelerometer),
+        (&filter, "FILTER.mag_clip", &hardware.magnetometer),
+    ];
+    for (words, name, stated) in sensors {
+        for (axis, clip) in stated.clip_counts.iter().enumerate() {
+            let name = format!("{name}[{axis}]");
+            exactly(words, &name, (*clip).into())?;
+            if *clip <= 0 {
+                return Err(format!("{name} is {clip}: no count would be known"));
+            }
         }
     }
+    let converter = &hardware.wheel_speed;
+    exactly(&limits, "LIMITS.wheel_low", converter.low_counts.into())?;
+    exactly(&limits, "LIMITS.wheel_high", converter.high_counts.into())?;
+    if converter.low_counts >= converter.high_counts {
+        return Err("the converter's range is empty".to_owned());
+    }
 
-    drift(&filter, text, period)?;
+    drift(&filter, hardware, period)?;
 
     let gyro_unit = period * half() * power_of_two(49);
-    sensor(
-        &filter,
-        text,
-        "gyroscope, rad/s per count |",
-        "gyro",
-        Some(&gyro_unit),
-    )?;
-    let accel_unit = sensor(
-        &filter,
-        text,
-        "accelerometer, m/s2 per count |",
-        "accel",
-        None,
-    )?;
-    let mag_unit = sensor(&filter, text, "magnetometer, uT per count |", "mag", None)?;
+    sensor(&filter, &hardware.gyroscope, "gyro", Some(&gyro_unit))?;
+    let accel_unit = sensor(&filter, &hardware.accelerometer, "accel", None)?;
+    let mag_unit = sensor(&filter, &hardware.magnetometer, "mag", None)?;
 
     // Units per m/s² and per uT, the matrices' Q17 taken off; squares in units of 2³².
     let per_m_s2 = accel_unit * power_of_two(-17);
@@ -104,12 +83,13 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
     squared(
         &filter,
         "FILTER.field_squared_min",
-        &(field * mag_unit * power_of_two(-17)),
+        &(&hardware.field_min_ut.value * mag_unit * power_of_two(-17)),
     )?;
     let square = period * period;
     let centripetal = integer(4) / &square * &per_m_s2 * power_of_two(-16);
     let tangential = integer(1) / &square * &per_m_s2 * power_of_two(-16);
-    for (index, lever) in [lever_x, lever_y].into_iter().enumerate() {
+    for (index, lever) in hardware.lever_arm_m.iter().enumerate() {
+        let lever = &lever.value;
         let name = format!("FILTER.lever_arm.centripetal[{index}]");
         nearest(&name, &filter.get(&name)?, &(lever * &centripetal))?;
         let name = format!("FILTER.lever_arm.tangential[{index}]");
@@ -118,8 +98,9 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
 
     let angle_bits = exponent(law.state_bits[0]);
     let observer = NamedWords::read(module, "BIAS_OBSERVER")?;
-    check_words(certificate, text, law, &observer)?;
-    check_angle(module, text, angle_bits, &observer)?;
+    check_words(certificate, law, &observer)?;
+    let mounting = &hardware.mounting_angle_rad.value;
+    check_angle(module, mounting, angle_bits, &observer)?;
 
     let rate_unit = power_of_two(exponent(law.state_bits[1]));
     let slope = integer(2) / period * rate_unit * power_of_two(-32);
@@ -134,19 +115,14 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
     )?;
 
     let wheel_unit = power_of_two(exponent(law.state_bits[2]));
-    let stated = numbers(after(text, "to the word of the wheel speed (")?);
-    let [.., slope, offset, range] = stated.as_slice() else {
-        return Err("the documents of WHEEL_SPEED_LINE do not state the line".to_owned());
-    };
-    if *range != certificate.inputs[2].range.value {
-        return Err("the wheel speed's range is not that of the certificate".to_owned());
-    }
+    let range = &certificate.inputs[2].range.value;
+    let wheel = &hardware.wheel_speed;
     let end = (range * &wheel_unit).floor().min(largest);
     line(
         module,
         "WHEEL_SPEED_LINE",
-        &(slope * &wheel_unit),
-        &(offset * &wheel_unit),
+        &(&wheel.rad_s_per_count.value * &wheel_unit),
+        &(&wheel.rad_s_at_zero.value * &wheel_unit),
         &-&end,
         &end,
     )?;
@@ -164,38 +140,22 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         &integer(drive.duty_high.into()),
     )?;
     if let Some(closed_loop) = &certificate.closed_loop {
-        check_sensor_steps(text, gravity, closed_loop)?;
+        check_sensor_steps(hardware, closed_loop)?;
     }
     Ok(())
 }
 
-/// The counts that the closed loop's certificate speaks of are those of the documented sensors.
-fn check_sensor_steps(
-    text: &str,
-    gravity: &BigRational,
-    stated: &crate::certificate::reader::CertifiedLoop,
-) -> Check {
-    let row = |mark: &str, rows: &[usize]| -> Result<BigRational, String> {
-        let numbers = numbers(after(text, mark)?);
-        rows.iter()
-            .map(|row| {
-                let entries = numbers.get(3 + 3 * row..6 + 3 * row);
-                entries.map(|entries| entries.iter().map(Signed::abs).sum::<BigRational>())
-            })
-            .collect::<Option<Vec<_>>>()
-            .and_then(|sums| sums.into_iter().max())
-            .ok_or_else(|| format!("the row `{mark}` has no matrix"))
+/// The counts that the closed loop's certificate speaks of are those of the stated sensors.
+fn check_sensor_steps(hardware: &CertifiedHardware, stated: &CertifiedLoop) -> Check {
+    let row = |sensor: &CertifiedSensor, row: usize| -> BigRational {
+        let entries = sensor.matrix[row].iter();
+        entries.map(|entry| entry.value.abs()).sum()
     };
-    let wheel = numbers(after(text, "to the word of the wheel speed (")?);
-    let wheel = wheel
-        .iter()
-        .rev()
-        .nth(2)
-        .ok_or("the wheel speed's line is not documented")?;
+    let accel = &hardware.accelerometer;
     let found = [
-        row("accelerometer, m/s2 per count |", &[0, 1])? / gravity,
-        row("gyroscope, rad/s per count |", &[2])?,
-        wheel.abs(),
+        row(accel, 0).max(row(accel, 1)) / &hardware.gravity_m_s2.value,
+        row(&hardware.gyroscope, 2),
+        hardware.wheel_speed.rad_s_per_count.value.abs(),
     ];
     for (index, found) in found.iter().enumerate() {
         let stated = &stated.sensor_steps[index];
@@ -209,12 +169,10 @@ fn check_sensor_steps(
     Ok(())
 }
 
-/// How the drift is followed: as documented, with as many bits as leave room for the largest.
-fn drift(filter: &NamedWords, text: &str, period: &BigRational) -> Check {
-    let stated = numbers(after(text, "drift is followed within")?);
-    let [time, limit] = stated.as_slice() else {
-        return Err("the documents of FILTER do not state how the drift is followed".to_owned());
-    };
+/// How the drift is followed: as stated, with as many bits as leave room for the largest.
+fn drift(filter: &NamedWords, hardware: &CertifiedHardware, period: &BigRational) -> Check {
+    let time = &hardware.drift_time_s.value;
+    let limit = &hardware.drift_limit_rad_s.value;
     if !time.is_positive() || !limit.is_positive() {
         return Err("the drift is followed in no time, or not at all".to_owned());
     }
@@ -239,23 +197,22 @@ fn drift(filter: &NamedWords, text: &str, period: &BigRational) -> Check {
 /// One sensor's bias and matrix; returns the factor from matrix to words.
 fn sensor(
     words: &NamedWords,
-    text: &str,
-    mark: &str,
+    stated: &CertifiedSensor,
     name: &str,
     unit: Option<&BigRational>,
 ) -> Result<BigRational, String> {
-    let stated = numbers(after(text, mark)?);
-    if stated.len() != 12 {
-        return Err(format!(
-            "the row `{mark}` does not hold a bias and a matrix"
-        ));
-    }
-    let (bias, matrix) = stated.split_at(3);
+    let matrix: Vec<&BigRational> = stated
+        .matrix
+        .iter()
+        .flatten()
+        .map(|entry| &entry.value)
+        .collect();
     let unit = match unit {
         Some(unit) => unit.clone(),
         None => {
-            let largest = (0..3)
-                .map(|row| matrix[3 * row..3 * row + 3].iter().map(Signed::abs).sum())
+            let largest = matrix
+                .chunks(3)
+                .map(|row| row.iter().map(|entry| entry.abs()).sum())
                 .max()
                 .filter(|sum: &BigRational| sum.is_positive())
                 .ok_or_else(|| format!("the matrix of `{name}` is zero"))?;
@@ -268,18 +225,29 @@ fn sensor(
     if half_unit != (power_of_two(shift) * half()).floor() + integer(1) {
         return Err(format!("FILTER.{name}.half_unit is {half_unit}"));
     }
-    for (index, counts) in bias.iter().enumerate() {
+    for (index, counts) in stated.bias_counts.iter().enumerate() {
         let word = format!("FILTER.{name}.bias[{index}]");
-        nearest(&word, &words.get(&word)?, &(counts * power_of_two(15)))?;
+        let real = &counts.value * power_of_two(15);
+        nearest(&word, &words.get(&word)?, &real)?;
     }
     for (row, letter) in ["x", "y", "z"].into_iter().enumerate() {
         for column in 0..3 {
             let word = format!("FILTER.{name}.{letter}[{column}]");
-            let real = &matrix[3 * row + column] * &unit * power_of_two(shift);
+            let real = matrix[3 * row + column] * &unit * power_of_two(shift);
             nearest(&word, &words.get(&word)?, &real)?;
         }
     }
     Ok(unit)
+}
+
+/// A word that is an integer of the certificate.
+fn exactly(words: &NamedWords, name: &str, stated: i128) -> Check {
+    let word = words.get(name)?;
+    if word == integer(stated) {
+        Ok(())
+    } else {
+        Err(format!("{name} is {word}, the certificate says {stated}"))
+    }
 }
 
 fn squared(words: &NamedWords, name: &str, length: &BigRational) -> Check {
@@ -287,7 +255,12 @@ fn squared(words: &NamedWords, name: &str, length: &BigRational) -> Check {
     nearest(name, &words.get(name)?, &real.max(BigRational::one()))
 }
 
-fn check_angle(module: &Module, text: &str, angle_bits: i32, observer: &NamedWords) -> Check {
+fn check_angle(
+    module: &Module,
+    mounting: &BigRational,
+    angle_bits: i32,
+    observer: &NamedWords,
+) -> Check {
     let single = |name: &str| NamedWords::read(module, name)?.get(name);
     let exact = |name: &str, wanted: &BigRational| {
         let found = single(name)?;
@@ -304,10 +277,6 @@ fn check_angle(module: &Module, text: &str, angle_bits: i32, observer: &NamedWor
     let largest = (integer(i32::MAX.into()) - limit) * power_of_two(-up);
     exact("ANGLE_MAX", &largest.floor())?;
 
-    let stated = numbers(after(text, "Mounting angle")?);
-    let mounting = stated
-        .first()
-        .ok_or("the mounting angle is not documented")?;
     // Wrapped by whole turns, with π to 40 digits.
     let pi = decimal("3.141592653589793238462643383279502884197").ok_or("π")?;
     let turns = (mounting / (&pi * integer(2))).round();

@@ -2,15 +2,18 @@
 //!
 //! | file | claim, or what several use |
 //! |---|---|
-//! | [`source_understood`], [`certificate_consistent`], [`hardware_words`], [`physical_signs`] | the claims of that name |
+//! | [`source_understood`], [`texts_audited`], [`compiled_agrees`], [`certificate_consistent`], [`hardware_words`], [`physical_signs`] | the claims of that name |
+//! | [`gains_optimal`] | K against the weights, part of `certificate-consistent` |
+//! | [`model_matches`] | the certificate against the user's model.toml |
 //! | [`control_total`], [`control_accurate`], [`control_accurate_real_gains`], [`control_monotone`] | of the control law |
 //! | [`primitives`], [`filter_total`], [`filter_length`], [`filter_accurate`], [`filter_exact`] | of the attitude filter |
 //! | [`step_total`], [`supervisor`] | of the full step |
-//! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
+//! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`closed_loop_second`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
 //! | [`control_law`] | the law that the source implements |
 //! | [`sampling`] | the sampled model against the continuous one |
 //! | [`bias_observer_numbers`], [`bias_observer_words`] | the observer of the angle's bias |
 //! | [`named_words`], [`functions`], [`random`] | words and functions by name, random numbers |
+//! | `upright` | the attitude in which the filter says upright |
 //! | [`outcome`] | what comes of a claim, and the engines |
 
 pub mod bias_observer_numbers;
@@ -18,7 +21,9 @@ pub mod bias_observer_stable;
 pub mod bias_observer_words;
 pub mod certificate_consistent;
 pub mod closed_loop_for_all_time;
+pub mod closed_loop_second;
 pub mod closed_loop_stable;
+pub mod compiled_agrees;
 pub mod control_accurate;
 pub mod control_accurate_real_gains;
 pub mod control_law;
@@ -29,7 +34,9 @@ pub mod filter_exact;
 pub mod filter_length;
 pub mod filter_total;
 pub mod functions;
+pub mod gains_optimal;
 pub mod hardware_words;
+pub mod model_matches;
 pub mod named_words;
 pub mod outcome;
 pub mod physical_signs;
@@ -41,3 +48,5 @@ pub mod source_understood;
 pub mod stable_for_parameters;
 pub mod step_total;
 pub mod supervisor;
+pub mod texts_audited;
+pub(crate) mod upright;

@@ -16,13 +16,13 @@
 //! 5. a sensor on the body is not far outside it: the lever arm is at most three times the length
 //!    Θ g/G of the simple pendulum that swings alike (a rod's end is at 1.5 times that).
 
+use crate::certificate::hardware::CertifiedSensor;
 use crate::certificate::reader::Certificate;
 use crate::claims::functions::Functions;
-use crate::claims::hardware_words::{after, numbers};
 use crate::exact::rational::integer;
 use crate::language::module::Module;
 use num_rational::BigRational;
-use num_traits::{Signed, ToPrimitive};
+use num_traits::{Signed, ToPrimitive, Zero};
 
 type Check = Result<(), String>;
 
@@ -39,7 +39,7 @@ const LEANS_RAD: [f64; 3] = [0.017_453, 0.052_36, 0.174_53];
 /// Rates that are tried, rad/s.
 const RATES_RAD_S: [f64; 2] = [0.2, 1.0];
 
-/// A sensor as `src/constants.rs` documents it.
+/// A sensor as the certificate states it.
 struct Sensor {
     bias: [f64; 3],
     matrix: [[f64; 3]; 3],
@@ -50,11 +50,8 @@ struct Sensor {
 /// # Errors
 /// A sentence that says what contradicts physics.
 pub fn check(certificate: &Certificate, module: &Module) -> Check {
-    let text = module
-        .text("src/constants.rs")
-        .ok_or("there is no src/constants.rs")?;
-    let gyro = Sensor::read(text, "gyroscope, rad/s per count |")?;
-    let accel = Sensor::read(text, "accelerometer, m/s2 per count |")?;
+    let gyro = Sensor::of(&certificate.hardware.gyroscope)?;
+    let accel = Sensor::of(&certificate.hardware.accelerometer)?;
     for (name, sensor) in [("gyroscope", &gyro), ("accelerometer", &accel)] {
         let determinant = sensor.determinant();
         if determinant.is_nan() || determinant <= 0.0 {
@@ -71,8 +68,8 @@ pub fn check(certificate: &Certificate, module: &Module) -> Check {
         .transpose()?;
     gravity(&accel, scale)?;
     motor(certificate)?;
-    lever_arm(certificate, text)?;
-    restoring(certificate, module, text, &gyro, &accel)
+    lever_arm(certificate)?;
+    restoring(certificate, module, &gyro, &accel)
 }
 
 fn real(value: &BigRational) -> Result<f64, String> {
@@ -81,16 +78,18 @@ fn real(value: &BigRational) -> Result<f64, String> {
 }
 
 impl Sensor {
-    fn read(text: &str, mark: &str) -> Result<Sensor, String> {
-        let stated = numbers(after(text, mark)?);
-        let stated: Vec<f64> = stated.iter().map(real).collect::<Result<_, _>>()?;
-        let [bias @ .., _, _, _, _, _, _, _, _, _] = stated.as_slice() else {
-            return Err(format!("the row `{mark}` has no matrix"));
+    fn of(stated: &CertifiedSensor) -> Result<Sensor, String> {
+        let mut sensor = Sensor {
+            bias: [0.0; 3],
+            matrix: [[0.0; 3]; 3],
         };
-        let bias = <[f64; 3]>::try_from(bias)
-            .map_err(|_| format!("the row `{mark}` does not hold a bias and a matrix"))?;
-        let matrix = [0, 1, 2].map(|row| [0, 1, 2].map(|column| stated[3 + 3 * row + column]));
-        Ok(Sensor { bias, matrix })
+        for axis in 0..3 {
+            sensor.bias[axis] = real(&stated.bias_counts[axis].value)?;
+            for column in 0..3 {
+                sensor.matrix[axis][column] = real(&stated.matrix[axis][column].value)?;
+            }
+        }
+        Ok(sensor)
     }
 
     fn minor(&self, row: usize, column: usize) -> f64 {
@@ -171,7 +170,7 @@ fn motor(certificate: &Certificate) -> Check {
     Ok(())
 }
 
-fn lever_arm(certificate: &Certificate, text: &str) -> Check {
+fn lever_arm(certificate: &Certificate) -> Check {
     let parameter = |name: &str| {
         let mut found = certificate.parameters.iter();
         let found = found.find(|parameter| parameter.name == name)?;
@@ -182,12 +181,10 @@ fn lever_arm(certificate: &Certificate, text: &str) -> Check {
     else {
         return Ok(());
     };
-    let stated = numbers(after(text, "Gravity")?);
-    let [gravity, .., x, y] = stated.as_slice() else {
-        return Err("the documents of FILTER do not state the lever arm".to_owned());
-    };
-    let length = inertia * real(gravity)? / torque;
-    let arm = real(x)?.hypot(real(y)?);
+    let hardware = &certificate.hardware;
+    let length = inertia * real(&hardware.gravity_m_s2.value)? / torque;
+    let [x, y] = &hardware.lever_arm_m;
+    let arm = real(&x.value)?.hypot(real(&y.value)?);
     if arm > LEVER_ARM_MAX * length {
         return Err(format!(
             "the accelerometer would sit {arm:.3} m from the pivot, on a body that swings like a \
@@ -198,25 +195,16 @@ fn lever_arm(certificate: &Certificate, text: &str) -> Check {
 }
 
 /// Raw counts of a body that leans or falls, through every word, to the current.
-fn restoring(
-    certificate: &Certificate,
-    module: &Module,
-    text: &str,
-    gyro: &Sensor,
-    accel: &Sensor,
-) -> Check {
+fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &Sensor) -> Check {
     let f = Functions(module);
-    let mounting = numbers(after(text, "Mounting angle")?);
-    let mounting = real(
-        mounting
-            .first()
-            .ok_or("the mounting angle is not documented")?,
-    )?;
-    let wheel = numbers(after(text, "to the word of the wheel speed (")?);
-    let [.., slope, offset, _] = wheel.as_slice() else {
-        return Err("the documents of WHEEL_SPEED_LINE do not state the line".to_owned());
-    };
-    let at_rest = (-offset / slope).round().to_integer().to_i128();
+    let hardware = &certificate.hardware;
+    let mounting = real(&hardware.mounting_angle_rad.value)?;
+    let wheel = &hardware.wheel_speed;
+    if wheel.rad_s_per_count.value.is_zero() {
+        return Err("a count of the wheel's speed is no speed".to_owned());
+    }
+    let at_rest = -&wheel.rad_s_at_zero.value / &wheel.rad_s_per_count.value;
+    let at_rest = at_rest.round().to_integer().to_i128();
     let at_rest = at_rest.unwrap_or(0).clamp(0, 65_535);
     let speed = f.call("wheel_speed", &[at_rest])?;
     let per_count = &certificate.drive.amperes_per_count.value;

@@ -28,7 +28,7 @@ use crate::claims::closed_loop_for_all_time::ClosedLoopBounds;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{Matrix, Vector, dot, inverse, quadratic};
-use crate::exact::rational::{half, integer, power, root_above, rounded_up};
+use crate::exact::rational::{integer, power, root_above, rounded_up};
 
 /// Shares of the set that are tried, in parts of its size.
 const PARTS: i128 = 64;
@@ -80,8 +80,25 @@ pub fn by_exact_arithmetic(
             rounded_up(&region.extents[2], 3),
             rounded_up(&region.inner, 3)
         )),
-        Err(why) => ClaimOutcome::NotRun(why),
+        Err(NoRegion::Unphysical(why)) => ClaimOutcome::Failed(why),
+        Err(NoRegion::NotShown(why)) => ClaimOutcome::NotRun(why),
     }
+}
+
+/// Why no region is shown.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoRegion {
+    /// The stated numbers are those of no pendulum, or contradict each other.
+    #[error("{0}")]
+    Unphysical(String),
+    /// The argument does not reach; there may be a region all the same.
+    #[error("{0}")]
+    NotShown(String),
+}
+
+/// Gravity's entry of the stated matrix may be printed with six digits.
+fn is_gravity_of(a: &BigRational, gravity: &BigRational) -> bool {
+    (a - gravity).abs() <= gravity.abs() * power(10, -5)
 }
 
 /// Finds the largest region that the argument above shows, and the smallest set to which it comes.
@@ -93,29 +110,53 @@ pub fn check(
     stated: &CertifiedLoop,
     bounds: &ClosedLoopBounds,
     law: &EmittedLaw,
-) -> Result<ProvedRegion, String> {
+) -> Result<ProvedRegion, NoRegion> {
     let parameter = |name: &str| {
         let found = certificate.parameters.iter().find(|p| p.name == name);
-        found
-            .map(|p| p.value.value.clone())
-            .ok_or_else(|| format!("the certificate does not state the parameter {name}"))
+        found.map(|p| p.value.value.clone()).ok_or_else(|| {
+            NoRegion::Unphysical(format!(
+                "the certificate does not state the parameter {name}"
+            ))
+        })
     };
     let carried = parameter("total_inertia")? - parameter("wheel_inertia")?;
     if !carried.is_positive() {
-        return Err("total_inertia - wheel_inertia is not positive".to_owned());
+        return Err(NoRegion::Unphysical(
+            "total_inertia - wheel_inertia is not positive".to_owned(),
+        ));
     }
     let gravity = parameter("gravity_torque")? / carried;
     if !gravity.is_positive() {
-        return Err("the gravity torque is not positive".to_owned());
+        return Err(NoRegion::Unphysical(
+            "the gravity torque is not positive".to_owned(),
+        ));
     }
     let p = matrix(&stated.ellipsoid);
-    let root = |value: &BigRational| root_above(value).ok_or("a negative square");
+    let not_shown = |why: &str| NoRegion::NotShown(why.to_owned());
+    let root = |value: &BigRational| root_above(value).ok_or(not_shown("a negative square"));
     let t = certificate.sample_time_s.value.clone();
     let a = matrix(&certificate.plant.a);
-    let inverse = inverse(&p).ok_or("the matrix of the ellipsoid is singular")?;
+    // The sine and the linear model have one gravity; a spring would need another argument.
+    if !is_gravity_of(&a[1][0], &gravity) {
+        let why = format!(
+            "A[1][0] is {}, gravity makes it {}",
+            rounded_up(&a[1][0], 7),
+            rounded_up(&gravity, 7)
+        );
+        let has_spring = certificate
+            .parameters
+            .iter()
+            .any(|parameter| parameter.unit.contains("N m/rad"));
+        return Err(if has_spring {
+            NoRegion::NotShown(format!("{why}: a spring is not part of the argument"))
+        } else {
+            NoRegion::Unphysical(why)
+        });
+    }
+    let inverse = inverse(&p).ok_or(not_shown("the matrix of the ellipsoid is singular"))?;
     let one = BigRational::one();
     let all = Loop {
-        q: largest_response(&a, &t, &p)?,
+        q: largest_response(&a, &t, &p).map_err(NoRegion::NotShown)?,
         gravity,
         b: vector(&certificate.plant.b),
         extents: bounds.extents.clone(),
@@ -125,7 +166,7 @@ pub fn check(
             .iter()
             .map(|case| case.perturbation.clone())
             .max()
-            .ok_or("no perturbations are stated")?,
+            .ok_or(not_shown("no perturbations are stated"))?,
         pushed: &bounds.perturbation_share * (&one - &stated.contraction.value),
         gamma: stated.contraction.value.clone(),
         a,
@@ -146,7 +187,9 @@ pub fn check(
             });
         }
     }
-    Err("gravity as a sine could take the loop out of every share of its invariant set".to_owned())
+    Err(not_shown(
+        "gravity as a sine could take the loop out of every share of its invariant set",
+    ))
 }
 
 impl Loop {
@@ -198,8 +241,9 @@ fn largest_response(a: &Matrix, t: &BigRational, p: &Matrix) -> Result<BigRation
     let scaled: Matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[i][j].abs() * t));
     let sums = scaled.each_ref().map(|row| row.iter().sum::<BigRational>());
     let norm = sums.iter().max().cloned().unwrap_or_default();
-    if norm > half() {
-        return Err("the sample time is too long for the bound: |A| T is above 1/2".to_owned());
+    // The terms after the last are then at most (8/25)^j of it, together less than it.
+    if norm > integer(8) {
+        return Err("the sample time is too long for the bound: |A| T is above 8".to_owned());
     }
     let e: Vector = [0, 1, -1].map(integer);
     let mut term: Vector = [0, 1, 1].map(integer);
@@ -212,7 +256,6 @@ fn largest_response(a: &Matrix, t: &BigRational, p: &Matrix) -> Result<BigRation
             *sum += entry;
         }
     }
-    // The terms that are left are at most this one and its halves.
     let root = |value: &BigRational| root_above(value).ok_or("a negative square".to_owned());
     let mut q = root(&quadratic(p, &e))?;
     for (i, change) in change.iter().enumerate() {

@@ -1,9 +1,9 @@
 //! Claim `stable-for-parameters`: the loop with the emitted gains is stable for every parameter vector
 //! that identification allows, by the criterion of [`crate::claims::closed_loop_stable`].
 //!
-//! **Region.** Each parameter lies within ±√χ² standard errors, χ² the 95 % quantile for as many
-//! degrees of freedom as there are parameters. This box contains the 95 % ellipsoid whatever the
-//! correlations are (the ellipsoid's projection on an axis is that interval). It is halved until
+//! **Region.** Each parameter that the loop depends on lies within ±√χ² standard errors, χ² the 95 %
+//! quantile for as many degrees of freedom as there are uncertain ones among them. This box contains
+//! their 95 % ellipsoid whatever the correlations are (the ellipsoid's projection on an axis is that interval). It is halved until
 //! the criterion holds on every part in outward-rounded intervals.
 //!
 //! **Model.** In coordinates (angle, rate, absolute wheel speed ψ = α̇ + φ̇), D = Θ − j_w,
@@ -24,9 +24,9 @@ use crate::exact::enclosure::Enclosure;
 use crate::exact::matrices::Vector;
 use crate::exact::rational::{half, integer, power, root_above, rounded_up};
 
-/// 95 % quantiles of χ² for 1 to 10 degrees of freedom, rounded up in the third decimal.
-const CHI_SQUARED_95: [&str; 10] = [
-    "3.842", "5.992", "7.815", "9.488", "11.071", "12.592", "14.068", "15.508", "16.919", "18.308",
+/// 95 % quantiles of χ² for 1 to 7 degrees of freedom, rounded up in the third decimal.
+const CHI_SQUARED_95: [&str; 7] = [
+    "3.842", "5.992", "7.815", "9.488", "11.071", "12.592", "14.068",
 ];
 
 /// How often boxes are halved before the sweep gives up.
@@ -110,15 +110,13 @@ pub fn check_region(
             }
         }
     }
-    let count = certificate.parameters.len();
-    let Some(quantile) = CHI_SQUARED_95
+    // The ellipsoid of those that the loop depends on: what the others are does not matter to it, and
+    // its projection has as many degrees of freedom.
+    let count = errors.iter().filter(|error| !error.is_zero()).count();
+    let quantile = CHI_SQUARED_95
         .get(count.saturating_sub(1))
         .and_then(|text| crate::exact::rational::decimal(text))
-    else {
-        return Err(RegionFailure::NotStated(format!(
-            "{count} parameters; the quantile is known for up to 10"
-        )));
-    };
+        .ok_or_else(|| RegionFailure::Fails(format!("no quantile for {count} parameters")))?;
     let factor = root_above(&quantile)
         .ok_or_else(|| RegionFailure::Fails("a negative quantile".to_owned()))?;
     let radii: Vec<BigRational> = errors.iter().map(|error| error * &factor).collect();

@@ -1,5 +1,7 @@
 //! One integer for each word: runs a function, with every overflow found.
 
+use std::cell::Cell;
+
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Sides, Site, start, walk};
 use crate::program::place::SourcePlace;
 use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
@@ -21,6 +23,7 @@ pub struct Machine<'a> {
     program: &'a Program,
     words: Vec<i128>,
     results: Vec<i128>,
+    path: u64,
 }
 
 impl<'a> Machine<'a> {
@@ -28,8 +31,9 @@ impl<'a> Machine<'a> {
     pub fn new(program: &'a Program) -> Self {
         Machine {
             program,
-            words: start(&mut Integers, program, []),
+            words: start(&mut Integers::default(), program, []),
             results: vec![0; program.results.len()],
+            path: 0,
         }
     }
 
@@ -59,16 +63,34 @@ impl<'a> Machine<'a> {
             }
             self.words[*slot] = *value;
         }
-        walk(&mut Integers, program, &mut self.words)?;
+        let mut domain = Integers::default();
+        walk(&mut domain, program, &mut self.words)?;
+        self.path = domain.path.get();
         for (result, slot) in self.results.iter_mut().zip(&program.results) {
             *result = self.words[*slot];
         }
         Ok(&self.results)
     }
+
+    /// A number for the way that the last call took: which sides of branches, which ends of clamps.
+    pub fn path(&self) -> u64 {
+        self.path
+    }
 }
 
 /// The integers themselves.
-struct Integers;
+#[derive(Default)]
+struct Integers {
+    /// Changed by every decision, so that two ways have two numbers but by chance.
+    path: Cell<u64>,
+}
+
+impl Integers {
+    fn decided(&self, way: u64) {
+        let mixed = (self.path.get() ^ way).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.path.set(mixed.rotate_left(29).wrapping_add(1));
+    }
+}
 
 fn trap<T>(site: &Site<i128>, message: String) -> Result<T, Trap> {
     Err(Trap {
@@ -143,7 +165,9 @@ impl Domain for Integers {
         if low > high {
             return trap(site, format!("clamp to [{low}, {high}], which is empty"));
         }
-        Ok((*site.word(operand)).clamp(low, high))
+        let value = *site.word(operand);
+        self.decided(u64::from(value > low) + u64::from(value >= high) + 2);
+        Ok(value.clamp(low, high))
     }
 
     fn assertion(&mut self, site: &Site<i128>, condition: Slot, message: &str) -> Result<(), Trap> {
@@ -164,6 +188,7 @@ impl Domain for Integers {
     }
 
     fn sides(&self, condition: &i128) -> Sides {
+        self.decided(u64::from(*condition != 0));
         Sides::One(*condition != 0)
     }
 

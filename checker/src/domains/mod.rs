@@ -10,6 +10,7 @@
 //!
 //! [`walk`] is the walk over a program that serves them all; [`halving`] proves contracts by intervals.
 
+pub mod directions;
 pub mod halving;
 pub mod intervals;
 pub mod linear_forms;

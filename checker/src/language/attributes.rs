@@ -45,10 +45,10 @@ pub(super) fn no_generics(path: &Arc<str>, generics: &syn::Generics) -> Read<()>
 pub(super) fn inner_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -> Read<()> {
     attributes.iter().try_for_each(|attribute| {
         let name = attribute.path();
-        if ["doc", "no_std", "forbid", "warn"]
+        let is_known = ["no_std", "forbid", "warn"]
             .iter()
-            .any(|known| name.is_ident(known))
-        {
+            .any(|known| name.is_ident(known));
+        if is_known || is_documentation(attribute) {
             Ok(())
         } else {
             refuse(
@@ -63,8 +63,21 @@ pub(super) fn inner_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -
     })
 }
 
-/// Attributes that do not change what the code does. Kani's contracts stand under
-/// `cfg_attr(kani, …)`, which nothing but Kani compiles.
+/// A comment of documentation, not one that is read from somewhere.
+fn is_documentation(attribute: &syn::Attribute) -> bool {
+    attribute.path().is_ident("doc")
+        && matches!(
+            &attribute.meta,
+            syn::Meta::NameValue(syn::MetaNameValue {
+                value: syn::Expr::Lit(_),
+                ..
+            })
+        )
+}
+
+/// Attributes that do not change what the code does. Contracts that Kani proves stand under
+/// `cfg_attr(kani, …)`, which nothing but Kani compiles, and those that the checker alone proves under
+/// `cfg_attr(any(), …)`, which nothing compiles.
 pub(super) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -> Read<()> {
     attributes.iter().try_for_each(|attribute| {
         let name = attribute.path();
@@ -75,9 +88,10 @@ pub(super) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -
                 )
                 .ok()
         };
-        let is_harmless = ["doc", "inline", "must_use"]
-            .iter()
-            .any(|known| name.is_ident(known));
+        let is_harmless = is_documentation(attribute)
+            || ["inline", "must_use"]
+                .iter()
+                .any(|known| name.is_ident(known));
         let is_derive = name.is_ident("derive")
             && list().is_some_and(|list| {
                 list.iter().all(|item| {
@@ -101,10 +115,16 @@ pub(super) fn outer_attributes(path: &Arc<str>, attributes: &[syn::Attribute]) -
                     .map(|path| path.iter().map(String::as_str).collect())
                     .collect();
                 let paths: Vec<&[&str]> = paths.iter().map(Vec::as_slice).collect();
-                matches!(
+                let is_never = list.first().is_some_and(|condition| match condition {
+                    syn::Meta::Path(path) => path.is_ident("kani"),
+                    syn::Meta::List(list) => list.path.is_ident("any") && list.tokens.is_empty(),
+                    syn::Meta::NameValue(_) => false,
+                });
+                let is_one_contract = matches!(
                     paths.as_slice(),
-                    [["kani"], ["kani", "requires" | "ensures"]]
-                )
+                    [["kani" | "any"], ["kani", "requires" | "ensures"]]
+                );
+                is_never && is_one_contract
             });
         if is_harmless || is_derive || is_contract {
             Ok(())

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use syn::spanned::Spanned;
 
 use crate::program::place::{SourceError, SourcePlace};
-use crate::program::types::{Integer, Type};
+use crate::program::types::Type;
 
 /// Result of reading source.
 pub type Read<T> = Result<T, SourceError>;
@@ -18,15 +18,24 @@ pub struct Struct {
     pub name: String,
     /// Names (`0`, `1`, … in a tuple struct) and types of the fields.
     pub fields: Vec<(String, Type)>,
+    /// Module in which it stands.
+    pub module: usize,
     /// Whether code outside its module can write a field.
     pub is_open: bool,
+    /// Whether code outside its module can write and read every field.
+    pub is_whole: bool,
 }
 
-/// What an enum is.
-pub(crate) const ENUM: Type = Type::Integer(Integer {
-    signed: false,
-    bits: 8,
-});
+/// An enum whose variants have no fields.
+#[derive(Clone, Debug)]
+pub struct Enum {
+    /// Name.
+    pub name: String,
+    /// Module in which it stands.
+    pub module: usize,
+    /// Names of the variants, which count from zero.
+    pub variants: Vec<String>,
+}
 
 /// Values of the constants, computed when first needed.
 pub type Constants = HashMap<usize, Vec<i128>>;
@@ -89,6 +98,8 @@ pub struct Argument {
     pub name: String,
     /// Type behind any reference.
     pub type_: Type,
+    /// Whether it is `&` or `&mut`.
+    pub is_reference: bool,
     /// Whether it is `&mut`, so that its value comes back to the caller.
     pub is_mutable: bool,
 }
@@ -115,8 +126,8 @@ pub struct Declarations {
     pub constants: Vec<Constant>,
     /// Functions and methods of all files.
     pub functions: Vec<Function>,
-    /// Variants of each enum by its name, with their values; an enum is a word of eight bits.
-    pub enums: HashMap<String, HashMap<String, i128>>,
+    /// Enums of all files.
+    pub enums: Vec<Enum>,
     /// Methods and associated functions by struct and name.
     pub methods: HashMap<(usize, String), usize>,
 }
@@ -153,7 +164,7 @@ impl Declarations {
     /// Number of words that a value of `type_` takes.
     pub fn width(&self, type_: &Type) -> usize {
         match type_ {
-            Type::Integer(_) | Type::Bool | Type::Fixed(_) => 1,
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => 1,
             Type::Struct(index) => self.structs[*index]
                 .fields
                 .iter()
@@ -168,7 +179,9 @@ impl Declarations {
     /// The types of the words of a value, in order; for `Option` first whether there is a value.
     pub fn words(&self, type_: &Type) -> Vec<Type> {
         match type_ {
-            Type::Integer(_) | Type::Bool | Type::Fixed(_) => vec![type_.clone()],
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => {
+                vec![type_.clone()]
+            }
             Type::Struct(index) => self.structs[*index]
                 .fields
                 .iter()
@@ -193,7 +206,9 @@ impl Declarations {
     /// Names of the words of a value called `name`.
     pub fn word_names(&self, name: &str, type_: &Type) -> Vec<String> {
         match type_ {
-            Type::Integer(_) | Type::Bool | Type::Fixed(_) => vec![name.to_owned()],
+            Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => {
+                vec![name.to_owned()]
+            }
             Type::Struct(index) => self.structs[*index]
                 .fields
                 .iter()
@@ -224,6 +239,7 @@ impl Declarations {
             Type::Bool => "bool".to_owned(),
             Type::Fixed(bits) => format!("I{}F{bits}", 32 - bits),
             Type::Struct(index) => self.structs[*index].name.clone(),
+            Type::Enum(index, _) => self.enums[*index].name.clone(),
             Type::Array(element, length) => format!("[{}; {length}]", self.type_name(element)),
             Type::Tuple(elements) => {
                 let names: Vec<_> = elements.iter().map(|t| self.type_name(t)).collect();
@@ -233,11 +249,20 @@ impl Declarations {
         }
     }
 
-    /// The value of a variant, where `type_` is an enum that `module` knows.
-    pub(crate) fn variant(&self, module: usize, type_: &str, variant: &str) -> Option<i128> {
-        let named = self.files[module].names.get(type_)?;
-        let value = self.enums.get(type_)?.get(variant)?;
-        (*named == Named::Type(ENUM)).then_some(*value)
+    /// Type and value of a variant, where `type_` is an enum that `module` knows.
+    pub(crate) fn variant(
+        &self,
+        module: usize,
+        type_: &str,
+        variant: &str,
+    ) -> Option<(Type, i128)> {
+        let Some(Named::Type(Type::Enum(number, count))) = self.files[module].names.get(type_)
+        else {
+            return None;
+        };
+        let variants = &self.enums[*number].variants;
+        let value = variants.iter().position(|name| name == variant)?;
+        Some((Type::Enum(*number, *count), value as i128))
     }
 
     pub(super) fn lookup(&self, file: &str, name: &str) -> Option<Named> {

@@ -88,9 +88,14 @@ impl Emitted {
     }
 }
 
-/// Files that Cargo would pick up beside the sources, and whatever in `src` is no file of Rust.
+/// Files that Cargo or rustup would obey beside the sources, and whatever in `src` is no file of Rust.
 fn strays(directory: &Path) -> Result<Vec<String>, EmittedError> {
-    let picked_up = ["build.rs", ".cargo"];
+    let picked_up = [
+        "build.rs",
+        ".cargo",
+        "rust-toolchain",
+        "rust-toolchain.toml",
+    ];
     let mut strays: Vec<String> = picked_up
         .into_iter()
         .filter(|name| directory.join(name).exists())

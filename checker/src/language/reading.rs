@@ -13,9 +13,10 @@ use syn::visit::Visit;
 
 use crate::language::attributes::{inner_attributes, no_attributes, no_generics, outer_attributes};
 use crate::language::declarations::{
-    Constant, Declarations, ENUM, Function, Named, Read, SourceFile, Struct, refuse, shown,
+    Constant, Declarations, Enum, Function, Named, Read, SourceFile, Struct, refuse, shown,
 };
 use crate::language::signatures::{fixed_named, fixed_type};
+use crate::language::{plain, text};
 use crate::program::place::{SourceError, SourcePlace};
 use crate::program::types::{Integer, Type};
 
@@ -29,10 +30,12 @@ impl Declarations {
         let mut parsed = Vec::new();
         for (path, text) in sources {
             let path: Arc<str> = (*path).into();
+            text::check(&path, text)?;
             let file = syn::parse_file(text).map_err(|error| SourceError {
                 place: SourcePlace::of(&path, error.span()),
                 message: format!("this is no Rust: {error}"),
             })?;
+            plain::check_file(&path, &file)?;
             declarations.files.push(SourceFile {
                 module: module_name(&path),
                 path: path.clone(),
@@ -71,6 +74,11 @@ impl Declarations {
             self.structs.push(Struct {
                 name: item.ident.to_string(),
                 fields: Vec::new(),
+                module,
+                is_whole: item
+                    .fields
+                    .iter()
+                    .all(|field| matches!(field.vis, syn::Visibility::Public(_))),
                 is_open: item
                     .fields
                     .iter()
@@ -129,7 +137,7 @@ impl Declarations {
     fn enumeration(&mut self, module: usize, path: &Arc<str>, item: &syn::ItemEnum) -> Read<()> {
         outer_attributes(path, &item.attrs)?;
         no_generics(path, &item.generics)?;
-        let mut variants = HashMap::new();
+        let mut variants: Vec<String> = Vec::new();
         for (index, variant) in item.variants.iter().enumerate() {
             outer_attributes(path, &variant.attrs)?;
             let value = match &variant.discriminant {
@@ -139,7 +147,7 @@ impl Declarations {
                 },
                 _ => None,
             };
-            if value != Some(index) || index > 255 || !matches!(variant.fields, syn::Fields::Unit) {
+            if value != Some(index) || index > 254 || !matches!(variant.fields, syn::Fields::Unit) {
                 return refuse(
                     path,
                     variant.span(),
@@ -149,14 +157,16 @@ impl Declarations {
                     ),
                 );
             }
-            variants.insert(variant.ident.to_string(), index as i128);
+            variants.push(variant.ident.to_string());
         }
-        let name = item.ident.to_string();
-        if self.enums.insert(name, variants).is_some() {
-            let message = format!("`{}` is defined twice", item.ident);
-            return refuse(path, item.ident.span(), message);
-        }
-        self.define(module, path, &item.ident, Named::Type(ENUM))
+        let (number, count) = (self.enums.len(), variants.len() as u8);
+        self.enums.push(Enum {
+            name: item.ident.to_string(),
+            module,
+            variants,
+        });
+        let type_ = Type::Enum(number, count);
+        self.define(module, path, &item.ident, Named::Type(type_))
     }
 
     fn define(
@@ -356,15 +366,9 @@ impl Declarations {
                             .to_owned(),
                     );
                 }
-                if ["fixed", "core", "std", "alloc"]
-                    .iter()
-                    .any(|name| item.ident == name)
-                {
-                    return refuse(
-                        path,
-                        item.span(),
-                        format!("`{}` is the name of another crate", item.ident),
-                    );
+                let name = item.ident.to_string();
+                if let Some(why) = unusable_module(&name) {
+                    return refuse(path, item.span(), format!("`{name}` {why}"));
                 }
                 if self.module(&item.ident.to_string()).is_none() {
                     return refuse(
@@ -499,6 +503,22 @@ fn use_paths(
             other.span(),
             format!("found {}; a `use` lists names", shown(other)),
         ),
+    }
+}
+
+/// Why no module may be called so: Rust would take its paths, or its file, for something else.
+fn unusable_module(name: &str) -> Option<&'static str> {
+    let is_lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    if ["fixed", "core", "std", "alloc", "kani"].contains(&name) {
+        Some("is the name of another crate")
+    } else if ["main", "build", "lib"].contains(&name) {
+        Some("is a file that Cargo takes for a program or a root")
+    } else if Integer::named(name).is_some() || TAKEN_NAMES.contains(&name) {
+        Some("has a meaning in Rust")
+    } else if !name.chars().all(is_lower) {
+        Some("is no name of a module: lower case, digits and `_`")
+    } else {
+        None
     }
 }
 

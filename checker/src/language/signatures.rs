@@ -34,6 +34,7 @@ impl Declarations {
                     arguments.push(Argument {
                         name: "self".to_owned(),
                         type_: Type::Struct(owner),
+                        is_reference: true,
                         is_mutable: matches!(
                             receiver.kind,
                             syn::ReceiverKind::Reference(_, _, Some(_))
@@ -53,17 +54,15 @@ impl Declarations {
                             );
                         }
                     };
-                    let (type_, is_mutable) = match &*typed.ty {
-                        syn::Type::Reference(reference) => (
-                            self.owned_type(module, path, &reference.elem, owner)?,
-                            reference.mutability.is_some(),
-                        ),
-                        other => (self.owned_type(module, path, other, owner)?, false),
+                    let (written, is_reference) = match &*typed.ty {
+                        syn::Type::Reference(reference) => (&*reference.elem, true),
+                        other => (other, false),
                     };
                     arguments.push(Argument {
                         name: name.ident.to_string(),
-                        type_,
-                        is_mutable,
+                        type_: self.owned_type(module, path, written, owner)?,
+                        is_reference,
+                        is_mutable: false,
                     });
                 }
             }

@@ -64,10 +64,15 @@ pub struct Notice {
 const SETTINGS: ProofSettings = ProofSettings {
     cases: 3_000,
     seed: 1,
+    // A digest notices every mutant; what is measured here is what the engines would notice in a text
+    // that is to be audited.
+    audited_texts: false,
+    compiled: false,
     smt: false,
     kani: false,
     // It reads nothing of the source but the law, and that is compared before.
     closed_loop: false,
+    python: false,
     filter_ranges: false,
     filter_length: false,
 };

@@ -83,6 +83,9 @@ pub enum Type {
     Integer(Integer),
     /// `bool`.
     Bool,
+    /// An enum without fields: its number in [`Declarations::enums`] and how many variants it has,
+    /// which count from zero.
+    Enum(usize, u8),
     /// A signed 32-bit type of the crate `fixed` with this many fraction bits.
     Fixed(u32),
     /// A struct, by its number in [`Declarations::structs`].
@@ -101,6 +104,7 @@ impl Type {
         match self {
             Type::Integer(integer) => (integer.min(), integer.max()),
             Type::Fixed(_) => (i32::MIN.into(), i32::MAX.into()),
+            Type::Enum(_, count) => (0, i128::from(*count) - 1),
             // Words are integers, fixed-point numbers or booleans.
             _ => (0, 1),
         }

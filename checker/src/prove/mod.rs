@@ -8,7 +8,7 @@ pub mod settle;
 
 pub use crate::claims::outcome::ClaimOutcome;
 pub use crate::language::emitted::{Emitted, EmittedError};
-pub use results::{ClaimResult, passed};
+pub use results::{ClaimResult, ProofVerdict, passed, verdict};
 pub use run::{ProveError, prove};
 pub use settings::ProofSettings;
-pub use settle::settle;
+pub use settle::{settle, settle_saying};

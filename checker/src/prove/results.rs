@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::certificate::claims::{ClaimStatement, claim};
+use crate::certificate::claims::{CLAIMS, ClaimStatement, claim};
 use crate::claims::outcome::ClaimOutcome;
 
 /// One claim, settled by one engine.
@@ -35,7 +35,8 @@ struct Row<'a> {
     domain: &'a str,
     assumptions: &'a str,
     result: &'a str,
-    detail: String,
+    why: &'a str,
+    cases: Option<usize>,
     seconds: f64,
 }
 
@@ -48,18 +49,88 @@ impl Serialize for ClaimResult {
             domain: &self.domain,
             assumptions: &self.assumptions,
             result: self.outcome.word(),
-            detail: self.outcome.detail(),
+            why: self.outcome.why(),
+            cases: self.outcome.cases(),
             seconds: self.seconds,
         }
         .serialize(serializer)
     }
 }
 
+/// What all rows together say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ProofVerdict {
+    /// Every claim that says something of this module is proved or tested by some engine.
+    Holds,
+    /// No row failed, but these claims were settled by no engine.
+    Unsettled(Vec<String>),
+    /// These claims have a row that failed.
+    Fails(Vec<String>),
+}
+
+/// What all rows together say.
+pub fn verdict(results: &[ClaimResult]) -> ProofVerdict {
+    let with = |is_wanted: &dyn Fn(&ClaimOutcome) -> bool| -> Vec<String> {
+        let mut ids: Vec<String> = Vec::new();
+        for result in results.iter().filter(|result| is_wanted(&result.outcome)) {
+            if !ids.contains(&result.id) {
+                ids.push(result.id.clone());
+            }
+        }
+        ids
+    };
+    let failed = with(&|outcome| matches!(outcome, ClaimOutcome::Failed(_)));
+    if !failed.is_empty() {
+        return ProofVerdict::Fails(failed);
+    }
+    let settled = with(&|outcome| !matches!(outcome, ClaimOutcome::NotRun(_)));
+    let unsettled: Vec<String> = with(&|_| true)
+        .into_iter()
+        .filter(|id| !settled.contains(id))
+        .collect();
+    if unsettled.is_empty() {
+        ProofVerdict::Holds
+    } else {
+        ProofVerdict::Unsettled(unsettled)
+    }
+}
+
 /// Whether no claim failed.
 pub fn passed(results: &[ClaimResult]) -> bool {
-    results
-        .iter()
-        .all(|result| !matches!(result.outcome, ClaimOutcome::Failed(_)))
+    !matches!(verdict(results), ProofVerdict::Fails(_))
+}
+
+/// The rows in the order of [`CLAIMS`], with one for each claim that has none: `why` it was not
+/// looked at.
+pub(crate) fn complete(rows: Vec<ClaimResult>, why: &str) -> Vec<ClaimResult> {
+    let mut table = Table(rows);
+    for claim in &CLAIMS {
+        if table.0.iter().all(|row| row.id != claim.id) {
+            let outcome = ClaimOutcome::NotRun(why.to_owned());
+            table.row(claim.id, claim.engine, outcome, 0.0);
+        }
+    }
+    let place = |row: &ClaimResult| CLAIMS.iter().position(|claim| claim.id == row.id);
+    table
+        .0
+        .sort_by_key(|row| place(row).unwrap_or(CLAIMS.len()));
+    table.0
+}
+
+impl ClaimResult {
+    /// A row of the claim called `id`.
+    pub fn new(id: &str, engine: &'static str, outcome: ClaimOutcome, seconds: f64) -> ClaimResult {
+        let known: Option<&ClaimStatement> = claim(id);
+        ClaimResult {
+            id: id.to_owned(),
+            statement: known.map_or("", |claim| claim.statement).to_owned(),
+            engine,
+            domain: known.map_or("", |claim| claim.domain).to_owned(),
+            assumptions: known.map_or("", |claim| claim.assumptions).to_owned(),
+            outcome,
+            seconds,
+        }
+    }
 }
 
 /// Collects rows.
@@ -84,15 +155,6 @@ impl Table {
         outcome: ClaimOutcome,
         seconds: f64,
     ) {
-        let known: Option<&ClaimStatement> = claim(id);
-        self.0.push(ClaimResult {
-            id: id.to_owned(),
-            statement: known.map_or("", |claim| claim.statement).to_owned(),
-            engine,
-            domain: known.map_or("", |claim| claim.domain).to_owned(),
-            assumptions: known.map_or("", |claim| claim.assumptions).to_owned(),
-            outcome,
-            seconds,
-        });
+        self.0.push(ClaimResult::new(id, engine, outcome, seconds));
     }
 }

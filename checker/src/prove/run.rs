@@ -1,13 +1,14 @@
 //! All claims about an emitted crate in a folder, each by every engine that can settle it.
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use crate::certificate::reader::{Certificate, CertificateError};
 use crate::language::emitted::{Emitted, EmittedError};
 use crate::prove::kani::kani;
-use crate::prove::results::ClaimResult;
+use crate::prove::results::{ClaimResult, complete};
 use crate::prove::settings::ProofSettings;
-use crate::prove::settle::settle;
+use crate::prove::settle::settle_saying;
 
 /// Why there is nothing to prove.
 #[derive(Debug, thiserror::Error)]
@@ -18,17 +19,38 @@ pub enum ProveError {
     /// The certificate cannot be read.
     #[error("{0}")]
     Certificate(#[from] CertificateError),
+    /// The model cannot be read.
+    #[error("{}: {source}", path.display())]
+    Model {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
 }
 
-/// Settles every claim about the crate in `directory`.
+/// Settles every claim about the crate in `directory`, against the user's `model` where one is given; `say` is told what takes a while.
 ///
 /// # Errors
 /// [`ProveError`] where the folder holds no emitted crate. Source or numbers that do not hold up
 /// are no error but a failed claim.
-pub fn prove(directory: &Path, settings: &ProofSettings) -> Result<Vec<ClaimResult>, ProveError> {
+pub fn prove(
+    directory: &Path,
+    model: Option<&Path>,
+    settings: &ProofSettings,
+    say: &dyn Fn(&str),
+) -> Result<Vec<ClaimResult>, ProveError> {
     let emitted = Emitted::read(directory)?;
     let certificate = Certificate::parse(&emitted.certificate)?;
-    let mut results = settle(&emitted, &certificate, settings);
+    let model = model
+        .map(|path| {
+            fs::read_to_string(path).map_err(|source| ProveError::Model {
+                path: path.to_owned(),
+                source,
+            })
+        })
+        .transpose()?;
+    let mut results = settle_saying(&emitted, &certificate, model.as_deref(), settings, say);
     results.extend(kani(directory, settings));
-    Ok(results)
+    Ok(complete(results, "switched off"))
 }

@@ -4,27 +4,51 @@ use std::time::Instant;
 
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
-use crate::claims::outcome::{ClaimOutcome, EXACT, INTERVALS, RANDOM, READER, SMT};
+use crate::claims::outcome::{
+    COMPILED, ClaimOutcome, EXACT, INTERVALS, PYTHON, RANDOM, READER, SMT,
+};
 use crate::claims::{
-    bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_stable,
-    control_accurate, control_accurate_real_gains, control_monotone, control_total,
-    filter_accurate, filter_exact, filter_length, filter_total, hardware_words, physical_signs,
-    primitives, region_of_attraction, source_understood, stable_for_parameters, step_total,
-    supervisor,
+    bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_second,
+    closed_loop_stable, compiled_agrees, control_accurate, control_accurate_real_gains,
+    control_monotone, control_total, filter_accurate, filter_exact, filter_length, filter_total,
+    hardware_words, model_matches, physical_signs, primitives, region_of_attraction,
+    source_understood, stable_for_parameters, step_total, supervisor, texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
 use crate::language::module::Module;
-use crate::prove::results::{ClaimResult, Table};
+use crate::prove::results::{ClaimResult, Table, complete};
 use crate::prove::settings::ProofSettings;
 
-/// Settles every claim but those that need Kani.
+/// More random words than this for each function show nothing new of the compiler.
+const MOST_COMPILED: usize = 2_000;
+
+/// Settles every claim, by every engine but Kani: each claim has a row, whatever becomes of it.
 pub fn settle(
     emitted: &Emitted,
     certificate: &Certificate,
     settings: &ProofSettings,
 ) -> Vec<ClaimResult> {
+    settle_saying(emitted, certificate, None, settings, &|_| ())
+}
+
+/// As [`settle`], and held against the text of the user's model.toml where one is given; `say` is told
+/// what takes a while.
+pub fn settle_saying(
+    emitted: &Emitted,
+    certificate: &Certificate,
+    model: Option<&str>,
+    settings: &ProofSettings,
+    say: &dyn Fn(&str),
+) -> Vec<ClaimResult> {
     let mut table = Table(Vec::new());
+    table.add("model-matches", READER, || match model {
+        Some(text) => model_matches::by_reading(certificate, text),
+        None => ClaimOutcome::NotApplicable(
+            "no model was given (--model): the numbers are those that the certificate states"
+                .to_owned(),
+        ),
+    });
     let start = Instant::now();
     let module = match emitted.module() {
         Ok(module) => module,
@@ -32,31 +56,48 @@ pub fn settle(
             let outcome = ClaimOutcome::Failed(error.to_string());
             let seconds = start.elapsed().as_secs_f64();
             table.row("source-understood", READER, outcome, seconds);
-            return table.0;
+            return complete(table.0, "the source is not understood");
         }
     };
     let understood = source_understood::by_reading(emitted, &module);
+    let is_understood = matches!(understood, ClaimOutcome::Proved(_));
     let seconds = start.elapsed().as_secs_f64();
     table.row("source-understood", READER, understood, seconds);
+    table.add("texts-audited", READER, || {
+        if settings.audited_texts {
+            texts_audited::by_digest(emitted)
+        } else {
+            ClaimOutcome::NotRun("switched off".to_owned())
+        }
+    });
+    table.add("compiled-agrees", COMPILED, || {
+        if !settings.compiled {
+            return ClaimOutcome::NotRun("switched off".to_owned());
+        }
+        if !is_understood {
+            return ClaimOutcome::NotRun("nothing is run that is not understood".to_owned());
+        }
+        say("compiling the crate, and running it beside the reader");
+        let cases = (settings.cases / 10).clamp(1, MOST_COMPILED);
+        compiled_agrees::by_running(emitted, &module, cases, settings.seed)
+    });
 
     let start = Instant::now();
     let law = EmittedLaw::read(&module);
     let seconds = start.elapsed().as_secs_f64();
     let total = control_total::by_intervals(&law);
     table.row("control-total", INTERVALS, total, seconds);
-    let law = match law {
-        Ok(law) => law,
-        Err(error) => {
-            let outcome = ClaimOutcome::Failed(error.to_string());
-            table.row("control-accurate", INTERVALS, outcome, seconds);
-            return table.0;
-        }
-    };
-    control_claims(&mut table, &module, certificate, &law, settings);
     if settings.filter_ranges {
+        say("ranges of the attitude filter");
         range_claims(&mut table, &module, certificate, settings);
     }
-    random_runs(&mut table, &module, certificate, settings);
+    say("random runs");
+    random_runs(&mut table, emitted, &module, certificate, settings);
+    let law = match law {
+        Ok(law) => law,
+        Err(_) => return complete(table.0, "it needs the control law, see control-total"),
+    };
+    control_claims(&mut table, &module, certificate, &law, settings);
     table.add("certificate-consistent", EXACT, || {
         let files = emitted.files();
         let checked = certificate_consistent::check(certificate, &module, &law, &files);
@@ -79,8 +120,9 @@ pub fn settle(
         // Six leans and four rates.
         ClaimOutcome::tested(checked.map(|()| 10))
     });
-    loop_claims(&mut table, &module, certificate, &law, settings);
-    table.0
+    say("the closed loop");
+    loop_claims(&mut table, emitted, &module, certificate, &law, settings);
+    complete(table.0, "switched off")
 }
 
 fn control_claims(
@@ -96,11 +138,9 @@ fn control_claims(
     table.add("control-accurate-real-gains", EXACT, || {
         control_accurate_real_gains::by_exact_arithmetic(certificate, law)
     });
-    table.add(
-        "control-monotone",
-        INTERVALS,
-        control_monotone::by_intervals,
-    );
+    table.add("control-monotone", INTERVALS, || {
+        control_monotone::by_directions(module, certificate)
+    });
     table.add("control-accurate", RANDOM, || {
         let (cases, seed) = (settings.cases, settings.seed);
         let runs = control_accurate::by_random_runs(module, certificate, cases, seed);
@@ -172,6 +212,7 @@ fn range_claims(
 
 fn random_runs(
     table: &mut Table,
+    emitted: &Emitted,
     module: &Module,
     certificate: &Certificate,
     settings: &ProofSettings,
@@ -181,7 +222,10 @@ fn random_runs(
         ClaimOutcome::tested(filter_accurate::runs::run(module, cases, seed))
     });
     table.add("filter-exact", RANDOM, || {
-        ClaimOutcome::tested(filter_exact::runs::run(module, cases, seed))
+        match filter_exact::runs::run(module, cases, seed) {
+            Ok(cases) => ClaimOutcome::Tested(cases, texts_audited::audit_of(emitted)),
+            Err(why) => ClaimOutcome::Failed(why),
+        }
     });
     table.add("step-total", RANDOM, || {
         let runs = step_total::runs::step(module, certificate, cases, seed);
@@ -198,6 +242,7 @@ fn random_runs(
 
 fn loop_claims(
     table: &mut Table,
+    emitted: &Emitted,
     module: &Module,
     certificate: &Certificate,
     law: &EmittedLaw,
@@ -218,6 +263,15 @@ fn loop_claims(
         let (outcome, found) = closed_loop_for_all_time::by_exact_arithmetic(certificate, law);
         bounds = found;
         outcome
+    });
+    table.add("closed-loop-for-all-time", PYTHON, || {
+        if certificate.closed_loop.is_none() {
+            ClaimOutcome::NotRun("the certificate states no bounds".to_owned())
+        } else if settings.python {
+            closed_loop_second::by_python(emitted)
+        } else {
+            ClaimOutcome::NotRun("switched off".to_owned())
+        }
     });
     table.add("region-of-attraction", EXACT, || {
         region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law)

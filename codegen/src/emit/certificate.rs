@@ -7,6 +7,7 @@
 use serde::Serialize;
 
 use crate::claims::ClaimId;
+use crate::emit::certificate_hardware::Hardware;
 use crate::emit::{control_rs, single_line};
 use crate::exact::{ShortestDecimal, outward};
 use crate::file::{EmittedFile, MARK};
@@ -34,6 +35,7 @@ struct Certificate<'a> {
     /// K of u = −K x.
     gains: [String; 3],
     drive: Drive,
+    hardware: Hardware,
     /// By the part or as stated, apart from the calibration.
     accelerometer_m_s2_per_count: Option<String>,
     /// Fresh samples of the gyroscope a second.
@@ -198,6 +200,7 @@ pub fn file(
             amperes_per_count: number(spec.drive.amperes_per_count),
             current_range_a: number(spec.drive.current_range_a()),
         },
+        hardware: Hardware::of(spec),
         accelerometer_m_s2_per_count: spec.hardware.accelerometer_m_s2_per_count.map(number),
         gyro_rate_hz: spec.hardware.gyro_rate_hz.map(number),
         assumed: spec.assumed.iter().map(|text| single_line(text)).collect(),

@@ -198,11 +198,11 @@ fn rounding_items(law: &IntegerLaw) -> TokenStream {
         pub const SHIFT: u32 = #shift;
 
         /// Half a unit of a [`Current`], on the scale of the products.
-        const HALF_UNIT: i64 = 1 << (SHIFT - 1);
+        const HALF_UNIT: i64 = 1_i64 << (SHIFT - 1);
 
         const _: () = {
             #(let #arguments = (#gains as i128).abs();)*
-            let largest_sum = (#(#names)+*) * (1 << 31) + HALF_UNIT as i128;
+            let largest_sum = (#(#names)+*) * (1_i128 << 31) + HALF_UNIT as i128;
             assert!(largest_sum <= i64::MAX as i128, "the sum overflows");
         };
     }

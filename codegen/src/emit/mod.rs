@@ -16,11 +16,15 @@
 //!   `Alias::from_bits(x)` of the `fixed` types; `x.clamp(low, high)` with constant bounds;
 //!   `x as i32` of a value clamped to the range of an `i32`.
 //!
+//! A number whose type is not that of what it is computed with carries it: `1_i64 << SHIFT`, so that
+//! nobody has to know how Rust finds types. Code is ASCII; names have one spelling.
+//!
 //! In these, every `i64` operation is meant to be exact: overflow is excluded, not wrapped.
 //! Runtime helpers (`codegen/runtime/`) are hand-written and may in addition use:
 //!
 //! - Files: `use super::module::{names};`, `#[inline]`, `#[derive(…)]` and contracts under
-//!   `#[cfg_attr(kani, …)]`, which are not code of the module.
+//!   `#[cfg_attr(kani, …)]` (proved by Kani and by the checker) or `#[cfg_attr(any(), …)]` (by the checker
+//!   alone), which are not code of the module.
 //! - Items: `pub enum` whose variants have no fields and the values 0, 1, … as written; compared and
 //!   built by their names.
 //! - Items: `pub struct` with named fields or one unnamed field, `impl` with `new`, methods on
@@ -45,6 +49,7 @@ use crate::spec::ModuleSpec;
 
 pub mod cargo_toml;
 pub mod certificate;
+mod certificate_hardware;
 pub mod constants_rs;
 pub mod control_rs;
 pub mod lib_rs;

@@ -2,6 +2,7 @@
 
 mod cancelled;
 mod cogging;
+mod data;
 mod examined;
 mod external;
 mod imperfection;

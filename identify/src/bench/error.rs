@@ -1,5 +1,6 @@
 //! Why a bench cannot be identified.
 
+use crate::fit::NoBetterThanMean;
 use crate::progress::Cancelled;
 
 /// Why a bench cannot be identified.
@@ -17,7 +18,43 @@ pub enum IdentifyError {
         /// The experiment with the largest misfit at the start.
         suspect: String,
     },
+    /// The fit has failed: it costs more than the means of the series do.
+    #[error(
+        "the fit has failed: {}. No parameter can be had from that. Check units, signs and kind of {} in \
+         bench.toml; the log must also be long enough to show its motion (a spin-up a change of speed well above \
+         the noise, a swing a good part of a period) at several samples a period",
+        no_better(series),
+        if series.len() == 1 { "the experiment" } else { "these experiments" }
+    )]
+    NoBetterThanMeans {
+        /// The series that the model predicts no better than their means, of logs that share parameters and
+        /// together cost more than their means.
+        series: Vec<NoBetterThanMean>,
+    },
     /// The work was called off.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// Most series that a message names.
+const MOST_NAMED: usize = 4;
+
+/// The series with their errors, for a message.
+fn no_better(series: &[NoBetterThanMean]) -> String {
+    let named: Vec<String> = series
+        .iter()
+        .take(MOST_NAMED)
+        .map(|one| {
+            let (output, unit) = (one.output.name(), one.output.unit());
+            format!(
+                "{}/{output} is predicted no better than by its mean (error {:.3} {unit}, about its mean {:.3} {unit})",
+                one.experiment, one.rmse, one.spread
+            )
+        })
+        .collect();
+    let more = match series.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    named.join(", ") + &more
 }

@@ -1,5 +1,7 @@
 //! A whole bench as the fits take it: what is known, what is free, in which units.
 
+mod coarse;
+mod dense;
 mod error;
 mod parameters;
 mod problem;

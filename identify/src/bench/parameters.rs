@@ -6,7 +6,7 @@ use plant::{
 };
 
 use super::problem::FitProblem;
-use crate::fit::{base_values, driving_samples, ratios};
+use crate::fit::{Ratios, base_values, driving_samples, ratios};
 use crate::records::Record;
 
 impl FitProblem {
@@ -66,8 +66,12 @@ impl FitProblem {
     /// A parameter vector for `model` from which a fit can start: base parameters from the samples,
     /// effects at the first of their stated starts.
     pub fn start_values(&self, model: &Model) -> Vec<f64> {
-        let (base, body_friction, wheel_friction) =
-            base_values(&ratios(&self.all_records()), &self.known);
+        self.values_from(&ratios(&self.all_records()), model)
+    }
+
+    /// The same with base parameters from these ratios.
+    pub(crate) fn values_from(&self, ratios: &Ratios, model: &Model) -> Vec<f64> {
+        let (base, body_friction, wheel_friction) = base_values(ratios, &self.known);
         let mut values = base.to_vec();
         // The stated starts are torques of a bench of Θ ≈ 2e-3 kg m².
         for &effect in model.effects() {

@@ -29,7 +29,8 @@ pub struct FitProblem {
 }
 
 impl FitProblem {
-    /// Prepares a bench that was loaded from disk.
+    /// Prepares a bench that was loaded from disk. Logs that are far denser than their motion are taken as
+    /// averages ([`Record::averaged`]).
     ///
     /// # Errors
     /// [`IdentifyError::NoExperiments`] if nothing in it can be used.
@@ -45,7 +46,7 @@ impl FitProblem {
         known[WHEEL_INERTIA] = bench.known.wheel_inertia;
         known[GRAVITY_TORQUE] = bench.known.gravity_torque().ok();
         known[TORQUE_CONSTANT] = bench.known.torque_constant;
-        FitProblem::from_records(records, known, bench.known)
+        FitProblem::prepared(records, known, bench.known, true)
     }
 
     /// Prepares records with what is known of the base parameters.
@@ -56,6 +57,15 @@ impl FitProblem {
         records: Vec<Record>,
         known: [Option<f64>; 4],
         masses: Known,
+    ) -> Result<FitProblem, IdentifyError> {
+        FitProblem::prepared(records, known, masses, false)
+    }
+
+    fn prepared(
+        records: Vec<Record>,
+        known: [Option<f64>; 4],
+        masses: Known,
+        average: bool,
     ) -> Result<FitProblem, IdentifyError> {
         if records.is_empty() {
             return Err(IdentifyError::NoExperiments);
@@ -82,7 +92,18 @@ impl FitProblem {
         if !wheel && !coupled {
             known[WHEEL_INERTIA] = Some(1.0);
         }
-        let mut records = records;
+        let mut problem = FitProblem {
+            records,
+            known,
+            body_scale_known: body,
+            wheel_scale_known: wheel,
+            coupled,
+            masses,
+        };
+        if average {
+            problem.average_dense_logs();
+        }
+        let (known, mut records) = (problem.known, std::mem::take(&mut problem.records));
         // Pushes spoil the first guess and the guess decides what is a push: twice around is enough,
         // since a push is a matter of factors and the guess one of percents.
         for _ in 0..2 {
@@ -98,14 +119,9 @@ impl FitProblem {
                 leave_out(record, &pushes, BALANCE_WINDOW_S);
             }
         }
-        Ok(FitProblem {
-            records,
-            known,
-            body_scale_known: body,
-            wheel_scale_known: wheel,
-            coupled,
-            masses,
-        })
+        problem.records = records;
+        problem.estimate_coarse_noise();
+        Ok(problem)
     }
 
     /// The records as the fits take them.

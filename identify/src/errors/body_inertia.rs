@@ -42,7 +42,7 @@ pub fn body_inertia_contradiction(problem: &FitProblem, fit: &Fit) -> Option<Str
     if value + sigmas_for(1) * spread <= 0.0 {
         return Some(format!(
             "contradiction: masses and lengths of [known] alone make more inertia than {name} = \
-             {:.4e} kg m2: body_inertia would be {value:.2e} ± {spread:.0e} kg m2, and no body has a \
+             {:.3e} kg m2: body_inertia would be {value:.2e} ± {spread:.0e} kg m2, and no body has a \
              negative one",
             fit.values[TOTAL_INERTIA]
         ));

@@ -74,8 +74,8 @@ impl Contradiction {
     /// The contradiction in one sentence.
     pub fn sentence(&self) -> String {
         let side = |side: &Side| match side.std {
-            Some(std) => format!("{:.4e} ± {std:.1e}", side.value),
-            None => format!("{:.4e}", side.value),
+            Some(std) => format!("{:.3e} ± {std:.1e}", side.value),
+            None => format!("{:.3e}", side.value),
         };
         let head = format!(
             "contradiction: {} says {} = {} {}, {} {} ({:.1} standard errors, {:.2} % apart)",

@@ -62,43 +62,165 @@ pub fn cogging_start(
     let mut starts: Vec<CoggingStart> = vec![];
     for order in 1..=HIGHEST_ORDER {
         let n = order as f64;
-        let (mut cc, mut ss, mut cs, mut ce, mut se) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let mut stretches: Vec<Stretch> = vec![];
         for (window, turns) in &mut windows {
             turns.next_order();
             let (mut cosine, mut sine) = integrals(window, turns, n);
             remove_line(&window.time_s, &mut cosine);
             remove_line(&window.time_s, &mut sine);
             let weight = 1.0 / window.noise_std.powi(2);
-            for ((c, s), error) in cosine.iter().zip(&sine).zip(&window.error) {
-                cc += weight * c * c;
-                ss += weight * s * s;
-                cs += weight * c * s;
-                ce += weight * c * error;
-                se += weight * s * error;
+            let longest_s = window.in_phase_s(n);
+            for (k, &time_s) in window.time_s.iter().enumerate() {
+                let goes_on = stretches.last().is_some_and(|stretch| {
+                    stretch.record == window.record && time_s - stretch.start_s < longest_s
+                });
+                if !goes_on {
+                    stretches.push(Stretch {
+                        record: window.record,
+                        start_s: time_s,
+                        sums: Projection::default(),
+                    });
+                }
+                if let Some(stretch) = stretches.last_mut() {
+                    stretch
+                        .sums
+                        .add(weight, (cosine[k], sine[k]), window.error[k]);
+                }
             }
         }
-        let determinant = cc * ss - cs * cs;
-        if determinant <= 0.0 {
-            continue;
-        }
-        let a = (ss * ce - cs * se) / determinant;
-        let b = (cc * se - cs * ce) / determinant;
-        let amplitude = a.hypot(b) * wheel_inertia;
-        starts.push(CoggingStart {
-            parameters: vec![amplitude.max(1e-12), n, (-a).atan2(-b)],
-            gain: a * ce + b * se,
-        });
+        starts.extend(start_of_order(n, &stretches, wheel_inertia));
     }
     starts.into_iter().max_by(|x, y| x.gain.total_cmp(&y.gain))
 }
 
+/// The start of one order: of a torque whose phase is the same throughout, or, where far more shows so, of one whose
+/// phase is lost from stretch to stretch of long logs.
+fn start_of_order(order: f64, stretches: &[Stretch], wheel_inertia: f64) -> Option<CoggingStart> {
+    let mut all = Projection::default();
+    // The angle of the wheel is known best while a log begins.
+    let mut first = Projection::default();
+    let (mut gain, mut weight, mut square, mut count) = (0.0, 0.0, 0.0, 0.0);
+    let mut record = None;
+    for stretch in stretches {
+        all.join(&stretch.sums);
+        if record != Some(stretch.record) {
+            first.join(&stretch.sums);
+            record = Some(stretch.record);
+        }
+        if let Some(found) = stretch.sums.solved() {
+            let own = stretch.sums.cc + stretch.sums.ss;
+            gain += found.gain;
+            weight += own;
+            square += own * (found.a * found.a + found.b * found.b);
+            count += 1.0;
+        }
+    }
+    let start = |amplitude: f64, phase: f64, gain: f64| CoggingStart {
+        parameters: vec![(amplitude * wheel_inertia).max(1e-12), order, phase],
+        gain,
+    };
+    let whole = all.solved()?;
+    // χ² of two unknowns a stretch, and three of its standard deviations.
+    let apart = gain - 2.0 * count - 6.0 * count.sqrt();
+    if apart > PLAINLY_MORE * whole.gain.max(1.0)
+        && let Some(first) = first.solved()
+    {
+        let amplitude = ((square - 4.0 * count).max(0.0) / weight).sqrt();
+        return Some(start(amplitude, first.phase(), apart));
+    }
+    Some(start(whole.a.hypot(whole.b), whole.phase(), whole.gain))
+}
+
+/// Factor by which stretches with phases of their own must gain more than with a common one.
+const PLAINLY_MORE: f64 = 2.0;
+/// Phase in rad by which the noise of the wheel speed, added up, may turn a stretch of a log.
+const IN_PHASE_RAD: f64 = 0.5;
+/// Shortest stretch, s: as long as the windows in which cogging is looked at.
+const SHORTEST_STRETCH_S: f64 = 0.25;
+
+/// A part of a log over which the wheel's angle is known well enough.
+struct Stretch {
+    record: usize,
+    start_s: f64,
+    sums: Projection,
+}
+
+/// Sums of a projection on two series.
+#[derive(Clone, Copy, Default)]
+struct Projection {
+    cc: f64,
+    ss: f64,
+    cs: f64,
+    ce: f64,
+    se: f64,
+}
+
+/// What a projection has found.
+struct Projected {
+    a: f64,
+    b: f64,
+    /// χ² that it takes.
+    gain: f64,
+}
+
+impl Projected {
+    fn phase(&self) -> f64 {
+        (-self.a).atan2(-self.b)
+    }
+}
+
+impl Projection {
+    fn add(&mut self, weight: f64, (c, s): (f64, f64), error: f64) {
+        self.cc += weight * c * c;
+        self.ss += weight * s * s;
+        self.cs += weight * c * s;
+        self.ce += weight * c * error;
+        self.se += weight * s * error;
+    }
+
+    fn join(&mut self, other: &Projection) {
+        self.cc += other.cc;
+        self.ss += other.ss;
+        self.cs += other.cs;
+        self.ce += other.ce;
+        self.se += other.se;
+    }
+
+    fn solved(&self) -> Option<Projected> {
+        let determinant = self.cc * self.ss - self.cs * self.cs;
+        if determinant <= 0.0 {
+            return None;
+        }
+        let a = (self.ss * self.ce - self.cs * self.se) / determinant;
+        let b = (self.cc * self.se - self.cs * self.ce) / determinant;
+        Some(Projected {
+            a,
+            b,
+            gain: a * self.ce + b * self.se,
+        })
+    }
+}
+
 /// What the wheel speed of one window lacks, over the angle of the wheel.
 struct WheelSpeedError {
+    /// Index of the record.
+    record: usize,
     time_s: Vec<f64>,
     wheel_angle_rad: Vec<f64>,
     /// Measured − model without its straight line, rad/s.
     error: Vec<f64>,
     noise_std: f64,
+}
+
+impl WheelSpeedError {
+    /// Time over which the phase of a ripple of this order stays within [`IN_PHASE_RAD`]: the wheel's angle is the
+    /// integral of its speed, whose noise σ makes it walk by σ √(h t).
+    fn in_phase_s(&self, order: f64) -> f64 {
+        let last = self.time_s.len() - 1;
+        let interval_s = (self.time_s[last] - self.time_s[0]) / last as f64;
+        let walk_s = (IN_PHASE_RAD / (order * self.noise_std)).powi(2) / interval_s;
+        walk_s.max(SHORTEST_STRETCH_S)
+    }
 }
 
 fn wheel_speed_errors(
@@ -107,7 +229,7 @@ fn wheel_speed_errors(
     minimum: &Minimum,
 ) -> Vec<WheelSpeedError> {
     let mut found = vec![];
-    for (record, windows) in records.iter().zip(&minimum.windows) {
+    for (index, (record, windows)) in records.iter().zip(&minimum.windows).enumerate() {
         let traces = traces(record, windows, model, &minimum.values);
         let channels = record.channels.iter().zip(&traces);
         let Some((channel, trace)) = channels
@@ -119,6 +241,7 @@ fn wheel_speed_errors(
         let angle_rad = record.wheel_angles();
         for window in windows {
             let mut one = WheelSpeedError {
+                record: index,
                 time_s: vec![],
                 wheel_angle_rad: vec![],
                 error: vec![],

@@ -3,6 +3,7 @@
 //! | file | job |
 //! |---|---|
 //! | `start` | a first guess of the base parameters, straight from the samples |
+//! | `integrated` | the same for logs of few samples, from the integrated equations |
 //! | `unknowns` | shared parameters, and the unknowns of a window |
 //! | `simulation` | one window simulated |
 //! | `sensitivity` | the same with exact derivatives, summed into normal equations |
@@ -12,12 +13,15 @@
 //! | `transition` | the motion from sample to sample, linearised |
 //! | `windows` | where windows begin, and their starts |
 //! | `comparison` | model against measurement |
+//! | `means` | what a fit must beat: the mean of every series |
 //! | `cogging` | where a fit of cogging may start |
 //! | `schedule` | the growing windows of a fit from a plain start |
 
 mod cogging;
 mod comparison;
 mod effort;
+mod integrated;
+mod means;
 mod normal_equations;
 mod schedule;
 mod score_test;
@@ -32,6 +36,9 @@ mod windows;
 pub use cogging::{CoggingStart, cogging_start, settled};
 pub use comparison::{PredictedSeries, traces};
 pub use effort::{Effort, Outcome};
+pub(crate) use integrated::integrated_ratios;
+pub use means::{NoBetterThanMean, cost_of_means, failed_series};
+pub(crate) use schedule::fit_in_stages;
 pub use schedule::{fit_from_scratch, fit_windowed, refit};
 pub use score_test::{KnownScore, RecordScore, ScoreStep, ScoreTest, score_test};
 pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_observed};
@@ -41,4 +48,5 @@ pub(crate) use start::driving_samples;
 pub use start::{Ratios, base_values, ratios};
 pub(crate) use transition::transitions;
 pub use unknowns::{Nuisance, Unknowns, Window, acts, relevant};
+pub(crate) use windows::guess;
 pub use windows::{final_windows, guessed, joined};

@@ -29,6 +29,19 @@ pub fn fit_from_scratch(
     free: &[usize],
     effort: Effort,
 ) -> Minimum {
+    let mut nothing = |_: &Minimum| {};
+    fit_in_stages(records, model, values, free, effort, &mut nothing)
+}
+
+/// As [`fit_from_scratch`]; `first` is shown the minimum over the first windows, whose cost is nearly quadratic.
+pub(crate) fn fit_in_stages(
+    records: &[&Record],
+    model: &Model,
+    values: Vec<f64>,
+    free: &[usize],
+    effort: Effort,
+    first: &mut dyn FnMut(&Minimum),
+) -> Minimum {
     let unknowns = Unknowns::new(model, free);
     let longest_s = records
         .iter()
@@ -45,6 +58,7 @@ pub fn fit_from_scratch(
     let mut window_s = FIRST_PERIODS * period_s(&values);
     let mut values = values;
     let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
+    let mut is_first = true;
     loop {
         let last = window_s >= longest_s;
         let length_s = if last { f64::INFINITY } else { window_s };
@@ -62,6 +76,10 @@ pub fn fit_from_scratch(
             Effort::ROUGH.until(effort.cancelled)
         };
         let minimum = minimise(records, model, values, current, &unknowns, stage);
+        if is_first {
+            first(&minimum);
+            is_first = false;
+        }
         if last {
             return over_samples(records, model, minimum, &unknowns, effort);
         }

@@ -9,23 +9,27 @@
 use nalgebra::{DMatrix, DVector};
 use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
+use super::integrated::integrated_ratios;
 use crate::records::{BUMP_S, Output, Record, angle_samples, bumps};
 
 /// Length of the bump in a balance log: as short as a push by hand, so that most of the answer to a
 /// push lies under other bumps than the push.
 const BALANCE_BUMP_S: f64 = 0.1;
+/// A log of fewer samples may have no bump, or fewer than the equation has unknowns: those of a spin-up at a few
+/// samples a second, or of one period of a swing.
+const FEW_SAMPLES: usize = 256;
 /// Rounds of reweighting: each brings the fit a good part of the way.
 const REWEIGHTINGS: usize = 30;
 
 /// Rows of a linear least squares.
-struct Rows {
+pub(super) struct Rows {
     columns: usize,
     left: Vec<f64>,
     right: Vec<f64>,
 }
 
 impl Rows {
-    fn new(columns: usize) -> Rows {
+    pub(super) fn new(columns: usize) -> Rows {
         Rows {
             columns,
             left: vec![],
@@ -33,14 +37,14 @@ impl Rows {
         }
     }
 
-    fn push(&mut self, row: &[f64], right: f64) {
+    pub(super) fn push(&mut self, row: &[f64], right: f64) {
         if row.iter().all(|v| v.is_finite()) && right.is_finite() {
             self.left.extend_from_slice(row);
             self.right.push(right);
         }
     }
 
-    fn solve(&self) -> Option<DVector<f64>> {
+    pub(super) fn solve(&self) -> Option<DVector<f64>> {
         if self.right.len() < self.columns {
             return None;
         }
@@ -186,14 +190,7 @@ pub fn ratios(records: &[&Record]) -> Ratios {
             momentum.push(&[-second, -first, -sine, -cosine], spin);
         });
     }
-    let mut ratios = Ratios::default();
-    let positive = |value: f64| (value.is_finite() && value > 0.0).then_some(value);
-    if let Some(solution) = locked.solve() {
-        // A shifted zero of the angle splits G/Θ into its sine and cosine parts.
-        ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
-        ratios.angle_zero_rad = Some((-solution[1]).atan2(solution[0]));
-        ratios.friction_over_total = positive(solution[2]);
-    }
+    let mut ratios = Ratios::of_solutions(locked.solve(), free.solve(), wheel.solve());
     if let Some(solution) = momentum.solve_absolute() {
         // Θ α̈ + j_w φ̈ + r_b α̇ + G sin α = 0 knows neither the motor nor the friction of the wheel.
         let gravity = solution[2].hypot(solution[3]);
@@ -203,15 +200,57 @@ pub fn ratios(records: &[&Record]) -> Ratios {
             ratios.friction_over_total = positive(solution[1] / solution[0]);
         }
     }
-    if let Some(solution) = free.solve() {
-        ratios.gravity_over_free = positive(solution[0].hypot(solution[1]));
-        ratios.torque_over_free = positive(solution[3]);
-    }
-    if let Some(solution) = wheel.solve() {
-        ratios.torque_over_wheel = positive(solution[0]);
-        ratios.friction_over_wheel = positive(solution[1]);
+    // A log of a few samples has no bump; its equations can be integrated all the same.
+    let is_short = |record: &&&Record| record.len() < FEW_SAMPLES;
+    if records.iter().any(|record| is_short(&record)) {
+        ratios = ratios.or(integrated_ratios(records, FEW_SAMPLES));
     }
     ratios
+}
+
+fn positive(value: f64) -> Option<f64> {
+    (value.is_finite() && value > 0.0).then_some(value)
+}
+
+impl Ratios {
+    /// From the solutions for a locked wheel, for all free, and for the wheel.
+    pub(super) fn of_solutions(
+        locked: Option<DVector<f64>>,
+        free: Option<DVector<f64>>,
+        wheel: Option<DVector<f64>>,
+    ) -> Ratios {
+        let mut ratios = Ratios::default();
+        if let Some(solution) = locked {
+            // A shifted zero of the angle splits G/Θ into its sine and cosine parts.
+            ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
+            ratios.angle_zero_rad = Some((-solution[1]).atan2(solution[0]));
+            ratios.friction_over_total = positive(solution[2]);
+        }
+        if let Some(solution) = free {
+            ratios.gravity_over_free = positive(solution[0].hypot(solution[1]));
+            ratios.torque_over_free = positive(solution[3]);
+        }
+        if let Some(solution) = wheel {
+            ratios.torque_over_wheel = positive(solution[0]);
+            ratios.friction_over_wheel = positive(solution[1]);
+        }
+        ratios
+    }
+
+    /// These, and what they lack from others.
+    fn or(self, others: Ratios) -> Ratios {
+        let zero = self.angle_zero_rad;
+        Ratios {
+            gravity_over_total: self.gravity_over_total.or(others.gravity_over_total),
+            angle_zero_rad: zero.or(others.angle_zero_rad),
+            friction_over_total: self.friction_over_total.or(others.friction_over_total),
+            gravity_over_free: self.gravity_over_free.or(others.gravity_over_free),
+            torque_over_free: self.torque_over_free.or(others.torque_over_free),
+            gravity_over_wheel: self.gravity_over_wheel.or(others.gravity_over_wheel),
+            torque_over_wheel: self.torque_over_wheel.or(others.torque_over_wheel),
+            friction_over_wheel: self.friction_over_wheel.or(others.friction_over_wheel),
+        }
+    }
 }
 
 /// Fills the base parameters (positions 0 to 3 of the parameter vector) that are not known, and

@@ -1,13 +1,16 @@
 //! Logs as the fit sees them, and what is done to their samples before any model.
 
 mod angle;
+mod averages;
 mod noise;
 mod record;
 mod statistics;
 mod weak_form;
 
 pub use angle::angle_samples;
+pub(crate) use noise::{NOISE_RELATIVE_STD_ROOT_N, NoiseEstimate, noise_by_differences};
 pub use noise::{input_noise_std, noise_std, resolution};
 pub use record::{BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent};
 pub(crate) use statistics::{StraightLine, median};
-pub(crate) use weak_form::{BUMP_S, Bump, FEWEST_HALF_SAMPLES, bumps, dot, half_samples};
+pub use weak_form::bumps;
+pub(crate) use weak_form::{BUMP_S, Bump, FEWEST_HALF_SAMPLES, dot, half_samples};

@@ -15,15 +15,37 @@ const BLOCKS: usize = 20;
 /// log: it stands for the error of the integration and of the log's own rounding.
 const RELATIVE_FLOOR: f64 = 1e-4;
 
+/// Relative standard deviation of [`noise_std`] from n samples, times √n: 1.25 over simulated swings of 500 to
+/// 20,000 samples (see the tests of the residual's structure).
+pub(crate) const NOISE_RELATIVE_STD_ROOT_N: f64 = 1.25;
+
 /// Standard deviation of the noise of a channel, in the unit of the channel.
 ///
-/// Samples that are not finite are gaps. The estimate is never below the resolution q of the
-/// channel (q/√12, the standard deviation of a rounding error) nor below 1e-4 of its spread; a
+/// Samples that are not finite are gaps. The estimate is never below the resolution
+/// q of the channel (q/√12, the standard deviation of a rounding error) nor below 1e-4 of its spread; a
 /// channel that never changes gets the smallest positive number that keeps weights finite.
 pub fn noise_std(samples: &[f64]) -> f64 {
+    noise_by_differences(samples, &[]).std
+}
+
+/// A noise with what it was estimated from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NoiseEstimate {
+    /// Its standard deviation.
+    pub(crate) std: f64,
+    /// Number of differences that it comes from.
+    pub(crate) differences: usize,
+}
+
+/// [`noise_std`] with the number of differences behind it. `kinks` are the samples at which the motion has a kink,
+/// in rising order, because the current steps there: no difference reaches across one.
+pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEstimate {
     let finite: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
     if finite.len() < 2 {
-        return 1.0;
+        return NoiseEstimate {
+            std: 1.0,
+            differences: 0,
+        };
     }
     let mean = finite.iter().sum::<f64>() / finite.len() as f64;
     let spread =
@@ -32,33 +54,75 @@ pub fn noise_std(samples: &[f64]) -> f64 {
         .max(RELATIVE_FLOOR * spread)
         .max(1e-12);
 
-    let mut best: Option<f64> = None;
+    let mut best: Option<NoiseEstimate> = None;
     let mut differences = samples.to_vec();
     let mut binomial = 1.0;
     for order in 1..=MAX_ORDER {
         for k in 0..differences.len() - order {
             differences[k] = differences[k + 1] - differences[k];
         }
-        let kept = &differences[..differences.len() - order];
+        let mut kept = differences[..differences.len() - order].to_vec();
+        for &kink in kinks {
+            // From the kink itself on the motion is smooth again.
+            let across = (kink + 1).saturating_sub(order)..kink.min(kept.len());
+            kept[across].fill(f64::NAN);
+        }
         // C(2d, d) by its recursion.
         binomial *= (2 * order * (2 * order - 1)) as f64 / (order * order) as f64;
-        let Some(mean_square) = median_of_blocks(kept) else {
+        let Some((mean_square, differences)) = median_of_blocks(&kept) else {
             break;
         };
-        let estimate = (mean_square / binomial).sqrt();
+        let estimate = NoiseEstimate {
+            std: (mean_square / binomial).sqrt(),
+            differences,
+        };
+        let scatter = 1.0 / (kept.len() as f64).sqrt();
         match best {
             // A fall of less than the estimate's own scatter is no fall.
-            Some(previous) if estimate > previous * (1.0 - 1.0 / (kept.len() as f64).sqrt()) => {
+            Some(previous) if estimate.std > previous.std * (1.0 - scatter) => {
                 break;
             }
             _ => best = Some(estimate),
         }
     }
-    best.unwrap_or(floor).max(floor)
+    NoiseEstimate {
+        std: best.map_or(floor, |best| best.std.max(floor)),
+        differences: best.map_or(0, |best| best.differences),
+    }
 }
 
-/// Standard deviation of the noise of a recorded input, in its unit: third differences alone, without the
-/// floors of [`noise_std`], so that a clean command of a few levels has none.
+/// Differences between neighbouring samples that are this many standard deviations of a difference are
+/// steps of the command: of Gaussian noise one in 500 million is.
+const STEP_DEVIATIONS: f64 = 6.0;
+/// A difference below this share of the largest current is never called a step: it may be the last digit of a
+/// quantised column, whose flicker is noise.
+const LEAST_STEP_SHARE: f64 = 0.02;
+/// Share of the differences that are no steps even where a command switches at nearly every sample.
+const CALM_SHARE: f64 = 0.1;
+/// Most rounds in which steps are told from noise; each is a pass over the differences.
+const ROUNDS: usize = 20;
+/// |z| below which this share of a standard normal lies.
+const CALM_QUANTILE: f64 = 0.125_661;
+
+/// A step of a command is a change by at least this share of its largest value: smaller ones bend the motion by
+/// less than the noise of most sensors, and a smooth command has none that are larger.
+const STEP_OF_COMMAND: f64 = 0.1;
+
+/// The samples from which on a command has another level than before.
+pub(crate) fn steps_of_command(current_a: &[f64]) -> Vec<usize> {
+    let largest = current_a.iter().filter(|current| current.is_finite());
+    let largest = largest.fold(0.0f64, |largest, current| largest.max(current.abs()));
+    let noise = STEP_DEVIATIONS * std::f64::consts::SQRT_2 * noise_between_steps(current_a);
+    let least = noise.max(STEP_OF_COMMAND * largest);
+    let steps = |&k: &usize| (current_a[k] - current_a[k - 1]).abs() > least;
+    (1..current_a.len()).filter(steps).collect()
+}
+
+/// Standard deviation of the noise of a recorded input, in its unit, without the floors of [`noise_std`], so
+/// that a clean command of a few levels has none.
+///
+/// The smaller of two upper bounds: by third differences, in which a smooth command cancels, and by the
+/// differences that are no steps ([`STEP_DEVIATIONS`]), in which the levels of a switching one do.
 pub fn input_noise_std(samples: &[f64]) -> f64 {
     /// C(6, 3)
     const BINOMIAL: f64 = 20.0;
@@ -66,23 +130,57 @@ pub fn input_noise_std(samples: &[f64]) -> f64 {
         .windows(4)
         .map(|s| s[3] - 3.0 * s[2] + 3.0 * s[1] - s[0])
         .collect();
-    median_of_blocks(&third).map_or(0.0, |mean_square| (mean_square / BINOMIAL).sqrt())
+    let smooth = median_of_blocks(&third).map_or(0.0, |(square, _)| (square / BINOMIAL).sqrt());
+    smooth.min(noise_between_steps(samples))
 }
 
-/// Median over blocks of the mean square; `None` if nothing finite is left.
-fn median_of_blocks(values: &[f64]) -> Option<f64> {
+/// Standard deviation of the noise of a command that is held between steps.
+fn noise_between_steps(samples: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = samples
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .filter(|size| size.is_finite())
+        .collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    sizes.sort_by(f64::total_cmp);
+    let largest = samples.iter().filter(|value| value.is_finite());
+    let largest = largest.fold(0.0f64, |largest, value| largest.max(value.abs()));
+    let calm = sizes[(CALM_SHARE * sizes.len() as f64) as usize];
+    let mut deviation = calm / CALM_QUANTILE;
+    let mut kept = 0;
+    for _ in 0..ROUNDS {
+        let limit = (STEP_DEVIATIONS * deviation).max(LEAST_STEP_SHARE * largest);
+        let count = sizes.partition_point(|size| *size <= limit);
+        if count == kept || count == 0 {
+            break;
+        }
+        kept = count;
+        let squares: f64 = sizes[..count].iter().map(|size| size * size).sum();
+        deviation = (squares / count as f64).sqrt();
+    }
+    deviation / std::f64::consts::SQRT_2
+}
+
+/// Median over blocks of the mean square, with the number of values behind it; `None` if nothing finite is left.
+fn median_of_blocks(values: &[f64]) -> Option<(f64, usize)> {
     let size = (values.len() / BLOCKS).max(8);
-    let squares = values.chunks(size).filter_map(|block| {
+    let mut used = 0;
+    let mut squares = vec![];
+    for block in values.chunks(size) {
         let finite = block.iter().filter(|v| v.is_finite());
         let count = finite.clone().count();
-        (2 * count >= block.len() && count > 0)
-            .then(|| finite.map(|v| v * v).sum::<f64>() / count as f64)
-    });
-    median(squares)
+        if 2 * count >= block.len() && count > 0 {
+            squares.push(finite.map(|v| v * v).sum::<f64>() / count as f64);
+            used += count;
+        }
+    }
+    median(squares).map(|median| (median, used))
 }
 
-/// The smallest step between two different values: the resolution of a quantised channel (and a
-/// tiny number for a channel whose values are all different).
+/// The step of a quantised channel: the smallest between two different values, if the others are multiples of it;
+/// 0 where they are not, so that it is chance (a wheel that gains speed has no two equal samples).
 pub fn resolution(samples: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
     if sorted.is_empty() {
@@ -90,14 +188,28 @@ pub fn resolution(samples: &[f64]) -> f64 {
     }
     sorted.sort_by(f64::total_cmp);
     let scale = sorted[sorted.len() - 1].abs().max(sorted[0].abs());
-    sorted
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
+    let steps = || {
+        let pairs = sorted.windows(2).map(|pair| pair[1] - pair[0]);
         // Rounding in the conversion of units makes equal counts differ in the last bits.
-        .filter(|step| *step > 1e-9 * scale)
-        .fold(f64::INFINITY, f64::min)
-        .min(scale)
+        pairs.filter(|step| *step > 1e-9 * scale)
+    };
+    let least = steps().fold(f64::INFINITY, f64::min).min(scale);
+    let is_multiple = |step: &f64| {
+        let times = step / least;
+        (times - times.round()).abs() < MULTIPLE
+    };
+    let multiples = steps().filter(is_multiple).count();
+    if multiples as f64 >= MOSTLY * steps().count() as f64 {
+        least
+    } else {
+        0.0
+    }
 }
+
+/// Share of a step by which a multiple of it may be off: a column that was rounded after it had been quantised.
+const MULTIPLE: f64 = 0.1;
+/// Share of all steps that must be multiples; of steps by chance a fifth is.
+const MOSTLY: f64 = 0.9;
 
 #[cfg(test)]
 mod tests {

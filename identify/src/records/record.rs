@@ -7,7 +7,8 @@ use bench_files::{CurrentMeaning, Experiment};
 pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
-use super::noise::{noise_std, resolution};
+use super::averages::{blocks, means, middles};
+use super::noise::{noise_by_differences, resolution, steps_of_command};
 
 /// One measured channel.
 #[derive(Clone, Debug)]
@@ -21,6 +22,38 @@ pub struct RecordedChannel {
     /// The step of a channel whose noise is mostly its own rounding, in the unit of the output;
     /// `None` where the noise hides it.
     pub quantum: Option<f64>,
+}
+
+impl RecordedChannel {
+    /// Samples with a noise of this standard deviation, which is never below that of their own rounding.
+    fn new(output: Output, samples: Vec<f64>, noise_std: f64) -> RecordedChannel {
+        let mut channel = RecordedChannel {
+            output,
+            samples,
+            noise_std,
+            quantum: None,
+        };
+        channel.set_noise(noise_std);
+        channel
+    }
+
+    /// Puts another standard deviation in the place of the noise's.
+    pub(crate) fn set_noise(&mut self, noise_std: f64) {
+        let step = resolution(&self.samples);
+        let rounding_std = step / 12f64.sqrt();
+        self.noise_std = noise_std.max(rounding_std);
+        let is_quantised = rounding_std >= QUANTISED_SHARE * self.noise_std;
+        self.quantum = is_quantised.then_some(step);
+    }
+}
+
+/// The samples at which the motion has a kink because the current steps. Not while balancing: there the current
+/// answers to every sample.
+fn kinks(kind: Kind, current_a: &[f64]) -> Vec<usize> {
+    match kind {
+        Kind::SpinUp | Kind::Driven => steps_of_command(current_a),
+        Kind::FreeSwing | Kind::Balance => vec![],
+    }
 }
 
 /// Length of the windows of a balance log in s, and of any other log whose free run diverges.
@@ -91,6 +124,10 @@ pub struct Record {
     pub window_s: f64,
     /// The measured angle leaves ±π.
     pub passes_over_the_top: bool,
+    /// How many samples of the log each of these is the average of; 1 for the log as it was recorded.
+    pub averaged_over: usize,
+    /// What [`Record::wheel_angles`] hands out, where it is known better than from these samples.
+    turned_rad: Option<Vec<f64>>,
     past: Past,
 }
 
@@ -111,6 +148,7 @@ impl Record {
         current_a: Option<Vec<f64>>,
         current_is_measured: bool,
     ) -> Record {
+        let kinks = kinks(kind, current_a.as_deref().unwrap_or(&[]));
         let channels: Vec<RecordedChannel> = Output::ALL
             .into_iter()
             .zip(outputs)
@@ -121,15 +159,8 @@ impl Record {
             })
             .filter_map(|(output, samples)| {
                 let samples = samples?;
-                let noise_std = noise_std(&samples);
-                let quantum = Some(resolution(&samples))
-                    .filter(|quantum| quantum / 12f64.sqrt() >= QUANTISED_SHARE * noise_std);
-                Some(RecordedChannel {
-                    output,
-                    samples,
-                    noise_std,
-                    quantum,
-                })
+                let noise_std = noise_by_differences(&samples, &kinks).std;
+                Some(RecordedChannel::new(output, samples, noise_std))
             })
             .collect();
         let passes_over_the_top = channels.iter().any(|channel: &RecordedChannel| {
@@ -164,6 +195,8 @@ impl Record {
                 Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
             },
             passes_over_the_top,
+            averaged_over: 1,
+            turned_rad: None,
             past: Past::default(),
         }
     }
@@ -214,6 +247,36 @@ impl Record {
         thin
     }
 
+    /// The same log as averages over `block` samples, with a noise of their own: what every block says of its middle
+    /// (see [`super::averages`]). Of the current and of the wheel's way every sample counts.
+    pub fn averaged(&self, block: usize) -> Record {
+        let blocks = blocks(self.len(), block);
+        let kinks = self.kinks();
+        let outputs = Output::ALL.map(|output| {
+            let channel = self.channel(output)?;
+            Some(middles(&channel.samples, &blocks, &kinks))
+        });
+        let current_a = (!self.current_a.is_empty()).then(|| means(&self.current_a, &blocks));
+        let mut averaged = Record::new(
+            &self.name,
+            self.kind,
+            means(&self.time_s, &blocks),
+            outputs,
+            current_a,
+            self.current_is_measured,
+        );
+        if let (RecordedCurrent::Known(input), false) = (&self.current, self.current_a.is_empty()) {
+            averaged.current = RecordedCurrent::Known(input.clone());
+        }
+        if self.channel(Output::WheelSpeed).is_some() {
+            averaged.turned_rad = Some(means(self.wheel_angles(), &blocks));
+        }
+        averaged.window_s = self.window_s;
+        averaged.passes_over_the_top = self.passes_over_the_top;
+        averaged.averaged_over = block * self.averaged_over;
+        averaged
+    }
+
     fn part(&self, samples: &[usize]) -> Record {
         let pick = |series: &[f64]| samples.iter().map(|&k| series[k]).collect::<Vec<f64>>();
         let outputs =
@@ -235,7 +298,14 @@ impl Record {
         }
         part.weight = pick(&self.weight);
         part.window_s = self.window_s;
+        part.turned_rad = self.turned_rad.as_deref().map(pick);
+        part.averaged_over = self.averaged_over;
         part
+    }
+
+    /// The samples at which the motion has a kink because the current steps.
+    pub(crate) fn kinks(&self) -> Vec<usize> {
+        kinks(self.kind, &self.current_a)
     }
 
     /// The channel that measures `output`, if there is one.
@@ -248,6 +318,9 @@ impl Record {
     /// Angle in rad that the wheel has turned since the log began, at every sample, from the measured
     /// wheel speed (trapezoidal rule; a missing sample repeats the one before); zeros without one.
     pub fn wheel_angles(&self) -> &[f64] {
+        if let Some(turned_rad) = &self.turned_rad {
+            return turned_rad;
+        }
         self.past.wheel_angle_rad.get_or_init(|| {
             let Some(channel) = self.channel(Output::WheelSpeed) else {
                 return vec![0.0; self.len()];

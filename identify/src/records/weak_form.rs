@@ -27,8 +27,9 @@ fn bump(t: f64, (a, b): (f64, f64), order: usize) -> f64 {
 }
 
 /// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
-/// trapezoidal rule, corrected at the ends for the first order.
-pub(crate) fn bumps(
+/// trapezoidal rule, corrected at the ends for the first order. A bump lasts `bump_s` seconds, at least twelve
+/// samples; neighbouring bumps overlap by half.
+pub fn bumps(
     record: &Record,
     bump_s: f64,
     mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64),

@@ -3,6 +3,8 @@
 //! The correlation tests have the answer "yes, something" for every real log of many samples, because they
 //! reject whatever is detectable; this one says whether it matters.
 
+use crate::records::NOISE_RELATIVE_STD_ROOT_N;
+
 /// How large the part of a residual is that is not sensor noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResidualStructure {
@@ -25,9 +27,6 @@ impl ResidualStructure {
 /// side in 3e-5; with some ten window lengths tried and the noise estimated from the log, white noise
 /// is flagged in less than 0.2 % of all residuals (see the tests).
 pub const SIGNIFICANT: f64 = 4.0;
-/// Relative standard deviation of a channel's noise as [`crate::records::noise_std`] estimates it from n
-/// samples, times √n: 1.25 over simulated swings of 500 to 20,000 samples (see the tests).
-const NOISE_RELATIVE_STD_ROOT_N: f64 = 1.25;
 /// Relative standard deviation of the noise beyond that: real noise is not quite Gaussian, white
 /// and constant.
 const NOISE_RELATIVE_STD: f64 = 0.02;

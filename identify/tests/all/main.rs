@@ -1,7 +1,9 @@
 //! From logs to parameters and to the places where a model fails: recovery of known truth from
 //! simulated logs, and figures of real ones.
 
+mod averages;
 mod breakdown;
+mod coarse;
 mod common;
 mod contradiction;
 mod correlation;

@@ -40,6 +40,7 @@ impl Effect for BodyCableSpring {
         }],
         starts: &[&[1e-3, 0.0], &[1e-3, 1.0], &[1e-3, -1.0]],
         absent: Some(&[0.0, 0.0]),
+        confused_with: &["angle-offset"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         product: Some((0, 1)),
         linearised: Linearised::Exactly,

@@ -30,6 +30,7 @@ impl Effect for BodyCoulombFriction {
         }],
         starts: &[&[1e-4]],
         absent: Some(&[0.0]),
+        confused_with: &["body-stribeck-friction"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
         linearised: Linearised::AsDryFriction,

@@ -45,6 +45,7 @@ impl Effect for BodyPreslidingFriction {
         starts: &[&[1e-4, 0.003], &[1e-4, 0.01], &[1e-4, 0.05], &[3e-4, 0.2]],
         absent: None,
         replaces: &["body-coulomb-friction"],
+        confused_with: &["body-softening-spring"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
         linearised: Linearised::AsDryFriction,

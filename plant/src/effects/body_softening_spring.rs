@@ -30,6 +30,7 @@ impl Effect for BodySofteningSpring {
         }],
         starts: &[&[1e-3]],
         absent: Some(&[0.0]),
+        confused_with: &["body-presliding-friction"],
         shows_in: &[Kind::FreeSwing, Kind::Driven],
         angle_power: Some(3),
         hiding: Some(Hiding { parameters: |s, bench| vec![bench.gravity_torque * s], first_guess: 1e-2, beyond_plausible: false }),

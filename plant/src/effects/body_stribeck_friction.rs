@@ -52,6 +52,7 @@ impl Effect for BodyStribeckFriction {
         starts: &[&[1e-4, 2e-4, 0.1], &[1e-4, 2e-4, 0.5], &[1e-4, 2e-4, 2.0]],
         absent: Some(&[0.0, 0.0, 0.1]),
         replaces: &["body-coulomb-friction"],
+        confused_with: &["body-coulomb-friction"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         has_kink: true,
         limit: Some((1, 0)),

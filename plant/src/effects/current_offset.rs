@@ -30,6 +30,7 @@ impl Effect for CurrentOffset {
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),
+        confused_with: &["wheel-coulomb-friction"],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         hiding: Some(Hiding { parameters: |s, bench| vec![bench.side * bench.top_current_a * s], first_guess: 1e-2, beyond_plausible: false }),
         ..EffectInfo::PLAIN

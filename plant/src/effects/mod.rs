@@ -179,3 +179,34 @@ impl EffectId {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::EffectId;
+
+    #[test]
+    fn what_is_confused_with_an_effect_exists_and_says_so_too() {
+        for effect in EffectId::ALL {
+            for other in effect.info().confused_with {
+                let other = EffectId::from_name(other).unwrap_or_else(|| panic!("{other}"));
+                let back = other.info().confused_with;
+                assert!(
+                    back.contains(&effect.name()),
+                    "{} and {}",
+                    effect.name(),
+                    other.name()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_effect_explains_itself() {
+        for info in EffectId::ALL.iter().map(|effect| effect.info()) {
+            for text in [info.equation, info.meaning, info.source, info.fingerprint] {
+                assert!(!text.is_empty(), "{}", info.name);
+            }
+            assert!(!info.shows_in.is_empty(), "{}", info.name);
+        }
+    }
+}

@@ -30,6 +30,7 @@ impl Effect for WheelCoulombFriction {
         }],
         starts: &[&[1e-4]],
         absent: Some(&[0.0]),
+        confused_with: &["current-offset", "motor-dead-zone"],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: true,
         hiding: Some(Hiding { parameters: |s, bench| vec![bench.top_torque() * s], first_guess: 1e-2, beyond_plausible: false }),

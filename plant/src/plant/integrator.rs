@@ -228,15 +228,27 @@ impl<S: Scalar> Plant<S> {
             if k + 1 >= samples.end {
                 break;
             }
+            // Where the command steps within the interval of a thinned log the motion is followed up to there first.
+            let delay_s = self.delay_s.as_ref().map_or(0.0, |delay| delay.value());
+            let steps: &[f64] = match current {
+                Current::Recorded(input) if is_thinned(input) => {
+                    input.steps_within(time_s[k] - delay_s, time_s[k + 1] - delay_s)
+                }
+                _ => &[],
+            };
+            let steps = steps.iter().map(|step_s| step_s + delay_s);
             if let Some((input, driven)) = &averaged {
-                let (from, to) = (time_s[k], time_s[k + 1]);
-                let (current_a, flowing_a) =
-                    self.through_motor_on_average(input, &state, (from, to), before_a, k);
-                let push = push.map_or([0.0; 3], |push| {
-                    [push(from), push(0.5 * (from + to)), push(to)]
-                });
-                state = driven.step(&state, &Drive { current_a, push }, to - from);
-                state.current_a = flowing_a;
+                let mut from = time_s[k];
+                for to in steps.chain([time_s[k + 1]]) {
+                    let (current_a, flowing_a) =
+                        self.through_motor_on_average(input, &state, (from, to), before_a, k);
+                    let push = push.map_or([0.0; 3], |push| {
+                        [push(from), push(0.5 * (from + to)), push(to)]
+                    });
+                    state = driven.step(&state, &Drive { current_a, push }, to - from);
+                    state.current_a = flowing_a;
+                    from = to;
+                }
                 continue;
             }
             // A delayed command changes within the interval: one step up to there, one from there.
@@ -247,7 +259,7 @@ impl<S: Scalar> Plant<S> {
                 _ => None,
             };
             let mut from = time_s[k];
-            for to in change.into_iter().chain([time_s[k + 1]]) {
+            for to in change.into_iter().chain(steps).chain([time_s[k + 1]]) {
                 let drive = Drive {
                     current_a: match current {
                         Current::Recorded(input) => self.command(input, (from, to), before_a, k),

@@ -85,7 +85,7 @@ impl SimulationReport {
             }
             files.push(OutputFile::csv(&name, &columns));
         }
-        Ok(files)
+        Ok(OutputFile::distinct(files))
     }
 
     fn run_figure(&self, run: &LoopRun) -> Result<String, Error> {

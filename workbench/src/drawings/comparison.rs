@@ -1,7 +1,5 @@
 //! A model beside the measurements: one figure an experiment, and the residuals in which it fails.
 
-use std::collections::BTreeSet;
-
 use identify::{Coordinate, Output, ResidualBreakdown, ResidualKind};
 
 use crate::comparison::{ComparisonReport, ExperimentCurves, FailurePlace};
@@ -21,19 +19,14 @@ impl ComparisonReport {
     /// # Errors
     /// [`Error::Figure`] where curves of one experiment differ in length.
     pub fn drawings(&self) -> Result<Vec<OutputFile>, Error> {
-        let mut used = BTreeSet::new();
         let mut files = Vec::new();
         for experiment in &self.curves {
-            let mut name = file_name(&experiment.experiment);
-            // Two names may differ only in what a file name cannot hold.
-            while !used.insert(name.clone()) {
-                name.push_str("-2");
-            }
+            let name = file_name(&experiment.experiment);
             let svg = self.overlay(experiment)?;
             files.push(OutputFile::svg(&format!("compare-{name}"), svg));
         }
         files.extend(self.residuals());
-        Ok(files)
+        Ok(OutputFile::distinct(files))
     }
 
     fn overlay(&self, experiment: &ExperimentCurves) -> Result<String, Error> {

@@ -19,7 +19,7 @@ impl DiagnosisReport {
             files.extend(decay.drawing(&self.bench)?);
         }
         files.extend(self.last.drawings()?);
-        Ok(files)
+        Ok(OutputFile::distinct(files))
     }
 
     fn staircase(&self) -> Result<String, Error> {

@@ -4,5 +4,6 @@
 //! tolerance; this notices a damage below that.
 
 pub mod draw;
+pub mod every_input;
 pub mod runs;
 pub mod second;

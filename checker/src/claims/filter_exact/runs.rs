@@ -5,7 +5,7 @@ use crate::claims::filter_exact::second::*;
 use crate::domains::machine::Machine;
 use crate::language::module::Module;
 
-/// Runs every function of the filter against this file.
+/// Runs every function of the filter against [`crate::claims::filter_exact::second`].
 ///
 /// # Errors
 /// The first arguments for which a word differs.

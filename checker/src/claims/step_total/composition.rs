@@ -4,6 +4,7 @@ use crate::claims::filter_accurate::constants::Filter;
 use crate::claims::filter_accurate::equations::unit;
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
+use crate::claims::upright::Upright;
 use crate::language::module::Module;
 
 /// Runs `Attitude` against the functions that it is made of, word by word; of `Controller` the claim
@@ -26,13 +27,19 @@ pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, St
         &f.call("Attitude::new", &[])?,
         &[one, 0, 0, 0, 0, 0, 0, 0, 0],
     )?;
+    let near = Upright::find(module);
     let mut random = Random::new(seed);
     for case in 0..cases {
-        let q = unit([0; 4].map(|_| random.real()));
-        let mut attitude: Vec<i128> = q
-            .iter()
-            .map(|x| (x * 2f64.powi(30)).round() as i128)
-            .collect();
+        // Any attitude, or one near upright, where the pendulum is kept.
+        let mut attitude: Vec<i128> = match &near {
+            Some(near) if case % 2 == 0 => near.attitude(&f, 0.05 * random.real())?,
+            _ => {
+                let q = unit([0; 4].map(|_| random.real()));
+                q.iter()
+                    .map(|x| (x * 2f64.powi(30)).round() as i128)
+                    .collect()
+            }
+        };
         attitude.extend([random.count(2f64.powi(28)), random.count(2f64.powi(28))]);
         let drift = [0; 3].map(|_| random.count(2f64.powi(29)));
         attitude.extend(drift);

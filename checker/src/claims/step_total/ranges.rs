@@ -53,7 +53,8 @@ pub fn check(
     }
     let no_current = IntegerInterval::point(zero.into());
     let in_range = IntegerInterval::new(low.into(), high.into());
-    let others = IntegerInterval::new(RUNNING + 1, 255);
+    let (_, last) = program.argument_types[status].range();
+    let others = IntegerInterval::new(RUNNING + 1, last);
     let cases = [
         (IntegerInterval::new(0, RUNNING - 1), no_current),
         (IntegerInterval::point(RUNNING), in_range),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use syn::spanned::Spanned;
 
-use crate::language::declarations::{ENUM, Named, Read, refuse, shown};
+use crate::language::declarations::{Named, Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
 use crate::language::lower::programs;
 use crate::program::steps::ProgramStep;
@@ -43,7 +43,7 @@ impl Builder<'_> {
             }
             syn::Expr::Lit(literal) => self.literal(scope, literal, false, expected),
             syn::Expr::Unary(unary) => self.unary(scope, unary, expected, steps),
-            syn::Expr::Binary(binary) => self.binary(scope, binary, expected, steps),
+            syn::Expr::Binary(binary) => self.binary(scope, binary, steps),
             syn::Expr::Cast(cast) => self.cast(scope, cast, steps),
             syn::Expr::Path(path) => self.name(scope, path, expected),
             syn::Expr::Field(_) => {
@@ -231,9 +231,10 @@ impl Builder<'_> {
                 }
             }
             [type_, variant] => {
-                if let Some(value) = self.declarations.variant(scope.module, type_, variant) {
+                let found = self.declarations.variant(scope.module, type_, variant);
+                if let Some((type_, value)) = found {
                     return Ok(Value {
-                        type_: ENUM,
+                        type_,
                         slots: vec![self.known(value)],
                     });
                 }

@@ -107,7 +107,6 @@ impl Builder<'_> {
         &mut self,
         scope: &mut Scope,
         binary: &syn::ExprBinary,
-        expected: Option<&Type>,
         steps: &mut Vec<ProgramStep>,
     ) -> Read<Value> {
         let span = binary.op.span();
@@ -140,20 +139,20 @@ impl Builder<'_> {
         };
         if let Some(operation) = operation {
             if matches!(operation, Arithmetic::ShiftLeft | Arithmetic::ShiftRight) {
-                let type_ = self.type_of(scope, &binary.left).or(expected.cloned());
-                let a = self.expression(scope, &binary.left, type_.as_ref(), steps)?;
-                let amount = self
-                    .type_of(scope, &binary.right)
-                    .unwrap_or(Type::Integer(Integer::U32));
+                // What is shifted has its type from nowhere else, and an amount has one of its own.
+                let Some(type_) = self.type_of(scope, &binary.left) else {
+                    return self.unclear(scope, &binary.left);
+                };
+                let a = self.expression(scope, &binary.left, Some(&type_), steps)?;
+                let amount = match self.type_of(scope, &binary.right) {
+                    Some(type_) => type_,
+                    None if is_literal(&binary.right) => Type::Integer(Integer::U32),
+                    None => return self.unclear(scope, &binary.right),
+                };
                 let b = self.expression(scope, &binary.right, Some(&amount), steps)?;
                 return self.arithmetic(scope, span, operation, a, b, steps);
             }
-            let type_ = self
-                .type_of(scope, &binary.left)
-                .or_else(|| self.type_of(scope, &binary.right))
-                .or(expected.cloned());
-            let a = self.expression(scope, &binary.left, type_.as_ref(), steps)?;
-            let b = self.expression(scope, &binary.right, type_.as_ref(), steps)?;
+            let (a, b) = self.operands(scope, binary, steps)?;
             return self.arithmetic(scope, span, operation, a, b, steps);
         }
         let (comparison, is_swapped) = match binary.op {
@@ -174,13 +173,14 @@ impl Builder<'_> {
                 );
             }
         };
-        let type_ = self
-            .type_of(scope, &binary.left)
-            .or_else(|| self.type_of(scope, &binary.right));
-        let a = self.expression(scope, &binary.left, type_.as_ref(), steps)?;
-        let b = self.expression(scope, &binary.right, type_.as_ref(), steps)?;
-        let is_integer = matches!(a.type_, Type::Integer(_));
-        if a.type_ != b.type_ || !is_integer {
+        let (a, b) = self.operands(scope, binary, steps)?;
+        let is_equality = matches!(comparison, WordComparison::Equal | WordComparison::NotEqual);
+        let is_comparable = match a.type_ {
+            Type::Integer(_) => true,
+            Type::Enum(..) => is_equality,
+            _ => false,
+        };
+        if a.type_ != b.type_ || !is_comparable {
             return self.mismatch(scope, span, &a.type_, &b.type_);
         }
         let (a, b) = if is_swapped { (b, a) } else { (a, b) };
@@ -201,6 +201,45 @@ impl Builder<'_> {
         })
     }
 
+    /// The two operands of an operator on one type, which one of them states; the other states it
+    /// too or is a literal.
+    fn operands(
+        &mut self,
+        scope: &mut Scope,
+        binary: &syn::ExprBinary,
+        steps: &mut Vec<ProgramStep>,
+    ) -> Read<(Value, Value)> {
+        let sides = [&*binary.left, &*binary.right];
+        let types = sides.map(|side| self.type_of(scope, side));
+        let Some(type_) = types.iter().flatten().next() else {
+            return self.unclear(scope, &binary.left);
+        };
+        for (side, own) in sides.into_iter().zip(&types) {
+            if own.is_none() && !is_literal(side) {
+                return self.unclear(scope, side);
+            }
+        }
+        let a = self.expression(scope, sides[0], Some(type_), steps)?;
+        let b = self.expression(scope, sides[1], Some(type_), steps)?;
+        Ok((a, b))
+    }
+
+    /// Refuses an expression whose type Rust would find by rules that are not read here.
+    fn unclear<T>(&mut self, scope: &mut Scope, expression: &syn::Expr) -> Read<T> {
+        // What is wrong inside of it says more.
+        if !is_literal(expression) {
+            self.expression(scope, expression, None, &mut Vec::new())?;
+        }
+        refuse(
+            &scope.path,
+            expression.span(),
+            format!(
+                "the type of {} is not stated here; write it at the number (`1_i64`) or give the value a name with a type",
+                shown(expression)
+            ),
+        )
+    }
+
     pub(super) fn cast(
         &mut self,
         scope: &mut Scope,
@@ -210,8 +249,13 @@ impl Builder<'_> {
         let type_ = self
             .declarations
             .type_(scope.module, &scope.path, &cast.ty)?;
-        // A literal takes the type that it is cast to; everything else has its own.
-        let inner = self.type_of(scope, &cast.expr).unwrap_or(type_.clone());
+        // A literal takes the type that it is cast to; everything else has its own, which Rust would
+        // take for i32 where nothing states it.
+        let inner = match self.type_of(scope, &cast.expr) {
+            Some(inner) => inner,
+            None if is_literal(&cast.expr) => type_.clone(),
+            None => return self.unclear(scope, &cast.expr),
+        };
         let value = self.expression(scope, &cast.expr, Some(&inner), steps)?;
         self.converted(scope, cast.span(), value, &type_, steps)
     }
@@ -262,5 +306,17 @@ impl Builder<'_> {
             type_: type_.clone(),
             slots: vec![to],
         })
+    }
+}
+
+/// An integer without a suffix, with or without a minus.
+fn is_literal(expression: &syn::Expr) -> bool {
+    match expression {
+        syn::Expr::Paren(inner) => is_literal(&inner.expr),
+        syn::Expr::Lit(literal) => matches!(literal.lit, syn::Lit::Int(_)),
+        syn::Expr::Unary(unary) => {
+            matches!(unary.op, syn::UnOp::Neg(_)) && matches!(&*unary.expr, syn::Expr::Lit(_))
+        }
+        _ => false,
     }
 }

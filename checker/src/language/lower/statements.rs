@@ -1,9 +1,12 @@
 //! Bodies, blocks and their statements.
 
 use syn::spanned::Spanned;
+use syn::visit::Visit;
 
+use crate::language::attributes::no_attributes;
 use crate::language::declarations::{Read, refuse, shown};
 use crate::language::lower::builder::{Builder, Scope, Value};
+use crate::language::plain;
 use crate::program::place::SourceError;
 use crate::program::steps::{Action, ProgramStep};
 use crate::program::types::Type;
@@ -295,6 +298,8 @@ impl Builder<'_> {
                 ),
             );
         };
+        plain::check_expression(&scope.path, &condition)?;
+        no_attributes(&scope.path, |finder| finder.visit_expr(&condition))?;
         let value = self.expression(scope, &condition, Some(&Type::Bool), steps)?;
         self.require(scope, condition.span(), &Type::Bool, &value.type_)?;
         let place = self.at(scope, call.span());

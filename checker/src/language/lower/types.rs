@@ -1,6 +1,6 @@
 //! Types of expressions before they are read.
 
-use crate::language::declarations::{ENUM, Named};
+use crate::language::declarations::Named;
 use crate::language::lower::builder::{Builder, Scope};
 use crate::program::types::{Integer, Type};
 
@@ -54,7 +54,7 @@ impl Builder<'_> {
                     }
                     [type_, variant] => Integer::named(type_).map(Type::Integer).or_else(|| {
                         let value = self.declarations.variant(scope.module, type_, variant);
-                        value.map(|_| ENUM)
+                        value.map(|(type_, _)| type_)
                     }),
                     _ => None,
                 }

@@ -1,0 +1,467 @@
+//! Effects of users: a torque as a formula, in `effects/NAME.toml` of the bench folder, or as `[own.NAME]` of
+//! a model.toml, which then stands alone.
+//!
+//! The torque is given as it acts, positive towards positive angles; the library counts torques against the
+//! motion.
+
+mod expression;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+use plant::{
+    Definition, EffectId, EffectInfo, ExternalEffect, Instant, Kind, Linearised, ParameterInfo,
+    Partials, Role, Smoothing,
+};
+use toml_edit::{Array, DocumentMut, Table, Value, value};
+
+use crate::error::{Error, Names, Problem};
+use crate::files::Files;
+use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_writing::number;
+use expression::{Formula, Meaning};
+
+/// What stands before the name of an own effect wherever effects are named.
+pub const OWN_PREFIX: &str = "own:";
+/// The folder beside bench.toml.
+const FOLDER: &str = "effects";
+/// What a torque may look at, in the order of the variables of a formula.
+const MOTION: [&str; 4] = ["angle", "rate", "wheel_speed", "wheel_angle"];
+/// Most sets of start values: several starts of several parameters multiply.
+const MOST_STARTS: usize = 64;
+/// Parameters and variables for which no memory is asked of the heap.
+const FEW: usize = 24;
+
+/// An effect that a user has written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OwnEffect {
+    /// The effect; its name is `own:NAME`.
+    pub effect: EffectId,
+    /// The text that defines it, in one form whatever its file looked like.
+    text: String,
+}
+
+/// A text with its place, and one parameter as it is read.
+struct ParameterText {
+    name: String,
+    unit: String,
+    starts: Vec<f64>,
+    bounds: (f64, f64),
+}
+
+impl OwnEffect {
+    /// All effects in the folder of a bench, by name.
+    pub(crate) fn all_of(files: Files, folder: &Path) -> Result<Vec<OwnEffect>, Error> {
+        let folder = folder.join(FOLDER);
+        let mut paths = files.toml_files_in(&folder)?;
+        paths.sort();
+        let effects = paths.iter().map(|path| {
+            let name = path
+                .file_stem()
+                .map_or("".into(), |stem| stem.to_string_lossy());
+            let source = TomlSource::read(files, path)?;
+            let document = source.parse()?;
+            OwnEffect::read(&source, &source.root(&document), &name)
+        });
+        effects.collect()
+    }
+
+    /// Reads one.
+    pub(crate) fn read(
+        source: &TomlSource,
+        section: &Section,
+        name: &str,
+    ) -> Result<OwnEffect, Error> {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if name.is_empty() || !name.chars().all(is_plain) {
+            return Err(section.error(Problem::Formula(
+                "the name of an effect has letters, digits, - and _ only".to_owned(),
+            )));
+        }
+        let role_text = section.required_text("role", "role = \"body\" (or \"wheel\")")?;
+        let role = match role_text.value.as_str() {
+            "body" => Role::Body,
+            "wheel" => Role::Wheel,
+            _ => {
+                return Err(section.error_at(
+                    "role",
+                    Problem::UnknownName {
+                        what: "role".to_owned(),
+                        name: role_text.value.clone(),
+                        names: Names::new(["body", "wheel"]),
+                    },
+                ));
+            }
+        };
+        let torque = section.required_text("torque", "torque = \"-k*angle\"")?;
+        let fingerprint = section.text("fingerprint")?.map(|text| text.value);
+        let parameters = parameters(section)?;
+        let mut definitions: Vec<Located<String>> = vec![];
+        let mut texts: Vec<(String, Located<String>)> = vec![];
+        for key in section.keys() {
+            if ["role", "torque", "fingerprint", "parameters"].contains(&key.value.as_str()) {
+                continue;
+            }
+            let is_taken = MOTION.contains(&key.value.as_str())
+                || parameters.iter().any(|one| one.name == key.value);
+            if is_taken {
+                return Err(source.error(
+                    key.span.clone(),
+                    Problem::Formula(format!("\"{}\" has a meaning already", key.value)),
+                ));
+            }
+            let text = section.required_text(&key.value, "a formula in quotation marks")?;
+            definitions.push(key.clone());
+            texts.push((key.value.clone(), text));
+        }
+        let formula = formulas(source, &texts, &torque, &parameters)?;
+        let text = canonical(
+            &role_text.value,
+            &torque.value,
+            &texts,
+            fingerprint.as_deref(),
+            &parameters,
+        );
+        let content = format!("{OWN_PREFIX}{name}\n{text}");
+        let effect = EffectId::external(&content, || {
+            define(name, role, &torque.value, fingerprint, &parameters, formula)
+        })
+        .map_err(|error| section.error(Problem::Formula(error.to_string())))?;
+        Ok(OwnEffect { effect, text })
+    }
+
+    /// NAME, without what stands before it.
+    pub fn bare_name(&self) -> &'static str {
+        let name = self.effect.name();
+        name.strip_prefix(OWN_PREFIX).unwrap_or(name)
+    }
+
+    /// The definition as a table for `[own.NAME]`.
+    pub(crate) fn table(&self) -> Table {
+        let document: Result<DocumentMut, _> = self.text.parse();
+        // The text was made here.
+        let mut table =
+            document.map_or_else(|_| Table::new(), |document| document.as_table().clone());
+        forget_places(&mut table);
+        table
+    }
+}
+
+/// Lets tables stand where they are put, and not where they stood in the text that they come from.
+fn forget_places(table: &mut Table) {
+    table.set_position(None);
+    for (_, item) in table.iter_mut() {
+        if let Some(inner) = item.as_table_mut() {
+            forget_places(inner);
+        }
+    }
+}
+
+/// `[parameters.NAME]`, in the order of the file.
+fn parameters(section: &Section) -> Result<Vec<ParameterText>, Error> {
+    let Some(table) = section.section("parameters")? else {
+        return Err(section.error(section.missing(
+            "parameters",
+            "[parameters.k] with unit = \"N m/rad\", start = 1e-3",
+        )));
+    };
+    let mut found = vec![];
+    for key in table.keys() {
+        let Some(entry) = table.section(&key.value)? else {
+            continue;
+        };
+        entry.allow_only(&["unit", "start", "bounds"])?;
+        let starts = match entry.numbers("start", &[0], "a number, or a list of numbers") {
+            Ok(Some(list)) if !list.is_empty() => list,
+            _ => vec![entry.required_number("start")?],
+        };
+        let bounds = match entry
+            .numbers("bounds", &[2], "two numbers, [low, high]")?
+            .as_deref()
+        {
+            Some([low, high]) if low < high => (*low, *high),
+            Some(_) => {
+                return Err(entry.error_at(
+                    "bounds",
+                    Problem::Formula("the first bound must lie below the second".to_owned()),
+                ));
+            }
+            None => (f64::NEG_INFINITY, f64::INFINITY),
+        };
+        if let Some(outside) = starts
+            .iter()
+            .find(|start| !(bounds.0..=bounds.1).contains(*start))
+        {
+            return Err(entry.error_at(
+                "start",
+                Problem::OutOfRange {
+                    key: "start".to_owned(),
+                    value: *outside,
+                    must_be: format!("between {} and {}", bounds.0, bounds.1),
+                },
+            ));
+        }
+        found.push(ParameterText {
+            unit: entry.required_text("unit", "unit = \"N m\"")?.value,
+            name: key.value,
+            starts,
+            bounds,
+        });
+    }
+    if found.is_empty() {
+        return Err(table.error(Problem::Formula(
+            "an effect has at least one parameter, which the fit finds".to_owned(),
+        )));
+    }
+    Ok(found)
+}
+
+/// The torque with every definition in its place. A definition may use those that stand anywhere in the file.
+fn formulas(
+    source: &TomlSource,
+    texts: &[(String, Located<String>)],
+    torque: &Located<String>,
+    parameters: &[ParameterText],
+) -> Result<Formula, Error> {
+    let error = |text: &Located<String>, at: usize, what: String| {
+        // The quotation mark stands before the first byte of the formula.
+        let from = (text.span.start + 1 + at).min(text.span.end.saturating_sub(1));
+        let place: Range<usize> = from..(from + 1).min(text.span.end);
+        source.error(place, Problem::Formula(what))
+    };
+    let mut done: Vec<(&str, Formula)> = vec![];
+    let read = |text: &Located<String>, done: &[(&str, Formula)]| {
+        let mut names: BTreeMap<&str, Meaning> = BTreeMap::new();
+        names.insert("pi", Meaning::Number(std::f64::consts::PI));
+        let own = parameters.iter().map(|one| one.name.as_str());
+        for (variable, name) in MOTION.into_iter().chain(own).enumerate() {
+            names.insert(name, Meaning::Variable(variable));
+        }
+        for (name, formula) in done {
+            names.insert(name, Meaning::Formula(formula));
+        }
+        Formula::read(&text.value, &names)
+    };
+    let mut open: Vec<&(String, Located<String>)> = texts.iter().collect();
+    while !open.is_empty() {
+        let before = open.len();
+        let mut failed = None;
+        let mut still = vec![];
+        for one in open {
+            match read(&one.1, &done) {
+                Ok(formula) => done.push((one.0.as_str(), formula)),
+                Err(found) => {
+                    failed.get_or_insert((one, found));
+                    still.push(one);
+                }
+            }
+        }
+        open = still;
+        if let Some(((name, text), found)) = failed
+            && open.len() == before
+        {
+            let waits = open
+                .iter()
+                .any(|(other, _)| found.what.contains(&format!("\"{other}\"")));
+            let what = if waits {
+                format!("the definition of {name} leads back to itself, or to one that is wrong")
+            } else {
+                found.what
+            };
+            return Err(error(text, found.at, what));
+        }
+    }
+    read(torque, &done).map_err(|found| error(torque, found.at, found.what))
+}
+
+/// The definition in one form.
+fn canonical(
+    role: &str,
+    torque: &str,
+    texts: &[(String, Located<String>)],
+    fingerprint: Option<&str>,
+    parameters: &[ParameterText],
+) -> String {
+    let mut document = DocumentMut::new();
+    document["role"] = value(role);
+    document["torque"] = value(torque);
+    for (name, text) in texts {
+        document[name.as_str()] = value(text.value.as_str());
+    }
+    if let Some(fingerprint) = fingerprint {
+        document["fingerprint"] = value(fingerprint);
+    }
+    let mut list = Table::new();
+    list.set_implicit(true);
+    for one in parameters {
+        let mut entry = Table::new();
+        entry["unit"] = value(one.unit.as_str());
+        let starts: Array = one.starts.iter().map(|start| number(*start)).collect();
+        entry["start"] = value(Value::Array(starts));
+        if one.bounds.0.is_finite() || one.bounds.1.is_finite() {
+            let bounds: Array = [one.bounds.0, one.bounds.1]
+                .map(number)
+                .into_iter()
+                .collect();
+            entry["bounds"] = value(Value::Array(bounds));
+        }
+        list.insert(&one.name, toml_edit::Item::Table(entry));
+    }
+    document.insert("parameters", toml_edit::Item::Table(list));
+    document.to_string()
+}
+
+fn leaked(text: String) -> &'static str {
+    Box::leak(text.into_boxed_str())
+}
+
+fn define(
+    name: &str,
+    role: Role,
+    torque: &str,
+    fingerprint: Option<String>,
+    parameters: &[ParameterText],
+    formula: Formula,
+) -> Definition {
+    // A fit takes the first parameters for amplitudes: those without which there is no torque.
+    let is_amplitude = |index: &usize| vanishes_without(&formula, parameters, *index);
+    let (amplitudes, shapes): (Vec<usize>, Vec<usize>) =
+        (0..parameters.len()).partition(is_amplitude);
+    let order: Vec<usize> = amplitudes.iter().chain(&shapes).copied().collect();
+    let infos: Vec<ParameterInfo> = order
+        .iter()
+        .map(|&index| {
+            let one = &parameters[index];
+            let size = one
+                .starts
+                .iter()
+                .fold(0.0, |most: f64, x| most.max(x.abs()))
+                .max(1e-6);
+            ParameterInfo {
+                name: leaked(format!("{}_{}", name.replace('-', "_"), one.name)),
+                unit: leaked(one.unit.clone()),
+                meaning: leaked(format!("{} of effects/{name}.toml", one.name)),
+                plausible: if one.bounds.0.is_finite() && one.bounds.1.is_finite() {
+                    one.bounds
+                } else {
+                    (-100.0 * size, 100.0 * size)
+                },
+                bounds: one.bounds,
+                is_torque: one.unit.replace('·', " ").starts_with("N m"),
+                logarithmic: false,
+                is_whole: false,
+            }
+        })
+        .collect();
+    let mut starts: Vec<Vec<f64>> = vec![vec![]];
+    for &index in &order {
+        let longer = starts.iter().flat_map(|start| {
+            parameters[index].starts.iter().map(move |&next| {
+                let mut longer = start.clone();
+                longer.push(next);
+                longer
+            })
+        });
+        starts = longer.take(MOST_STARTS).collect();
+    }
+    let absent = (!amplitudes.is_empty()).then(|| {
+        let mut values = starts[0].clone();
+        values[0] = 0.0;
+        &*values.leak()
+    });
+    let shows_in: &'static [Kind] = match role {
+        Role::Wheel => &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        _ => &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
+    };
+    let starts: Vec<&'static [f64]> = starts.into_iter().map(|start| &*start.leak()).collect();
+    let text = fingerprint.unwrap_or_else(|| format!("what effects/{name}.toml describes"));
+    let text = leaked(text);
+    Definition {
+        info: EffectInfo {
+            name: leaked(format!("{OWN_PREFIX}{name}")),
+            equation: leaked(torque.to_owned()),
+            meaning: text,
+            source: "the user's own",
+            fingerprint: text,
+            role,
+            parameters: infos.leak(),
+            starts: starts.leak(),
+            absent,
+            shows_in,
+            has_kink: formula.has_kink(),
+            linearised: Linearised::Exactly,
+            uses_wheel_angle: formula.uses(3),
+            ..EffectInfo::PLAIN
+        },
+        equations: Box::new(OwnTorque {
+            formula,
+            is_on_body: role == Role::Body,
+            order,
+        }),
+    }
+}
+
+/// Whether the torque is 0 everywhere where this parameter is 0. It is asked at points that no formula is made
+/// for.
+fn vanishes_without(formula: &Formula, parameters: &[ParameterText], index: usize) -> bool {
+    (1..=20).all(|point| {
+        let spread = |k: usize| (point as f64 * (0.618 + 0.1 * k as f64)).fract() * 4.0 - 2.0;
+        let motion = (0..MOTION.len()).map(spread);
+        let own = parameters
+            .iter()
+            .enumerate()
+            .map(|(k, one)| match k == index {
+                true => 0.0,
+                false => one.starts[0] * (1.0 + 0.1 * spread(k + 4)),
+            });
+        let variables: Vec<f64> = motion.chain(own).collect();
+        let mut slopes = vec![0.0; variables.len()];
+        formula.value(&variables, 0.01, &mut slopes) == 0.0
+    })
+}
+
+/// The torque of a formula, against the motion.
+struct OwnTorque {
+    formula: Formula,
+    is_on_body: bool,
+    /// Position in the file of each parameter of the vector.
+    order: Vec<usize>,
+}
+
+impl ExternalEffect for OwnTorque {
+    fn torque(&self, p: &[f64], at: &Instant<f64>, v0: &Smoothing, partials: &mut Partials) -> f64 {
+        let count = MOTION.len() + p.len();
+        let mut stack = [0.0; 2 * FEW];
+        let mut heap = vec![];
+        let room: &mut [f64] = if count <= FEW {
+            &mut stack[..2 * count]
+        } else {
+            heap.resize(2 * count, 0.0);
+            &mut heap
+        };
+        let (variables, slopes) = room.split_at_mut(count);
+        variables[..MOTION.len()].copy_from_slice(&[
+            at.angle_rad,
+            at.rate_rad_s,
+            at.wheel_speed_rad_s,
+            at.wheel_angle_rad,
+        ]);
+        for (value, &index) in p.iter().zip(&self.order) {
+            variables[MOTION.len() + index] = *value;
+        }
+        let smoothing = match self.is_on_body {
+            true => v0.body_rad_s,
+            false => v0.wheel_rad_s,
+        };
+        let torque = self.formula.value(variables, smoothing, slopes);
+        partials.at.angle_rad = -slopes[0];
+        partials.at.rate_rad_s = -slopes[1];
+        partials.at.wheel_speed_rad_s = -slopes[2];
+        partials.at.wheel_angle_rad = -slopes[3];
+        for (partial, &index) in partials.p.iter_mut().zip(&self.order) {
+            *partial = -slopes[MOTION.len() + index];
+        }
+        -torque
+    }
+}

@@ -1,0 +1,49 @@
+//! The texts that an emitted crate is made of, fixed by digests.
+//!
+//! All that differs between two emitted crates are numbers: the words of `src/constants.rs`, gains,
+//! limit and formats of `src/control.rs`. Everything else is one of a few texts, which were audited once
+//! (`cargo run --release -p checker --example audit`) and are known by the SHA-256 of their tokens.
+//! `audited.json` keeps the digests with what the run has shown; it is written by that run alone.
+//!
+//! So a method that is added, a default that is changed, or a branch that is taken for a few words
+//! only, which random runs may never meet, is another text and is refused.
+
+pub mod digest;
+
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+/// One text and what its audit has shown.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AuditedText {
+    /// Path in an emitted crate, `src/root.rs`.
+    pub file: String,
+    /// Digest of its tokens, see [`digest::of_file`].
+    pub digest: String,
+    /// Functions that were run on every input of their contract.
+    pub every_input: Vec<String>,
+    /// Functions that were run in `cases` random cases aimed at the places where pieces meet.
+    pub in_cases: Vec<String>,
+    /// Number of these cases.
+    pub cases: usize,
+}
+
+/// Every audited text.
+static AUDITED: LazyLock<Vec<AuditedText>> = LazyLock::new(|| {
+    // A test of this crate reads it, so that it cannot be broken unnoticed; without it nothing is known.
+    serde_json::from_str(include_str!("../../audited.json")).unwrap_or_default()
+});
+
+/// Every audited text.
+pub fn audited() -> &'static [AuditedText] {
+    &AUDITED
+}
+
+/// The audited text of `file` with this digest.
+pub fn known(file: &str, digest: &str) -> Option<&'static AuditedText> {
+    audited()
+        .iter()
+        .find(|text| text.file == file && text.digest == digest)
+}

@@ -1,0 +1,60 @@
+//! Sensors, mounting, filter and converter, as the certificate states them.
+
+use serde::Deserialize;
+
+use crate::certificate::reader::StatedDecimal;
+
+/// All of them.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedHardware {
+    /// rad/s.
+    pub gyroscope: CertifiedSensor,
+    /// m/s².
+    pub accelerometer: CertifiedSensor,
+    /// µT.
+    pub magnetometer: CertifiedSensor,
+    /// β of the attitude filter (rad/s).
+    pub beta_rad_s: StatedDecimal,
+    /// Time in which the gyroscope's drift is followed (s).
+    pub drift_time_s: StatedDecimal,
+    /// Largest drift that is followed (rad/s).
+    pub drift_limit_rad_s: StatedDecimal,
+    /// Gravity (m/s²).
+    pub gravity_m_s2: StatedDecimal,
+    /// Weakest usable field (µT).
+    #[serde(rename = "field_min_uT")]
+    pub field_min_ut: StatedDecimal,
+    /// Place of the accelerometer from the pivot axis, along its x and y (m).
+    pub lever_arm_m: [StatedDecimal; 2],
+    /// From the filter's angle to the body's (rad).
+    pub mounting_angle_rad: StatedDecimal,
+    /// The wheel's speed.
+    pub wheel_speed: CertifiedWheelSpeed,
+}
+
+/// matrix (counts − bias).
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedSensor {
+    /// Counts at zero.
+    pub bias_counts: [StatedDecimal; 3],
+    /// Units per count, row by row.
+    pub matrix: [[StatedDecimal; 3]; 3],
+    /// Counts at and beyond which a value is not known.
+    pub clip_counts: [i32; 3],
+}
+
+/// A straight line from counts.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedWheelSpeed {
+    /// rad/s per count.
+    pub rad_s_per_count: StatedDecimal,
+    /// rad/s at zero counts.
+    pub rad_s_at_zero: StatedDecimal,
+    /// Lower end of the converter's range.
+    pub low_counts: u16,
+    /// Upper end of the converter's range.
+    pub high_counts: u16,
+}

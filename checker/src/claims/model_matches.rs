@@ -1,0 +1,107 @@
+//! Claim `model-matches`: the certificate speaks of the model in the user's file.
+//!
+//! Read here: parameters and wishes of the design. Sensors and drive go through parts lists and
+//! mountings into matrices, which is work of the generator; whoever calls this program compares with
+//! what the generator makes of the same file.
+
+use toml_edit::{DocumentMut, Item, TableLike};
+
+use crate::certificate::reader::{Certificate, StatedDecimal};
+use crate::claims::outcome::ClaimOutcome;
+
+/// Compares the certificate with the text of a model.toml.
+pub fn by_reading(certificate: &Certificate, model: &str) -> ClaimOutcome {
+    ClaimOutcome::proved(check(certificate, model))
+}
+
+fn check(certificate: &Certificate, model: &str) -> Result<String, String> {
+    let document: DocumentMut = model.parse().map_err(|error: toml_edit::TomlError| {
+        format!("the model is no TOML: {}", error.message())
+    })?;
+    let parameters = table(document.as_table(), "parameters")?;
+    for stated in &certificate.parameters {
+        let name = &stated.name;
+        let own = table(parameters, name)?;
+        same(
+            &format!("{name}.value"),
+            Some(&stated.value),
+            own.get("value"),
+        )?;
+        same(&format!("{name}.std"), stated.std.as_ref(), own.get("std"))?;
+        let unit = own.get("unit").and_then(Item::as_str).unwrap_or_default();
+        if unit != stated.unit {
+            return Err(format!(
+                "{name} is in `{unit}`, the certificate says `{}`",
+                stated.unit
+            ));
+        }
+    }
+    let missing = parameters
+        .iter()
+        .find(|(name, _)| certificate.parameters.iter().all(|own| own.name != *name));
+    if let Some((name, _)) = missing {
+        return Err(format!("the certificate does not state {name}"));
+    }
+    let mut wishes = 0;
+    if let Some(design) = document.get("design").and_then(Item::as_table_like) {
+        let mut wish = |key: &str, stated: &StatedDecimal| match design.get(key) {
+            Some(item) => {
+                wishes += 1;
+                same(&format!("design.{key}"), Some(stated), Some(item))
+            }
+            None => Ok(()),
+        };
+        wish("sample_time", &certificate.sample_time_s)?;
+        wish("current_weight", &certificate.weights.current)?;
+        wish("current_limit", &certificate.constants[3].real)?;
+        if let Some(weights) = design.get("state_weights").and_then(Item::as_array) {
+            wishes += 1;
+            let own: Vec<Option<f64>> = weights
+                .iter()
+                .map(|value| {
+                    value
+                        .as_float()
+                        .or(value.as_integer().map(|whole| whole as f64))
+                })
+                .collect();
+            let stated: Vec<Option<f64>> = certificate.weights.state.iter().map(value_of).collect();
+            if own != stated {
+                return Err("design.state_weights are not those of the certificate".to_owned());
+            }
+        }
+    }
+    Ok(format!(
+        "{} parameters, {wishes} wishes of the design",
+        certificate.parameters.len()
+    ))
+}
+
+fn table<'a>(within: &'a dyn TableLike, key: &str) -> Result<&'a dyn TableLike, String> {
+    within
+        .get(key)
+        .and_then(Item::as_table_like)
+        .ok_or_else(|| format!("the model has no [{key}]"))
+}
+
+fn value_of(stated: &StatedDecimal) -> Option<f64> {
+    stated.text.parse().ok()
+}
+
+/// The same double, or nothing on both sides.
+fn same(what: &str, stated: Option<&StatedDecimal>, own: Option<&Item>) -> Result<(), String> {
+    let found = own.and_then(|item| {
+        item.as_float()
+            .or(item.as_integer().map(|whole| whole as f64))
+    });
+    let wanted = stated.and_then(value_of);
+    if found == wanted {
+        return Ok(());
+    }
+    let shown =
+        |value: Option<f64>| value.map_or("not stated".to_owned(), |value| value.to_string());
+    Err(format!(
+        "{what} is {}, the certificate says {}",
+        shown(found),
+        shown(wanted)
+    ))
+}

@@ -1,0 +1,48 @@
+//! Claim `texts-audited`: whatever is no number is a text that was audited.
+
+use crate::audit::{AuditedText, audited, digest, known};
+use crate::claims::outcome::ClaimOutcome;
+use crate::language::emitted::Emitted;
+
+/// Compares each file with the digests of the audited texts.
+pub fn by_digest(emitted: &Emitted) -> ClaimOutcome {
+    ClaimOutcome::proved(texts(emitted).map(|texts| format!("{} files", texts.len())))
+}
+
+/// The audited text of each file.
+///
+/// # Errors
+/// A sentence that names the first file that is none.
+pub fn texts(emitted: &Emitted) -> Result<Vec<&'static AuditedText>, String> {
+    let found = emitted.sources.iter().map(|(path, text)| {
+        let digest = digest::of_file(path, text).unwrap_or_default();
+        known(path, &digest).ok_or_else(|| {
+            if audited().iter().any(|text| text.file == *path) {
+                format!("{path} is not the audited text: its tokens have the digest {digest}")
+            } else {
+                format!("{path} is no file of an audited crate")
+            }
+        })
+    });
+    found.collect()
+}
+
+/// What the audit of these texts has shown beyond this run, in a sentence; empty where they were not
+/// audited.
+pub fn audit_of(emitted: &Emitted) -> String {
+    let Ok(texts) = texts(emitted) else {
+        return String::new();
+    };
+    let with_cases = texts.iter().filter(|text| !text.in_cases.is_empty());
+    let cases = with_cases.map(|text| text.cases).min().unwrap_or_default();
+    let on_all: Vec<&str> = texts
+        .iter()
+        .flat_map(|text| text.every_input.iter().map(String::as_str))
+        .collect();
+    let all = if on_all.is_empty() {
+        String::new()
+    } else {
+        format!("; on every input: {}", on_all.join(", "))
+    };
+    format!("the text is the audited one, which was run in {cases} cases{all}")
+}

@@ -1,0 +1,209 @@
+//! Builds and runs the crate in an empty folder, under a manifest of the checker's.
+//!
+//! Nothing that lies around counts: the environment is emptied but for the places of the tools, the
+//! build is offline, the folder has a workspace of its own, and a `.cargo` or toolchain file above it
+//! is looked for.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::compiled::harness::{CRATE, Harness};
+use crate::compiled::points::Point;
+use crate::language::emitted::Emitted;
+
+/// Why there is no comparison, or what it found.
+#[derive(Debug)]
+pub enum RunFailure {
+    /// Something that is needed is not there.
+    NotRun(String),
+    /// The crate does not compile, or gives other words.
+    Differs(String),
+}
+
+/// Longest time of the build, and of the run.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// What Cargo and rustc need of the environment: where they are, and where the user keeps crates.
+const KEPT: [&str; 12] = [
+    "PATH",
+    "HOME",
+    "USERPROFILE",
+    "CARGO_HOME",
+    "RUSTUP_HOME",
+    "RUSTUP_TOOLCHAIN",
+    "SYSTEMROOT",
+    "TMPDIR",
+    "TEMP",
+    "TMP",
+    "LD_LIBRARY_PATH",
+    "DYLD_LIBRARY_PATH",
+];
+
+/// Compiles the sources and compares every point; returns their number.
+///
+/// # Errors
+/// [`RunFailure`].
+pub fn compare(
+    emitted: &Emitted,
+    fixed_version: &str,
+    harness: &Harness,
+    points: &[Point],
+    name_of: impl Fn(usize) -> String,
+) -> Result<usize, RunFailure> {
+    let not_run = |what: &str| {
+        let what = what.to_owned();
+        move |error: io::Error| RunFailure::NotRun(format!("{what}: {error}"))
+    };
+    let folder = tempfile::tempdir().map_err(not_run("a temporary folder"))?;
+    let root = folder.path();
+    if let Some(path) = in_the_way(root) {
+        return Err(RunFailure::NotRun(format!(
+            "{path} would count for a build in {}",
+            root.display()
+        )));
+    }
+    write_crate(root, emitted, fixed_version, harness).map_err(not_run("writing the crate"))?;
+    build(root)?;
+
+    let mut input = String::new();
+    for point in points {
+        input.push_str(&point.call.to_string());
+        for word in &point.arguments {
+            input.push(' ');
+            input.push_str(&word.to_string());
+        }
+        input.push('\n');
+    }
+    let (given, found) = (root.join("points"), root.join("words"));
+    fs::write(&given, input).map_err(not_run("writing the points"))?;
+    let files = fs::File::open(&given)
+        .and_then(|given| Ok((given, fs::File::create(&found)?)))
+        .map_err(not_run("the points"))?;
+    let program = root.join("target/debug/run");
+    let mut command = Command::new(program);
+    command.stdin(files.0).stdout(files.1).stderr(Stdio::null());
+    if !finished(&mut command).map_err(not_run("running the crate"))? {
+        return Err(RunFailure::Differs(
+            "the compiled crate ended before all points were computed".to_owned(),
+        ));
+    }
+    let text = fs::read_to_string(&found).map_err(not_run("reading the words"))?;
+    let mut lines = text.lines();
+    for point in points {
+        let words = lines.next().unwrap_or("nothing");
+        let expected: Vec<String> = point.expected.iter().map(ToString::to_string).collect();
+        if words != expected.join(" ") {
+            return Err(RunFailure::Differs(format!(
+                "{} of {:?} is {words} as compiled, {} as read",
+                name_of(point.call),
+                point.arguments,
+                expected.join(" ")
+            )));
+        }
+    }
+    Ok(points.len())
+}
+
+/// A file above the folder that Cargo or rustup would obey.
+fn in_the_way(folder: &Path) -> Option<String> {
+    let own = std::env::var_os("CARGO_HOME")
+        .map(std::path::PathBuf::from)
+        .or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
+    let names = [".cargo", "rust-toolchain", "rust-toolchain.toml"];
+    folder
+        .ancestors()
+        .flat_map(|above| names.map(|name| above.join(name)))
+        .find(|path| path.exists() && own.as_ref() != Some(path))
+        .map(|path| path.display().to_string())
+}
+
+fn write_crate(
+    root: &Path,
+    emitted: &Emitted,
+    fixed_version: &str,
+    harness: &Harness,
+) -> io::Result<()> {
+    let manifest = format!(
+        "[package]\nname = \"{CRATE}\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\
+         autobins = false\nautoexamples = false\nautotests = false\nautobenches = false\nbuild = false\n\n\
+         [lib]\npath = \"src/lib.rs\"\n\n[[bin]]\nname = \"run\"\npath = \"run.rs\"\n\n\
+         [dependencies]\nfixed = {{ version = \"{fixed_version}\", default-features = false }}\n\n\
+         [profile.dev]\noverflow-checks = true\ndebug = false\nincremental = false\n\n[workspace]\n"
+    );
+    fs::write(root.join("Cargo.toml"), manifest)?;
+    fs::write(root.join("run.rs"), &harness.text)?;
+    fs::create_dir(root.join("src"))?;
+    for (path, text) in &emitted.sources {
+        fs::write(root.join(path), text)?;
+    }
+    Ok(())
+}
+
+/// A command that sees the tools and nothing else.
+fn cargo(root: &Path) -> Command {
+    let mut command = Command::new("cargo");
+    command.env_clear().current_dir(root).stdin(Stdio::null());
+    for name in KEPT {
+        if let Some(value) = std::env::var_os(name) {
+            command.env(name, value);
+        }
+    }
+    command
+}
+
+/// `fixed` alone first: that it is missing says nothing of the emitted crate.
+fn build(root: &Path) -> Result<(), RunFailure> {
+    let log = root.join("log");
+    let run = |arguments: &[&str]| -> Result<bool, RunFailure> {
+        let missing =
+            |error: io::Error| RunFailure::NotRun(format!("cargo is not installed: {error}"));
+        let file = fs::File::create(&log)
+            .map_err(|error| RunFailure::NotRun(format!("{}: {error}", log.display())))?;
+        let mut command = cargo(root);
+        command
+            .args(arguments)
+            .args(["--offline", "--quiet", "--color", "never"])
+            .stdout(Stdio::null())
+            .stderr(file);
+        finished(&mut command).map_err(missing)
+    };
+    let said = || {
+        let text = fs::read_to_string(&log).unwrap_or_default();
+        let first = text.lines().find(|line| line.starts_with("error"));
+        first.unwrap_or("no reason given").to_owned()
+    };
+    if !run(&["build", "--package", "fixed"])? {
+        return Err(RunFailure::NotRun(format!(
+            "the crate `fixed` does not build offline: {}",
+            said()
+        )));
+    }
+    if !run(&["build"])? {
+        return Err(RunFailure::Differs(format!(
+            "rustc does not compile it: {}",
+            said()
+        )));
+    }
+    Ok(())
+}
+
+/// Runs a command to its end or for as long as is bearable; whether it succeeded.
+fn finished(command: &mut Command) -> io::Result<bool> {
+    let mut child = command.spawn()?;
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status.success());
+        }
+        if start.elapsed() > PATIENCE {
+            child.kill()?;
+            child.wait()?;
+            let text = format!("not done after {} s", PATIENCE.as_secs());
+            return Err(io::Error::new(io::ErrorKind::TimedOut, text));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}

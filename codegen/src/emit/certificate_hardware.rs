@@ -1,0 +1,80 @@
+//! Sensors, mounting, filter and converter as `certificate.json` states them: the real numbers of which
+//! `src/constants.rs` holds the words.
+
+use serde::Serialize;
+
+use crate::exact::ShortestDecimal;
+use crate::spec::ModuleSpec;
+
+/// All of them.
+#[derive(Debug, Serialize)]
+pub(super) struct Hardware {
+    gyroscope: Sensor,
+    accelerometer: Sensor,
+    magnetometer: Sensor,
+    /// β of the filter.
+    beta_rad_s: String,
+    /// Time in which the gyroscope's drift is followed.
+    drift_time_s: String,
+    /// Largest drift that is followed.
+    drift_limit_rad_s: String,
+    gravity_m_s2: String,
+    /// Weakest usable field.
+    #[serde(rename = "field_min_uT")]
+    field_min_ut: String,
+    /// Of the accelerometer, along its x and y.
+    lever_arm_m: [String; 2],
+    mounting_angle_rad: String,
+    wheel_speed: WheelSpeed,
+}
+
+/// unit · matrix (counts − bias), in rad/s, m/s², µT.
+#[derive(Debug, Serialize)]
+struct Sensor {
+    bias_counts: [String; 3],
+    /// Row by row, units per count.
+    matrix: [[String; 3]; 3],
+    /// Counts at and beyond which a value is not known.
+    clip_counts: [i32; 3],
+}
+
+/// A straight line.
+#[derive(Debug, Serialize)]
+struct WheelSpeed {
+    rad_s_per_count: String,
+    rad_s_at_zero: String,
+    /// Ends of the converter's range.
+    low_counts: u16,
+    high_counts: u16,
+}
+
+impl Hardware {
+    /// The numbers of `spec`.
+    pub(super) fn of(spec: &ModuleSpec) -> Hardware {
+        let number = |value: f64| ShortestDecimal::new(value).text;
+        let attitude = &spec.hardware.attitude;
+        let sensor = |line: &attitude::SensorLine, clip_counts: [i32; 3]| Sensor {
+            clip_counts,
+            bias_counts: [0, 1, 2].map(|axis| number(line.bias_counts[axis])),
+            matrix: [0, 1, 2].map(|row| [0, 1, 2].map(|column| number(line.matrix[(row, column)]))),
+        };
+        Hardware {
+            gyroscope: sensor(&attitude.gyro, attitude.gyro_clip),
+            accelerometer: sensor(&attitude.accel, attitude.accel_clip),
+            magnetometer: sensor(&attitude.mag, attitude.mag_clip),
+            beta_rad_s: number(attitude.beta_rad_s),
+            drift_time_s: number(attitude.drift_time_s),
+            drift_limit_rad_s: number(attitude.drift_limit_rad_s),
+            gravity_m_s2: number(attitude.gravity_m_s2),
+            field_min_ut: number(attitude.field_min_ut),
+            lever_arm_m: attitude.lever_arm_m.map(number),
+            mounting_angle_rad: number(attitude.mounting_angle_rad),
+            wheel_speed: WheelSpeed {
+                rad_s_per_count: number(spec.hardware.wheel_speed_per_count),
+                rad_s_at_zero: number(spec.hardware.wheel_speed_at_zero),
+                low_counts: spec.hardware.wheel_low,
+                high_counts: spec.hardware.wheel_high,
+            },
+        }
+    }
+}

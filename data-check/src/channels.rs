@@ -1,0 +1,372 @@
+//! Each channel by itself: limits, standstills, jumps, levels, repeated samples; and the time stamps.
+
+use bench_files::{Channel, Note};
+use identify::{noise_std, resolution};
+
+use crate::finding::{Finding, FindingId};
+use crate::slips::{DEGREES, short};
+use crate::view::{View, largest, median, range};
+
+/// Fewest equal samples at a limit.
+const AT_LIMIT: usize = 4;
+/// How far the motion would have gone beyond the limit, in standard deviations of the noise and in steps of
+/// the column: less is a turning point.
+const BEYOND_NOISE: f64 = 8.0;
+const BEYOND_STEPS: f64 = 3.0;
+/// Share of samples at a limit from which nothing that follows from them can be right.
+const CLIPPED_SHARE: f64 = 0.02;
+/// Fewest equal samples of a channel that is called frozen.
+const FROZEN: usize = 5;
+/// Levels below which a channel hardly shows a motion.
+const FEW_LEVELS: f64 = 12.0;
+/// Share of equal neighbours from which a channel is taken to repeat samples.
+const REPEATED: f64 = 0.4;
+/// Share of the usual step by which the steps of a clock may vary (fifth to ninety-fifth percentile).
+const JITTER: f64 = 1.0;
+/// Share of lines that may repeat the time of the line before.
+const REPEATED_TIMES: f64 = 0.02;
+
+pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
+    time_stamps(view, out);
+    wheel_angle(view, out);
+    for channel in [Channel::Angle, Channel::Rate, Channel::WheelSpeed] {
+        let Some(samples) = view.samples(channel) else {
+            continue;
+        };
+        let series = Series::new(samples);
+        for finding in [
+            series.clipped(channel),
+            series.frozen(channel),
+            series.wrapped(channel),
+            series.quantised(channel),
+            series.stale(channel),
+        ]
+        .into_iter()
+        .flatten()
+        {
+            out.push(
+                finding
+                    .in_experiment(view.name())
+                    .with_channel(channel.key()),
+            );
+        }
+    }
+}
+
+struct Series<'s> {
+    samples: &'s [f64],
+    noise: f64,
+    step: f64,
+    low: f64,
+    high: f64,
+}
+
+/// Samples `from..until` that are equal.
+struct Run {
+    from: usize,
+    until: usize,
+}
+
+impl Run {
+    fn span(&self) -> usize {
+        ((self.until - self.from) / 2).clamp(3, 20)
+    }
+}
+
+impl<'s> Series<'s> {
+    fn new(samples: &'s [f64]) -> Series<'s> {
+        let (low, high) = range(samples).unwrap_or((0.0, 0.0));
+        Series {
+            samples,
+            noise: noise_std(samples),
+            step: resolution(samples),
+            low,
+            high,
+        }
+    }
+
+    fn runs(&self, fewest: usize) -> Vec<Run> {
+        let mut runs = vec![];
+        let mut from = 0;
+        for k in 1..=self.samples.len() {
+            if k < self.samples.len() && self.samples[k] == self.samples[from] {
+                continue;
+            }
+            if k - from >= fewest {
+                runs.push(Run { from, until: k });
+            }
+            from = k;
+        }
+        runs
+    }
+
+    /// Change a sample over the samples before a run, and over those after sample `k`: as many as half of the
+    /// run, so that noise matters as little as in the run, but no part of a motion's way.
+    fn slope_before(&self, run: &Run) -> Option<f64> {
+        let span = run.span();
+        let first = run.from.checked_sub(span)?;
+        Some((self.samples[run.from] - self.samples[first]) / span as f64)
+    }
+
+    fn slope_after(&self, k: usize, run: &Run) -> Option<f64> {
+        let span = run.span();
+        Some((self.samples.get(k + span)? - self.samples[k]) / span as f64)
+    }
+
+    fn visible(&self, size: f64) -> bool {
+        size > BEYOND_NOISE * self.noise && size > BEYOND_STEPS * self.step
+    }
+
+    fn clipped(&self, channel: Channel) -> Option<Finding> {
+        let mut at_limit = 0;
+        for run in self.runs(AT_LIMIT) {
+            let value = self.samples[run.from];
+            let up = if value == self.high {
+                1.0
+            } else if value == self.low {
+                -1.0
+            } else {
+                continue;
+            };
+            let (Some(before), Some(after)) = (
+                self.slope_before(&run),
+                self.slope_after(run.until - 1, &run),
+            ) else {
+                continue;
+            };
+            let (before, after) = (up * before, -up * after);
+            // A parabola with these slopes at its ends rises by a quarter of slope times length.
+            let beyond = 0.125 * (before + after) * (run.until - run.from) as f64;
+            if before > 0.0 && after > 0.0 && self.visible(beyond) {
+                at_limit += run.until - run.from;
+            }
+        }
+        if at_limit == 0 {
+            return None;
+        }
+        let share = at_limit as f64 / self.samples.len() as f64;
+        let sentence = format!(
+            "{at_limit} samples of the {} stand at its limit ({} to {}) while the motion goes on beyond it",
+            spoken(channel),
+            short(self.low),
+            short(self.high)
+        );
+        let finding = if share > CLIPPED_SHARE {
+            Finding::refusal(FindingId::Clipped, sentence)
+        } else {
+            Finding::warning(FindingId::Clipped, sentence)
+        };
+        Some(finding.with_fix("from and until around it, or a larger range of the sensor"))
+    }
+
+    fn frozen(&self, channel: Channel) -> Option<Finding> {
+        let run = self.runs(FROZEN).into_iter().find(|run| {
+            let (Some(before), Some(after)) =
+                (self.slope_before(run), self.slope_after(run.until, run))
+            else {
+                return false;
+            };
+            let length = (run.until - run.from) as f64;
+            let missed = 0.5 * (before + after) * length;
+            let jump = match self.samples.get(run.until) {
+                Some(next) => next - self.samples[run.from],
+                None => return false,
+            };
+            // The motion went on in one sense, and the sensor caught up with it at once.
+            before * after > 0.0
+                && jump * missed > 0.0
+                && jump.abs() > 0.5 * missed.abs()
+                && self.visible(missed.abs())
+                && before.abs().min(after.abs()) > 0.3 * before.abs().max(after.abs())
+        })?;
+        let sentence = format!(
+            "the {} stands still for {} samples while the motion goes on, and then jumps",
+            spoken(channel),
+            run.until - run.from
+        );
+        Some(
+            Finding::warning(FindingId::Frozen, sentence)
+                .with_fix("from and until around it, or a look at the bus of the sensor"),
+        )
+    }
+
+    fn wrapped(&self, channel: Channel) -> Option<Finding> {
+        let jumps: Vec<f64> = self
+            .samples
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .filter(|jump| jump.abs() > 0.7 * (self.high - self.low))
+            .map(f64::abs)
+            .collect();
+        let usual = median(
+            self.samples
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).abs())
+                .collect(),
+        )?;
+        let size = median(jumps.clone())?;
+        let alike = jumps.iter().all(|jump| (jump / size - 1.0).abs() < 0.1);
+        // A motion that crosses most of its range from sample to sample is sampled too slowly to say more.
+        if jumps.len() < 2 || !alike || usual > 0.1 * size || channel == Channel::Rate {
+            return None;
+        }
+        let sentence = format!(
+            "the {} jumps {} times by {} within one sample: the sensor begins anew there",
+            spoken(channel),
+            jumps.len(),
+            short(size)
+        );
+        let turn = 360.0;
+        Some(
+            if channel == Channel::Angle && (size / turn - 1.0).abs() < 0.1 {
+                Finding::refusal(
+                    FindingId::Wrapped,
+                    format!("{sentence}, at 360: it is in degrees"),
+                )
+                .with_factor(DEGREES)
+                .with_fix("units = { angle = \"deg\" }")
+            } else {
+                Finding::warning(FindingId::Wrapped, sentence)
+                    .with_fix("log more turns, or use a unit in which a turn is 2π rad")
+            },
+        )
+    }
+
+    fn quantised(&self, channel: Channel) -> Option<Finding> {
+        let levels = (self.high - self.low) / self.step;
+        if self.high <= self.low || levels >= FEW_LEVELS {
+            return None;
+        }
+        Some(
+            Finding::warning(
+                FindingId::Quantised,
+                format!(
+                    "the {} has {} levels only, steps of {}",
+                    spoken(channel),
+                    short(levels.round() + 1.0),
+                    short(self.step)
+                ),
+            )
+            .with_fix("log more digits"),
+        )
+    }
+
+    fn stale(&self, channel: Channel) -> Option<Finding> {
+        let steps: Vec<f64> = self
+            .samples
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .collect();
+        if self.high <= self.low {
+            return None;
+        }
+        // Steps of many counts: beside them it is neither rounding nor rest that makes neighbours equal.
+        let is_large = |k: usize| steps.get(k).is_some_and(|step| *step >= 10.0 * self.step);
+        let moved = (0..steps.len()).filter(|k| is_large(*k)).count();
+        let repeats = (0..steps.len())
+            .filter(|&k| steps[k] == 0.0 && (is_large(k + 1) || k > 0 && is_large(k - 1)))
+            .count();
+        let repeated = repeats as f64 / (repeats + moved).max(1) as f64;
+        if moved < 20 || repeated < REPEATED {
+            return None;
+        }
+        let every = 1.0 / (1.0 - repeated);
+        Some(
+            Finding::warning(
+                FindingId::Stale,
+                format!(
+                    "the {} repeats its samples: it shows a new one in every {} lines at most",
+                    spoken(channel),
+                    short(every)
+                ),
+            )
+            .with_factor(every)
+            .with_fix("log at the rate of the sensor: repeated samples come late"),
+        )
+    }
+}
+
+/// Share of a turn from sample to sample from which the sense of a wheel is in doubt: half a turn has none.
+const DOUBTFUL_TURN: f64 = 0.4;
+
+fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
+    let Some(angle) = view.samples(Channel::WheelAngle) else {
+        return;
+    };
+    let steps: Vec<f64> = angle.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let most = largest(&steps) / std::f64::consts::TAU;
+    if most > DOUBTFUL_TURN {
+        let sentence = format!(
+            "the wheel turns by {} of a turn from sample to sample, so that its sense is in doubt",
+            short(most)
+        );
+        out.push(
+            Finding::warning(FindingId::Wrapped, sentence)
+                .in_experiment(view.name())
+                .with_channel("wheel_angle")
+                .with_fix("log faster, or log the wheel's speed"),
+        );
+    }
+}
+
+fn spoken(channel: Channel) -> String {
+    channel.key().replace('_', " ")
+}
+
+fn time_stamps(view: &View, out: &mut Vec<Finding>) {
+    let mut say = |sentence: String, fix: &str| {
+        out.push(
+            Finding::warning(FindingId::TimeStamps, sentence)
+                .in_experiment(view.name())
+                .with_channel("time")
+                .with_fix(fix),
+        );
+    };
+    let rows = view.experiment.report.rows_in_file;
+    let mut gaps = 0;
+    for note in &view.experiment.report.notes {
+        match note {
+            Note::MergedRows { count } if *count as f64 > REPEATED_TIMES * rows as f64 => say(
+                format!("{count} of {rows} lines repeat the time of the line before"),
+                "log the time with more digits",
+            ),
+            Note::Gap { .. } => gaps += 1,
+            _ => {}
+        }
+    }
+    if gaps > 0 {
+        let gaps = if gaps == 1 {
+            "a gap".to_owned()
+        } else {
+            format!("{gaps} gaps")
+        };
+        say(
+            format!(
+                "the times have {gaps} of more than twenty usual steps: the motion there is unknown, or the clock jumped"
+            ),
+            "from and until on one side of it",
+        );
+    }
+    let mut steps: Vec<f64> = view
+        .experiment
+        .log
+        .time_s
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .collect();
+    if steps.len() < 40 {
+        return;
+    }
+    steps.sort_by(f64::total_cmp);
+    let at = |share: f64| steps[((steps.len() - 1) as f64 * share) as usize];
+    if at(0.95) - at(0.05) > JITTER * at(0.5) {
+        say(
+            format!(
+                "the time from line to line varies between {} and {} s",
+                short(at(0.05)),
+                short(at(0.95))
+            ),
+            "take the time of the sample, not that of the writing; time_step where samples come evenly",
+        );
+    }
+}

@@ -1,0 +1,208 @@
+//! What a check says.
+
+use serde::{Deserialize, Serialize};
+
+/// What is wrong, by the name that `accept` and the JSON use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FindingId {
+    /// The rate is not the derivative of the angle.
+    RateFactor,
+    /// Two channels have the same samples.
+    SameColumn,
+    /// The angle's unit contradicts the motion of a pendulum.
+    AngleFactor,
+    /// The time's unit contradicts the period of a pendulum or the controller's own.
+    TimeFactor,
+    /// Time stamps vary, leave gaps or repeat.
+    TimeStamps,
+    /// The wheel speeds up against its current.
+    CurrentSign,
+    /// The current's unit contradicts what a motor can do.
+    CurrentFactor,
+    /// The wheel's speed contradicts other logs, the wheel's inertia or what a motor can do.
+    WheelSpeedFactor,
+    /// Wheel and body do not exchange momentum: one of them has the wrong sign.
+    WheelSign,
+    /// The wheel turns although it is locked.
+    WheelTurns,
+    /// The body moves although it is clamped.
+    BodyMoves,
+    /// The body is held still before its release.
+    HeldStart,
+    /// The swing gains energy: a hand is on it.
+    Hand,
+    /// Two experiments have the same samples.
+    SameData,
+    /// A channel ends at a limit.
+    Clipped,
+    /// A channel stands still while the motion goes on.
+    Frozen,
+    /// A channel begins anew at a limit.
+    Wrapped,
+    /// A channel has few levels.
+    Quantised,
+    /// A channel comes late.
+    LateChannel,
+    /// A channel repeats old samples.
+    Stale,
+    /// The logged current is not that of the controller.
+    Gains,
+    /// Masses and lengths without what makes a torque of them.
+    KnownMissing,
+    /// A value of `[known]` that no such bench has.
+    KnownRange,
+    /// `accept` names something that is no finding.
+    UnknownFinding,
+}
+
+impl FindingId {
+    /// All of them.
+    pub const ALL: [FindingId; 24] = [
+        FindingId::RateFactor,
+        FindingId::SameColumn,
+        FindingId::AngleFactor,
+        FindingId::TimeFactor,
+        FindingId::TimeStamps,
+        FindingId::CurrentSign,
+        FindingId::CurrentFactor,
+        FindingId::WheelSpeedFactor,
+        FindingId::WheelSign,
+        FindingId::WheelTurns,
+        FindingId::BodyMoves,
+        FindingId::HeldStart,
+        FindingId::Hand,
+        FindingId::SameData,
+        FindingId::Clipped,
+        FindingId::Frozen,
+        FindingId::Wrapped,
+        FindingId::Quantised,
+        FindingId::LateChannel,
+        FindingId::Stale,
+        FindingId::Gains,
+        FindingId::KnownMissing,
+        FindingId::KnownRange,
+        FindingId::UnknownFinding,
+    ];
+
+    /// Its name in `accept` and in the JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            FindingId::RateFactor => "rate-factor",
+            FindingId::SameColumn => "same-column",
+            FindingId::AngleFactor => "angle-factor",
+            FindingId::TimeFactor => "time-factor",
+            FindingId::TimeStamps => "time-stamps",
+            FindingId::CurrentSign => "current-sign",
+            FindingId::CurrentFactor => "current-factor",
+            FindingId::WheelSpeedFactor => "wheel-speed-factor",
+            FindingId::WheelSign => "wheel-sign",
+            FindingId::WheelTurns => "wheel-turns",
+            FindingId::BodyMoves => "body-moves",
+            FindingId::HeldStart => "held-start",
+            FindingId::Hand => "hand",
+            FindingId::SameData => "same-data",
+            FindingId::Clipped => "clipped",
+            FindingId::Frozen => "frozen",
+            FindingId::Wrapped => "wrapped",
+            FindingId::Quantised => "quantised",
+            FindingId::LateChannel => "late-channel",
+            FindingId::Stale => "stale",
+            FindingId::Gains => "gains",
+            FindingId::KnownMissing => "known-missing",
+            FindingId::KnownRange => "known-range",
+            FindingId::UnknownFinding => "unknown-finding",
+        }
+    }
+}
+
+/// What a finding means for the commands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// The model would be wrong, and the data leave no doubt: nothing is computed from them.
+    Refuse,
+    /// The user should know.
+    Warn,
+}
+
+/// One thing that is wrong with the data of a bench.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// The experiment; `None` for what concerns the whole bench.
+    pub experiment: Option<String>,
+    /// The channel; `None` for what concerns all.
+    pub channel: Option<String>,
+    /// What is wrong.
+    pub finding: FindingId,
+    /// What the samples are too large by, where that is a number: 57.3 for degrees that are read as
+    /// radians, −1 for a wrong sign.
+    pub factor: Option<f64>,
+    /// Whether commands go on.
+    pub severity: Severity,
+    /// What was found, in one sentence.
+    pub sentence: String,
+    /// What would mend it: the words for bench.toml where there are any.
+    pub fix: String,
+}
+
+impl Finding {
+    /// A warning of a whole bench without channel, factor or fix; the `with_` functions add them.
+    pub(crate) fn warning(finding: FindingId, sentence: impl Into<String>) -> Finding {
+        Finding {
+            experiment: None,
+            channel: None,
+            finding,
+            factor: None,
+            severity: Severity::Warn,
+            sentence: sentence.into(),
+            fix: String::new(),
+        }
+    }
+
+    /// As [`Finding::warning`], but no command goes on.
+    pub(crate) fn refusal(finding: FindingId, sentence: impl Into<String>) -> Finding {
+        Finding {
+            severity: Severity::Refuse,
+            ..Finding::warning(finding, sentence)
+        }
+    }
+
+    pub(crate) fn in_experiment(self, name: &str) -> Finding {
+        Finding {
+            experiment: Some(name.to_owned()),
+            ..self
+        }
+    }
+
+    pub(crate) fn with_channel(self, channel: &str) -> Finding {
+        Finding {
+            channel: Some(channel.to_owned()),
+            ..self
+        }
+    }
+
+    pub(crate) fn with_factor(self, factor: f64) -> Finding {
+        Finding {
+            factor: Some(factor),
+            ..self
+        }
+    }
+
+    pub(crate) fn with_fix(self, fix: impl Into<String>) -> Finding {
+        Finding {
+            fix: fix.into(),
+            ..self
+        }
+    }
+
+    /// "experiment/channel", "experiment" or nothing.
+    pub fn place(&self) -> String {
+        match (&self.experiment, &self.channel) {
+            (Some(experiment), Some(channel)) => format!("{experiment}/{channel}"),
+            (Some(experiment), None) => experiment.clone(),
+            (None, Some(channel)) => channel.clone(),
+            (None, None) => String::new(),
+        }
+    }
+}

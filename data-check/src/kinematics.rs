@@ -1,0 +1,260 @@
+//! The rate against the angle's derivative: no torque enters, so no effect that a model lacks can pass for
+//! a slip here.
+
+use bench_files::Channel;
+use identify::Output;
+use plant::Kind;
+
+use crate::finding::{Finding, FindingId};
+use crate::slips::{DEGREES, RPM, short, slip};
+use crate::view::{View, largest, median, range};
+
+/// Correlation of rate and derivative from which their ratio is known within 5 % (Frisch's bounds, see
+/// [`crate::regression::Ratio`]).
+const CLEAR: f64 = 0.95;
+/// Correlation below which a rate that moves well above its noise is no derivative of the angle.
+const UNRELATED: f64 = 0.5;
+/// How far above its noise a channel must move for [`UNRELATED`] to be said.
+const OVER_NOISE: f64 = 30.0;
+/// Largest scale error of a gyroscope that is taken for one: data sheets allow 3 % (1 + s in the effect
+/// `gyro-scale`); five times that is a warning.
+const SCALE_ERROR: f64 = 0.15;
+/// Share of the correlation's shortfall that must vanish by shifting the rate before it is called late.
+const SHORTFALL: f64 = 0.5;
+/// Samples by which a channel may come late without a word: a hold and a computation.
+const USUAL_DELAY: usize = 2;
+/// Most samples by which a channel is looked for late.
+const MOST_LATE: isize = 20;
+
+/// Everything that angle and rate say of each other.
+pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
+    if same_columns(view, out) || view.kind() == Kind::SpinUp {
+        return;
+    }
+    let (Some(angle), Some(rate)) = (view.samples(Channel::Angle), view.samples(Channel::Rate))
+    else {
+        return;
+    };
+    let Some((found, length_s)) = view.ratio_to_derivative(angle, rate) else {
+        return;
+    };
+    if late(view, angle, rate, (found.correlation, length_s), out) {
+        return;
+    }
+    if found.correlation.abs() < UNRELATED {
+        let moves = |output, samples| {
+            range(samples).is_some_and(|(low, high)| high - low > OVER_NOISE * view.noise(output))
+        };
+        if view.kind() == Kind::FreeSwing
+            && moves(Output::Angle, angle)
+            && moves(Output::Rate, rate)
+        {
+            out.push(
+                Finding::warning(
+                    FindingId::RateFactor,
+                    "the rate does not follow the derivative of the angle at all",
+                )
+                .in_experiment(view.name())
+                .with_channel("rate")
+                .with_fix("columns = { rate = … }: name the column of the body's rate, or none"),
+            );
+        }
+        return;
+    }
+    if found.correlation.abs() < CLEAR {
+        return;
+    }
+    let finding = |refused: bool, sentence: String| {
+        let make = if refused {
+            Finding::refusal
+        } else {
+            Finding::warning
+        };
+        make(FindingId::RateFactor, sentence)
+            .in_experiment(view.name())
+            .with_channel("rate")
+    };
+    let stated = format!(
+        "the rate is {} times the derivative of the angle",
+        short(found.factor)
+    );
+    match slip(found.factor) {
+        Some(factor) => {
+            let (likely, fix) = reading(factor, angle);
+            out.push(
+                finding(true, format!("{stated}: {likely}"))
+                    .with_factor(factor)
+                    .with_fix(fix),
+            );
+        }
+        None if (found.factor - 1.0).abs() > SCALE_ERROR => out.push(
+            finding(false, format!("{stated}, which no unit explains"))
+                .with_factor(found.factor)
+                .with_fix(format!(
+                    "scale = {{ rate = {} }} if the sensor's scale is wrong",
+                    short(1.0 / found.factor)
+                )),
+        ),
+        None => {}
+    }
+}
+
+/// What a factor between rate and derivative comes from, and what mends it.
+fn reading(factor: f64, angle: &[f64]) -> (String, String) {
+    let near = |size: f64| (factor.abs() / size).ln().abs() < 0.01;
+    let sign = if factor < 0.0 && factor != -1.0 {
+        " (and sign = { rate = -1 })"
+    } else {
+        ""
+    };
+    let (likely, fix) = if factor == -1.0 {
+        (
+            "one of the two has the wrong sign",
+            "sign = { rate = -1 } (or sign = { angle = -1 }, if the angle does not grow in the positive sense)",
+        )
+    } else if near(DEGREES) {
+        (
+            "the rate is in degrees a second",
+            "units = { rate = \"deg/s\" }",
+        )
+    } else if near(1.0 / DEGREES) && largest(angle) > 1.0 {
+        ("the angle is in degrees", "units = { angle = \"deg\" }")
+    } else if near(1.0 / DEGREES) {
+        (
+            "one of the two is in degrees",
+            "units = { angle = \"deg\" }, or take units = { rate = \"deg/s\" } out",
+        )
+    } else if near(RPM) {
+        (
+            "the rate is in revolutions a minute",
+            "units = { rate = \"rpm\" }",
+        )
+    } else if near(1e3) {
+        (
+            "the time is in milliseconds, or the rate in mrad/s",
+            "units = { time = \"ms\" } (or units = { rate = \"mrad/s\" })",
+        )
+    } else if near(1e-3) {
+        (
+            "the angle is in milliradians, or the time is in seconds where milliseconds are stated",
+            "units = { angle = \"mrad\" }, or take units = { time = \"ms\" } out",
+        )
+    } else if near(1e6) {
+        ("the time is in microseconds", "units = { time = \"us\" }")
+    } else if near(1e9) {
+        ("the time is in nanoseconds", "units = { time = \"ns\" }")
+    } else {
+        (
+            "one of the two is in another unit",
+            "units = { angle = …, rate = … }",
+        )
+    };
+    (likely.to_owned(), format!("{fix}{sign}"))
+}
+
+/// Whether the rate is the angle's derivative, but at another time.
+fn late(
+    view: &View,
+    angle: &[f64],
+    rate: &[f64],
+    (at_once, length_s): (f64, f64),
+    out: &mut Vec<Finding>,
+) -> bool {
+    // Rates that are taken `shift` samples later or earlier.
+    let correlation = |shift: isize| -> f64 {
+        let at = |k: usize| k.checked_add_signed(shift).and_then(|k| rate.get(k));
+        let moved = (0..rate.len()).map(|k| at(k).copied().unwrap_or(f64::NAN));
+        let found = view.ratio_by_bumps(angle, &moved.collect::<Vec<f64>>(), length_s);
+        found.map_or(0.0, |found| found.correlation)
+    };
+    let most = MOST_LATE.min(view.record.len() as isize / 20);
+    let shifts = (-most..=most).filter(|shift| *shift != 0);
+    let Some((shift, best)) = shifts
+        .map(|shift| (shift, correlation(shift)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+    else {
+        return false;
+    };
+    let is_late = shift.unsigned_abs() > USUAL_DELAY
+        && best > CLEAR
+        && at_once > 0.0
+        && 1.0 - best < (1.0 - at_once) * SHORTFALL;
+    if is_late {
+        let (late, early) = if shift > 0 {
+            ("rate", "angle")
+        } else {
+            ("angle", "rate")
+        };
+        let delay_s = shift.unsigned_abs() as f64 * view.step_s;
+        out.push(
+            Finding::warning(
+                FindingId::LateChannel,
+                format!("the {late} comes {} s after the {early}", short(delay_s)),
+            )
+            .in_experiment(view.name())
+            .with_channel(late)
+            .with_fix(format!("the effect {late}-delay stands for it")),
+        );
+    }
+    is_late
+}
+
+/// Two channels that are one and the same series, perhaps in other units.
+fn same_columns(view: &View, out: &mut Vec<Finding>) -> bool {
+    let channels = [Channel::Angle, Channel::Rate, Channel::WheelSpeed];
+    let mut found = false;
+    for (index, &first) in channels.iter().enumerate() {
+        for &second in &channels[index + 1..] {
+            let (Some(a), Some(b)) = (view.samples(first), view.samples(second)) else {
+                continue;
+            };
+            if !is_multiple(a, b) {
+                continue;
+            }
+            found = true;
+            out.push(
+                Finding::refusal(
+                    FindingId::SameColumn,
+                    format!(
+                        "{} and {} have the same samples: both come from one column",
+                        first.key(),
+                        second.key()
+                    ),
+                )
+                .in_experiment(view.name())
+                .with_channel(second.key())
+                .with_fix(format!(
+                    "columns = {{ {} = … }}: name its own column",
+                    second.key()
+                )),
+            );
+        }
+    }
+    found
+}
+
+/// Whether b is a multiple of a, sample by sample, to the last digits: two sensors never are.
+fn is_multiple(a: &[f64], b: &[f64]) -> bool {
+    let middle = |values: &[f64]| median(values.to_vec()).unwrap_or(0.0);
+    let (mid_a, mid_b) = (middle(a), middle(b));
+    let pairs: Vec<(f64, f64)> = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (a - mid_a, b - mid_b))
+        .filter(|(a, b)| a.is_finite() && b.is_finite())
+        .collect();
+    let mut distinct: Vec<f64> = pairs.iter().map(|(a, _)| *a).collect();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup();
+    let Some(largest) = pairs.iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs())) else {
+        return false;
+    };
+    let factor = largest.1 / largest.0;
+    // Twenty levels: a few equal ones may come by chance, as where neither sensor moves.
+    distinct.len() >= 20
+        && factor.is_finite()
+        && factor != 0.0
+        && pairs
+            .iter()
+            .all(|(a, b)| (b - factor * a).abs() <= 1e-9 * largest.1.abs())
+}

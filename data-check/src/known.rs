@@ -1,0 +1,117 @@
+//! `[known]` by itself.
+
+use bench_files::Bench;
+
+use crate::finding::{Finding, FindingId};
+use crate::slips::short;
+
+/// Gravity on Earth's surface lies between 9.76 and 9.84 m/s²; rounded values are usual.
+const GRAVITY: std::ops::Range<f64> = 9.7..9.9;
+/// What stands on a bench, between the smallest that can be built by hand and the largest that one person
+/// can lift: masses in kg, lengths in m, torque constants in N m/A (from a toy motor to a servo of 1 kW).
+const MASS_KG: std::ops::Range<f64> = 1e-3..30.0;
+const LENGTH_M: std::ops::Range<f64> = 2e-3..3.0;
+const TORQUE_CONSTANT: std::ops::Range<f64> = 2e-4..2.0;
+/// Beyond three times the limit a value is no rare bench but a slip.
+const SURELY: f64 = 3.0;
+
+pub(crate) fn check(bench: &Bench, out: &mut Vec<Finding>) {
+    missing(bench, out);
+    let known = &bench.known;
+    if let Some(gravity) = known.gravity
+        && !GRAVITY.contains(&gravity)
+    {
+        out.push(
+            Finding::warning(
+                FindingId::KnownRange,
+                format!(
+                    "gravity = {} m/s² is not that of Earth's surface",
+                    short(gravity)
+                ),
+            )
+            .with_fix("gravity = 9.81"),
+        );
+    }
+    for (key, value, unit, range) in [
+        ("body_mass", known.body_mass, "kg", MASS_KG),
+        ("wheel_mass", known.wheel_mass, "kg", MASS_KG),
+        ("pivot_to_wheel", known.pivot_to_wheel, "m", LENGTH_M),
+        (
+            "pivot_to_com",
+            known.pivot_to_com.map(f64::abs),
+            "m",
+            LENGTH_M,
+        ),
+        (
+            "torque_constant",
+            known.torque_constant,
+            "N m/A",
+            TORQUE_CONSTANT,
+        ),
+    ] {
+        let Some(value) = value else { continue };
+        // The centre of mass may lie at the pivot.
+        let too_small = value < range.start && key != "pivot_to_com";
+        if !too_small && value < range.end {
+            continue;
+        }
+        let sentence = format!(
+            "{key} = {} {unit} is out of scale for a bench; it is given in {unit}",
+            short(value)
+        );
+        let surely = value > SURELY * range.end || value < range.start / SURELY;
+        let finding = if surely {
+            Finding::refusal(FindingId::KnownRange, sentence)
+        } else {
+            Finding::warning(FindingId::KnownRange, sentence)
+        };
+        let thousandth = value / 1e3;
+        let (factor, fix) = if range.contains(&thousandth) {
+            (Some(1e3), format!("{key} = {}", short(thousandth)))
+        } else if range.contains(&(value * 1e3)) {
+            (Some(1e-3), format!("{key} = {}", short(value * 1e3)))
+        } else {
+            (None, format!("{key} in {unit}"))
+        };
+        out.push(Finding {
+            factor,
+            ..finding.with_fix(fix)
+        });
+    }
+}
+
+/// Masses and lengths that make no torque because something beside them is missing.
+fn missing(bench: &Bench, out: &mut Vec<Finding>) {
+    let known = &bench.known;
+    let parts = [
+        known.body_mass,
+        known.wheel_mass,
+        known.pivot_to_wheel,
+        known.pivot_to_com,
+    ];
+    let given = parts.iter().filter(|part| part.is_some()).count();
+    let Err(lacking) = known.gravity_torque() else {
+        return;
+    };
+    // One of the four alone may be known for its own sake.
+    if given < 2 {
+        return;
+    }
+    let names = lacking.missing.join(", ");
+    let fix = if lacking.missing == ["gravity"] {
+        "gravity = 9.81".to_owned()
+    } else if lacking.missing.contains(&"gravity") {
+        format!("{names} under [known] (gravity = 9.81 on Earth)")
+    } else {
+        format!("{names} under [known]")
+    };
+    out.push(
+        Finding::warning(
+            FindingId::KnownMissing,
+            format!(
+                "masses and lengths give no torque without {names}: torques are found per unit of inertia only"
+            ),
+        )
+        .with_fix(fix),
+    );
+}

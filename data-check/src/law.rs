@@ -1,0 +1,184 @@
+//! The current of a balance log against the law that `[controller]` states, u = −K (α − π, α̇, φ̇).
+
+use std::f64::consts::PI;
+
+use bench_files::{Bench, Channel};
+use plant::Kind;
+
+use crate::finding::{Finding, FindingId};
+use crate::regression::{LeastSquares, least_squares};
+use crate::slips::{short, slip};
+use crate::view::View;
+
+/// Share of the current's variance that a linear law of the logged states must explain before it is
+/// compared with the stated one: noise of the states and a delay of a step leave more.
+const EXPLAINED: f64 = 0.9;
+/// Standard errors by which a gain must stand out from 0.
+const STANDARD_ERRORS: f64 = 10.0;
+/// Ratio of a gain to the stated one, either way, that the noise of the states may make (it draws the gains
+/// of a regression towards 0).
+const RATIO: f64 = 1.5;
+/// Share of the limit from which a current counts as clipped.
+const CLIPPED: f64 = 0.98;
+/// Most samples by which the logged command comes after the states.
+const LATEST: usize = 2;
+
+const NAMES: [(&str, Channel); 3] = [
+    ("angle", Channel::Angle),
+    ("rate", Channel::Rate),
+    ("wheel_speed", Channel::WheelSpeed),
+];
+
+pub(crate) fn check(bench: &Bench, view: &View, out: &mut Vec<Finding>) {
+    let (Some(controller), Kind::Balance) = (bench.controller, view.kind()) else {
+        return;
+    };
+    sample_time(view, controller.sample_time_s, out);
+    let (Some(angle), Some(rate), Some(speed), Some(current)) = (
+        view.samples(Channel::Angle),
+        view.samples(Channel::Rate),
+        view.samples(Channel::WheelSpeed),
+        view.samples(Channel::Current),
+    ) else {
+        return;
+    };
+    let fit = |late: usize| -> Option<LeastSquares> {
+        let rows: Vec<([f64; 4], f64)> = (late..current.len())
+            .filter(|&k| current[k].abs() < CLIPPED * controller.current_limit_a)
+            .map(|k| (k - late, current[k]))
+            .map(|(k, u)| ([angle[k] - PI, rate[k], speed[k], 1.0], u))
+            .collect();
+        least_squares(&rows, 1.0)
+    };
+    let fits = (0..=LATEST).filter_map(fit);
+    let Some(best) = fits.max_by(|a, b| a.explained.total_cmp(&b.explained)) else {
+        return;
+    };
+    if best.explained < EXPLAINED {
+        return;
+    }
+    let ratios: Vec<Option<f64>> = (0..3)
+        .map(|k| {
+            let found = best.coefficients[k];
+            let stands_out = found.abs() > STANDARD_ERRORS * best.std[k];
+            let ratio = found / -controller.gains[k];
+            (stands_out && ratio.is_finite()).then_some(ratio)
+        })
+        .collect();
+    let finding = |refused: bool, sentence: String| {
+        let make = if refused {
+            Finding::refusal
+        } else {
+            Finding::warning
+        };
+        make(FindingId::Gains, sentence).in_experiment(view.name())
+    };
+    let slips: Vec<Option<f64>> = ratios.iter().map(|ratio| ratio.and_then(slip)).collect();
+    // All gains off by one factor: it is the current's.
+    if let Some(factor) = slips[0]
+        && slips.iter().all(|slip| *slip == Some(factor))
+    {
+        let (likely, fix) = if factor == -1.0 {
+            (
+                "the current, or every gain, has the wrong sign",
+                "sign = { current = -1 }, or gains with the other sign (u = −K x)",
+            )
+        } else {
+            (
+                "the current is in another unit",
+                "units = { current = \"mA\" }",
+            )
+        };
+        out.push(
+            finding(
+                true,
+                format!(
+                    "the logged current is {} times −K x of the logged states: {likely}",
+                    short(factor)
+                ),
+            )
+            .with_channel("current")
+            .with_factor(factor)
+            .with_fix(fix),
+        );
+        return;
+    }
+    for (k, (channel, _)) in NAMES.iter().enumerate() {
+        let Some(ratio) = ratios[k] else { continue };
+        if let Some(factor) = slips[k] {
+            // A state that is read too large has a gain that is too small.
+            let (sentence, column_factor) = (
+                format!(
+                    "the logged current follows the {} with {} times the stated gain {}: the gain or the column \
+                     has another unit or sign",
+                    channel.replace('_', " "),
+                    short(ratio),
+                    short(controller.gains[k])
+                ),
+                1.0 / factor,
+            );
+            out.push(
+                finding(true, sentence)
+                    .with_channel(channel)
+                    .with_factor(column_factor)
+                    .with_fix(fix_of(channel, column_factor, &controller.gains, k, ratio)),
+            );
+        } else if !(1.0 / RATIO..RATIO).contains(&ratio) {
+            out.push(
+                finding(
+                    false,
+                    format!(
+                        "the logged current follows the {} with {} times the stated gain {}",
+                        channel.replace('_', " "),
+                        short(ratio),
+                        short(controller.gains[k])
+                    ),
+                )
+                .with_channel(channel)
+                .with_factor(ratio)
+                .with_fix("gains under [controller]: those that ran while the log was taken"),
+            );
+        }
+    }
+}
+
+fn fix_of(channel: &str, factor: f64, gains: &[f64; 3], k: usize, ratio: f64) -> String {
+    let near = |size: f64| (factor / size).ln().abs() < 0.01;
+    let gain = short(gains[k] * ratio);
+    let column = if factor == -1.0 {
+        format!("sign = {{ {channel} = -1 }}")
+    } else if near(crate::slips::RPM) && channel != "angle" {
+        format!("units = {{ {channel} = \"rpm\" }}")
+    } else if near(crate::slips::DEGREES) && channel != "angle" {
+        format!("units = {{ {channel} = \"deg/s\" }}")
+    } else if near(crate::slips::DEGREES) {
+        format!("units = {{ {channel} = \"deg\" }}")
+    } else {
+        format!("units = {{ {channel} = … }}")
+    };
+    format!("{column} if the column is wrong, or the gain {gain} in SI if the gain is")
+}
+
+/// A log has as many samples as the controller makes, or a part of them; a time that is read a thousand times
+/// too large has a step in which a body falls over many times.
+fn sample_time(view: &View, sample_time_s: f64, out: &mut Vec<Finding>) {
+    let ratio = view.step_s / sample_time_s;
+    // Nobody logs every hundredth sample of a loop and balances in steps of half a second.
+    if view.step_s < 0.5 || ratio < 100.0 {
+        return;
+    }
+    out.push(
+        Finding::refusal(
+            FindingId::TimeFactor,
+            format!(
+                "{} s lie between two samples, but the controller ran every {} s: the time is in ms",
+                short(view.step_s),
+                short(sample_time_s)
+            ),
+        )
+        .in_experiment(view.name())
+        .with_channel("time")
+        .with_factor(1e3)
+        .with_fix("units = { time = \"ms\" }"),
+    );
+}

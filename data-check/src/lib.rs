@@ -1,0 +1,119 @@
+//! What is wrong with the data of a bench, found before anything is fitted: columns are compared with each
+//! other, with the kind of their experiment and with what pendula, wheels and motors can do.
+//!
+//! ```
+//! let files: bench_files::FilesInMemory = demo::FILES.into_iter().collect();
+//! let bench = bench_files::Bench::from_files(&files).expect("a good bench");
+//! assert_eq!(data_check::check(&bench), []);
+//! ```
+//!
+//! | room | what it compares |
+//! |---|---|
+//! | `kinematics` | the rate with the derivative of the angle, columns with each other |
+//! | `swing` | a free swing with a pendulum: period, amplitude, standstill, energy |
+//! | `wheel` | the wheel with its current, with other logs, with what motors can do |
+//! | `momentum` | the wheel with the body |
+//! | `law` | the current of a balance log with the stated gains |
+//! | `held` | what should stand still |
+//! | `propose` | (for files without a bench.toml) columns, units, signs, kinds and windows |
+//! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
+//!
+//! A finding refuses only where a wrong model would follow and the data leave no other reading: a factor
+//! that is a known ratio of two units, or a sign. `accept` at the experiment makes a refusal a warning, and
+//! takes a warning away.
+
+#![warn(missing_docs)]
+
+mod channels;
+mod copies;
+mod finding;
+mod held;
+mod kinematics;
+mod known;
+mod law;
+mod momentum;
+mod propose;
+mod regression;
+mod slips;
+mod swing;
+mod view;
+mod wheel;
+
+use bench_files::Bench;
+
+pub use finding::{Finding, FindingId, Severity};
+pub use propose::{Proposal, ProposedExperiment, propose};
+
+use view::{Facts, View};
+
+/// Everything that is wrong with the data of a bench, refusals first, then in the order of its experiments.
+pub fn check(bench: &Bench) -> Vec<Finding> {
+    let views: Vec<View> = bench.experiments.iter().map(View::new).collect();
+    let facts = Facts::of(bench, &views);
+    let mut found = vec![];
+    known::check(bench, &mut found);
+    for view in &views {
+        channels::check(view, &mut found);
+        held::check(view, &mut found);
+        swing::check(view, &mut found);
+        kinematics::check(view, &mut found);
+        momentum::check(view, &mut found);
+        law::check(bench, view, &mut found);
+    }
+    wheel::check(bench, &views, &facts, &mut found);
+    copies::check(&views, &mut found);
+    let mut found = accepted(bench, found);
+    found.sort_by_key(|finding| finding.severity);
+    found
+}
+
+/// The findings that are left after what the experiments accept. One that concerns the whole bench is
+/// accepted where any experiment does.
+fn accepted(bench: &Bench, found: Vec<Finding>) -> Vec<Finding> {
+    let names = FindingId::ALL.map(FindingId::name);
+    let mut left: Vec<Finding> = found
+        .into_iter()
+        .filter_map(|finding| {
+            let accepts = bench.experiments.iter().any(|experiment| {
+                let concerned = match &finding.experiment {
+                    Some(name) => *name == experiment.name,
+                    None => true,
+                };
+                let mut accepted = experiment.accept.iter();
+                concerned && accepted.any(|name| name == finding.finding.name())
+            });
+            match (accepts, finding.severity) {
+                (false, _) => Some(finding),
+                (true, Severity::Warn) => None,
+                (true, Severity::Refuse) => Some(Finding {
+                    severity: Severity::Warn,
+                    sentence: format!("{} (accepted)", finding.sentence),
+                    ..finding
+                }),
+            }
+        })
+        .collect();
+    for experiment in &bench.experiments {
+        for name in &experiment.accept {
+            if names.contains(&name.as_str()) {
+                continue;
+            }
+            let nearest = names
+                .iter()
+                .min_by_key(|known| strsim::damerau_levenshtein(known, name));
+            let advice = nearest.map_or(String::new(), |known| format!("accept = [\"{known}\"]"));
+            left.push(
+                Finding::refusal(
+                    FindingId::UnknownFinding,
+                    format!(
+                        "accept names \"{name}\", which is no finding; known are {}",
+                        names.join(", ")
+                    ),
+                )
+                .in_experiment(&experiment.name)
+                .with_fix(advice),
+            );
+        }
+    }
+    left
+}

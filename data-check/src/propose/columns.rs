@@ -1,0 +1,194 @@
+//! Which column is what, by its name, its unit and its numbers.
+
+use bench_files::{Channel, Table, plain_unit};
+
+/// What is proposed for one channel.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mapped {
+    pub channel: Channel,
+    /// Index of the column.
+    pub index: usize,
+    pub column: String,
+    /// A unit that is not SI, or a factor's name.
+    pub unit: Option<&'static str>,
+    /// Why.
+    pub reason: String,
+}
+
+/// Endings of names that state a unit, longest first.
+const ENDINGS: [(&str, &str); 17] = [
+    ("_mrad_s", "mrad/s"),
+    ("_rad_s", "rad/s"),
+    ("_deg_s", "deg/s"),
+    ("_rad_per_s", "rad/s"),
+    ("_deg_per_s", "deg/s"),
+    ("_rads", "rad/s"),
+    ("_dps", "deg/s"),
+    ("_rpm", "rpm"),
+    ("_mrad", "mrad"),
+    ("_rad", "rad"),
+    ("_deg", "deg"),
+    ("_ms", "ms"),
+    ("_us", "us"),
+    ("_ns", "ns"),
+    ("_ma", "mA"),
+    ("_s", "s"),
+    ("_a", "A"),
+];
+
+/// The unit that a name carries: in brackets, as an ending, or as the whole name.
+pub(super) fn unit_of_name(name: &str) -> Option<&'static str> {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let (Some(from), Some(to)) = (name.find(open), name.rfind(close))
+            && from < to
+            && let Some(unit) = plain_unit(&name[from..=to])
+        {
+            return Some(unit);
+        }
+    }
+    if name.eq_ignore_ascii_case("rpm") {
+        return Some("rpm");
+    }
+    let lower = name.to_lowercase().replace([' ', '-', '/'], "_");
+    let ending = ENDINGS.iter().find(|(ending, _)| lower.ends_with(ending));
+    ending.map(|(_, unit)| *unit)
+}
+
+/// What a quantity is by its unit.
+#[derive(Clone, Copy, PartialEq)]
+enum Quantity {
+    Time,
+    Angle,
+    Speed,
+    Current,
+}
+
+fn quantity(unit: &str) -> Quantity {
+    match unit {
+        "s" | "ms" | "us" | "ns" => Quantity::Time,
+        "rad" | "mrad" | "deg" | "rev" => Quantity::Angle,
+        "A" | "mA" => Quantity::Current,
+        _ => Quantity::Speed,
+    }
+}
+
+const WHEEL: [&str; 8] = [
+    "wheel", "rpm", "motor", "phi", "rotor", "rad_s_w", "schwung", "drehzahl",
+];
+const RATE: [&str; 10] = [
+    "gyro",
+    "rate",
+    "dtheta",
+    "dalpha",
+    "_dot",
+    "angvel",
+    "drehrate",
+    "gz",
+    "body_speed",
+    "pend_vel",
+];
+const ANGLE: [&str; 9] = [
+    "angle", "pend", "theta", "alpha", "pitch", "winkel", "tilt", "deg", "pos",
+];
+const CURRENT: [&str; 5] = ["current", "curr", "strom", "amp", "i_mot"];
+const TIME: [&str; 5] = ["time", "zeit", "millis", "stamp", "t_"];
+
+/// The channel that name and unit speak for.
+fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
+    let lower = name.to_lowercase();
+    let has = |parts: &[&str]| parts.iter().any(|part| lower.contains(part));
+    let of_wheel = has(&WHEEL);
+    match unit.map(quantity) {
+        Some(Quantity::Time) => Some(Channel::Time),
+        Some(Quantity::Current) => Some(Channel::Current),
+        Some(Quantity::Angle) if of_wheel => Some(Channel::WheelAngle),
+        Some(Quantity::Angle) => Some(Channel::Angle),
+        Some(Quantity::Speed) if of_wheel || unit == Some("rpm") => Some(Channel::WheelSpeed),
+        Some(Quantity::Speed) if has(&RATE) || has(&ANGLE) => Some(Channel::Rate),
+        Some(Quantity::Speed) => Some(Channel::WheelSpeed),
+        None if lower == "t" || has(&TIME) => Some(Channel::Time),
+        None if has(&CURRENT) || lower == "i" => Some(Channel::Current),
+        None if of_wheel => Some(Channel::WheelSpeed),
+        None if has(&RATE) => Some(Channel::Rate),
+        None if has(&ANGLE) => Some(Channel::Angle),
+        None if has(&["omega", "speed"]) => Some(Channel::WheelSpeed),
+        // A command: what the controller asked for.
+        None if lower == "u" || lower.starts_with("u_") => Some(Channel::Current),
+        None => None,
+    }
+}
+
+/// Whether a column can be the time: it never falls, and rises from first to last.
+fn rises(values: &[f64]) -> bool {
+    values.len() > 1
+        && values.iter().all(|value| value.is_finite())
+        && values.windows(2).all(|pair| pair[1] >= pair[0])
+        && values[values.len() - 1] > values[0]
+}
+
+/// Whole numbers, one after the other: an index of rows, or milliseconds of a log at 1 kHz.
+pub(super) fn is_index(values: &[f64]) -> bool {
+    rises(values) && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
+}
+
+/// The channels of a file; the best column of each. The first of two equals wins.
+pub(super) fn mapped(table: &Table) -> Vec<Mapped> {
+    let mut found: Vec<Mapped> = vec![];
+    for channel in Channel::ALL {
+        let candidates = table.names.iter().enumerate().filter_map(|(index, name)| {
+            let of_line = table.units[index];
+            let unit = of_line.or_else(|| unit_of_name(name));
+            if found.iter().any(|mapped| mapped.index == index) {
+                return None;
+            }
+            let values = &table.columns[index];
+            if named(name, unit) != Some(channel) || (channel == Channel::Time && !rises(values)) {
+                return None;
+            }
+            let standard = name == channel.standard_name();
+            let reason = match (standard, of_line, unit) {
+                (true, _, _) => "its standard name".to_owned(),
+                (false, Some(unit), _) => format!("its name and its unit, {unit}"),
+                (false, None, Some(unit)) => format!("its name, which says {unit}"),
+                (false, None, None) => "its name".to_owned(),
+            };
+            let mapped = Mapped {
+                channel,
+                index,
+                column: name.clone(),
+                unit,
+                reason,
+            };
+            Some((
+                2 * usize::from(standard) + usize::from(unit.is_some()),
+                mapped,
+            ))
+        });
+        // `max_by_key` would take the last of equals.
+        let best = candidates.fold(None, |best: Option<(usize, Mapped)>, next| match best {
+            Some(best) if best.0 >= next.0 => Some(best),
+            _ => Some(next),
+        });
+        found.extend(best.map(|(_, mapped)| mapped));
+    }
+    if !found.iter().any(|mapped| mapped.channel == Channel::Time) {
+        found.extend(unnamed_time(table, &found));
+    }
+    found
+}
+
+/// The only column that rises and has no other use.
+fn unnamed_time(table: &Table, found: &[Mapped]) -> Option<Mapped> {
+    let free = |index: &usize| !found.iter().any(|mapped| mapped.index == *index);
+    let mut rising = (0..table.names.len())
+        .filter(free)
+        .filter(|index| rises(&table.columns[*index]) && !is_index(&table.columns[*index]));
+    let (index, more) = (rising.next()?, rising.next());
+    more.is_none().then(|| Mapped {
+        channel: Channel::Time,
+        index,
+        column: table.names[index].clone(),
+        unit: None,
+        reason: "the only column that rises from line to line".to_owned(),
+    })
+}

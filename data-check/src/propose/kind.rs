@@ -1,0 +1,203 @@
+//! Which kind of experiment a file holds.
+
+use std::f64::consts::PI;
+
+use bench_files::{Channel, Table};
+use plant::Kind;
+
+use super::columns::Mapped;
+use crate::regression::least_squares;
+use crate::slips::short;
+use crate::view::{median, range};
+
+/// What is proposed, and why.
+pub(super) struct Guess {
+    pub kind: Kind,
+    pub reason: String,
+    pub offset_rad: Option<(f64, String)>,
+    pub held_current_a: Option<(f64, String)>,
+    pub questions: Vec<String>,
+}
+
+/// Angle from upright in rad up to which a log is taken for balancing.
+const ABOUT_UPRIGHT: f64 = 0.6;
+/// Share of the amplitude by which a swing may rest away from 0 without a word.
+const REST: f64 = 0.1;
+/// Share of a command's samples that are at its usual value where it was held.
+const HELD: f64 = 0.98;
+
+pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
+    let samples = |channel: Channel| -> Option<Vec<f64>> {
+        let one = mapped.iter().find(|one| one.channel == channel)?;
+        let scale = match one.unit {
+            Some("deg" | "deg/s") => PI / 180.0,
+            Some("mrad" | "mrad/s" | "mA" | "ms") => 1e-3,
+            Some("rpm") => PI / 30.0,
+            Some("rev") => 2.0 * PI,
+            _ => 1.0,
+        };
+        Some(table.columns[one.index].iter().map(|x| scale * x).collect())
+    };
+    let angle = samples(Channel::Angle);
+    let body = angle.is_some() || samples(Channel::Rate).is_some();
+    let wheel = samples(Channel::WheelSpeed).or_else(|| samples(Channel::WheelAngle));
+    let current = samples(Channel::Current);
+    let is_driven = current.as_deref().is_some_and(moves);
+    let mut guess = Guess {
+        kind: Kind::FreeSwing,
+        reason: String::new(),
+        offset_rad: None,
+        held_current_a: None,
+        questions: vec![],
+    };
+    if wheel.is_some() && !body {
+        guess.kind = Kind::SpinUp;
+        guess.reason = "the file has the wheel and not the body".to_owned();
+        if current.is_none() {
+            guess.questions.push(
+                "the current was not logged: constants = { current = … } says at what it was held (0.0 for a \
+                 coast-down)"
+                    .to_owned(),
+            );
+        }
+        return guess;
+    }
+    if !is_driven && !wheel.as_deref().is_some_and(moves) {
+        guess.reason = match &wheel {
+            Some(_) => "the body swings and the wheel stands still",
+            None => "the file has the body and not the wheel",
+        }
+        .to_owned();
+        if let Some(angle) = &angle {
+            rest(angle, &mut guess);
+        }
+        return guess;
+    }
+    upright(
+        angle.as_deref(),
+        wheel.as_deref(),
+        current.as_deref(),
+        mapped,
+        &mut guess,
+    );
+    if let Some(current) = &current {
+        let usual = median(current.clone()).unwrap_or(0.0);
+        let held = current.iter().filter(|value| **value == usual).count();
+        if guess.kind == Kind::Driven && held as f64 > HELD * current.len() as f64 && usual != 0.0 {
+            guess.questions.push(format!(
+                "the current is {} throughout: is it what flowed?",
+                short(usual)
+            ));
+        }
+    } else {
+        guess.held_current_a = Some((
+            0.0,
+            "the file has no current; if the motor was not off, correct it".to_owned(),
+        ));
+    }
+    guess
+}
+
+/// Whether a series does more than its noise and single lost samples: between its fifth and its ninety-fifth
+/// percentile noise alone covers 3.3 standard deviations.
+fn moves(samples: &[f64]) -> bool {
+    let mut finite: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    let Some(last) = finite.len().checked_sub(1) else {
+        return false;
+    };
+    let at = |share: f64| finite[(last as f64 * share) as usize];
+    let usual = at(0.95) - at(0.05);
+    // A current that is held has no noise to be compared with, but drives all the same.
+    usual > 10.0 * identify::noise_std(samples) || (usual == 0.0 && at(0.5) != 0.0)
+}
+
+/// Where the body comes to rest: the middle between its turning points, late in the log.
+fn rest(angle: &[f64], guess: &mut Guess) {
+    let Some((low, high)) = range(angle) else {
+        return;
+    };
+    let late = &angle[angle.len() / 2..];
+    let Some((mut lowest, mut highest)) = range(late) else {
+        return;
+    };
+    let mut middle = 0.5 * (lowest + highest);
+    // Whole swings from crossing to crossing: what is left of the last one would move the mean.
+    let crossings: Vec<usize> = (1..late.len())
+        .filter(|k| late[k - 1] < middle && late[*k] >= middle)
+        .collect();
+    if let (Some(first), Some(last)) = (crossings.first(), crossings.last())
+        && last > first
+    {
+        let whole = &late[*first..*last];
+        middle = whole.iter().sum::<f64>() / whole.len() as f64;
+        (lowest, highest) = range(whole).unwrap_or((lowest, highest));
+    }
+    // A log that stands at its end says where; one that swings says it to a part of its amplitude.
+    let unsure = 0.25 * (highest - lowest);
+    if middle.abs() > (REST * 0.5 * (high - low)).max(unsure) {
+        guess.offset_rad = Some((
+            -middle,
+            format!(
+                "the body comes to rest at {}, which is hanging: 0",
+                short(middle)
+            ),
+        ));
+    }
+}
+
+/// Upright or hanging: by the angle, and where it is counted from either, by whether the body flees its middle.
+fn upright(
+    angle: Option<&[f64]>,
+    wheel: Option<&[f64]>,
+    current: Option<&[f64]>,
+    mapped: &[Mapped],
+    guess: &mut Guess,
+) {
+    guess.kind = Kind::Driven;
+    guess.reason = "wheel and body move".to_owned();
+    let Some(angle) = angle else { return };
+    let middle = median(angle.to_vec()).unwrap_or(0.0);
+    if (middle.abs() - PI).abs() < ABOUT_UPRIGHT {
+        guess.kind = Kind::Balance;
+        guess.reason = format!("the angle stays about {}, upright", short(middle));
+        return;
+    }
+    let (Some((low, high)), Some(wheel), Some(_)) = (range(angle), wheel, current) else {
+        return;
+    };
+    let time = mapped.iter().find(|one| one.channel == Channel::Time);
+    if high - low > 2.0 * ABOUT_UPRIGHT || middle.abs() > ABOUT_UPRIGHT || time.is_none() {
+        guess.reason = format!(
+            "the angle goes from {} to {} about hanging",
+            short(low),
+            short(high)
+        );
+        return;
+    }
+    // α̈ = ∓ω² α − ε φ̈: second differences over a few samples against both.
+    let step = (angle.len() / 400).clamp(1, 8);
+    let mut rows = vec![];
+    for k in step..angle.len().saturating_sub(step) {
+        let second = |x: &[f64]| x[k + step] - 2.0 * x[k] + x[k - step];
+        let change = wheel[k + step] - wheel[k - step];
+        rows.push(([angle[k] - middle, change, 1.0], second(angle)));
+    }
+    let found = least_squares(&rows, step as f64);
+    match found {
+        Some(fit) if fit.coefficients[0] > 3.0 * fit.std[0] => {
+            guess.kind = Kind::Balance;
+            guess.reason = "the body flees the middle of its angles and is brought back: it balances".to_owned();
+            let reason = format!("the angle is counted from upright, where it must be pi ({} to {})", short(low), short(high));
+            guess.offset_rad = Some((PI, reason));
+        }
+        Some(fit) if fit.coefficients[0] < -3.0 * fit.std[0] => {
+            guess.reason = "wheel and body move, and gravity brings the body back: it hangs".to_owned();
+        }
+        _ => guess.questions.push(
+            "the angle stays about 0: does the body hang there (kind = \"driven\"), or does it balance upright \
+             (kind = \"balance\", offset = { angle = 3.14159265 })?"
+                .to_owned(),
+        ),
+    }
+}

@@ -1,0 +1,323 @@
+//! A bench.toml for files of which nothing is known but their columns.
+//!
+//! Names and units of the columns give a first proposal; then the check of the data says what of it cannot be,
+//! and by which factor, and the proposal is mended until nothing is refused. What stays open is left as a
+//! comment that says what to decide.
+
+mod columns;
+mod kind;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use bench_files::{Bench, Channel, Error, FilesInMemory, Table};
+use plant::Kind;
+use serde::{Deserialize, Serialize};
+
+use crate::finding::{Finding, FindingId, Severity};
+use crate::slips::{DEGREES, RPM, short};
+use columns::Mapped;
+
+/// Rows of a file that are looked at: minutes of a fast log.
+const MOST_ROWS: usize = 200_000;
+/// Rounds in which a proposal is mended.
+const ROUNDS: usize = 4;
+
+/// A proposed bench.toml.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Proposal {
+    /// The whole text.
+    pub text: String,
+    /// What is proposed for each file.
+    pub experiments: Vec<ProposedExperiment>,
+    /// What the check says of the bench as proposed; empty where it cannot be read yet.
+    pub findings: Vec<Finding>,
+    /// Why the bench cannot be read yet, where that is so.
+    pub open: Option<String>,
+}
+
+/// What is proposed for one file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProposedExperiment {
+    /// The file, as bench.toml names it.
+    pub file: String,
+    /// Its name.
+    pub name: String,
+    /// The kind of experiment.
+    pub kind: String,
+    /// The reasons; sentences.
+    pub reasons: Vec<String>,
+    /// What its user has to decide; sentences.
+    pub questions: Vec<String>,
+}
+
+/// One experiment in the making.
+struct Draft {
+    name: String,
+    file: String,
+    kind: Kind,
+    kind_reason: String,
+    mapped: Vec<Mapped>,
+    signs: Vec<(Channel, String)>,
+    offset_rad: Option<(f64, String)>,
+    held_current_a: Option<(f64, String)>,
+    from_s: Option<(f64, String)>,
+    questions: Vec<String>,
+    unused: Vec<String>,
+}
+
+/// Proposes a bench.toml for these files in `folder`. Nothing is written.
+///
+/// # Errors
+/// A file that cannot be read, or is no table.
+pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
+    let mut drafts: Vec<Draft> = vec![];
+    let mut in_memory = FilesInMemory::default();
+    for path in files {
+        let table = Table::read(path, MOST_ROWS)?;
+        let file = name_in(folder, path);
+        if let Ok(bytes) = std::fs::read(path) {
+            in_memory.insert(&file, bytes);
+        }
+        let stem = path
+            .file_stem()
+            .map_or("log".into(), |stem| stem.to_string_lossy());
+        let mut name = stem.replace(['_', '"', '\\'], " ");
+        while drafts.iter().any(|draft| draft.name == name) {
+            name.push_str(" again");
+        }
+        drafts.push(draft(name, file, &table));
+    }
+    let bench_name = folder.file_name().map_or_else(
+        || "bench".to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    );
+    let mut checked = Err("no file is given".to_owned());
+    for _ in 0..ROUNDS {
+        let toml = text::bench_toml(&bench_name, &drafts);
+        in_memory.insert("bench.toml", toml.as_str());
+        checked = match Bench::from_files(&in_memory) {
+            Ok(bench) => Ok(crate::check(&bench)),
+            Err(error) => Err(error.to_string()),
+        };
+        let Ok(found) = &checked else { break };
+        let mended = found
+            .iter()
+            .filter(|finding| mend(&mut drafts, finding))
+            .count();
+        if mended == 0 {
+            break;
+        }
+    }
+    let (findings, open) = match checked {
+        Ok(found) => (found, None),
+        Err(open) => (vec![], Some(open)),
+    };
+    Ok(Proposal {
+        text: text::bench_toml(&bench_name, &drafts),
+        experiments: drafts.iter().map(Draft::told).collect(),
+        findings,
+        open,
+    })
+}
+
+/// A path as bench.toml in `folder` names it.
+fn name_in(folder: &Path, path: &Path) -> String {
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let (folder, path) = (whole(folder), whole(path));
+    let inside = path.strip_prefix(&folder).map(Path::to_path_buf);
+    inside.unwrap_or(path).to_string_lossy().into_owned()
+}
+
+fn draft(name: String, file: String, table: &Table) -> Draft {
+    let mut mapped = columns::mapped(table);
+    let mut questions = vec![];
+    let time = mapped.iter().position(|one| one.channel == Channel::Time);
+    match time {
+        Some(at) => {
+            let values = &table.columns[mapped[at].index];
+            time_unit(&mut mapped[at], values, &mut questions)
+        }
+        None => {
+            let index = (0..table.names.len()).find(|k| columns::is_index(&table.columns[*k]));
+            questions.push(match index {
+                Some(index) => format!(
+                    "column \"{}\" counts the lines: is it an index (then time_step = seconds from line to \
+                     line), or milliseconds (then columns = {{ time = \"{}\" }}, units = {{ time = \"ms\" }})?",
+                    table.names[index], table.names[index]
+                ),
+                None => "no column is the time: columns = { time = … }, or time_step = seconds from line to line"
+                    .to_owned(),
+            });
+        }
+    }
+    if !table.has_header {
+        questions.push(format!(
+            "the file has no header line: say which of its {} columns is what, columns = {{ time = \"1\", \
+             angle = \"2\" }}",
+            table.names.len()
+        ));
+    }
+    let guess = kind::guess(table, &mapped);
+    let unused = (0..table.names.len())
+        .filter(|index| !mapped.iter().any(|one| one.index == *index))
+        .map(|index| table.names[index].clone())
+        .collect();
+    questions.extend(guess.questions);
+    Draft {
+        name,
+        file,
+        kind: guess.kind,
+        kind_reason: guess.reason,
+        signs: vec![],
+        offset_rad: guess.offset_rad,
+        held_current_a: guess.held_current_a,
+        from_s: None,
+        questions,
+        unused,
+        mapped,
+    }
+}
+
+/// The unit of a time that states none, from the usual step: nobody logs a pendulum every second.
+fn time_unit(time: &mut Mapped, values: &[f64], questions: &mut Vec<String>) {
+    if time.unit.is_some() {
+        return;
+    }
+    let step = (values[values.len() - 1] - values[0]) / (values.len() - 1) as f64;
+    let unit = match step {
+        step if step < 0.5 => "s",
+        step if step < 500.0 => "ms",
+        step if step < 5e5 => "us",
+        _ => "ns",
+    };
+    time.unit = Some(unit);
+    let reason = format!("; its steps of {} are {unit}", short(step));
+    time.reason.push_str(&reason);
+    if columns::is_index(values) {
+        questions.push(format!(
+            "the steps of \"{}\" are 1: if it counts lines and not milliseconds, take it out and state time_step",
+            time.column
+        ));
+    }
+}
+
+/// Mends a draft by what the check says; false where that needs its user.
+fn mend(drafts: &mut [Draft], finding: &Finding) -> bool {
+    let concerned = |draft: &&mut Draft| match &finding.experiment {
+        Some(name) => draft.name == *name,
+        None => draft.kind == Kind::SpinUp,
+    };
+    let mut changed = false;
+    for draft in drafts.iter_mut().filter(concerned) {
+        changed |= mend_one(draft, finding);
+    }
+    changed
+}
+
+fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
+    if finding.finding == FindingId::HeldStart || finding.finding == FindingId::Hand {
+        let from = finding.fix.strip_prefix("from = ");
+        let Some(from_s) = from.and_then(|text| text.parse().ok()) else {
+            return false;
+        };
+        if draft
+            .from_s
+            .as_ref()
+            .is_some_and(|(before, _)| *before >= from_s)
+        {
+            return false;
+        }
+        draft.from_s = Some((from_s, finding.sentence.clone()));
+        return true;
+    }
+    if finding.severity != Severity::Refuse {
+        return false;
+    }
+    if finding.finding == FindingId::WheelTurns || finding.finding == FindingId::BodyMoves {
+        draft.kind = Kind::Driven;
+        draft.kind_reason = finding.sentence.clone();
+        if !draft
+            .mapped
+            .iter()
+            .any(|one| one.channel == Channel::Current)
+        {
+            let reason = "the file has no current; if the motor was not off, correct it".to_owned();
+            draft.held_current_a = Some((0.0, reason));
+        }
+        return true;
+    }
+    let (Some(factor), Some(channel)) = (
+        finding.factor,
+        finding.channel.as_deref().and_then(Channel::from_key),
+    ) else {
+        return false;
+    };
+    let is = |size: f64| (factor / size - 1.0).abs() < 0.01;
+    if is(-1.0) {
+        // Which of two has the wrong sign, no file says.
+        draft
+            .questions
+            .push(format!("{}: {}", finding.sentence, finding.fix));
+        if draft.signs.iter().any(|(signed, _)| *signed == channel) {
+            return false;
+        }
+        draft.signs.push((channel, finding.sentence.clone()));
+        return true;
+    }
+    let (channel, unit) = if channel == Channel::Rate && is(1.0 / DEGREES) {
+        (Channel::Angle, "deg")
+    } else if is(1e3) && matches!(channel, Channel::Time | Channel::Rate) {
+        (Channel::Time, "ms")
+    } else if is(1e3) && channel == Channel::Angle {
+        (Channel::Angle, "mrad")
+    } else if is(1e3) && channel == Channel::Current {
+        (Channel::Current, "mA")
+    } else if is(1e6) {
+        (Channel::Time, "us")
+    } else if is(DEGREES) && channel == Channel::Angle {
+        (Channel::Angle, "deg")
+    } else if is(DEGREES) {
+        (channel, "deg/s")
+    } else if is(RPM) && matches!(channel, Channel::WheelSpeed | Channel::Rate) {
+        (channel, "rpm")
+    } else {
+        return false;
+    };
+    let Some(mapped) = draft.mapped.iter_mut().find(|one| one.channel == channel) else {
+        return false;
+    };
+    if mapped.unit == Some(unit) {
+        return false;
+    }
+    mapped.unit = Some(unit);
+    mapped.reason = finding.sentence.clone();
+    true
+}
+
+impl Draft {
+    fn told(&self) -> ProposedExperiment {
+        let mut reasons = vec![format!("{}: {}", self.kind.name(), self.kind_reason)];
+        reasons.extend(self.mapped.iter().map(|one| {
+            format!(
+                "{} is \"{}\": {}",
+                one.channel.key(),
+                one.column,
+                one.reason
+            )
+        }));
+        let more = [
+            self.offset_rad.as_ref().map(|(_, reason)| reason),
+            self.held_current_a.as_ref().map(|(_, reason)| reason),
+            self.from_s.as_ref().map(|(_, reason)| reason),
+        ];
+        reasons.extend(more.into_iter().flatten().cloned());
+        ProposedExperiment {
+            file: self.file.clone(),
+            name: self.name.clone(),
+            kind: self.kind.name().to_owned(),
+            reasons,
+            questions: self.questions.clone(),
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! A free swing against the motion of a pendulum: its period, how the period depends on the amplitude, and
+//! whether it swings by itself from the first sample on.
+
+use bench_files::Channel;
+use identify::{AtAmplitude, Output, resolution};
+use plant::Kind;
+
+use crate::finding::{Finding, FindingId};
+use crate::slips::{DEGREES, short};
+use crate::view::{PERIODS_S, View, median, range, scaled_decay};
+
+use std::f64::consts::{PI, TAU};
+
+/// Change of the period over the log, relative, from which its cause is asked for: presliding and springs
+/// change it by up to 4 % (the thesis' own bench), a pendulum of 1 rad by 6.6 %.
+const CHANGE: f64 = 0.05;
+/// How much of that change the other unit must take away.
+const LEFT_OVER: f64 = 0.25;
+/// Standard errors of the period by which the change must stand out.
+const STANDARD_ERRORS: f64 = 8.0;
+/// Periods at either end of the log that are averaged.
+const AT_EITHER_END: usize = 5;
+
+pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
+    if view.kind() != Kind::FreeSwing {
+        return;
+    }
+    let decay = scaled_decay(view);
+    if let Some((decay, scale)) = &decay {
+        let periods = decay.periods.iter().map(|period| period.value).collect();
+        if let Some(period_s) = median(periods) {
+            period(view, period_s, out);
+        }
+        angle_unit(view, &decay.periods, *scale, out);
+    }
+    by_itself(view, out);
+}
+
+fn period(view: &View, period_s: f64, out: &mut Vec<Finding>) {
+    if PERIODS_S.contains(&period_s) {
+        return;
+    }
+    // Of the units of time the one that makes the period nearest to a second.
+    let factors = [1e-3, 1e3, 1e6, 1e9];
+    let off = |factor: f64| (period_s / factor).ln().abs();
+    let Some(factor) = factors
+        .into_iter()
+        .min_by(|a, b| off(*a).total_cmp(&off(*b)))
+    else {
+        return;
+    };
+    let fix = if factor < 1.0 {
+        "units = { time = \"s\" }"
+    } else if factor < 1e6 {
+        "units = { time = \"ms\" }"
+    } else if factor < 1e9 {
+        "units = { time = \"us\" }"
+    } else {
+        "units = { time = \"ns\" }"
+    };
+    out.push(
+        Finding::refusal(
+            FindingId::TimeFactor,
+            format!(
+                "a period is {} s, that of a pendulum of {} m: the time is {} times too large",
+                short(period_s),
+                short(9.81 * (period_s / TAU).powi(2)),
+                short(factor)
+            ),
+        )
+        .in_experiment(view.name())
+        .with_channel("time")
+        .with_factor(factor)
+        .with_fix(fix),
+    );
+}
+
+/// Arithmetic-geometric mean; the period of a pendulum is T₀/agm(1, cos(A/2)).
+fn agm(mut a: f64, mut b: f64) -> f64 {
+    for _ in 0..20 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    a
+}
+
+/// Relative change of the period of small swings from the smallest amplitudes to the largest, if the
+/// angle's true scale is `scale` times the one of the points; `None` where the body would go over the top.
+fn change_of_period(periods: &[AtAmplitude], scale: f64) -> Option<f64> {
+    let count = AT_EITHER_END.min(periods.len() / 2);
+    let mean = |part: &[AtAmplitude]| -> Option<f64> {
+        let small = part.iter().map(|point| {
+            let amplitude = scale * point.amplitude_rad;
+            (amplitude < 0.99 * PI).then(|| point.value * agm(1.0, (0.5 * amplitude).cos()))
+        });
+        Some(small.sum::<Option<f64>>()? / count as f64)
+    };
+    if count == 0 {
+        return None;
+    }
+    Some((mean(&periods[..count])? / mean(&periods[periods.len() - count..])?).ln())
+}
+
+fn angle_unit(view: &View, periods: &[AtAmplitude], scale: f64, out: &mut Vec<Finding>) {
+    if view.samples(Channel::Angle).is_none() {
+        return;
+    }
+    let amplitude = scale
+        * periods
+            .iter()
+            .fold(0.0, |most: f64, p| most.max(p.amplitude_rad));
+    let as_mapped = change_of_period(periods, scale);
+    // The other readings of the column, and what they leave of the change.
+    let others = [DEGREES, 1e3];
+    let left = others
+        .into_iter()
+        .filter_map(|factor| Some((factor, change_of_period(periods, scale / factor)?.abs())))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((factor, left)) = left else { return };
+    let fix = if factor == 1e3 {
+        "units = { angle = \"mrad\" }"
+    } else {
+        "units = { angle = \"deg\" }"
+    };
+    let finding = |sentence: String| {
+        Finding::refusal(FindingId::AngleFactor, sentence)
+            .in_experiment(view.name())
+            .with_channel("angle")
+            .with_factor(factor)
+            .with_fix(fix)
+    };
+    let Some(change) = as_mapped else {
+        out.push(finding(format!(
+            "the body would turn back {} rad from hanging, beyond the top: the angle is {} times too large",
+            short(amplitude),
+            short(factor)
+        )));
+        return;
+    };
+    let std =
+        periods.iter().map(|p| p.std / p.value).fold(0.0, f64::max) / (AT_EITHER_END as f64).sqrt();
+    if change.abs() > CHANGE
+        && change.abs() > STANDARD_ERRORS * std
+        && left < LEFT_OVER * change.abs()
+    {
+        out.push(finding(format!(
+            "the period does not depend on the amplitude, but that of a pendulum of {} rad would change by \
+             {} %: the angle is {} times too large",
+            short(amplitude),
+            short(100.0 * change.abs()),
+            short(factor)
+        )));
+    }
+}
+
+/// Accuracy to which a body that stands still is seen to do so, in standard deviations of the noise.
+const STILL: f64 = 4.0;
+/// Share of a period that a body may stand still beyond its turning point: a release by hand takes it.
+const RELEASE: f64 = 0.25;
+/// Gain of a same-sided turning point, relative to the amplitude, beyond which it was not by itself.
+const GAIN: f64 = 0.03;
+
+/// A body that is held first, or that gains energy, does not swing by itself.
+fn by_itself(view: &View, out: &mut Vec<Finding>) {
+    let Some(angle) = view.samples(Channel::Angle) else {
+        return;
+    };
+    let time_s = &view.experiment.log.time_s;
+    let Some((low, high)) = range(angle) else {
+        return;
+    };
+    let half_range = 0.5 * (high - low);
+    let resolution = resolution(angle);
+    let still = (STILL * view.noise(Output::Angle))
+        .max(2.0 * resolution)
+        .max(0.02 * half_range);
+    if still > 0.3 * half_range {
+        return;
+    }
+    let (extremes, zero_rad) = turning_points(view, angle, still);
+    let Some(period_s) = usual_period_s(&extremes) else {
+        return;
+    };
+    let largest = extremes
+        .iter()
+        .max_by(|a, b| (a.1 - zero_rad).abs().total_cmp(&(b.1 - zero_rad).abs()));
+    let Some(&(largest_s, _)) = largest else {
+        return;
+    };
+
+    // The longest beginning in which the angle stays within ± still.
+    let mut bounds = (f64::INFINITY, f64::NEG_INFINITY);
+    let held = angle
+        .iter()
+        .take_while(|x| {
+            if x.is_finite() {
+                bounds = (bounds.0.min(**x), bounds.1.max(**x));
+            }
+            bounds.1 - bounds.0 <= 2.0 * still || bounds.0 > bounds.1
+        })
+        .count();
+    let held_s = time_s[held.min(time_s.len() - 1)] - time_s[0];
+    let held_at = (0.5 * (bounds.0 + bounds.1) - zero_rad).abs();
+    let near_turning_s = period_s / TAU * 2.0 * (1.0 - 2.0 * still / half_range).acos();
+    if held < angle.len() && held_s > near_turning_s + RELEASE * period_s {
+        // Held away from hanging it is let go; held hanging it is lifted first.
+        let from_s = if held_at > 0.5 * half_range {
+            time_s[held.saturating_sub(1)]
+        } else {
+            largest_s
+        };
+        let sentence = format!(
+            "the body stands still for {} s before it swings: it was held, which the model does not know",
+            short(held_s)
+        );
+        let finding = if held_s > 0.5 * period_s {
+            Finding::refusal(FindingId::HeldStart, sentence)
+        } else {
+            Finding::warning(FindingId::HeldStart, sentence)
+        };
+        out.push(
+            finding
+                .in_experiment(view.name())
+                .with_channel("angle")
+                .with_fix(format!("from = {}", rounded_up(from_s))),
+        );
+        return;
+    }
+    // The first stretch may begin anywhere in a swing: it has no turning point of its own.
+    let size = |point: &(f64, f64)| (point.1 - zero_rad).abs();
+    let least_gain = (GAIN * half_range).max(1.5 * still);
+    let gain = extremes
+        .iter()
+        .enumerate()
+        .skip(1)
+        .find_map(|(index, before)| {
+            let later = extremes[index + 1..].iter();
+            later
+                .filter(|after| (before.1 - zero_rad) * (after.1 - zero_rad) > 0.0)
+                .find(|after| size(after) > size(before) + least_gain)
+        });
+    if let Some(after) = gain {
+        out.push(
+            Finding::warning(
+                FindingId::Hand,
+                format!(
+                    "the swing grows at {} s without a current: a hand, or something else that the model \
+                     does not know, was on it",
+                    short(after.0)
+                ),
+            )
+            .in_experiment(view.name())
+            .with_channel("angle")
+            .with_fix(format!("from = {}", rounded_up(largest_s))),
+        );
+    }
+}
+
+/// A time that can be typed, not before the one that is meant.
+fn rounded_up(time_s: f64) -> f64 {
+    (time_s * 1e3).ceil() / 1e3
+}
+
+/// The farthest point between every two crossings of the middle, as time and angle, and the middle.
+fn turning_points(view: &View, angle: &[f64], clear: f64) -> (Vec<(f64, f64)>, f64) {
+    let time_s = &view.experiment.log.time_s;
+    // Late in the log the swing is small, so that the median is the rest position.
+    let zero = median(angle.to_vec()).unwrap_or(0.0);
+    let mut points: Vec<(f64, f64)> = vec![];
+    let mut side = 0.0;
+    for (t, x) in time_s.iter().zip(angle) {
+        let off = x - zero;
+        if off.abs() <= clear || !x.is_finite() {
+            continue;
+        }
+        if off.signum() != side {
+            side = off.signum();
+            points.push((*t, *x));
+        } else if let Some(last) = points.last_mut()
+            && off.abs() > (last.1 - zero).abs()
+        {
+            *last = (*t, *x);
+        }
+    }
+    (points, zero)
+}
+
+fn usual_period_s(extremes: &[(f64, f64)]) -> Option<f64> {
+    let halves: Vec<f64> = extremes
+        .windows(2)
+        .map(|pair| pair[1].0 - pair[0].0)
+        .collect();
+    (halves.len() >= 2).then(|| median(halves).map(|half| 2.0 * half))?
+}

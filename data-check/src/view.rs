@@ -1,0 +1,183 @@
+//! What the checks look at: an experiment with its record, and what a bench says of itself.
+
+use bench_files::{Bench, Channel, Experiment};
+use identify::{FreeDecay, Output, Record, bumps};
+use plant::Kind;
+
+use crate::regression::{Ratio, ratio};
+
+/// An experiment and its samples as fits see them.
+pub(crate) struct View<'b> {
+    pub experiment: &'b Experiment,
+    pub record: Record,
+    /// Usual time between two samples, s.
+    pub step_s: f64,
+}
+
+/// Periods of a pendulum that stands on a bench, s: g T²/4π² is its equivalent length, from 2.5 mm to 60 m. A
+/// counterweight can make the latter of an arm of 0.3 m; no arm makes a thousandth or the thousandfold.
+pub(crate) const PERIODS_S: std::ops::Range<f64> = 0.1..16.0;
+/// Fewest points of a line through two series.
+const FEWEST_POINTS: usize = 8;
+/// Samples under the shortest bump, below which `identify` makes none.
+const SHORTEST_BUMP: usize = 12;
+
+impl<'b> View<'b> {
+    pub fn new(experiment: &'b Experiment) -> View<'b> {
+        let time_s = &experiment.log.time_s;
+        let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        View {
+            experiment,
+            record: Record::from_experiment(experiment),
+            step_s: median(steps).unwrap_or(f64::NAN),
+        }
+    }
+
+    pub fn name(&self) -> &str {
+        &self.experiment.name
+    }
+
+    pub fn kind(&self) -> Kind {
+        self.experiment.kind
+    }
+
+    /// The samples of a channel that the kind uses.
+    pub fn samples(&self, channel: Channel) -> Option<&'b [f64]> {
+        self.experiment.log.channel(channel)
+    }
+
+    /// Standard deviation of the noise of a channel.
+    pub fn noise(&self, output: Output) -> f64 {
+        let channel = self.record.channel(output);
+        channel.map_or(0.0, |channel| channel.noise_std)
+    }
+
+    /// Lengths of bumps in s: from the shortest on, each twice the one before, as long as enough of them
+    /// fit into the log.
+    pub fn bump_lengths_s(&self) -> impl Iterator<Item = f64> {
+        let n = self.record.len();
+        let mean_step_s = self.experiment.log.duration_s() / n.saturating_sub(1).max(1) as f64;
+        std::iter::successors(Some(SHORTEST_BUMP), |samples| Some(2 * samples))
+            .take_while(move |samples| FEWEST_POINTS * samples / 2 <= n)
+            .map(move |samples| samples as f64 * mean_step_s)
+    }
+
+    /// The ratio of `samples` to the derivative of `of`, by bumps of the length at which the two go
+    /// together best, and that length in s: short ones are lost in noise, long ones average the motion away.
+    pub fn ratio_to_derivative(&self, of: &[f64], samples: &[f64]) -> Option<(Ratio, f64)> {
+        let ratios = self
+            .bump_lengths_s()
+            .filter_map(|length_s| Some((self.ratio_by_bumps(of, samples, length_s)?, length_s)));
+        ratios.max_by(|(a, _), (b, _)| a.correlation.abs().total_cmp(&b.correlation.abs()))
+    }
+
+    /// As [`View::ratio_to_derivative`], by bumps of this length.
+    pub fn ratio_by_bumps(&self, of: &[f64], samples: &[f64], length_s: f64) -> Option<Ratio> {
+        let mut points = vec![];
+        bumps(&self.record, length_s, |integral| {
+            let area = integral(&|_| 1.0, 0);
+            let derivative = -integral(&|k| of[k], 1) / area;
+            points.push((derivative, integral(&|k| samples[k], 0) / area));
+        });
+        ratio(&points, FEWEST_POINTS)
+    }
+}
+
+/// What a bench says of itself, as far as it does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Facts {
+    /// Gravity torque G, N m.
+    pub gravity_torque_n_m: Option<f64>,
+    /// Torque constant τ, N m/A.
+    pub torque_constant: Option<f64>,
+    /// Square of the frequency of small locked swings ω₀² = G/Θ, 1/s²: scale-free, from periods alone.
+    pub gravity_over_inertia: Option<f64>,
+    /// k² m_w + l² m_b, kg m²: what masses and lengths alone give to the inertia.
+    pub steiner_kg_m2: Option<f64>,
+}
+
+impl Facts {
+    pub fn of(bench: &Bench, views: &[View]) -> Facts {
+        let known = &bench.known;
+        let periods = views.iter().filter_map(period_s).collect();
+        let period_s = median(periods);
+        let products = [
+            (known.wheel_mass, known.pivot_to_wheel),
+            (known.body_mass, known.pivot_to_com),
+        ]
+        .map(|(mass, length)| Some(mass? * length? * length?));
+        Facts {
+            gravity_torque_n_m: known.gravity_torque().ok(),
+            torque_constant: known.torque_constant,
+            gravity_over_inertia: period_s.map(|period| (std::f64::consts::TAU / period).powi(2)),
+            steiner_kg_m2: match products {
+                [Some(wheel), Some(body)] => Some(wheel + body),
+                _ => None,
+            },
+        }
+    }
+
+    /// Total inertia Θ = G/ω₀², kg m².
+    pub fn total_inertia(&self) -> Option<f64> {
+        Some(self.gravity_torque_n_m? / self.gravity_over_inertia?)
+    }
+}
+
+/// How a free swing dies out, its angle brought to at most 1 (the analysis of half cycles counts in
+/// radians), and the factor that was taken out of the angle.
+pub(crate) fn scaled_decay(view: &View) -> Option<(FreeDecay, f64)> {
+    if view.kind() != Kind::FreeSwing {
+        return None;
+    }
+    let log = &view.experiment.log;
+    let (scale, angle) = match &log.angle_rad {
+        Some(angle) => {
+            let (low, high) = range(angle)?;
+            let scale = (0.5 * (high - low)).max(1.0);
+            (scale, Some(angle.iter().map(|x| x / scale).collect()))
+        }
+        None => (1.0, None),
+    };
+    let outputs = [angle, log.rate_rad_s.clone(), None];
+    let record = Record::new(
+        "",
+        Kind::FreeSwing,
+        log.time_s.clone(),
+        outputs,
+        None,
+        false,
+    );
+    Some((identify::decay(&record)?, scale))
+}
+
+/// The period of the swings of a free swing, s, where it is one that a bench can have.
+fn period_s(view: &View) -> Option<f64> {
+    let (decay, _) = scaled_decay(view)?;
+    let periods = decay.periods.iter().map(|period| period.value).collect();
+    median(periods).filter(|period| PERIODS_S.contains(period))
+}
+
+/// The middle one of the finite values; `None` where there is none.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.retain(|value| value.is_finite());
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Smallest and largest finite value.
+pub(crate) fn range(values: &[f64]) -> Option<(f64, f64)> {
+    let finite = values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    (low <= high).then_some((low, high))
+}
+
+/// Largest absolute finite value.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    let finite = values.iter().filter(|value| value.is_finite());
+    finite.fold(0.0, |most, value| most.max(value.abs()))
+}

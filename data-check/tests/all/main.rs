@@ -1,0 +1,5 @@
+//! The check of the data, on benches whose faults are known.
+
+mod known_faults;
+mod recordings;
+mod simulated;

@@ -1,0 +1,80 @@
+//! The first fit of a bench: of the base model, from what the samples show, and from other starts where that does
+//! not lead to the logs.
+
+use plant::{GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+
+use crate::bench::FitProblem;
+use crate::fit::{
+    Effort, Minimum, cost_of_means, fit_from_scratch, fit_in_stages, integrated_ratios, refit,
+};
+use crate::records::Record;
+
+/// Share of what the means of the series miss beyond the noise, above which a fit may be stuck on its way: a model
+/// that lacks an effect follows the motion all the same (a fit of 68 %), one that has lost the phase does not.
+const DOUBTFUL: f64 = 0.1;
+/// Lengths in samples of the windows over which the equations are integrated for other starts: a coarse log
+/// gathers errors of the quadrature over longer ones, a dense one shows too little of its motion in shorter ones.
+const WINDOW_SAMPLES: [usize; 3] = [24, 64, 256];
+/// Factors by which an inertia (or, where that is known, the torque that acts on it) is moved for other starts:
+/// an oscillation of twice or half the rate is the next minimum of a coarse log.
+const FACTORS: [f64; 2] = [0.4, 2.5];
+
+/// Fits the base model to all records of a problem.
+pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
+    let records = problem.all_records();
+    let base = Model::base();
+    let free = problem.free(&base);
+    let shown = problem.start_values(&base);
+    // Over the first windows, each with a start of its own, a model follows the motion whatever it lacks, if its
+    // parameters are about right.
+    let mut doubtful = true;
+    let mut look = |minimum: &Minimum| doubtful = is_doubtful(&records, minimum);
+    let first = fit_in_stages(&records, &base, shown.clone(), &free, effort, &mut look);
+    if !doubtful && first.cost.is_finite() {
+        return first;
+    }
+    let mut starts: Vec<Vec<f64>> = WINDOW_SAMPLES
+        .iter()
+        .map(|&samples| problem.values_from(&integrated_ratios(&records, samples), &base))
+        .collect();
+    for (inertia, torque) in [
+        (TOTAL_INERTIA, GRAVITY_TORQUE),
+        (WHEEL_INERTIA, TORQUE_CONSTANT),
+    ] {
+        let moved = [inertia, torque].into_iter().find(|at| free.contains(at));
+        for (position, factor) in moved.into_iter().flat_map(|at| FACTORS.map(|f| (at, f))) {
+            let mut values = shown.clone();
+            values[position] *= factor;
+            starts.push(values);
+        }
+    }
+    let mut best = first;
+    let mut is_rough = false;
+    for values in starts {
+        if (effort.cancelled)() {
+            return best;
+        }
+        let look = Effort::ROUGH.until(effort.cancelled);
+        let found = fit_from_scratch(&records, &base, values, &free, look);
+        if found.cost < best.cost {
+            best = found;
+            is_rough = true;
+        }
+    }
+    if is_rough {
+        best = refit(&records, &base, best.values, best.windows, &free, effort);
+    }
+    best
+}
+
+/// Whether a fit leaves so much that it may be stuck.
+fn is_doubtful(records: &[&Record], minimum: &Minimum) -> bool {
+    let noise: usize = records.iter().map(|record| record.observations()).sum();
+    let means: f64 = records
+        .iter()
+        .zip(&minimum.windows)
+        .map(|(record, windows)| cost_of_means(record, windows))
+        .sum();
+    let beyond = |cost: f64| (cost - noise as f64).max(0.0);
+    !minimum.cost.is_finite() || beyond(minimum.cost) > DOUBTFUL * beyond(means)
+}

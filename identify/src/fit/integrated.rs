@@ -1,0 +1,302 @@
+//! The equations of motion integrated over windows of samples, for logs that are too short or too coarse for
+//! the bumps of the weak form.
+//!
+//! ∫ of an equation over time turns its accelerations into measured rates, up to a constant that every window
+//! has for itself, and leaves it linear in the ratios of its parameters:
+//!
+//! ```text
+//! α̇ = c − (G/Θ) ∫sin α − (G'/Θ) ∫cos α − (r_b/Θ) α                       wheel locked
+//! α̇ = c − (G/D) ∫sin α − (G'/D) ∫cos α − (r_b/D) α − (τ/D) ∫i + (r_w/D) ∫φ̇   all free
+//! φ̇ + α̇ = c + (τ/j_w) ∫i − (r_w/j_w) ∫φ̇                                  wheel driven
+//! ```
+//!
+//! Where the rate was not measured, the first is integrated once more, and a window has a constant and a slope
+//! for itself. Those are taken out of every term by projection; a handful of samples is enough.
+
+use plant::{Kind, Output};
+
+use super::start::{Ratios, Rows};
+use crate::records::{Record, RecordedCurrent, angle_samples};
+
+/// Fewest samples of a window: five unknowns of an equation, and two of its own.
+const FEWEST_SAMPLES: usize = 5;
+/// Most windows of a record that count: more do not make a start better.
+const MOST_WINDOWS: usize = 64;
+
+/// The ratios that the integrated equations give, over windows of at most `window_samples` samples.
+pub(crate) fn integrated_ratios(records: &[&Record], window_samples: usize) -> Ratios {
+    let mut locked = Rows::new(3);
+    let mut free = Rows::new(5);
+    let mut wheel = Rows::new(2);
+    for record in records {
+        let Some(motion) = Motion::of(record) else {
+            continue;
+        };
+        for window in windows(record.len(), window_samples) {
+            if record.weight[window.clone()].iter().any(|w| *w <= 0.0) {
+                continue;
+            }
+            motion.body_rows(record, window.clone(), &mut locked, &mut free);
+            motion.wheel_rows(record, window, &mut wheel);
+        }
+    }
+    Ratios::of_solutions(locked.solve(), free.solve(), wheel.solve())
+}
+
+/// Windows of about equal length over `n` samples, at most [`MOST_WINDOWS`] of them, spread over the log.
+fn windows(n: usize, window_samples: usize) -> Vec<std::ops::Range<usize>> {
+    let length = window_samples.clamp(FEWEST_SAMPLES, n.max(FEWEST_SAMPLES));
+    let count = n / length;
+    let step = count.div_ceil(MOST_WINDOWS).max(1);
+    (0..count)
+        .step_by(step)
+        .map(|index| index * length..(index + 1) * length)
+        .collect()
+}
+
+/// The series of a record without gaps, and their running integrals.
+struct Motion {
+    angle: Option<Vec<f64>>,
+    rate: Option<Vec<f64>>,
+    wheel_speed: Option<Vec<f64>>,
+    charge: Option<Vec<f64>>,
+}
+
+impl Motion {
+    fn of(record: &Record) -> Option<Motion> {
+        if record.len() < FEWEST_SAMPLES || record.kind == Kind::Balance {
+            return None;
+        }
+        let filled = |output| record.channel(output).map(|c| without_gaps(&c.samples));
+        let charge = match (&record.current, record.kind) {
+            (_, Kind::FreeSwing) | (RecordedCurrent::Unknown, _) => None,
+            (RecordedCurrent::Known(input), _) => {
+                let mut charge = vec![0.0; record.len()];
+                for k in 1..record.len() {
+                    let (from, to) = (record.time_s[k - 1], record.time_s[k]);
+                    charge[k] =
+                        charge[k - 1] + input.mean::<f64>(from, to, None, k - 1) * (to - from);
+                }
+                Some(charge)
+            }
+        };
+        Some(Motion {
+            angle: angle_samples(record).map(|angle| without_gaps(&angle)),
+            rate: filled(Output::Rate),
+            wheel_speed: filled(Output::WheelSpeed),
+            charge,
+        })
+    }
+
+    fn body_rows(
+        &self,
+        record: &Record,
+        window: std::ops::Range<usize>,
+        locked: &mut Rows,
+        free: &mut Rows,
+    ) {
+        let Some(angle) = self.angle.as_ref().filter(|_| record.kind != Kind::SpinUp) else {
+            return;
+        };
+        let time_s = &record.time_s[window.clone()];
+        let angle = &angle[window.clone()];
+        let sine: Vec<f64> = angle.iter().map(|angle| angle.sin()).collect();
+        let cosine: Vec<f64> = angle.iter().map(|angle| angle.cos()).collect();
+        let mut terms = vec![
+            integral(time_s, &sine),
+            integral(time_s, &cosine),
+            angle.to_vec(),
+        ];
+        if record.kind != Kind::FreeSwing {
+            let (Some(charge), Some(speed)) = (&self.charge, &self.wheel_speed) else {
+                return;
+            };
+            terms.push(charge[window.clone()].to_vec());
+            terms.push(integral(time_s, &speed[window.clone()]));
+        }
+        let mut left = match &self.rate {
+            Some(rate) => rate[window].to_vec(),
+            None => {
+                terms = terms.iter().map(|term| integral(time_s, term)).collect();
+                angle.to_vec()
+            }
+        };
+        let own = if self.rate.is_some() { 1 } else { 2 };
+        project_out(time_s, own, &mut left);
+        for term in &mut terms {
+            project_out(time_s, own, term);
+        }
+        for k in 0..left.len() {
+            let [sine, cosine, turn] = [0, 1, 2].map(|at| -terms[at][k]);
+            match terms.get(3).zip(terms.get(4)) {
+                None => locked.push(&[sine, cosine, turn], left[k]),
+                Some((charge, spin)) => {
+                    free.push(&[sine, cosine, turn, -charge[k], spin[k]], left[k]);
+                }
+            }
+        }
+    }
+
+    fn wheel_rows(&self, record: &Record, window: std::ops::Range<usize>, wheel: &mut Rows) {
+        let (Some(speed), Some(charge)) = (&self.wheel_speed, &self.charge) else {
+            return;
+        };
+        let time_s = &record.time_s[window.clone()];
+        let speed = &speed[window.clone()];
+        let mut left = speed.to_vec();
+        if record.kind != Kind::SpinUp {
+            let Some(rate) = &self.rate else {
+                return;
+            };
+            for (left, rate) in left.iter_mut().zip(&rate[window.clone()]) {
+                *left += rate;
+            }
+        }
+        let mut drive = charge[window].to_vec();
+        let mut spin = integral(time_s, speed);
+        for series in [&mut left, &mut drive, &mut spin] {
+            project_out(time_s, 1, series);
+        }
+        for k in 0..left.len() {
+            wheel.push(&[drive[k], -spin[k]], left[k]);
+        }
+    }
+}
+
+/// The series with missing samples on the straight line between their neighbours.
+fn without_gaps(samples: &[f64]) -> Vec<f64> {
+    let mut filled = samples.to_vec();
+    let known: Vec<usize> = (0..samples.len())
+        .filter(|&k| samples[k].is_finite())
+        .collect();
+    let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
+        return vec![0.0; samples.len()];
+    };
+    filled[..first].fill(samples[first]);
+    filled[last..].fill(samples[last]);
+    for pair in known.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let slope = (samples[to] - samples[from]) / (to - from) as f64;
+        for (k, value) in filled[from..to].iter_mut().enumerate() {
+            *value = samples[from] + slope * k as f64;
+        }
+    }
+    filled
+}
+
+/// Relative difference of neighbouring intervals up to which they count as equal.
+const EQUAL_STEPS: f64 = 1e-3;
+
+/// The running integral of sampled values: of the cubic through the four samples around an interval where they
+/// are equally spaced, else by the trapezoidal rule.
+fn integral(time_s: &[f64], values: &[f64]) -> Vec<f64> {
+    let n = values.len();
+    let step = |k: usize| time_s[k + 1] - time_s[k];
+    let mut sum = vec![0.0; n];
+    for k in 1..n {
+        let own = step(k - 1);
+        let is_inner = k >= 2
+            && k + 1 < n
+            && (step(k - 2) - own).abs() < EQUAL_STEPS * own
+            && (step(k) - own).abs() < EQUAL_STEPS * own;
+        let area = if is_inner {
+            let inner = 13.0 * (values[k - 1] + values[k]);
+            (inner - values[k - 2] - values[k + 1]) / 24.0
+        } else {
+            0.5 * (values[k - 1] + values[k])
+        };
+        sum[k] = sum[k - 1] + area * own;
+    }
+    sum
+}
+
+/// Takes the mean out of a series, and where `own` is 2 its trend over time too.
+fn project_out(time_s: &[f64], own: usize, series: &mut [f64]) {
+    let n = series.len().max(1) as f64;
+    let mean_t = time_s.iter().sum::<f64>() / n;
+    let mean = series.iter().sum::<f64>() / n;
+    let (mut tt, mut ty) = (0.0, 0.0);
+    for (t, value) in time_s.iter().zip(series.iter()) {
+        tt += (t - mean_t) * (t - mean_t);
+        ty += (t - mean_t) * (value - mean);
+    }
+    let slope = if own == 2 && tt > 0.0 { ty / tt } else { 0.0 };
+    for (t, value) in time_s.iter().zip(series) {
+        *value -= mean + slope * (t - mean_t);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plant::{Current, Hold, Input, Model, Plant, State};
+
+    /// Θ, j_w, G, τ, r_b, r_w.
+    const VALUES: [f64; 6] = [2.3e-3, 1.36e-4, 0.245, 0.0335, 5e-4, 1.75e-5];
+
+    fn log(kind: Kind, n: usize, step_s: f64, with_rate: bool) -> Record {
+        let time_s: Vec<f64> = (0..n).map(|k| k as f64 * step_s).collect();
+        let current: Vec<f64> = (0..n).map(|k| if k % 7 < 3 { 0.6 } else { -0.3 }).collect();
+        let input = Input::new(&time_s, &current, Hold::Zero);
+        let plant = Plant::new(&Model::base(), &VALUES, kind);
+        let start = State {
+            angle_rad: if kind == Kind::SpinUp { 0.0 } else { 0.5 },
+            ..State::rest()
+        };
+        let drive = match kind {
+            Kind::FreeSwing => Current::Held(0.0),
+            _ => Current::Recorded(&input),
+        };
+        let mut series: [Vec<f64>; 3] = Default::default();
+        plant.run(start, &time_s, 0..n, drive, None, |_, reading, _| {
+            series[0].push(reading.angle_rad);
+            series[1].push(reading.rate_rad_s);
+            series[2].push(reading.wheel_speed_rad_s);
+        });
+        let [angle, rate, speed] = series;
+        let rate = with_rate.then_some(rate);
+        let outputs = [Some(angle), rate, Some(speed)];
+        Record::new("x", kind, time_s, outputs, Some(current), false)
+    }
+
+    fn near(found: Option<f64>, truth: f64, what: &str) {
+        let found = found.expect(what);
+        assert!(
+            (found / truth - 1.0).abs() < 0.03,
+            "{what}: {found} {truth}"
+        );
+    }
+
+    /// A dozen samples of a spin-up, forty of a third of a period, ten samples a period.
+    #[test]
+    fn short_and_coarse_logs_give_the_ratios_within_three_percent() {
+        let [total, wheel, gravity, torque, _, wheel_friction] = VALUES;
+        let spin_up = log(Kind::SpinUp, 11, 0.02, false);
+        let found = integrated_ratios(&[&spin_up], 64);
+        near(found.torque_over_wheel, torque / wheel, "τ/j_w");
+        let long = log(Kind::SpinUp, 40, 0.4, false);
+        let found = integrated_ratios(&[&long], 64);
+        near(found.torque_over_wheel, torque / wheel, "τ/j_w");
+        near(found.friction_over_wheel, wheel_friction / wheel, "r_w/j_w");
+        for (n, step_s, with_rate) in [(40, 0.005, true), (120, 0.005, false), (60, 0.06, true)] {
+            let swing = log(Kind::FreeSwing, n, step_s, with_rate);
+            let found = integrated_ratios(&[&swing], 64);
+            near(found.gravity_over_total, gravity / total, "G/Θ");
+        }
+        let driven = log(Kind::Driven, 200, 0.01, true);
+        let found = integrated_ratios(&[&driven], 64);
+        near(found.gravity_over_free, gravity / (total - wheel), "G/D");
+        near(found.torque_over_free, torque / (total - wheel), "τ/D");
+        near(found.torque_over_wheel, torque / wheel, "τ/j_w");
+    }
+
+    #[test]
+    fn what_says_nothing_gives_nothing() {
+        let short = log(Kind::SpinUp, 3, 0.01, false);
+        assert_eq!(integrated_ratios(&[&short], 64), Ratios::default());
+        let mut lost = log(Kind::FreeSwing, 40, 0.01, false);
+        lost.channels[0].samples.fill(f64::NAN);
+        let found = integrated_ratios(&[&lost], 64);
+        assert_eq!(found.gravity_over_total, None);
+    }
+}

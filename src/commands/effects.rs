@@ -1,0 +1,34 @@
+//! `flywheel effects [NAME]`
+
+use clap::builder::PossibleValuesParser;
+use workbench::{EffectDescription, effect_library};
+
+use crate::arguments::JsonOutput;
+use crate::commands::add::effect_names;
+use crate::failure::Failure;
+use crate::report::Report;
+use crate::views::effects;
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The effect that is explained; all of them are listed where it is left out
+    #[arg(value_parser = PossibleValuesParser::new(effect_names()), hide_possible_values = true)]
+    pub name: Option<String>,
+    #[command(flatten)]
+    pub output: JsonOutput,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
+    let library = effect_library();
+    let Some(name) = &arguments.name else {
+        return Report::new(effects::list(&library), &library);
+    };
+    let mut named: Vec<EffectDescription> = library;
+    named.retain(|effect| effect.name == *name);
+    match named.first() {
+        Some(effect) => Report::new(effects::whole(effect), effect),
+        None => Err(Failure::new(format!("there is no effect \"{name}\""))),
+    }
+}

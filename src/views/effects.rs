@@ -1,0 +1,65 @@
+//! The library of effects in words.
+
+use workbench::EffectDescription;
+
+use crate::report::table::{Align, Table};
+
+/// One line each, under what they act on.
+pub fn list(library: &[EffectDescription]) -> String {
+    let mut text = String::new();
+    for role in ["body", "wheel", "motor", "sensor"] {
+        let mut table = Table::without_head(&[Align::Left, Align::Left]);
+        for effect in library.iter().filter(|effect| effect.role == role) {
+            table.row([effect.name.as_str(), effect.meaning.as_str()]);
+        }
+        text.push_str(&format!("On the {role}\n{}\n", table.text()));
+    }
+    text + "flywheel effects NAME explains one; flywheel add NAME --bench BENCH puts it into a model.\n"
+}
+
+/// Everything about one.
+pub fn whole(effect: &EffectDescription) -> String {
+    let mut text = format!(
+        "{}: {}\n\nEquation ({})\n  {}\n  from {}\n\nWhat to look for\n  {}\n  it shows in {}\n",
+        effect.name,
+        effect.meaning,
+        acts(&effect.role),
+        effect.equation,
+        effect.source,
+        effect.fingerprint,
+        effect.shows_in.join(", "),
+    );
+    let mut table = Table::new(&[
+        ("parameter", Align::Left),
+        ("unit", Align::Left),
+        ("meaning", Align::Left),
+    ]);
+    for parameter in &effect.parameters {
+        table.row([
+            parameter.name.as_str(),
+            parameter.unit.as_str(),
+            parameter.meaning.as_str(),
+        ]);
+    }
+    if !table.is_empty() {
+        text.push_str(&format!("\nParameters\n{}", table.text()));
+    }
+    if !effect.replaces.is_empty() {
+        let contained = effect.replaces.join(", ");
+        text.push_str(&format!("\nIt contains and replaces {contained}.\n"));
+    }
+    if !effect.confused_with.is_empty() {
+        let others = effect.confused_with.join(", ");
+        text.push_str(&format!("\nIt is confused with {others}.\n"));
+    }
+    text
+}
+
+fn acts(role: &str) -> &'static str {
+    match role {
+        "body" => "a torque on the body, against its motion",
+        "wheel" => "a torque on the wheel, against its motion",
+        "motor" => "a stage between command and torque",
+        _ => "what a sensor makes of the motion",
+    }
+}

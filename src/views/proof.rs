@@ -1,0 +1,51 @@
+//! The claims of an emitted crate and what became of them.
+
+use workbench::{Proof, ProofVerdict};
+
+use crate::report::table::{Align, Table};
+
+/// What is claimed, each engine's row, and the verdict in a sentence.
+pub fn text(proof: &Proof, verdict: &ProofVerdict) -> String {
+    let mut table = Table::new(&[
+        ("claim", Align::Left),
+        ("engine", Align::Left),
+        ("result", Align::Left),
+        ("seconds", Align::Right),
+        ("detail", Align::Left),
+    ]);
+    let mut statements = String::new();
+    let mut last = "";
+    for claim in &proof.claims {
+        table.row([
+            claim.id.clone(),
+            claim.engine.to_owned(),
+            claim.outcome.word().to_owned(),
+            format!("{:.2}", claim.seconds),
+            claim.outcome.detail(),
+        ]);
+        if claim.id != last {
+            last = &claim.id;
+            statements.push_str(&format!("  {}: {}\n", claim.id, claim.statement));
+            statements.push_str(&format!("    for {}\n", claim.domain));
+            if !claim.assumptions.is_empty() {
+                statements.push_str(&format!("    assuming {}\n", claim.assumptions));
+            }
+        }
+    }
+    let said = match verdict {
+        ProofVerdict::Holds => {
+            "No claim fails, and each that says something of this module is settled.".to_owned()
+        }
+        ProofVerdict::Unsettled(claims) => format!(
+            "No claim fails. No engine settled {}: see the rows `not run` (exit code 3; --allow-not-run: 0).",
+            claims.join(", ")
+        ),
+        ProofVerdict::Fails(claims) => format!("Claims that FAIL: {}.", claims.join(", ")),
+    };
+    format!(
+        "{}: what the emitted files promise, checked from these files alone (seed {})\n{statements}\n{}\n{said}\n",
+        proof.folder.display(),
+        proof.seed,
+        table.text(),
+    )
+}

@@ -1,0 +1,131 @@
+//! `flywheel prove`: rows, verdicts and exit codes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::{flywheel, models, refused, stderr, stdout};
+
+/// A copy of the committed crate.
+fn copy(folder: &Path) -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("generated");
+    let to = folder.join("controller");
+    fs::create_dir_all(to.join("src")).unwrap();
+    for name in ["Cargo.toml", "certificate.json"] {
+        fs::copy(from.join(name), to.join(name)).unwrap();
+    }
+    for entry in fs::read_dir(from.join("src")).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, to.join("src").join(path.file_name().unwrap())).unwrap();
+    }
+    to
+}
+
+/// Exit code and rows.
+fn proof(folder: &Path, more: &[&str]) -> (Option<i32>, Vec<Value>) {
+    let mut arguments = vec!["prove", folder.to_str().unwrap()];
+    arguments.extend(["--cases", "300", "--without-kani", "--json", "-"]);
+    arguments.extend(more);
+    let output = flywheel(arguments);
+    let json: Value = serde_json::from_str(&stdout(&output))
+        .unwrap_or_else(|error| panic!("{error}: {}", stderr(&output)));
+    (
+        output.status.code(),
+        json["claims"].as_array().unwrap().clone(),
+    )
+}
+
+fn results<'a>(rows: &'a [Value], id: &str) -> Vec<&'a str> {
+    let own = rows.iter().filter(|row| row["id"] == id);
+    own.map(|row| row["result"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn every_claim_has_a_row_with_its_five_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let crate_ = copy(folder.path());
+    let model = models().join("thesis-4.4.toml");
+    let (code, rows) = proof(&crate_, &["--model", model.to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{rows:#?}");
+    let known = ["proved", "tested", "not run", "not applicable", "failed"];
+    for row in &rows {
+        assert!(known.contains(&row["result"].as_str().unwrap()), "{row}");
+        assert!(
+            row["why"].is_string() && row["seconds"].is_number(),
+            "{row}"
+        );
+        assert_eq!(row["cases"].is_number(), row["result"] == "tested", "{row}");
+        assert!(!row["statement"].as_str().unwrap().is_empty(), "{row}");
+    }
+    for claim in &checker::certificate::claims::CLAIMS {
+        assert!(
+            !results(&rows, claim.id).is_empty(),
+            "{} has no row",
+            claim.id
+        );
+    }
+    assert_eq!(results(&rows, "model-matches"), ["proved", "proved"]);
+    assert_eq!(results(&rows, "bias-observer-stable"), ["not applicable"]);
+
+    // Of another bench.
+    let other = models().join("thesis-3.5.3.toml");
+    let (code, rows) = proof(&crate_, &["--model", other.to_str().unwrap()]);
+    assert_eq!(code, Some(1));
+    assert!(results(&rows, "model-matches").contains(&"failed"));
+
+    // A source that is not understood has every row all the same.
+    let path = crate_.join("src/control.rs");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("let limit", "let r#limit")).unwrap();
+    let (code, rows) = proof(&crate_, &[]);
+    assert_eq!(code, Some(1));
+    assert_eq!(results(&rows, "source-understood"), ["failed"]);
+    for claim in &checker::certificate::claims::CLAIMS {
+        assert!(
+            !results(&rows, claim.id).is_empty(),
+            "{} has no row",
+            claim.id
+        );
+    }
+}
+
+#[test]
+fn what_no_engine_settles_is_no_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let crate_ = copy(folder.path());
+    let path = crate_.join("certificate.json");
+    let mut certificate: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    certificate["closed_loop"] = Value::Null;
+    fs::write(&path, certificate.to_string()).unwrap();
+    let (code, rows) = proof(&crate_, &[]);
+    assert_eq!(code, Some(3));
+    let of_loop = results(&rows, "closed-loop-for-all-time");
+    assert!(
+        of_loop.iter().all(|result| *result == "not run"),
+        "{of_loop:?}"
+    );
+    let (code, _) = proof(&crate_, &["--allow-not-run"]);
+    assert_eq!(code, Some(0));
+}
+
+/// Files that Cargo or rustup would obey.
+#[test]
+fn what_cargo_obeys_is_refused() {
+    for name in [
+        "rust-toolchain.toml",
+        "rust-toolchain",
+        "build.rs",
+        ".cargo",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let crate_ = copy(folder.path());
+        fs::write(crate_.join(name), "").unwrap();
+        let (code, rows) = proof(&crate_, &[]);
+        assert_eq!(code, Some(1), "{name}");
+        assert_eq!(results(&rows, "source-understood"), ["failed"], "{name}");
+        // What is not understood is not run.
+        assert_eq!(results(&rows, "compiled-agrees"), ["not run"], "{name}");
+    }
+    refused(["prove", "no-such-folder"], &["no-such-folder"]);
+}

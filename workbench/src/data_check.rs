@@ -1,0 +1,142 @@
+//! What is wrong with the data of a bench, before anything is fitted.
+
+use std::path::{Path, PathBuf};
+
+use ::data_check::{Finding, Proposal, Severity};
+use bench_files::Bench;
+use serde::{Deserialize, Serialize};
+
+use crate::comparison::{BenchNote, notes};
+use crate::error::Error;
+
+/// The data of a bench and what is wrong with them: the result of [`check_data`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DataReport {
+    /// The bench.
+    pub bench: String,
+    /// Number of its experiments.
+    pub experiments: usize,
+    /// Number of samples of all of them.
+    pub samples: usize,
+    /// What is wrong, refusals first.
+    pub findings: Vec<Finding>,
+    /// What reading the files has shown.
+    pub notes: Vec<BenchNote>,
+}
+
+impl DataReport {
+    /// Whether a finding keeps every command from going on.
+    pub fn is_refused(&self) -> bool {
+        self.findings.iter().any(is_refusal)
+    }
+}
+
+/// Reads a bench (its folder, or its bench.toml) and compares its columns with each other, with the kinds of
+/// the experiments and with what such benches can do. Nothing is fitted.
+///
+/// # Errors
+/// The first thing that keeps a file from being read.
+pub fn check_data(path: &Path) -> Result<DataReport, Error> {
+    let bench = Bench::load(path)?;
+    Ok(DataReport {
+        findings: ::data_check::check(&bench),
+        notes: notes(&bench),
+        experiments: bench.experiments.len(),
+        samples: bench.experiments.iter().map(|one| one.log.len()).sum(),
+        bench: bench.name,
+    })
+}
+
+/// A bench folder that was begun.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NewBench {
+    /// The bench.toml that was written.
+    pub written: PathBuf,
+    /// What stands in it, and why.
+    #[serde(flatten)]
+    pub proposal: Proposal,
+}
+
+/// Proposes a bench.toml for these logs and writes it into `folder`, which is made where it is missing. A
+/// bench.toml that is there is left alone.
+///
+/// # Errors
+/// [`Error::BenchExists`]; a log that cannot be read; a folder that cannot be written to.
+pub fn new_bench(folder: &Path, logs: &[PathBuf]) -> Result<NewBench, Error> {
+    let written = folder.join("bench.toml");
+    // Whatever stands there, even a link to nothing, is not ours.
+    if std::fs::symlink_metadata(&written).is_ok() {
+        return Err(Error::BenchExists { file: written });
+    }
+    let is_made = folder.is_dir();
+    if !is_made {
+        std::fs::create_dir_all(folder).map_err(|error| Error::NoFolder {
+            folder: folder.to_path_buf(),
+            reason: error.to_string(),
+        })?;
+    }
+    let proposed = ::data_check::propose(folder, logs).inspect_err(|_| {
+        if !is_made {
+            // Only an empty folder is removed, and only ours.
+            let _ = std::fs::remove_dir(folder);
+        }
+    });
+    let proposal = proposed?;
+    bench_files::write_atomically(&written, proposal.text.as_bytes())?;
+    Ok(NewBench { written, proposal })
+}
+
+fn is_refusal(finding: &Finding) -> bool {
+    finding.severity == Severity::Refuse
+}
+
+/// The warnings of a bench whose data can be used.
+///
+/// # Errors
+/// [`Error::Data`] where a finding refuses them.
+pub(crate) fn usable(bench: &Bench) -> Result<Vec<Finding>, Error> {
+    let (refusals, warnings): (Vec<Finding>, Vec<Finding>) =
+        ::data_check::check(bench).into_iter().partition(is_refusal);
+    let Some(first) = refusals.first() else {
+        return Ok(warnings);
+    };
+    let named = first.experiment.as_deref();
+    let experiment = named.and_then(|name| bench.experiment(name));
+    Err(Error::Data {
+        file: match bench.folder.as_os_str().is_empty() {
+            true => PathBuf::from("bench.toml"),
+            false => bench.folder.join("bench.toml"),
+        },
+        line: experiment.map(|experiment| experiment.line),
+        refusals,
+    })
+}
+
+/// The message of [`Error::Data`]: the first refusal with what mends it, and where the others are.
+pub(crate) fn refusal_text(file: &Path, line: Option<usize>, refusals: &[Finding]) -> String {
+    let mut text = file.display().to_string();
+    if let Some(line) = line {
+        text.push_str(&format!(":{line}"));
+    }
+    let Some(first) = refusals.first() else {
+        return text;
+    };
+    let place = match first.place() {
+        none if none.is_empty() => String::new(),
+        place => format!("{place}: "),
+    };
+    text.push_str(&format!(": {place}{}", first.sentence));
+    if !first.fix.is_empty() {
+        text.push_str(&format!("; to mend it: {}", first.fix));
+    }
+    if first.experiment.is_some() {
+        let accept = format!("accept = [\"{}\"]", first.finding.name());
+        text.push_str(&format!("; if it is right as it is: {accept}"));
+    }
+    match refusals.len() {
+        1 => {}
+        2 => text.push_str("; one more finding refuses the bench"),
+        more => text.push_str(&format!("; {} more findings refuse the bench", more - 1)),
+    }
+    text
+}
