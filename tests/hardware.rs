@@ -1,14 +1,18 @@
 //! `[hardware]` on the command line: what is refused, what is assumed, what is warned of.
 
-mod emitted;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+/// The model of the thesis with `more` put at its end.
+fn model_with(more: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/thesis-4.4.toml");
+    format!("{}\n{more}", fs::read_to_string(path).expect("the model"))
+}
+
 /// The model of the thesis without what it states of its hardware, and with other sections.
 fn model_without_hardware(more: &str) -> String {
-    let whole = emitted::model_with("");
+    let whole = model_with("");
     let (before, rest) = whole
         .split_once("# The sensors and the drive")
         .expect("the hardware of the model");
@@ -111,7 +115,7 @@ fn a_one_way_converter_is_warned_of() {
 fn unknown_sections_are_refused_with_the_nearest_name() {
     let folder = tempfile::tempdir().expect("a folder");
     for (section, wanted) in [("[hardwre]", "hardware"), ("[desing]", "design")] {
-        let model = emitted::model_with(&format!("{section}\nx = 1\n"));
+        let model = model_with(&format!("{section}\nx = 1\n"));
         let (_, error, code) = generate(folder.path(), &model, &[]);
         assert_eq!(code, Some(2), "{error}");
         assert!(
@@ -119,7 +123,7 @@ fn unknown_sections_are_refused_with_the_nearest_name() {
             "{error}"
         );
     }
-    let model = emitted::model_with("[tool.flasher]\nport = \"/dev/ttyUSB0\"\n");
+    let model = model_with("[tool.flasher]\nport = \"/dev/ttyUSB0\"\n");
     assert_eq!(generate(folder.path(), &model, &[]).2, Some(0));
 }
 

@@ -1,6 +1,6 @@
 //! Writing files so that a reader never sees half of one: each goes into a new file beside its place,
 //! which is then renamed over it. An interrupted write leaves the old file as it was. A symbolic link
-//! is followed, an old file's permissions are kept.
+//! is followed, an old file's permissions are kept, a device or a pipe is written to as it is.
 
 use std::fs;
 use std::io::{self, Write};
@@ -72,22 +72,44 @@ pub fn can_write_into(folder: &Path) -> io::Result<()> {
     tempfile::tempfile_in(there).map(|_| ())
 }
 
-/// A file that is on the disk, but not yet in its place. Dropped, it is removed.
-struct Staged {
-    file: NamedTempFile,
-    target: PathBuf,
+/// What is ready to be written.
+enum Staged {
+    /// A file that is on the disk, but not yet in its place. Dropped, it is removed.
+    File {
+        file: NamedTempFile,
+        target: PathBuf,
+    },
+    /// A device or a pipe, which takes the content as it comes: a file in its place would end it for everybody.
+    Stream { target: PathBuf, content: Vec<u8> },
 }
 
 impl Staged {
     fn place(self) -> io::Result<()> {
-        self.file.persist(&self.target)?;
-        Ok(())
+        match self {
+            Staged::File { file, target } => {
+                file.persist(&target)?;
+                Ok(())
+            }
+            Staged::Stream { target, content } => {
+                let mut stream = fs::OpenOptions::new().write(true).open(target)?;
+                stream.write_all(&content)
+            }
+        }
     }
+}
+
+/// Whether there is something that is neither a file nor a folder: `/dev/null`, a pipe.
+fn is_stream(target: &Path) -> bool {
+    fs::metadata(target).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 fn staged(path: &Path, content: &[u8]) -> io::Result<Staged> {
     // Renaming over a link would replace the link, not what it points at.
     let target = fs::canonicalize(path).unwrap_or_else(|_| end_of_links(path));
+    if is_stream(&target) {
+        let content = content.to_vec();
+        return Ok(Staged::Stream { target, content });
+    }
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -107,7 +129,7 @@ fn staged(path: &Path, content: &[u8]) -> io::Result<Staged> {
     let mut file = builder.tempfile_in(folder)?;
     file.write_all(content)?;
     file.as_file().sync_all()?;
-    Ok(Staged { file, target })
+    Ok(Staged::File { file, target })
 }
 
 #[cfg(test)]
@@ -152,5 +174,36 @@ mod tests {
         assert_eq!(fs::read(&file).expect("there"), b"new");
         let mode = fs::metadata(&file).expect("there").permissions().mode();
         assert_eq!(mode & 0o777, 0o640);
+
+        // A link to a file that is not there yet, by way of another.
+        let far = folder.path().join("far");
+        let (first, second) = (folder.path().join("first"), folder.path().join("second"));
+        symlink("second", &first).expect("a link");
+        symlink(&far, &second).expect("a link");
+        write(&first, b"there").expect("written");
+        assert!(fs::symlink_metadata(&first).expect("there").is_symlink());
+        assert_eq!(fs::read(&far).expect("there"), b"there");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_stays_what_it_is() {
+        let null = Path::new("/dev/null");
+        let ready = staged(null, b"nothing").expect("ready");
+        assert!(matches!(ready, Staged::Stream { .. }));
+        ready.place().expect("written");
+        assert!(is_stream(null));
+    }
+
+    #[test]
+    fn a_folder_that_takes_no_files_is_known_beforehand() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("file");
+        fs::write(&file, "old").expect("written");
+        assert!(can_write_into(folder.path()).is_ok());
+        assert!(can_write_into(&folder.path().join("new/deep")).is_ok());
+        assert!(can_write_into(&file).is_err());
+        assert!(can_write_into(&file.join("out")).is_err());
+        assert_eq!(fs::read_dir(folder.path()).expect("a list").count(), 1);
     }
 }

@@ -18,8 +18,12 @@ const CHANGE: f64 = 0.05;
 const LEFT_OVER: f64 = 0.25;
 /// Standard errors of the period by which the change must stand out.
 const STANDARD_ERRORS: f64 = 8.0;
-/// Periods at either end of the log that are averaged.
+/// Periods at either end of those that are compared which are averaged.
 const AT_EITHER_END: usize = 5;
+/// Smallest amplitude that is compared, in units of the largest: the period of a pendulum changes with the square
+/// of the amplitude, so that eight ninths of the change lie above it, while the last swings before a stop by dry
+/// friction have periods of their own.
+const LEAST_AMPLITUDE: f64 = 1.0 / 3.0;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     if view.kind() != Kind::FreeSwing {
@@ -104,10 +108,16 @@ fn angle_unit(view: &View, periods: &[AtAmplitude], scale: f64, out: &mut Vec<Fi
     if view.samples(Channel::Angle).is_none() {
         return;
     }
-    let amplitude = scale
-        * periods
-            .iter()
-            .fold(0.0, |most: f64, p| most.max(p.amplitude_rad));
+    let largest = periods
+        .iter()
+        .fold(0.0, |most: f64, p| most.max(p.amplitude_rad));
+    let amplitude = scale * largest;
+    let periods: Vec<AtAmplitude> = periods
+        .iter()
+        .filter(|point| point.amplitude_rad >= LEAST_AMPLITUDE * largest)
+        .cloned()
+        .collect();
+    let periods = periods.as_slice();
     let as_mapped = change_of_period(periods, scale);
     // The other readings of the column, and what they leave of the change.
     let others = [DEGREES, 1e3];

@@ -169,9 +169,18 @@ fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
             )
             .in_experiment(view.name())
             .with_channel(channel)
-            .with_factor(factor)
+            .with_factor(too_large(channel, factor))
             .with_fix(fix),
         );
+    }
+}
+
+/// What the samples of the channel are too large by, where the acceleration per ampere is by `factor`.
+fn too_large(channel: &str, factor: f64) -> f64 {
+    if channel == "current" {
+        1.0 / factor
+    } else {
+        factor
     }
 }
 
@@ -223,7 +232,7 @@ fn all_together(
         let (channel, _, fix) = reading(factor);
         finding
             .with_channel(channel)
-            .with_factor(factor)
+            .with_factor(too_large(channel, factor))
             .with_fix(fix)
     };
     let usual = median(spin_ups.iter().map(|(_, answer)| *answer).collect());

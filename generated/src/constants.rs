@@ -100,9 +100,9 @@ pub const WHEEL_SPEED_LINE: Line = Line {
     high: 1_448_251_228,
 };
 
-/// From the word of the current (I3F29) to the duty: 8.392462806134127e-5 A per count, duty 32768 at zero current.
+/// From the word of the current (I3F29) to the duty: 8.392462043183033e-5 A per count, duty 32768 at zero current.
 pub const DUTY_LINE: Line = Line {
-    scale: 780_891_158,
+    scale: 780_891_229,
     offset: 1_152_939_096_792_891_392,
     shift: 45,
     low: 6_554,

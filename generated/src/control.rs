@@ -16,7 +16,7 @@
 //! | `angle` | ±3.141592653589793 rad | `I3F29` | 1.87e-9 rad |
 //! | `rate` | ±35.745 rad/s | `I7F25` | 2.99e-8 rad/s |
 //! | `wheel_speed` | ±690.58 rad/s | `I11F21` | 4.77e-7 rad/s |
-//! | current | ±2.2000002000000003 A | `I3F29` | 1.87e-9 A |
+//! | current | ±2.2 A | `I3F29` | 1.87e-9 A |
 //!
 //! # Arithmetic
 //! The three products have 54 fraction bits each and add up exactly in 64 bits, for every bit

@@ -96,6 +96,55 @@ fn data_that_would_make_a_wrong_model_are_refused_by_every_command() {
     assert_eq!(json["findings"][0]["severity"], "warn");
 }
 
+/// A folder that cannot be written to is found before the work, names do no harm to a terminal, and a signal that
+/// never changes has no percents.
+#[test]
+fn words_and_numbers_that_a_person_can_use() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bench = folder.path().to_str().expect("a name");
+    write_bench(folder.path(), 1.0, "");
+    let file = folder.path().join("swing.csv");
+    let inside = file.join("out");
+    refused(
+        [
+            "diagnose".as_ref(),
+            bench.as_ref(),
+            "--out".as_ref(),
+            inside.as_os_str(),
+        ],
+        &["swing.csv"],
+    );
+    assert!(!folder.path().join("model.toml").exists());
+
+    let toml = fs::read_to_string(folder.path().join("bench.toml")).expect("read");
+    let toml = toml.replace("name = \"swing\"", "name = \"swing\\u001b[31m\"");
+    let toml = format!(
+        "{toml}[[experiment]]\nname = \"still\"\nkind = \"spin-up\"\nfile = \"still.csv\"\n"
+    );
+    fs::write(folder.path().join("bench.toml"), toml).expect("written");
+    let mut still = "time_s,wheel_speed_rad_s,current_A\n".to_owned();
+    for row in 0..200 {
+        still.push_str(&format!("{:.2},0,0\n", 0.01 * row as f64));
+    }
+    fs::write(folder.path().join("still.csv"), still).expect("written");
+    let text = done(["identify", bench]);
+    assert!(!text.contains('\u{1b}'), "{text}");
+    assert!(!text.contains("NaN"), "{text}");
+    // A number has at most four digits, and its exponent.
+    let longest = text
+        .split(|c: char| !(c.is_ascii_digit() || c == '.'))
+        .map(str::len)
+        .max();
+    assert!(longest < Some(12), "{text}");
+    let is_of_table = |line: &&str| line.starts_with("  ") && !line.starts_with("  -");
+    assert!(
+        text.lines()
+            .filter(is_of_table)
+            .all(|line| line.chars().count() <= 100),
+        "{text}"
+    );
+}
+
 #[test]
 fn files_without_a_bench_become_one() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -97,7 +97,7 @@ fn the_time_in_milliseconds() {
             seed,
             &found,
             FindingId::WheelSpeedFactor,
-            Some(1e-3),
+            Some(1e3),
             Severity::Refuse,
         );
     }

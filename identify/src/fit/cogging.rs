@@ -5,9 +5,9 @@ use plant::{EffectId, Model};
 use rayon::prelude::*;
 
 use super::comparison::traces;
-use super::sensitivity::normal;
+use super::sensitivity::window_cost;
 use super::solver::Minimum;
-use super::unknowns::{Nuisance, Unknowns, Window};
+use super::unknowns::{Nuisance, Window};
 use super::windows::guess;
 use crate::records::{Output, Record, StraightLine};
 
@@ -338,7 +338,6 @@ pub fn settled(
     if model.find(|info| info.ripple.is_some()).is_none() {
         return windows;
     }
-    let unknowns = Unknowns::new(model, &[]);
     let settle = |record: &Record, window: Window| -> Window {
         let nuisances = Nuisance::of(record);
         let wheel_angle = nuisances
@@ -358,7 +357,7 @@ pub fn settled(
                 }));
             }
         }
-        let cost = |window: &Window| normal(record, window, model, values, &unknowns, &[]).cost;
+        let cost = |window: &Window| window_cost(record, window, model, values);
         let mut costs = tried.iter().map(cost).enumerate();
         let first = costs.next().unwrap_or((0, 0.0));
         let best = costs.fold(

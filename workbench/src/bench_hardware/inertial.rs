@@ -15,6 +15,29 @@ const GYRO_DRIFT_RAD_S: f64 = 8.726_646e-3;
 /// drift leaves grows beyond the ripple of the correction.
 const DRIFT_MARGIN: f64 = 3.0;
 
+/// The most that the other axes may make of a reading, as a share of its own axis: data sheets allow
+/// 2 %, a sensor that is soldered aslant some more.
+const CROSS_AXIS_MAX: f64 = 0.5;
+
+/// A calibration is in the sensor's own axes: each output follows its own axis, upwards. One that
+/// does not is another mounting, which no calibration of lengths can find.
+fn require_own_axes(name: &str, matrix: &[[f64; 3]; 3]) -> Result<(), HardwareError> {
+    for (row, entries) in matrix.iter().enumerate() {
+        let own = entries[row];
+        let others: f64 = entries.iter().map(|entry| entry.abs()).sum::<f64>() - own.abs();
+        if own.is_nan() || own <= 0.0 || others > CROSS_AXIS_MAX * own {
+            return Err(HardwareError::Contradiction(format!(
+                "[calibration.{name}] has a matrix whose {} axis does not follow its own counts (row \
+                 {:?}): a calibration is in the sensor's own axes; how these sit on the body belongs \
+                 to axes under [hardware.{name}] or to [calibration.mounting]",
+                ["x", "y", "z"][row],
+                entries
+            )));
+        }
+    }
+    Ok(())
+}
+
 impl Work<'_> {
     pub(super) fn attitude(&mut self) -> Result<Option<AttitudeSpec>, HardwareError> {
         let thesis = AttitudeSpec::thesis();
@@ -23,6 +46,15 @@ impl Work<'_> {
         let gyroscope = sensor(|hardware| hardware.gyroscope.as_ref());
         let accelerometer = sensor(|hardware| hardware.accelerometer.as_ref());
         let magnetometer = sensor(|hardware| hardware.magnetometer.as_ref());
+        for (name, found) in [
+            ("gyroscope", self.calibration.gyroscope),
+            ("accelerometer", self.calibration.accelerometer),
+            ("magnetometer", self.calibration.magnetometer),
+        ] {
+            if let Some(found) = found {
+                require_own_axes(name, &found.matrix)?;
+            }
+        }
         let gyro = self.sensor(
             "gyroscope",
             gyroscope,
