@@ -4,8 +4,8 @@ use clap::{Parser, Subcommand};
 
 use crate::arguments::JsonOutput;
 use crate::commands::{
-    add, calibrate, check, compare, demo, design, diagnose, effects, exam, generate, identify,
-    mutate, new, prove, remove, simulate,
+    add, calibrate, check, compare, demo, design, diagnose, effects, exam, generate, identify, lab,
+    mutate, new, prove, remove, report, simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -60,6 +60,10 @@ pub enum Command {
     Prove(prove::Arguments),
     /// Damage an emitted crate in many small ways and show what notices
     Mutate(mutate::Arguments),
+    /// Compare, diagnose, design and prove in the browser: a page of this machine alone
+    Lab(lab::Arguments),
+    /// Everything about a bench as one HTML file
+    Report(report::Arguments),
     /// Blind exam of the diagnosis on benches with a hidden effect
     Exam(exam::Arguments),
 }
@@ -83,6 +87,8 @@ impl Command {
             Command::Generate(arguments) => generate::run(arguments),
             Command::Prove(arguments) => prove::run(arguments),
             Command::Mutate(arguments) => mutate::run(arguments),
+            Command::Lab(arguments) => lab::run(arguments),
+            Command::Report(arguments) => report::run(arguments),
             Command::Exam(arguments) => exam::run(arguments),
         }
     }
@@ -105,6 +111,9 @@ impl Command {
             Command::Generate(arguments) => &arguments.output,
             Command::Prove(arguments) => &arguments.output,
             Command::Mutate(arguments) => &arguments.output,
+            // Its result is the page.
+            Command::Lab(_) => &JsonOutput { json: None },
+            Command::Report(arguments) => &arguments.output,
             Command::Exam(arguments) => &arguments.output,
         }
     }

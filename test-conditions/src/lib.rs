@@ -15,7 +15,8 @@
 //! test_conditions::declare(&[Condition::Z3]);
 //! ```
 //!
-//! The reason is "needs z3", "needs rustfmt", "needs the recordings", "needs gcc" or "needs the cross compilers": `.ci/run` looks for these words
+//! The reason is "needs z3", "needs rustfmt", "needs chromium", "needs the recordings", "needs gcc" or "needs the
+//! cross compilers": `.ci/run` looks for these words
 //! and fails where a test was ignored for something that the machine has.
 
 use std::env;
@@ -31,6 +32,8 @@ pub enum Condition {
     Z3,
     /// The formatter of Rust on the path of programs: `have_rustfmt`.
     Rustfmt,
+    /// The browser chromium and its chromedriver on the path of programs: `have_chromium`.
+    Chromium,
     /// Recordings of real rigs (`real/`) and the benches of an independent simulator (`hidden/`), in the
     /// folder that [`RECORDINGS`] names or else in `../shared/data` beside the project:
     /// `have_recordings`. Tests read the folder from `env!("FLYWHEEL_RECORDINGS")`.
@@ -55,6 +58,7 @@ impl Condition {
         match self {
             Condition::Z3 => "have_z3",
             Condition::Rustfmt => "have_rustfmt",
+            Condition::Chromium => "have_chromium",
             Condition::Recordings => "have_recordings",
             Condition::Gcc => "have_gcc",
             Condition::CrossGcc => "have_cross_gcc",
@@ -73,6 +77,8 @@ pub fn declare(conditions: &[Condition]) {
         let holds = match condition {
             Condition::Z3 => watch_program("z3"),
             Condition::Rustfmt => watch_program("rustfmt"),
+            // Both are looked for, also where the first is missing: cargo must look again when either comes.
+            Condition::Chromium => ["chromium", "chromedriver"].map(watch_program) == [true, true],
             Condition::Recordings => watch_recordings(),
             Condition::Gcc => watch_program("gcc"),
             Condition::CrossGcc => CROSS_GCC.map(watch_program) == [true; 4],

@@ -74,6 +74,7 @@ mod diagnosis;
 mod drawings;
 mod effect_library;
 mod error;
+mod loop_responses;
 mod measured_linearity;
 mod module_spec;
 mod named;
@@ -119,6 +120,7 @@ pub use diagnosis::{
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};

@@ -255,6 +255,54 @@ impl Session {
         self.identify_as(&Model::base(), progress)
     }
 
+    /// As [`Session::identify`], from these values of the model's parameters, and from those that the model has for
+    /// the others: for who has moved parameters by hand to where the model is to be found.
+    ///
+    /// # Errors
+    /// Those of [`Session::predictor`] and of [`Session::identify`].
+    pub fn identify_from(
+        &mut self,
+        start: &[(&str, f64)],
+        progress: &Progress,
+    ) -> Result<ComparisonReport, Error> {
+        let started = self.started(progress)?;
+        let values = with_changes(&started.model, &started.minimum.values, start)?;
+        (progress.say)("fitting the model to all experiments");
+        let previous = Some((values, started.minimum.windows));
+        let found = identify::identify_until(&self.problem, &started.model, previous, progress)
+            .map_err(|source| self.not_identified(source))?;
+        let comparison = self.comparison_of(&found);
+        self.adopt(found);
+        Ok(comparison)
+    }
+
+    /// Gives parameters of the model other values, as they are: without a standard error, `source` says where they
+    /// come from. What was known of how the errors hang together is gone, and so is what was derived from a
+    /// parameter that changes.
+    ///
+    /// # Errors
+    /// [`Error::NoModel`], [`Error::UnknownParameter`].
+    pub fn set_parameters(&mut self, values: &[(&str, f64)], source: &str) -> Result<(), Error> {
+        let file = self.required_model()?;
+        let model = file.model();
+        // The names are held against the model before anything changes.
+        with_changes(&model, &vec![0.0; model.parameters().len()], values)?;
+        let mut file = file.clone();
+        let mut parameters = file.parameters.clone();
+        parameters.retain(|parameter| parameter.name != "body_inertia");
+        for (name, value) in values {
+            let old = parameters.iter_mut().find(|old| old.name == *name);
+            if let Some(old) = old {
+                old.value = *value;
+                old.std = None;
+                source.clone_into(&mut old.source);
+            }
+        }
+        file.replace_model_parameters(parameters, None);
+        self.set_model(file);
+        Ok(())
+    }
+
     fn identify_as(
         &mut self,
         model: &Model,

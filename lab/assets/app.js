@@ -1,0 +1,136 @@
+// Puts the panels together: the state from the server, the work under way, the tabs.
+import { byId, el } from "./dom.js";
+import { callOff, get, listen, post } from "./server.js";
+import * as controller from "./controller.js";
+import * as curves from "./curves.js";
+import * as design from "./design.js";
+import * as opening from "./open.js";
+import * as sliders from "./sliders.js";
+import * as why from "./why.js";
+
+const TABS = ["sliders", "why", "design", "controller"];
+const panels = { sliders, why, design, controller };
+let folder = null;
+let choosing = false;
+let shownTab = null;
+
+function complain(error) {
+  byId("message").hidden = !error;
+  byId("message-text").textContent = error ? error.message : "";
+}
+
+function working(running) {
+  byId("work").hidden = !running;
+  if (running) byId("work-text").textContent = `${running.name} … ${running.says ?? ""}`;
+  document.body.dataset.working = running ? "yes" : "no";
+}
+
+async function begin(task) {
+  complain(null);
+  try {
+    await post("/api/work", task);
+  } catch (error) {
+    complain(error);
+  }
+}
+
+async function refresh() {
+  const state = await get("/api/state");
+  working(state.running);
+  if (state.failure) complain(new Error(state.failure));
+  const bench = state.bench;
+  const opens = !bench || choosing;
+  byId("opening").hidden = !opens;
+  byId("lab").hidden = opens;
+  byId("report").hidden = !bench;
+  byId("open-other").hidden = !bench;
+  byId("open-other").textContent = choosing ? "Back" : "Open another bench";
+  byId("undo").disabled = !bench || bench.undo === 0;
+  byId("bench-name").textContent = bench ? `${bench.name} · ${bench.folder}` : "";
+  document.title = bench ? `${bench.name} · flywheel lab` : "flywheel lab";
+  if (opens) {
+    // What was typed there stays.
+    if (!opening.isShown()) await opening.show();
+    return;
+  }
+  opening.hide();
+  notice(bench);
+  remarks(bench);
+  const fresh = bench.folder !== folder;
+  folder = bench.folder;
+  if (!shownTab) tab("sliders");
+  curves.setBench(bench, fresh);
+  sliders.setBench(bench);
+  design.setBench(bench);
+  await Promise.all([why.setBench(bench), controller.setBench(bench)]);
+  document.body.dataset.ready = String(Number(document.body.dataset.ready ?? 0) + 1);
+}
+
+function notice(bench) {
+  const line = byId("notice");
+  line.hidden = !bench.unsaved && !bench.changed_outside;
+  if (bench.changed_outside) {
+    line.replaceChildren(el("span", { class: "grow" }, "model.toml was changed by another program."),
+      el("button", { type: "button", onclick: () => begin({ task: "open", path: bench.folder }) }, "Read it"));
+  } else if (bench.unsaved) {
+    line.replaceChildren(el("span", { class: "grow" }, `The model could not be written: ${bench.unsaved}`));
+  }
+}
+
+function remarks(bench) {
+  const lines = [...bench.statements, ...bench.notes.map((one) => (one.experiment ? `${one.experiment}: ${one.note}` : one.note))];
+  const places = bench.places.slice(0, 6).map((one) => `${one.experiment}/${one.channel}, ${one.residual}: ${one.text}, ${one.share} of the error`);
+  const list = (heading, texts) => (texts.length ? [el("h2", {}, heading), el("ul", { class: "small" }, texts.map((text) => el("li", {}, text)))] : []);
+  byId("remarks").replaceChildren(...list("Where the model fails", places), ...list("What the data say of themselves", lines));
+}
+
+function tab(name) {
+  for (const one of TABS) {
+    const on = one === name;
+    const knob = byId(`tab-${one}`);
+    knob.setAttribute("aria-selected", String(on));
+    knob.tabIndex = on ? 0 : -1;
+    byId(`panel-${one}`).hidden = !on;
+    if (!on) panels[one].hidden?.();
+  }
+  shownTab = name;
+  panels[name].shown?.();
+}
+
+TABS.forEach((name, index) => {
+  byId(`tab-${name}`).addEventListener("click", () => tab(name));
+  byId(`tab-${name}`).addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const next = TABS[(index + step + TABS.length) % TABS.length];
+    tab(next);
+    byId(`tab-${next}`).focus();
+  });
+});
+byId("undo").addEventListener("click", () => begin({ task: "undo" }));
+byId("cancel").addEventListener("click", callOff);
+byId("message-close").addEventListener("click", () => complain(null));
+byId("open-other").addEventListener("click", () => { choosing = !choosing; refresh().catch(complain); });
+
+function told(event) {
+  if (event.event === "says" || event.event === "begun") working(event);
+  else if (event.event === "ended") {
+    working(null);
+    choosing = choosing && Boolean(event.failure);
+    if (event.failure && !event.cancelled) complain(new Error(event.failure));
+    refresh().then(() => { if (event.name.startsWith("Generating")) tab("controller"); }).catch(complain);
+  } else if (event.event === "connected" || event.event === "lagged") refresh().catch(complain);
+  else if (event.event === "gone") complain(new Error("The lab has stopped, or this browser has lost it. Start `flywheel lab` again."));
+}
+
+for (const part of [sliders, opening, controller]) part.start(begin, complain);
+curves.start(complain);
+design.start(begin, complain);
+why.start(begin).then(() => listen(told)).catch(complain);
+addEventListener("focus", () => { if (folder && !choosing) checkOutside(); });
+
+/** Another program may have written model.toml while the page was out of sight. */
+async function checkOutside() {
+  const state = await get("/api/state").catch(() => null);
+  if (state?.bench) notice(state.bench);
+}

@@ -1,0 +1,178 @@
+// Overlay and residual of one experiment on one time axis. Zoom asks the server for what the screen can show.
+import { byId, el } from "./dom.js";
+import { ask } from "./server.js";
+import { axis, colour, draw, layout, onTheme } from "./plots.js";
+import { showErrors } from "./errors.js";
+
+const plot = byId("curves");
+let bench = null;
+let chosen = 0;
+let view = { from_s: null, to_s: null };
+let changes = [];
+let onError = () => {};
+// The model without moved sliders in this view: what stays as the ghost.
+let ghost = null;
+let shown = null;
+// One question at a time; the latest wish waits.
+let busy = false;
+let wish = null;
+let drawing = false;
+
+export function start(report) {
+  onError = report;
+  onTheme(() => { if (shown) redraw(); });
+}
+
+/** The bench as it is now; `fresh` where another one was opened. */
+export function setBench(state, fresh) {
+  const name = bench?.experiments[chosen]?.name;
+  bench = state;
+  if (fresh) {
+    view = { from_s: null, to_s: null };
+    chosen = 0;
+    const worst = state.places[0]?.experiment;
+    if (worst) chosen = Math.max(0, state.experiments.findIndex((one) => one.name === worst));
+  } else {
+    chosen = Math.max(0, state.experiments.findIndex((one) => one.name === name));
+  }
+  changes = [];
+  ghost = null;
+  buttons();
+  request(true);
+}
+
+/** Other values of parameters: [[name, value], …]. */
+export function setChanges(values) {
+  changes = values;
+  request(false);
+}
+
+function choose(name) {
+  const index = bench.experiments.findIndex((one) => one.name === name);
+  if (index < 0 || index === chosen) return;
+  chosen = index;
+  view = { from_s: null, to_s: null };
+  ghost = null;
+  buttons();
+  request(true);
+}
+
+function buttons() {
+  const worst = (name) => Math.max(...bench.errors.filter((row) => row.experiment === name).map((row) => row.over_noise));
+  byId("experiments").replaceChildren(...bench.experiments.map((one, index) => {
+    const over = worst(one.name);
+    return el("button", {
+      type: "button", "aria-pressed": String(index === chosen),
+      title: `${one.kind}, ${one.samples} samples over ${one.duration_s.toPrecision(3)} s`,
+      onclick: () => choose(one.name),
+    }, `${one.name} `, el("span", { class: over > 1.5 ? "bad" : "good" }, `×${over.toPrecision(2)}`));
+  }));
+}
+
+async function request(anew) {
+  wish = { anew: anew || (wish?.anew ?? false) };
+  if (busy) return;
+  busy = true;
+  try {
+    while (wish) {
+      const { anew: all } = wish;
+      wish = null;
+      const question = { experiment: chosen, ...view, pixels: Math.max(200, plot.clientWidth - 90) };
+      if (!ghost) ghost = await ask({ ...question, changes: [] });
+      if (wish?.anew) continue;
+      const now = changes.length ? await ask({ ...question, changes }) : ghost;
+      if (wish?.anew) continue;
+      const first = !shown || all;
+      shown = now;
+      const moved = changes.length > 0;
+      showErrors(now.errors, moved ? ghost.errors : null, bench.experiments[chosen].name, choose);
+      await (first ? redraw() : refresh());
+      document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
+    }
+  } catch (error) {
+    onError(error);
+  } finally {
+    busy = false;
+  }
+}
+
+
+function curvesOf(index) {
+  const channel = shown.channels[index];
+  const empty = { x: [], y: [] };
+  const moved = changes.length > 0;
+  return [channel.measured, moved ? ghost.channels[index].simulated : empty, channel.simulated, channel.residual];
+}
+
+/** Only the curves: axes and marks stay. */
+function refresh() {
+  const curves = shown.channels.flatMap((_, index) => curvesOf(index));
+  return Plotly.restyle(plot, { x: curves.map((one) => one.x), y: curves.map((one) => one.y) },
+    curves.map((_, index) => index));
+}
+
+async function redraw() {
+  const experiment = bench.experiments[chosen];
+  const traces = [];
+  const form = layout({
+    hovermode: "x unified", hoversubplots: "axis", dragmode: "zoom", uirevision: experiment.name,
+    margin: { l: 70, r: 12, t: 30, b: 42 }, shapes: [], annotations: [],
+  });
+  const count = experiment.channels.length;
+  const gap = 0.035;
+  const high = (1 - gap * (2 * count - 1)) / count;
+  experiment.channels.forEach((channel, index) => {
+    const top = 1 - index * (high + 2 * gap);
+    const name = (k) => (k === 1 ? "" : String(k));
+    const over = name(2 * index + 1);
+    const rest = name(2 * index + 2);
+    const [measured, old, model, residual] = curvesOf(index);
+    const value = `%{y:.4~s}${channel.unit}`;
+    const legend = { showlegend: index === 0 };
+    traces.push(
+      { x: measured.x, y: measured.y, yaxis: `y${over}`, name: "measured", legendgroup: "a", ...legend, mode: "lines", line: { color: colour("measured"), width: 1.3 }, hovertemplate: `measured ${channel.spoken} ${value}<extra></extra>` },
+      { x: old.x, y: old.y, yaxis: `y${over}`, name: "fitted model", legendgroup: "b", ...legend, mode: "lines", line: { color: colour("ghost"), width: 1.3, dash: "dot" }, hovertemplate: `fitted ${value}<extra></extra>` },
+      { x: model.x, y: model.y, yaxis: `y${over}`, name: "model", legendgroup: "c", ...legend, mode: "lines", line: { color: colour("model"), width: 1.5 }, hovertemplate: `model ${value}<extra></extra>` },
+      { x: residual.x, y: residual.y, yaxis: `y${rest}`, name: "measured − model", legendgroup: "d", ...legend, mode: "lines", line: { color: colour("push"), width: 0.9 }, hovertemplate: `measured − model ${value}<extra></extra>` },
+    );
+    form[`yaxis${over}`] = axis(`${channel.spoken} (${channel.unit})`, { domain: [top - high * 0.58, top], anchor: "x" });
+    form[`yaxis${rest}`] = axis(`difference (${channel.unit})`, { domain: [top - high, top - high * 0.58 - gap], anchor: "x" });
+    form.shapes.push({
+      type: "rect", xref: "paper", x0: 0, x1: 1, yref: `y${rest}`, y0: -channel.noise_std, y1: channel.noise_std,
+      fillcolor: colour("band"), line: { width: 1, color: colour("ghost"), dash: "dot" }, layer: "above",
+    });
+  });
+  form.xaxis = axis("time (s)", { anchor: `y${2 * count}`, exponentformat: "none", showspikes: true, spikemode: "across", spikethickness: 1, spikecolor: colour("quiet"), spikedash: "dot" });
+  form.xaxis.range = [shown.view[0], shown.view[1]];
+  for (const shade of experiment.shades) {
+    for (const [from, to] of shade.stretches) {
+      form.shapes.push({ type: "rect", xref: "x", x0: from, x1: to, yref: "paper", y0: 0, y1: 1, fillcolor: colour("shade"), line: { width: 0 }, layer: "below" });
+    }
+  }
+  for (const push of experiment.pushes) {
+    form.shapes.push({ type: "line", xref: "x", x0: push.time_s, x1: push.time_s, yref: "paper", y0: 0, y1: 1, line: { color: colour("push"), width: 1, dash: "dash" } });
+    form.annotations.push({ xref: "x", x: push.time_s, yref: "paper", y: 1, yanchor: "top", textangle: -90, showarrow: false, text: push.text, font: { size: 10, color: colour("push") }, bgcolor: colour("card") });
+  }
+  plot.style.height = `${Math.max(440, 60 + 250 * count)}px`;
+  drawing = true;
+  await draw(plot, traces, form);
+  drawing = false;
+  if (!plot.dataset.listens) {
+    plot.dataset.listens = "yes";
+    plot.on("plotly_relayout", zoomed);
+  }
+}
+
+function zoomed(change) {
+  if (drawing) return;
+  if (change["xaxis.autorange"]) {
+    view = { from_s: null, to_s: null };
+    ghost = null;
+    request(true);
+  } else if ("xaxis.range[0]" in change) {
+    const [from, to] = [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+    view = { from_s: Number(from), to_s: Number(to) };
+    ghost = null;
+    request(false);
+  }
+}

@@ -1,0 +1,153 @@
+// What the model lacks: verdict, suspects, reasons, effects, and the staircase of the error.
+import { byId, el, table } from "./dom.js";
+import { get } from "./server.js";
+import { axis, colour, draw, layout, onTheme } from "./plots.js";
+
+const panel = byId("panel-why");
+let begin = () => {};
+let bench = null;
+let found = null;
+let library = [];
+let redrawPlots = [];
+
+export async function start(work) {
+  begin = work;
+  library = await get("/api/effects");
+  onTheme(() => redrawPlots.forEach((call) => call()));
+}
+
+export async function setBench(state) {
+  bench = state;
+  found = state.has_diagnosis ? await get("/api/diagnosis") : null;
+  build();
+}
+
+/** Plots get their size when the panel is seen. */
+export const shown = () => redrawPlots.forEach((call) => call());
+
+const about = (name) => library.find((one) => one.name === name);
+const button = (text, task, main = false) => el("button", { type: "button", class: main ? "main" : null, onclick: () => begin(task) }, text);
+
+function build() {
+  redrawPlots = [];
+  panel.replaceChildren(
+    el("div", { class: "row" }, button(found ? "Diagnose again" : "Diagnose", { task: "diagnose" }, !found),
+      found?.can_apply && (found.added.length || found.taken_out.length) ? button(applyText(), { task: "apply" }, true) : null),
+    found ? verdict() : el("p", { class: "quiet" }, "The diagnosis looks for a physical effect that the model lacks, says how sure it is, and which experiment would settle what is open."),
+    tie(), model(), staircase(), found ? reasons() : "", found ? suspects() : "", others(),
+  );
+  redrawPlots.forEach((call) => call());
+}
+
+function applyText() {
+  const out = found.taken_out.length ? ` and remove ${found.taken_out.join(", ")}` : "";
+  return found.added.length ? `Add ${found.added.join(" + ")}${out}` : `Remove ${found.taken_out.join(", ")}`;
+}
+
+function verdict() {
+  return el("div", {},
+    el("p", { class: "verdict", id: "verdict", "data-verdict": found.verdict }, found.sentence),
+    found.current ? null : el("p", { class: "bad small" }, "The model has changed since: diagnose again."),
+    found.remains ? el("p", {}, found.remains) : null,
+    found.next_experiment ? el("div", { class: "card" }, el("h3", {}, "Next experiment"), el("p", {}, found.next_experiment)) : null,
+    found.ambiguous_between.length ? el("div", { class: "card" }, el("h3", {}, "Equally good explanations"),
+      el("ul", {}, found.ambiguous_between.map((set) => el("li", {}, set.join(" + "))))) : null);
+}
+
+function tie() {
+  if (!bench.provisional.length) return "";
+  return el("div", { class: "card" }, el("h3", {}, "Undecided"),
+    el("p", {}, `${bench.provisional.join(" + ")} is in the model until an experiment decides.`),
+    el("div", { class: "row" }, button(`Confirm ${bench.provisional[0]}`, { task: "add", effect: bench.provisional[0] }),
+      bench.rivals.map((set) => button(`Try ${set.join(" + ")} in its place`, { task: "add", effect: set[0] }))));
+}
+
+function model() {
+  const rows = bench.effects.map((name) => {
+    const base = bench.base_effects.includes(name);
+    return el("li", {}, name, bench.provisional.includes(name) ? " (provisional) " : " ",
+      base ? el("span", { class: "quiet small" }, "base model") : button("Remove", { task: "remove", effect: name }));
+  });
+  return el("div", {}, el("h2", {}, "Effects of the model"), el("ul", { id: "model-effects" }, rows));
+}
+
+function staircase() {
+  const { labels, rows } = bench.staircase;
+  const holder = el("div", { class: "plot", id: "staircase", role: "img", "aria-label": "RMSE over the sensor's noise after each change; the numbers are in the table below" });
+  redrawPlots.push(() => draw(holder,
+    [...rows.map((row) => ({
+      x: labels.map((_, index) => index), y: row.cells.map((cell) => cell.over_noise), name: row.series,
+      mode: "lines+markers", line: { shape: "hv", width: 1.5 }, hovertemplate: "%{y:.3g} × noise<extra>%{fullData.name}</extra>",
+    }))],
+    layout({
+      showlegend: false, margin: { l: 56, r: 12, t: 8, b: 60 },
+      xaxis: axis("", { tickvals: labels.map((_, index) => index), ticktext: labels.map((label) => (label.length > 22 ? `${label.slice(0, 21)}…` : label)), range: [-0.2, labels.length - 0.4] }),
+      yaxis: axis("RMSE / noise", { type: "log", dtick: 1, exponentformat: "none" }),
+      shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: 1, y1: 1, line: { color: colour("good"), dash: "dash", width: 1 } }],
+    })));
+  const lines = rows.map((row) => el("tr", {}, el("td", {}, row.series),
+    row.cells.map((cell) => el("td", { class: cell.over_noise > 1.5 ? "bad" : "good" }, cell.text)), el("td", {}, row.noise_text)));
+  return el("div", {}, el("h2", {}, "The error, change by change"), holder,
+    el("details", {}, el("summary", {}, "Numbers"), el("div", { class: "scroll" }, table(["RMSE", ...labels, "sensor noise"], lines))));
+}
+
+const points = (list, name, tone, symbol) => ({
+  x: list.map((p) => p[0]), y: list.map((p) => p[1]), error_y: { array: list.map((p) => p[2]), visible: true, thickness: 1, width: 0 },
+  mode: "markers", name, marker: { color: colour(tone), size: 6, symbol },
+});
+
+function figure(heading, traces, x, y, rangemode = "tozero") {
+  const holder = el("div", { class: "plot", role: "img", "aria-label": heading });
+  redrawPlots.push(() => draw(holder, traces(), layout({ xaxis: axis(x), yaxis: axis(y, { rangemode }) })));
+  return el("div", {}, el("h3", {}, heading), holder);
+}
+
+function reasons() {
+  const residuals = found.reasons.map((one) => figure(`${one.experiment}: ${one.residual} over ${one.coordinate}`,
+    () => [points(one.before, "model as it was", "model", "circle"), ...(one.after ? [points(one.after, "after the diagnosis", "ghost", "diamond-open")] : [])],
+    `${one.coordinate} (${one.coordinate_unit})`, `${one.residual} (${one.unit})`));
+  const decays = found.decay.flatMap((one) => [
+    figure(`${one.experiment}: decay over amplitude`, () => [points(one.rates, "measured", "measured", "circle"),
+      ...(one.model_rates ? [points(one.model_rates, "after the diagnosis", "ghost", "diamond-open")] : [])], "amplitude (rad)", "decay rate (1/s)"),
+    ...(one.periods.length ? [figure(`${one.experiment}: period of small swings over amplitude`, () => [points(one.periods, "measured", "measured", "circle"),
+      ...(one.model_periods ? [points(one.model_periods, "after the diagnosis", "ghost", "diamond-open")] : [])], "amplitude (rad)", "period (s)", "normal")] : []),
+    one.law ? el("p", { class: "small quiet" }, `dA/dt = −(C + V A + Q A²): ${one.law}`) : "",
+  ]);
+  if (!residuals.length && !decays.length) return "";
+  return el("div", {}, el("h2", {}, "Where it shows"), residuals, decays);
+}
+
+function lesson(name) {
+  const info = about(name);
+  if (!info) return null;
+  return el("dl", {}, el("dt", {}, "What it is"), el("dd", {}, info.meaning), el("dt", {}, "Equation"), el("dd", {}, info.equation),
+    el("dt", {}, "What it looks like"), el("dd", {}, info.fingerprint), el("dt", {}, "Shows in"), el("dd", {}, info.shows_in.join(", ")),
+    info.confused_with.length ? [el("dt", {}, "Easily taken for"), el("dd", {}, info.confused_with.join(", "))] : [],
+    el("dt", {}, "Source"), el("dd", {}, info.source));
+}
+
+function suspects() {
+  const cards = found.suspects.slice(0, 8).map((one) => {
+    const share = Math.round(100 * one.probability);
+    const present = bench.effects.includes(one.effect);
+    const fill = el("div");
+    fill.style.width = `${share}%`;
+    return el("div", { class: "card", "data-suspect": one.effect },
+      el("div", { class: "row" }, el("strong", { class: "grow" }, one.effect), `${share} %`,
+        present ? el("span", { class: "good small" }, "in the model") : button("Add", { task: "add", effect: one.effect })),
+      el("div", { class: "bar", "aria-hidden": "true" }, fill),
+      el("p", { class: "small" }, one.fingerprint),
+      el("p", { class: "small" }, one.parameters.map((text) => el("span", { style: "display:block" }, text))),
+      one.takes_away.length ? el("p", { class: "small quiet" }, `takes away ${one.takes_away.map((part) => `${part.text} of ${part.series}`).join("; ")}`) : null,
+      el("details", {}, el("summary", {}, "About this effect"), lesson(one.effect)));
+  });
+  return el("div", {}, el("h2", {}, "Suspects"), cards.length ? cards : el("p", {}, "Nothing is missing, so there is none."));
+}
+
+function others() {
+  const names = library.map((one) => one.name).filter((name) => !bench.effects.includes(name));
+  const choice = el("select", { id: "effect-choice", "aria-label": "Effect to add", onchange: () => text.replaceChildren(lesson(choice.value) ?? "") }, names.map((name) => el("option", {}, name)));
+  const text = el("div", {}, lesson(names[0]) ?? "");
+  return el("div", {}, el("h2", {}, "Every effect"),
+    el("div", { class: "row" }, choice, el("button", { type: "button", onclick: () => begin({ task: "add", effect: choice.value }) }, "Add")), text);
+}

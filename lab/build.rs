@@ -1,0 +1,5 @@
+//! Which tests can run here.
+
+fn main() {
+    test_conditions::declare(&[test_conditions::Condition::Chromium]);
+}

@@ -1,0 +1,153 @@
+//! Files that a user has dropped on the page, until they become a bench.
+
+use std::fs;
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+use bench_files::{Bench, FilesInMemory};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// Most files at a time.
+const MOST_FILES: usize = 50;
+/// Lines of a file that are shown.
+const SHOWN_LINES: usize = 6;
+/// Longest part of a line that is shown, in characters.
+const SHOWN_CHARACTERS: usize = 300;
+
+/// The files, in a folder that only this user can enter; gone with the lab.
+#[derive(Default)]
+pub struct Dropped {
+    folder: Option<TempDir>,
+    names: Vec<String>,
+}
+
+impl Dropped {
+    /// Keeps a file.
+    ///
+    /// # Errors
+    /// A sentence: a name that is none, too many files, a full disk.
+    pub fn keep(&mut self, name: &str, text: &[u8]) -> Result<(), String> {
+        let path = Path::new(name);
+        let mut parts = path.components();
+        let plain = matches!(
+            (parts.next(), parts.next()),
+            (Some(Component::Normal(_)), None)
+        );
+        let odd = |c: char| c.is_control() || "/\\:".contains(c);
+        if !plain || name.starts_with('.') || name.len() > 120 || name.contains(odd) {
+            return Err(format!("\"{}\" is no plain file name", name.escape_debug()));
+        }
+        let is_table = ["csv", "txt", "tsv", "dat", "log"];
+        let end = path
+            .extension()
+            .map(|end| end.to_string_lossy().to_lowercase());
+        if !end.is_some_and(|end| is_table.contains(&end.as_str())) {
+            return Err(format!(
+                "{name}: is no table; logs end in .{}",
+                is_table.join(", .")
+            ));
+        }
+        let is_new = !self.names.iter().any(|own| own == name);
+        if is_new && self.names.len() == MOST_FILES {
+            return Err(format!("more than {MOST_FILES} files at a time"));
+        }
+        let failed = |error: io::Error| format!("{name}: cannot be kept: {error}");
+        let folder = match &self.folder {
+            Some(folder) => folder.path().to_path_buf(),
+            None => {
+                let made = TempDir::with_prefix("flywheel-lab-").map_err(failed)?;
+                self.folder.insert(made).path().to_path_buf()
+            }
+        };
+        fs::write(folder.join(name), text).map_err(failed)?;
+        if is_new {
+            self.names.push(name.to_owned());
+        }
+        Ok(())
+    }
+
+    /// Forgets all of them.
+    pub fn clear(&mut self) {
+        *self = Dropped::default();
+    }
+
+    fn paths(&self) -> Vec<PathBuf> {
+        let folder = self.folder.as_ref().map(TempDir::path);
+        let folder = folder.unwrap_or(Path::new(""));
+        self.names.iter().map(|name| folder.join(name)).collect()
+    }
+
+    /// The files with their first lines, and the bench.toml that is proposed for them.
+    pub fn facts(&self) -> Value {
+        let Some(folder) = &self.folder else {
+            return json!({"files": []});
+        };
+        let files = self
+            .paths()
+            .into_iter()
+            .zip(&self.names)
+            .map(|(path, name)| {
+                let text = fs::read(&path).unwrap_or_default();
+                let shown =
+                    String::from_utf8_lossy(&text[..text.len().min(64 * 1024)]).into_owned();
+                let lines = shown.lines().take(SHOWN_LINES);
+                let lines =
+                    lines.map(|line| line.chars().take(SHOWN_CHARACTERS).collect::<String>());
+                json!({"name": name, "bytes": text.len(), "lines": lines.collect::<Vec<_>>()})
+            });
+        let files: Vec<Value> = files.collect();
+        match data_check::propose(folder.path(), &self.paths()) {
+            Ok(proposal) => json!({"files": files, "proposal": proposal}),
+            // The folder is of no interest to who reads the message.
+            Err(error) => {
+                let place = format!("{}/", folder.path().display());
+                json!({"files": files, "failure": error.to_string().replace(&place, "")})
+            }
+        }
+    }
+
+    /// What is wrong with a bench.toml for these files: findings, or why it cannot be read.
+    pub fn check(&self, text: &str) -> Value {
+        match Bench::from_files(&self.in_memory(text)) {
+            Ok(bench) => json!({"findings": data_check::check(&bench)}),
+            Err(error) => json!({"failure": error.to_string()}),
+        }
+    }
+
+    fn in_memory(&self, text: &str) -> FilesInMemory {
+        let mut files = FilesInMemory::default();
+        for (path, name) in self.paths().iter().zip(&self.names) {
+            files.insert(name, fs::read(path).unwrap_or_default());
+        }
+        files.insert("bench.toml", text);
+        files
+    }
+
+    /// Makes a bench folder of them, which must not be a bench already, and writes over no file.
+    ///
+    /// # Errors
+    /// A sentence: what is wrong with the text or the folder.
+    pub fn write(&self, folder: &Path, text: &str) -> Result<(), String> {
+        Bench::from_files(&self.in_memory(text)).map_err(|error| error.to_string())?;
+        let names = self.names.iter().map(String::as_str).chain(["bench.toml"]);
+        for name in names.clone() {
+            let path = folder.join(name);
+            if fs::symlink_metadata(&path).is_ok() {
+                return Err(format!(
+                    "{}: is there already; name another folder",
+                    path.display()
+                ));
+            }
+        }
+        let failed =
+            |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        fs::create_dir_all(folder).map_err(|error| failed(folder, &error))?;
+        for (from, name) in self.paths().iter().zip(&self.names) {
+            let to = folder.join(name);
+            fs::copy(from, &to).map_err(|error| failed(&to, &error))?;
+        }
+        let to = folder.join("bench.toml");
+        bench_files::write_atomically(&to, text.as_bytes()).map_err(|error| failed(&to, &error))
+    }
+}

@@ -1,0 +1,504 @@
+//! What the page is told, as JSON: the library's data, and texts for people beside the numbers.
+
+use plant::{EffectId, Model, ParameterInfo};
+use serde_json::{Value, json};
+use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
+use workbench::{
+    ComparisonReport, Coordinate, DesignSection, FailurePlace, PerSeries, ResidualKind, words,
+};
+
+use crate::desk::{Desk, OpenBench, said};
+use crate::picture::{View, stretches, thinned};
+use crate::work::CONTROLLER;
+
+/// Standard errors to either side on the fine track of a slider.
+const FINE_ERRORS: f64 = 10.0;
+/// Stretches of one place that are shaded.
+const MOST_STRETCHES: usize = 100;
+/// Largest share of an experiment's time that is shaded: a place that is nearly everywhere is none for the eye.
+const MOST_SHADED: f64 = 0.5;
+/// Pictures of residuals in a diagnosis.
+const MOST_REASONS: usize = 3;
+/// Width for which the responses of a design are drawn.
+const RESPONSE_PIXELS: usize = 500;
+
+/// Everything but curves and diagnosis.
+pub fn state(desk: &Desk) -> Value {
+    let (bench, running, failure) = {
+        let state = desk.state();
+        let running = state.running.as_ref().map(
+            |running| json!({"number": running.number, "name": running.name, "says": running.says}),
+        );
+        (state.bench.clone(), running, state.failure.clone())
+    };
+    json!({
+        "running": running,
+        "failure": failure,
+        "bench": bench.map(|bench| open_bench(&bench)),
+    })
+}
+
+fn open_bench(bench: &OpenBench) -> Value {
+    let found = &bench.comparison;
+    let model = bench.session.model();
+    let tie = model.and_then(|model| model.tie.as_ref());
+    let names = |set: &[EffectId]| -> Vec<&str> { set.iter().map(|one| one.name()).collect() };
+    let wishes = model.and_then(|model| model.design);
+    json!({
+        "name": found.bench,
+        "folder": bench.folder,
+        "model_path": bench.session.model_path(),
+        "experiments": experiments(found),
+        "errors": error_table(found),
+        "notes": found.notes,
+        "statements": found.statements,
+        "effects": found.effects,
+        "base_effects": names(Model::base().effects()),
+        "provisional": tie.map_or(vec![], |tie| names(&tie.provisional)),
+        "rivals": tie.map_or(vec![], |tie| tie.rivals.iter().map(|set| names(set)).collect()),
+        "sliders": sliders(bench),
+        "places": found.places.iter().filter(|place| place.significant).map(place).collect::<Vec<_>>(),
+        "staircase": staircase(bench),
+        "undo": bench.undo.len(),
+        "unsaved": bench.unsaved,
+        "changed_outside": bench.changed_outside(),
+        "has_diagnosis": bench.diagnosis.is_some(),
+        "design": wishes.unwrap_or_else(|| bench.session.usual_design()),
+        "has_controller": bench.generated.is_some(),
+        "has_proof": bench.proof.is_some(),
+    })
+}
+
+fn experiments(found: &ComparisonReport) -> Vec<Value> {
+    let logged = found.experiments.iter().zip(&found.curves);
+    logged
+        .map(|(logged, curves)| {
+            let channels = curves.channels.iter().map(|channel| {
+                json!({
+                    "channel": channel.channel.name(),
+                    "spoken": words::spoken(channel.channel.name()),
+                    "unit": channel.channel.unit(),
+                    "noise_std": channel.noise_std,
+                    "missing": channel.measured.iter().filter(|value| value.is_nan()).count(),
+                })
+            });
+            let pushes = found.pushes.iter();
+            let pushes = pushes.filter(|push| push.experiment == logged.name);
+            let impulse_unit = if found.per_unit_of_inertia {
+                "N m s per kg m2"
+            } else {
+                "N m s"
+            };
+            json!({
+                "name": logged.name,
+                "kind": logged.kind,
+                "samples": logged.samples,
+                "duration_s": logged.duration_s,
+                "channels": channels.collect::<Vec<_>>(),
+                "pushes": pushes.map(|push| json!({
+                    "time_s": push.time_s,
+                    "text": format!("push {}", with_prefix(push.impulse_nms, impulse_unit)),
+                })).collect::<Vec<_>>(),
+                "shades": shades(found, &logged.name),
+            })
+        })
+        .collect()
+}
+
+/// Where on the time axis the model fails: the plainest place that a shade can show.
+fn shades(found: &ComparisonReport, experiment: &str) -> Vec<Value> {
+    let curves = found.curves.iter().find(|one| one.experiment == experiment);
+    let Some(curves) = curves else {
+        return Vec::new();
+    };
+    let places = found.places.iter();
+    let mut places = places.filter(|place| place.significant && place.experiment == experiment);
+    let duration_s = match (curves.time_s.first(), curves.time_s.last()) {
+        (Some(first), Some(last)) => last - first,
+        _ => return Vec::new(),
+    };
+    let plainest = places.find_map(|place| {
+        let over = match place.coordinate {
+            Coordinate::Time => vec![[place.from, place.to]],
+            coordinate => {
+                let mut channels = curves.channels.iter();
+                let own = channels.find(|one| one.channel.name() == coordinate.name())?;
+                let range = (place.from, place.to);
+                stretches(&curves.time_s, &own.measured, range, MOST_STRETCHES)
+            }
+        };
+        let shaded_s: f64 = over.iter().map(|[from, to]| to - from).sum();
+        let is_shown = shaded_s > 0.0 && shaded_s <= MOST_SHADED * duration_s;
+        is_shown.then(|| json!({"stretches": over, "text": words::place(place)}))
+    });
+    plainest.into_iter().collect()
+}
+
+fn place(place: &FailurePlace) -> Value {
+    json!({
+        "experiment": place.experiment,
+        "channel": place.channel,
+        "text": words::place(place),
+        "residual": words::residual(place.residual),
+        "share": format!("{} %", significant(100.0 * place.share_of_error, 2)),
+    })
+}
+
+/// The rows of the error table.
+pub fn error_table(found: &ComparisonReport) -> Vec<Value> {
+    let all = found.curves.iter().flat_map(|curves| {
+        let name = &curves.experiment;
+        curves.channels.iter().map(move |channel| (name, channel))
+    });
+    all.map(|(experiment, channel)| error_row(experiment, channel))
+        .collect()
+}
+
+/// A row of the error table.
+pub fn error_row(experiment: &str, channel: &workbench::ChannelCurves) -> Value {
+    let unit = channel.channel.unit();
+    json!({
+        "experiment": experiment,
+        "channel": channel.channel.name(),
+        "spoken": words::spoken(channel.channel.name()),
+        "rmse": channel.rmse,
+        "rmse_text": with_prefix(channel.rmse, unit),
+        "noise_text": with_prefix(channel.noise_std, unit),
+        "fit_text": fit_percent(channel.fit_percent),
+        "over_noise": channel.rmse / channel.noise_std,
+        "over_noise_text": significant(channel.rmse / channel.noise_std, 3),
+    })
+}
+
+/// What is known of a parameter of the model by its name.
+fn info_of(model: &Model, name: &str) -> Option<(&'static ParameterInfo, Option<&'static str>)> {
+    let effects = model.effects().iter();
+    let own = effects.flat_map(|effect| {
+        let info = effect.info();
+        info.parameters
+            .iter()
+            .map(move |one| (one, Some(info.name)))
+    });
+    let all: Vec<_> = own.collect();
+    let found = all.into_iter().find(|(info, _)| info.name == name);
+    found.or_else(|| {
+        let infos = model.parameters();
+        let info = infos.into_iter().find(|info| info.name == name)?;
+        Some((info, None))
+    })
+}
+
+fn sliders(bench: &OpenBench) -> Vec<Value> {
+    let Some(file) = bench.session.model() else {
+        return Vec::new();
+    };
+    let model = file.model();
+    let parameters = bench.predictor.parameters();
+    let known = parameters.iter().filter_map(|(name, value)| {
+        let parameter = file.parameter(name)?;
+        let (info, effect) = info_of(&model, name)?;
+        let std = parameter.std.filter(|std| *std > 0.0 && std.is_finite());
+        let errors = FINE_ERRORS * std.unwrap_or(0.0);
+        // All of the value to either side; what is zero and has no error may become as large as is plausible.
+        let wide = match value.abs().max(errors) {
+            size if size > 0.0 => size,
+            _ => info.plausible.1.abs(),
+        };
+        let fine = if errors > 0.0 { errors } else { 0.05 * wide };
+        let track = |half: f64| {
+            let (least, most) = info.bounds;
+            [(value - half).max(least), (value + half).min(most)]
+        };
+        Some(json!({
+            "name": name,
+            "meaning": info.meaning,
+            "effect": effect,
+            "value": value,
+            "std": std,
+            "unit": parameter.unit,
+            "source": parameter.source,
+            "text": with_uncertainty(*value, std),
+            "coarse": track(wide),
+            "fine": track(fine),
+            "whole": info.is_whole,
+        }))
+    });
+    known.collect()
+}
+
+fn staircase(bench: &OpenBench) -> Value {
+    let noise = &bench.comparison.sensor_noise;
+    let rows = noise.iter().map(|(series, noise)| {
+        let unit = series.channel.unit();
+        let cells = bench.staircase.iter().map(|stair| {
+            let rmse = stair.rmse.of(series);
+            json!({
+                "text": rmse.map_or("–".to_owned(), |rmse| with_prefix(rmse, unit)),
+                "over_noise": rmse.map(|rmse| rmse / noise),
+            })
+        });
+        json!({
+            "series": series.to_string(),
+            "noise_text": with_prefix(*noise, unit),
+            "cells": cells.collect::<Vec<_>>(),
+        })
+    });
+    let labels = bench.staircase.iter().map(|stair| stair.label.as_str());
+    json!({
+        "labels": labels.collect::<Vec<_>>(),
+        "rows": rows.collect::<Vec<_>>(),
+    })
+}
+
+/// The effects of the library, for who learns.
+pub fn effects() -> Value {
+    json!(workbench::effect_library())
+}
+
+/// The diagnosis, with what lets a person see the reason.
+pub fn diagnosis(bench: &OpenBench) -> Value {
+    let Some(found) = &bench.diagnosis else {
+        return Value::Null;
+    };
+    let report = &found.report;
+    let suspects = report.suspects.iter().map(|suspect| {
+        let parameters = suspect.parameters.iter().map(|one| {
+            let text = with_uncertainty(one.value, one.std);
+            format!("{} = {text} {}", one.name, one.unit)
+        });
+        json!({
+            "effect": suspect.effect,
+            "probability": suspect.probability,
+            "model": suspect.model,
+            "parameters": parameters.collect::<Vec<_>>(),
+            "fingerprint": suspect.fingerprint,
+            "takes_away": takes_away(&suspect.takes_away),
+        })
+    });
+    // A diagnosis of another model than the one at hand is shown, but nothing is taken over from it.
+    let begins_here = found.first.effects == bench.comparison.effects;
+    json!({
+        "verdict": report.verdict.name(),
+        "sentence": report.sentence,
+        "remains": report.remains.as_ref().map(|remains| remains.sentence()),
+        "added": report.added(),
+        "taken_out": report.taken_out(),
+        "applied": found.applied,
+        "current": begins_here || report.last_model.effects == bench.comparison.effects,
+        "can_apply": !found.applied && begins_here && report.steps.len() > 1,
+        "suspects": suspects.collect::<Vec<_>>(),
+        "ambiguous_between": report.ambiguous_between,
+        "next_experiment": report.next_experiment,
+        "places": report.places.iter().filter(|one| one.significant).map(place).collect::<Vec<_>>(),
+        "reasons": reasons(&found.first, &report.last),
+        "decay": report.decay.iter().filter_map(decay).collect::<Vec<_>>(),
+    })
+}
+
+/// The three series from which most is taken away.
+fn takes_away(shares: &PerSeries) -> Vec<Value> {
+    let mut all: Vec<_> = shares
+        .iter()
+        .filter(|(_, share)| share.is_finite())
+        .collect();
+    all.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    all.iter()
+        .take(3)
+        .map(|(series, share)| {
+            json!({"series": series.to_string(), "text": format!("{} %", significant(100.0 * share, 2))})
+        })
+        .collect()
+}
+
+/// The residuals in which the first model fails most plainly, with the last model beside them.
+fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
+    let mut seen = Vec::new();
+    let significant = || first.places.iter().filter(|place| place.significant);
+    // A torque shows the cause; an output what has come of it since the start of the log.
+    let has_torque = significant().any(|place| place.residual == ResidualKind::ResidualTorque);
+    for place in significant() {
+        if has_torque && place.residual != ResidualKind::ResidualTorque {
+            continue;
+        }
+        let key = (
+            place.experiment.as_str(),
+            place.channel.as_str(),
+            place.residual,
+            place.coordinate,
+        );
+        if !seen.contains(&key) {
+            seen.push(key);
+        }
+    }
+    let with_key = |of: &ComparisonReport, key: &(&str, &str, ResidualKind, Coordinate)| {
+        let mut all = of.breakdowns.iter();
+        let own = all.find(|one| {
+            (
+                one.experiment.as_str(),
+                one.channel,
+                one.quantity,
+                one.coordinate,
+            ) == *key
+        })?;
+        let bins = own.bins.iter().map(|bin| {
+            // What pushes along the motion cancels in the mean over both directions.
+            let (value, std) = if bin.along_motion.is_finite() {
+                (bin.along_motion, bin.along_motion_std)
+            } else {
+                (bin.mean, bin.mean_std)
+            };
+            json!([0.5 * (bin.from + bin.to), value, std])
+        });
+        Some(json!(bins.collect::<Vec<_>>()))
+    };
+    seen.iter()
+        .take(MOST_REASONS)
+        .filter_map(|key| {
+            let &(experiment, channel, residual, coordinate) = key;
+            let unit = match residual {
+                ResidualKind::ResidualTorque if first.per_unit_of_inertia => "N m per kg m2",
+                ResidualKind::ResidualTorque => "N m",
+                ResidualKind::Output => first
+                    .curves
+                    .iter()
+                    .flat_map(|curves| &curves.channels)
+                    .find(|own| own.channel.name() == channel)?
+                    .channel
+                    .unit(),
+            };
+            Some(json!({
+                "experiment": experiment,
+                "channel": channel,
+                "residual": words::residual(residual),
+                "unit": unit,
+                "coordinate": words::spoken(coordinate.name()),
+                "coordinate_unit": coordinate.unit(),
+                "before": with_key(first, key)?,
+                "after": with_key(last, key),
+            }))
+        })
+        .collect()
+}
+
+fn decay(swing: &workbench::SwingDecay) -> Option<Value> {
+    let measured = swing.measured.as_ref()?;
+    let points = |series: &[identify::AtAmplitude]| -> Vec<[f64; 3]> {
+        let at = series.iter();
+        at.map(|at| [at.amplitude_rad, at.value, at.std]).collect()
+    };
+    let simulated = swing.simulated.as_ref();
+    Some(json!({
+        "experiment": swing.experiment,
+        "law": swing.laws.first().map(words::amplitude_law),
+        "rates": points(&measured.rates),
+        "periods": points(&measured.small_swing_periods),
+        "model_rates": simulated.map(|one| points(&one.rates)),
+        "model_periods": simulated.map(|one| points(&one.small_swing_periods)),
+    }))
+}
+
+/// The controller for these weights, with its responses.
+///
+/// # Errors
+/// A sentence, where these weights give no controller.
+pub fn design(bench: &OpenBench, wishes: DesignSection) -> Result<Value, String> {
+    let designed = bench.session.design_for(wishes).map_err(said)?;
+    let report = designed.report().map_err(said)?;
+    let responses = designed.responses().map_err(said)?;
+    let responses = responses.iter().map(|run| {
+        let end_s = run.time_s.last().copied().unwrap_or_default();
+        let view = View {
+            from_s: 0.0,
+            to_s: end_s,
+            pixels: RESPONSE_PIXELS,
+        };
+        let curve = |value: &[f64]| {
+            let thin = thinned(&run.time_s, value, &view);
+            json!([thin.time_s, thin.value])
+        };
+        json!({
+            "scenario": run.scenario,
+            "about": run.about,
+            "fell": run.fell,
+            "angle_rad": curve(&run.angle_rad),
+            "wheel_speed_rad_s": curve(&run.wheel_speed_rad_s),
+            "current_a": curve(&run.current_a),
+        })
+    });
+    let responses: Vec<Value> = responses.collect();
+    let margins = &report.margins;
+    let finite = |value: f64, text: String| {
+        if value.is_finite() {
+            text
+        } else {
+            "without limit".to_owned()
+        }
+    };
+    let degrees = |rad: f64| format!("{}°", significant(rad.to_degrees(), 3));
+    let numbers = [
+        (
+            "Gains K (A/rad, A s/rad, A s/rad)",
+            report.gains.map(|gain| significant(gain, 6)).join(", "),
+        ),
+        (
+            "Recovers from rest up to",
+            degrees(report.recovery_angle_rad),
+        ),
+        (
+            "Gain factor that it bears",
+            format!(
+                "{} to {}",
+                significant(margins.least_gain_factor, 3),
+                finite(
+                    margins.largest_gain_factor,
+                    significant(margins.largest_gain_factor, 3)
+                )
+            ),
+        ),
+        (
+            "Phase margin",
+            finite(margins.phase_margin_rad, degrees(margins.phase_margin_rad)),
+        ),
+        (
+            "Further delay that it bears",
+            finite(
+                margins.delay_margin_s,
+                with_prefix(margins.delay_margin_s, "s"),
+            ),
+        ),
+        (
+            "Least distance from −1",
+            significant(margins.modulus_margin, 3),
+        ),
+        (
+            "Wheel speed for an angle that is read 1° too large",
+            format!(
+                "{} rad/s",
+                significant(report.wheel_speed_per_angle_bias * 1_f64.to_radians(), 3)
+            ),
+        ),
+    ];
+    Ok(json!({
+        "report": report,
+        "numbers": numbers,
+        "responses": responses,
+    }))
+}
+
+/// The emitted controller and its proof.
+pub fn controller(bench: &OpenBench) -> Value {
+    let files = bench.generated.as_ref().map(|generated| {
+        let files = generated.files();
+        files
+            .map(|(path, text)| json!({"path": path, "text": text}))
+            .collect::<Vec<_>>()
+    });
+    json!({
+        "folder": bench.folder.join(CONTROLLER),
+        "files": files,
+        "assumed": bench.generated.as_ref().map(|generated| &generated.assumed),
+        "warnings": bench.generated.as_ref().map(|generated| &generated.warnings),
+        "proof": bench.proof,
+        "passed": bench.proof.as_ref().map(|proof| proof.passed()),
+    })
+}

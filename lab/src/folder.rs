@@ -1,0 +1,135 @@
+//! Which folders are benches, and that no file of one lies outside it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use workbench::Bench;
+
+/// The bench's folder and where its bench.toml is, both without symlinks.
+///
+/// # Errors
+/// A sentence: there is no bench, or one of its files lies outside it.
+pub fn of_bench(path: &Path) -> Result<PathBuf, String> {
+    let named = if path.is_dir() {
+        path.join("bench.toml")
+    } else {
+        path.to_path_buf()
+    };
+    let parent = named.parent().unwrap_or(Path::new("."));
+    let parent = if parent.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        parent
+    };
+    let folder = parent
+        .canonicalize()
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    if !named.is_file() {
+        return Err(format!(
+            "{}: there is no bench.toml; a bench is a folder with a bench.toml and its logs",
+            folder.display()
+        ));
+    }
+    within(&folder, &named)?;
+    // The model is written as well: what its name leads to must be in the folder too.
+    within(&folder, &folder.join("model.toml"))?;
+    Ok(folder)
+}
+
+/// That the logs of a bench that was read lie in its folder.
+///
+/// # Errors
+/// A sentence that names the file.
+pub fn holds_logs(folder: &Path, bench: &Bench) -> Result<(), String> {
+    bench
+        .experiments
+        .iter()
+        .try_for_each(|experiment| within(folder, &bench.folder.join(&experiment.file)))
+}
+
+/// That a file which may not be there yet lies in a folder, symlinks followed.
+///
+/// # Errors
+/// A sentence that names the file.
+pub fn within(folder: &Path, file: &Path) -> Result<(), String> {
+    let outside = || {
+        format!(
+            "{}: lies outside {}; the lab reads and writes only inside the bench folder: copy the file into it",
+            file.display(),
+            folder.display()
+        )
+    };
+    let folder = folder.canonicalize().map_err(|_| outside())?;
+    // The nearest part of the path that is there decides: what is below it is made by the lab.
+    let mut there = file.to_path_buf();
+    while fs::symlink_metadata(&there).is_err() {
+        if !there.pop() {
+            return Err(outside());
+        }
+    }
+    let rest = file.strip_prefix(&there).unwrap_or(Path::new(""));
+    let climbs = rest
+        .components()
+        .any(|part| !matches!(part, std::path::Component::Normal(_)));
+    // A symlink to what is not there cannot be followed, and is refused.
+    let there = there.canonicalize().map_err(|_| outside())?;
+    if there.starts_with(&folder) && !climbs {
+        Ok(())
+    } else {
+        Err(outside())
+    }
+}
+
+/// Most benches that are offered.
+const MOST_OFFERED: usize = 50;
+
+/// The benches in the working directory, its folders and theirs.
+pub fn nearby() -> Vec<PathBuf> {
+    let Ok(here) = std::env::current_dir() else {
+        return Vec::new();
+    };
+    let mut found = Vec::new();
+    let mut level = vec![here];
+    for _ in 0..3 {
+        let mut next = Vec::new();
+        for folder in level {
+            if folder.join("bench.toml").is_file() {
+                found.push(folder.clone());
+            }
+            let entries = fs::read_dir(&folder).into_iter().flatten().flatten();
+            next.extend(
+                entries
+                    .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()))
+                    .filter(|entry| !entry.file_name().to_string_lossy().starts_with('.'))
+                    .filter(|entry| entry.file_name() != "target")
+                    .map(|entry| entry.path()),
+            );
+        }
+        next.sort();
+        next.truncate(1000);
+        level = next;
+    }
+    found.truncate(MOST_OFFERED);
+    found
+}
+
+/// Where the demonstration bench is put, under the working directory.
+const DEMONSTRATION: &str = "out/lab-demo";
+
+/// The folder of the demonstration bench, with what is missing in it written.
+///
+/// # Errors
+/// A sentence that names the file.
+pub fn demonstration() -> Result<PathBuf, String> {
+    let folder = PathBuf::from(DEMONSTRATION);
+    let failed = |path: &Path, error: &std::io::Error| format!("{}: {error}", path.display());
+    fs::create_dir_all(&folder).map_err(|error| failed(&folder, &error))?;
+    for (name, text) in demo::FILES {
+        let file = folder.join(name);
+        if !file.exists() {
+            bench_files::write_atomically(&file, text.as_bytes())
+                .map_err(|error| error.to_string())?;
+        }
+    }
+    Ok(folder)
+}

@@ -1,0 +1,189 @@
+//! Curves as a screen can show them.
+
+/// A curve: times in s, and the values there. A gap is a value that is NaN.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Times.
+    pub time_s: Vec<f64>,
+    /// Values.
+    pub value: Vec<f64>,
+}
+
+/// The part of a curve that a screen shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Left edge, s.
+    pub from_s: f64,
+    /// Right edge, s.
+    pub to_s: f64,
+    /// Width of the screen.
+    pub pixels: usize,
+}
+
+/// The least and the largest value of every pixel with their own times, and the sample on either side of the
+/// view. Nothing that a screen of that width could show is lost: a line through these points covers the same
+/// pixels as one through all samples. Gaps stay gaps.
+pub fn thinned(time_s: &[f64], value: &[f64], view: &View) -> Curve {
+    let count = time_s.len().min(value.len());
+    let time_s = &time_s[..count];
+    let first = time_s.partition_point(|&t| t < view.from_s);
+    let last = time_s.partition_point(|&t| t <= view.to_s);
+    let (first, last) = (first.saturating_sub(1), (last + 1).min(count));
+    let mut curve = Curve::default();
+    let mut put = |index: usize| {
+        curve.time_s.push(time_s[index]);
+        curve.value.push(value[index]);
+    };
+    if last.saturating_sub(first) <= 2 * view.pixels {
+        (first..last).for_each(put);
+        return curve;
+    }
+    let width = view.to_s - view.from_s;
+    let pixel = |index: usize| {
+        let share = (time_s[index] - view.from_s) / width;
+        // Truncated on purpose: what lies left of the view is −1, what lies right of it the last pixel but one.
+        (share * view.pixels as f64).floor() as i64
+    };
+    let mut index = first;
+    while index < last {
+        let here = pixel(index);
+        let mut end = index;
+        let (mut least, mut largest, mut gap) = (None, None, None);
+        while end < last && pixel(end) == here {
+            if value[end].is_nan() {
+                gap = Some(end);
+            } else {
+                if least.is_none_or(|at: usize| value[end] < value[at]) {
+                    least = Some(end);
+                }
+                if largest.is_none_or(|at: usize| value[end] > value[at]) {
+                    largest = Some(end);
+                }
+            }
+            end += 1;
+        }
+        let mut kept: Vec<usize> = [least, largest, gap].into_iter().flatten().collect();
+        kept.sort_unstable();
+        kept.dedup();
+        kept.into_iter().for_each(&mut put);
+        index = end;
+    }
+    curve
+}
+
+/// Stretches of time in which a value lies in a range, at most `most` of them, the longest first to stay.
+pub fn stretches(time_s: &[f64], value: &[f64], range: (f64, f64), most: usize) -> Vec<[f64; 2]> {
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    let mut open: Option<[f64; 2]> = None;
+    for (&t, &v) in time_s.iter().zip(value) {
+        let inside = v >= range.0 && v <= range.1;
+        open = match (open, inside) {
+            (Some([from, _]), true) => Some([from, t]),
+            (None, true) => Some([t, t]),
+            (Some(stretch), false) => {
+                found.push(stretch);
+                None
+            }
+            (None, false) => None,
+        };
+    }
+    found.extend(open);
+    found.retain(|[from, to]| to > from);
+    found.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
+    found.truncate(most);
+    found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(count: usize, value: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<f64>) {
+        let times = (0..count).map(|k| k as f64 * 1e-3).collect();
+        (times, (0..count).map(value).collect())
+    }
+
+    /// The extremes of every pixel are those of all samples in it, at most three points stand for it, and times rise.
+    #[test]
+    fn extremes_of_every_pixel_are_kept() {
+        let (time, value) = samples(100_000, |k| {
+            ((k * k) as f64 * 1e-3).sin() * (k % 977) as f64
+        });
+        let view = View {
+            from_s: 20.0,
+            to_s: 70.0,
+            pixels: 500,
+        };
+        let curve = thinned(&time, &value, &view);
+        assert!(
+            curve.time_s.len() <= 2 * view.pixels + 4,
+            "{}",
+            curve.time_s.len()
+        );
+        assert!(curve.time_s.is_sorted());
+        let extremes = |time: &[f64], value: &[f64], pixel: usize| {
+            let inside = time
+                .iter()
+                .zip(value)
+                .filter(|(t, _)| ((**t - 20.0) / 50.0 * 500.0).floor() as i64 == pixel as i64);
+            inside.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (_, v)| {
+                (a.min(*v), b.max(*v))
+            })
+        };
+        for pixel in 0..500 {
+            assert_eq!(
+                extremes(&curve.time_s, &curve.value, pixel),
+                extremes(&time, &value, pixel)
+            );
+        }
+        // The line goes on to both edges.
+        assert!(curve.time_s[0] < 20.0 && curve.time_s[curve.time_s.len() - 1] > 70.0);
+    }
+
+    #[test]
+    fn a_single_peak_and_a_gap_survive() {
+        let (time, value) = samples(100_000, |k| match k {
+            54_321 => 1.0,
+            70_000..70_300 => f64::NAN,
+            _ => 0.0,
+        });
+        let view = View {
+            from_s: 0.0,
+            to_s: 100.0,
+            pixels: 300,
+        };
+        let curve = thinned(&time, &value, &view);
+        assert!(curve.value.contains(&1.0));
+        assert!(curve.value.iter().any(|v| v.is_nan()));
+    }
+
+    #[test]
+    fn few_samples_are_sent_as_they_are() {
+        let (time, value) = samples(50, |k| k as f64);
+        let view = View {
+            from_s: 0.01,
+            to_s: 0.02,
+            pixels: 100,
+        };
+        let curve = thinned(&time, &value, &view);
+        assert_eq!(curve.value.first(), Some(&9.0));
+        assert_eq!(curve.value.last(), Some(&21.0));
+    }
+
+    #[test]
+    fn stretches_are_where_the_value_lies_in_the_range() {
+        let (time, value) = samples(1000, |k| (k as f64 * 1e-2).sin());
+        let found = stretches(&time, &value, (0.0, 2.0), 10);
+        // sin is positive in (0, π) and (2π, 3π), in steps of 1e-2: s of 1e-3.
+        assert_eq!(found.len(), 2);
+        assert!(
+            (found[0][1] - 0.314).abs() < 1e-9 && (found[1][0] - 0.629).abs() < 1e-9,
+            "{found:?}"
+        );
+        assert_eq!(
+            stretches(&time, &value, (5.0, 6.0), 10),
+            Vec::<[f64; 2]>::new()
+        );
+    }
+}

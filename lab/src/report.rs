@@ -1,0 +1,419 @@
+//! The bench as one HTML file that needs neither a server nor a network: the conclusion in words first, then what
+//! it rests on.
+
+use std::fmt::Write;
+
+use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
+use workbench::{
+    ComparisonReport, DiagnosisReport, Error, OutputFile, Progress, Proof, ProofSettings, Session,
+    words,
+};
+
+/// Figures of the model beside the measurements, at most.
+const MOST_FIGURES: usize = 12;
+
+/// What a report is made from.
+pub struct Findings<'a> {
+    /// The session; its model is the one that the report is about.
+    pub session: &'a Session,
+    /// That model beside the measurements.
+    pub comparison: &'a ComparisonReport,
+    /// What it lacks, where that was asked.
+    pub diagnosis: Option<&'a DiagnosisReport>,
+    /// What is proved of its controller, or why nothing is.
+    pub proof: Result<&'a Proof, &'a str>,
+}
+
+/// The report of a bench, with everything that it needs computed: diagnosis, design, proof. A bench without a model
+/// is fitted with the base model; the session has the model then.
+///
+/// # Errors
+/// Those of [`Session::compare`] and [`Session::diagnose`].
+pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, Error> {
+    let comparison = match session.model() {
+        Some(_) => session.compare(progress)?,
+        None => session.identify_base(progress)?,
+    };
+    let diagnosis = session.diagnose(progress)?;
+    let controller = session
+        .design()
+        .and_then(|designed| designed.generate(None));
+    let settings = ProofSettings {
+        // What takes minutes is no part of a report.
+        kani: false,
+        ..Default::default()
+    };
+    let proof = match controller {
+        Ok(controller) => Ok(controller.prove(&settings, progress)?),
+        Err(error) => Err(format!("no controller is emitted: {error}")),
+    };
+    report(&Findings {
+        session,
+        comparison: &comparison,
+        diagnosis: Some(&diagnosis),
+        proof: proof.as_ref().map_err(String::as_str),
+    })
+}
+
+/// The report of what is known.
+///
+/// # Errors
+/// [`Error::Figure`] where a figure cannot be drawn.
+pub fn report(findings: &Findings) -> Result<String, Error> {
+    let found = findings.comparison;
+    let mut page = String::new();
+    head(&mut page, &found.bench);
+    conclusion(&mut page, findings);
+    parameters(&mut page, found);
+    data(&mut page, found);
+    errors(&mut page, findings);
+    diagnosis(&mut page, findings.diagnosis)?;
+    section(&mut page, "Where the model fails");
+    places(&mut page, found);
+    figures(&mut page, found.drawings()?.iter().take(MOST_FIGURES));
+    design(&mut page, findings.session)?;
+    proof(&mut page, findings.proof);
+    page.push_str("</main></body></html>\n");
+    Ok(page)
+}
+
+const STYLE: &str = "\
+:root{color-scheme:light}body{font:16px/1.5 system-ui,sans-serif;color:#1b2230;background:#fff;margin:0}\
+main{max-width:980px;margin:0 auto;padding:1rem}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem;\
+border-bottom:1px solid #d5d9e0}table{border-collapse:collapse;font-size:.9rem;display:block;overflow-x:auto}\
+th,td{padding:.2rem .6rem;border-bottom:1px solid #d5d9e0;text-align:right}th:first-child,td:first-child,.l{\
+text-align:left}.c{font-size:1.1rem;border-left:4px solid #1f5fbf;padding-left:.7rem}img{max-width:100%;height:auto}\
+@media print{h2{break-after:avoid}img,table{break-inside:avoid}}";
+
+fn head(page: &mut String, bench: &str) {
+    let bench = escaped(bench);
+    page.push_str("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">");
+    page.push_str("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">");
+    put(
+        page,
+        &format!(
+            "<title>{bench}</title><style>{STYLE}</style></head>\n<body><main><h1>{bench}</h1>\n"
+        ),
+    );
+}
+
+fn conclusion(page: &mut String, findings: &Findings) {
+    let sentence = findings.diagnosis.map_or(
+        "No diagnosis was made: whether the model lacks an effect is not known.",
+        |diagnosis| &diagnosis.sentence,
+    );
+    put(page, &format!("<p class=\"c\">{}</p>\n", escaped(sentence)));
+    let Some(diagnosis) = findings.diagnosis else {
+        return;
+    };
+    if let Some(remains) = &diagnosis.remains {
+        paragraph(page, &remains.sentence());
+    }
+    if !diagnosis.next_experiment.is_empty() {
+        paragraph(
+            page,
+            &format!("Next experiment: {}", diagnosis.next_experiment),
+        );
+    }
+    let added = diagnosis.added();
+    if !added.is_empty()
+        && !added
+            .iter()
+            .all(|effect| findings.comparison.effects.contains(effect))
+    {
+        paragraph(
+            page,
+            &format!(
+                "This report is about the model as it is, without {}.",
+                added.join(", ")
+            ),
+        );
+    }
+}
+
+fn parameters(page: &mut String, found: &ComparisonReport) {
+    section(page, "Parameters");
+    paragraph(
+        page,
+        &format!("The model has {}.", found.effects.join(", ")),
+    );
+    let rows = found.parameters.iter().map(|parameter| {
+        vec![
+            parameter.name.clone(),
+            with_uncertainty(parameter.value, parameter.std),
+            parameter.unit.clone(),
+            parameter.source.clone(),
+        ]
+    });
+    table(
+        page,
+        &["parameter", "value ± standard error", "unit", "from"],
+        rows,
+    );
+}
+
+fn data(page: &mut String, found: &ComparisonReport) {
+    section(page, "Measurements");
+    let rows = found.experiments.iter().map(|one| {
+        vec![
+            one.name.clone(),
+            one.kind.clone(),
+            one.samples.to_string(),
+            format!("{} s", significant(one.duration_s, 3)),
+            one.channels.join(", "),
+        ]
+    });
+    table(
+        page,
+        &["experiment", "kind", "samples", "duration", "channels"],
+        rows,
+    );
+    let notes = found.notes.iter().map(|note| match &note.experiment {
+        Some(experiment) => format!("{experiment}: {}", note.note),
+        None => note.note.clone(),
+    });
+    list(page, notes.chain(found.statements.iter().cloned()));
+}
+
+/// The staircase: the base model, this model, the sensor.
+fn errors(page: &mut String, findings: &Findings) {
+    section(page, "Model against measurement");
+    let found = findings.comparison;
+    let mut session = findings.session.clone();
+    let base = session.identify_base(&Progress::silent()).ok();
+    let base = base.filter(|base| base.effects != found.effects);
+    let mut heads = vec!["experiment", "channel"];
+    heads.extend(base.iter().map(|_| "RMSE of the base model"));
+    heads.extend(["RMSE", "sensor noise", "fit"]);
+    let rows = found.rmse.iter().map(|(series, rmse)| {
+        let unit = series.channel.unit();
+        let size =
+            |value: Option<f64>| value.map_or("–".to_owned(), |value| with_prefix(value, unit));
+        let mut row = vec![
+            series.experiment.clone(),
+            words::spoken(series.channel.name()).to_owned(),
+        ];
+        row.extend(base.iter().map(|base| size(base.rmse.of(series))));
+        row.push(size(Some(*rmse)));
+        row.push(size(found.sensor_noise.of(series)));
+        row.push(fit_percent(
+            found.fit_percent.of(series).unwrap_or(f64::NAN),
+        ));
+        row
+    });
+    table(page, &heads, rows);
+}
+
+fn diagnosis(page: &mut String, diagnosis: Option<&DiagnosisReport>) -> Result<(), Error> {
+    let Some(report) = diagnosis else {
+        return Ok(());
+    };
+    section(page, "What could be missing");
+    let rows = report.suspects.iter().take(8).map(|suspect| {
+        vec![
+            suspect.effect.clone(),
+            format!("{:.0} %", 100.0 * suspect.probability),
+            suspect.fingerprint.clone(),
+        ]
+    });
+    table(page, &["effect", "probability", "what speaks for it"], rows);
+    figures(
+        page,
+        report
+            .drawings()?
+            .iter()
+            .filter(|file| !file.name.starts_with("compare-")),
+    );
+    Ok(())
+}
+
+fn places(page: &mut String, found: &ComparisonReport) {
+    let places = found
+        .places
+        .iter()
+        .filter(|place| place.significant)
+        .take(8);
+    let rows: Vec<Vec<String>> = places
+        .map(|place| {
+            vec![
+                place.experiment.clone(),
+                place.channel.clone(),
+                words::residual(place.residual).to_owned(),
+                words::place(place),
+                format!("{} %", significant(100.0 * place.share_of_error, 2)),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        paragraph(page, "Nowhere beyond noise.");
+    } else {
+        table(
+            page,
+            &[
+                "experiment",
+                "channel",
+                "seen in",
+                "where",
+                "share of the error",
+            ],
+            rows.into_iter(),
+        );
+    }
+}
+
+fn design(page: &mut String, session: &Session) -> Result<(), Error> {
+    section(page, "Controller");
+    let designed = match session.design() {
+        Ok(designed) => designed,
+        Err(error) => {
+            paragraph(
+                page,
+                &format!("No controller can be designed from this model: {error}"),
+            );
+            return Ok(());
+        }
+    };
+    let report = designed.report()?;
+    paragraph(
+        page,
+        &format!(
+            "u = −K x every {} s, K = ({}) A/rad, A s/rad, A s/rad, at most ±{} A; from rest it recovers from {}° at most.",
+            significant(report.sample_time_s, 4),
+            report.gains.map(|gain| significant(gain, 6)).join(", "),
+            significant(report.current_limit_a, 4),
+            significant(report.recovery_angle_rad.to_degrees(), 3)
+        ),
+    );
+    figures(page, report.drawings()?.iter());
+    Ok(())
+}
+
+fn proof(page: &mut String, proof: Result<&Proof, &str>) {
+    section(page, "What is proved of the emitted controller");
+    let proof = match proof {
+        Ok(proof) => proof,
+        Err(reason) => {
+            paragraph(page, &format!("Nothing: {reason}"));
+            return;
+        }
+    };
+    paragraph(
+        page,
+        if proof.passed() {
+            "No claim fails."
+        } else {
+            "A claim fails: this controller must not be used."
+        },
+    );
+    let rows = proof.claims.iter().map(|claim| {
+        vec![
+            claim.statement.clone(),
+            claim.domain.clone(),
+            claim.engine.to_owned(),
+            claim.outcome.word().to_owned(),
+        ]
+    });
+    table(page, &["claim", "for which inputs", "by", "result"], rows);
+}
+
+fn put(page: &mut String, html: &str) {
+    page.push_str(html);
+}
+
+fn section(page: &mut String, title: &str) {
+    put(page, &format!("<h2>{}</h2>\n", escaped(title)));
+}
+
+fn paragraph(page: &mut String, text: &str) {
+    put(page, &format!("<p>{}</p>\n", escaped(text)));
+}
+
+fn list(page: &mut String, lines: impl Iterator<Item = String>) {
+    let lines: String = lines
+        .map(|line| format!("<li>{}</li>", escaped(&line)))
+        .collect();
+    if !lines.is_empty() {
+        put(page, &format!("<ul>{lines}</ul>\n"));
+    }
+}
+
+fn table(page: &mut String, heads: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+    page.push_str("<table><thead><tr>");
+    for head in heads {
+        put(page, &format!("<th scope=\"col\">{}</th>", escaped(head)));
+    }
+    page.push_str("</tr></thead><tbody>\n");
+    for row in rows {
+        page.push_str("<tr>");
+        for cell in row {
+            let is_number = cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '(');
+            let class = if is_number { "" } else { " class=\"l\"" };
+            put(page, &format!("<td{class}>{}</td>", escaped(&cell)));
+        }
+        page.push_str("</tr>\n");
+    }
+    page.push_str("</tbody></table>\n");
+}
+
+/// Each figure as an image of its own, so that their names cannot meet.
+fn figures<'a>(page: &mut String, files: impl Iterator<Item = &'a OutputFile>) {
+    for file in files.filter(|file| file.is_figure()) {
+        let name = file.name.trim_end_matches(".svg").replace('-', " ");
+        put(
+            page,
+            &format!(
+                "<p><img alt=\"{}\" src=\"data:image/svg+xml,{}\"></p>\n",
+                escaped(&name),
+                in_address(&file.text)
+            ),
+        );
+    }
+}
+
+/// Text that HTML takes for text.
+fn escaped(text: &str) -> String {
+    let mut html = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => html.push_str("&amp;"),
+            '<' => html.push_str("&lt;"),
+            '>' => html.push_str("&gt;"),
+            '"' => html.push_str("&quot;"),
+            '\'' => html.push_str("&#39;"),
+            c => html.push(c),
+        }
+    }
+    html
+}
+
+/// Text in an address (RFC 3986): what could end it, and everything beyond ASCII, as %XX.
+fn in_address(text: &str) -> String {
+    let mut address = String::with_capacity(text.len() + text.len() / 4);
+    for byte in text.bytes() {
+        let plain = byte.is_ascii_alphanumeric() || b" -._~!$()*+,;=:@/?".contains(&byte);
+        if plain {
+            address.push(char::from(byte));
+        } else {
+            // Writing to a String cannot fail.
+            let _ = write!(address, "%{byte:02X}");
+        }
+    }
+    address
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_text() {
+        assert_eq!(
+            escaped("<img onerror='x'>&\""),
+            "&lt;img onerror=&#39;x&#39;&gt;&amp;&quot;"
+        );
+        assert_eq!(
+            in_address("<svg a=\"#1\">µ"),
+            "%3Csvg a=%22%231%22%3E%C2%B5"
+        );
+    }
+}

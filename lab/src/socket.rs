@@ -1,0 +1,190 @@
+//! The socket of a page: it asks for curves, also with other values of the parameters, and is told of the work.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::response::Response;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tokio::sync::broadcast::error::RecvError;
+use workbench::ExperimentCurves;
+
+use crate::desk::OpenBench;
+use crate::facts::error_row;
+use crate::picture::{Curve, View, thinned};
+use crate::server::Shared;
+
+/// Largest message from a page, bytes.
+const LARGEST_MESSAGE: usize = 64 * 1024;
+/// Widest screen that curves are drawn for.
+const MOST_PIXELS: usize = 8000;
+
+/// What a page asks for.
+#[derive(Clone, Debug, Deserialize)]
+struct Question {
+    /// Comes back with the answer.
+    id: u64,
+    /// The experiment, by its place in the list.
+    experiment: usize,
+    /// Left edge, s; `None`: the beginning.
+    from_s: Option<f64>,
+    /// Right edge, s; `None`: the end.
+    to_s: Option<f64>,
+    /// Width of the screen.
+    pixels: usize,
+    /// Parameters with other values than the model's.
+    changes: Vec<(String, f64)>,
+}
+
+/// Curves of all experiments, and what they are the curves of.
+struct Simulated {
+    bench: Arc<OpenBench>,
+    changes: Vec<(String, f64)>,
+    curves: Vec<ExperimentCurves>,
+}
+
+/// Begins to talk.
+pub async fn upgrade(State(shared): State<Shared>, upgrade: WebSocketUpgrade) -> Response {
+    upgrade
+        .max_message_size(LARGEST_MESSAGE)
+        .on_upgrade(move |socket| talk(shared, socket))
+}
+
+async fn talk(shared: Shared, mut socket: WebSocket) {
+    let mut events = shared.desk.listen();
+    let mut last: Option<Arc<Simulated>> = None;
+    loop {
+        let answer = tokio::select! {
+            event = events.recv() => match event {
+                Ok(event) => Message::text(event),
+                // The page asks for the state anew.
+                Err(RecvError::Lagged(_)) => Message::text(json!({"event": "lagged"}).to_string()),
+                Err(RecvError::Closed) => return,
+            },
+            asked = socket.recv() => match asked {
+                Some(Ok(Message::Text(text))) => match answer_to(&shared, &text, &mut last).await {
+                    Ok(bytes) => Message::binary(bytes),
+                    Err(message) => Message::text(
+                        json!({"event": "refused", "message": message}).to_string(),
+                    ),
+                },
+                Some(Ok(Message::Close(_)) | Err(_)) | None => return,
+                Some(Ok(_)) => continue,
+            },
+        };
+        if socket.send(answer).await.is_err() {
+            return;
+        }
+    }
+}
+
+async fn answer_to(
+    shared: &Shared,
+    text: &str,
+    last: &mut Option<Arc<Simulated>>,
+) -> Result<Vec<u8>, String> {
+    let question: Question = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    let bench = shared.desk.bench().ok_or("no bench is open")?;
+    // A zoom asks for the same curves again.
+    let known = last
+        .clone()
+        .filter(|known| Arc::ptr_eq(&known.bench, &bench) && known.changes == question.changes);
+    let computing = tokio::task::spawn_blocking(move || {
+        let simulated = match known {
+            Some(known) => known,
+            None => Arc::new(simulate(bench, &question)?),
+        };
+        let answer = answer(&simulated, &question)?;
+        Ok::<_, String>((simulated, answer))
+    });
+    let (simulated, answer) = computing
+        .await
+        .map_err(|_| "internal error: this is a bug in flywheel, please report it")??;
+    *last = Some(simulated);
+    Ok(answer)
+}
+
+fn simulate(bench: Arc<OpenBench>, question: &Question) -> Result<Simulated, String> {
+    let changes = question.changes.iter();
+    let changes: Vec<(&str, f64)> = changes
+        .map(|(name, value)| (name.as_str(), *value))
+        .collect();
+    let curves = bench
+        .predictor
+        .curves(&changes)
+        .map_err(|error| error.to_string())?;
+    Ok(Simulated {
+        bench,
+        changes: question.changes.clone(),
+        curves,
+    })
+}
+
+/// A header in JSON, then numbers: the length of the header in bytes (u32, little-endian), the header, zeros up to
+/// a multiple of eight, and f64 in little-endian. The header says which numbers are what.
+fn answer(simulated: &Simulated, question: &Question) -> Result<Vec<u8>, String> {
+    let curves = simulated.curves.get(question.experiment);
+    let curves = curves.ok_or("there is no such experiment")?;
+    let time_s = &curves.time_s;
+    let (Some(&first), Some(&last)) = (time_s.first(), time_s.last()) else {
+        return Err("the experiment has no samples".to_owned());
+    };
+    let view = View {
+        from_s: question.from_s.filter(|t| t.is_finite()).unwrap_or(first),
+        to_s: question.to_s.filter(|t| t.is_finite()).unwrap_or(last),
+        pixels: question.pixels.clamp(50, MOST_PIXELS),
+    };
+    if view.to_s <= view.from_s {
+        return Err("the view ends before it begins".to_owned());
+    }
+    let mut numbers: Vec<f64> = Vec::new();
+    let mut put = |curve: Curve| {
+        let at = numbers.len();
+        let count = curve.time_s.len();
+        numbers.extend(curve.time_s);
+        numbers.extend(curve.value);
+        json!([at, count])
+    };
+    let channels: Vec<Value> = curves
+        .channels
+        .iter()
+        .map(|channel| {
+            // Around a push that nobody recorded the model claims nothing.
+            let model = channel.simulated.iter().zip(&curves.counts);
+            let model: Vec<f64> = model
+                .map(|(value, counts)| if *counts { *value } else { f64::NAN })
+                .collect();
+            let pairs = channel.measured.iter().zip(&model);
+            let residual: Vec<f64> = pairs.map(|(measured, model)| measured - model).collect();
+            json!({
+                "channel": channel.channel.name(),
+                "measured": put(thinned(time_s, &channel.measured, &view)),
+                "simulated": put(thinned(time_s, &model, &view)),
+                "residual": put(thinned(time_s, &residual, &view)),
+            })
+        })
+        .collect();
+    let errors = simulated.curves.iter().flat_map(|curves| {
+        let name = &curves.experiment;
+        let channels = curves.channels.iter();
+        channels.map(move |channel| error_row(name, channel))
+    });
+    let errors: Vec<Value> = errors.collect();
+    let header = json!({
+        "id": question.id,
+        "experiment": question.experiment,
+        "span": [first, last],
+        "view": [view.from_s, view.to_s],
+        "channels": channels,
+        "errors": errors,
+    })
+    .to_string();
+    let mut bytes = Vec::with_capacity(header.len() + 12 + 8 * numbers.len());
+    let length = u32::try_from(header.len()).map_err(|error| error.to_string())?;
+    bytes.extend(length.to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.resize(bytes.len().next_multiple_of(8), 0);
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    Ok(bytes)
+}

@@ -1,0 +1,352 @@
+//! Long computations, one at a time, in a thread beside the server.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Instant;
+
+use serde::Deserialize;
+use serde_json::json;
+use workbench::{DesignSection, Preset, Progress, ProofSettings};
+
+use crate::desk::{Desk, Diagnosed, OpenBench, said};
+use crate::folder;
+
+/// What can be asked for.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "task", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Task {
+    /// Opens a bench by its folder.
+    Open {
+        /// The folder, or its bench.toml.
+        path: PathBuf,
+        /// Fits the model anew in place of comparing it as it is.
+        #[serde(default)]
+        refit: bool,
+    },
+    /// Opens the demonstration bench.
+    OpenDemonstration {},
+    /// Makes a bench folder of the files that were dropped on the page, and opens it.
+    Create {
+        /// The folder; it must not be a bench already.
+        folder: PathBuf,
+        /// The text of bench.toml.
+        text: String,
+    },
+    /// Fits the model to all experiments, from these values of its parameters.
+    Fit {
+        /// Parameters by name.
+        start: Vec<(String, f64)>,
+    },
+    /// Makes these values the model's.
+    Keep {
+        /// Parameters by name.
+        values: Vec<(String, f64)>,
+    },
+    /// What does the model lack?
+    Diagnose {},
+    /// Takes what the diagnosis found into the model.
+    Apply {},
+    /// Puts an effect into the model.
+    Add {
+        /// Its name.
+        effect: String,
+    },
+    /// Takes an effect out of the model.
+    Remove {
+        /// Its name.
+        effect: String,
+    },
+    /// Goes back by one change.
+    Undo {},
+    /// Writes what the controller is designed for into the model.
+    KeepDesign {
+        /// Weights, sample time, limit.
+        wishes: DesignSection,
+    },
+    /// Emits the controller.
+    Generate {
+        /// Weights, sample time, limit.
+        wishes: DesignSection,
+        /// Where what is not stated of sensors and drive comes from; `None`: then it is refused.
+        #[serde(default)]
+        preset: Option<Preset>,
+    },
+    /// Writes the emitted controller into the bench folder.
+    WriteController {},
+    /// Checks what the emitted controller promises.
+    Prove {},
+}
+
+/// A computation under way.
+pub struct Running {
+    /// Which one, counted from the start of the server.
+    pub number: u64,
+    /// What it is, for people.
+    pub name: &'static str,
+    /// What it does now.
+    pub says: String,
+    /// Set to end it.
+    pub called_off: Arc<AtomicBool>,
+}
+
+impl Task {
+    fn name(&self) -> &'static str {
+        match self {
+            Task::Open { .. } | Task::OpenDemonstration {} => "Opening the bench",
+            Task::Create { .. } => "Making the bench",
+            Task::Fit { .. } => "Fitting",
+            Task::Keep { .. } => "Keeping the values",
+            Task::Diagnose {} => "Diagnosing",
+            Task::Apply {} => "Adding what was found",
+            Task::Add { .. } => "Adding the effect",
+            Task::Remove { .. } => "Removing the effect",
+            Task::Undo {} => "Going back",
+            Task::KeepDesign { .. } => "Keeping the design",
+            Task::Generate { .. } => "Generating the controller",
+            Task::WriteController {} => "Writing the controller",
+            Task::Prove {} => "Proving",
+        }
+    }
+}
+
+/// Opens a bench.
+///
+/// # Errors
+/// As for [`start`].
+pub fn open(desk: &Arc<Desk>, path: PathBuf) -> Result<u64, String> {
+    start(desk, Task::Open { path, refit: false })
+}
+
+/// Begins a computation and returns its number.
+///
+/// # Errors
+/// A sentence, where another one is under way or the bench has changed.
+pub fn start(desk: &Arc<Desk>, task: Task) -> Result<u64, String> {
+    let name = task.name();
+    let called_off = Arc::new(AtomicBool::new(false));
+    let (number, bench) = {
+        let mut state = desk.state();
+        if let Some(running) = &state.running {
+            return Err(format!("{} is still under way", running.name));
+        }
+        let opens = matches!(
+            task,
+            Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. }
+        );
+        match &state.bench {
+            None if !opens => return Err("no bench is open".to_owned()),
+            Some(bench) if !opens && bench.changed_outside() => {
+                return Err(
+                    "model.toml was changed by another program: read it anew first".to_owned(),
+                );
+            }
+            _ => {}
+        }
+        state.count += 1;
+        state.failure = None;
+        state.running = Some(Running {
+            number: state.count,
+            name,
+            says: String::new(),
+            called_off: called_off.clone(),
+        });
+        (state.count, state.bench.clone())
+    };
+    desk.tell(&json!({"event": "begun", "number": number, "name": name}));
+    let own_desk = desk.clone();
+    let work = move || {
+        let began = Instant::now();
+        let say = |what: &str| {
+            if let Some(running) = &mut own_desk.state().running {
+                what.clone_into(&mut running.says);
+            }
+            own_desk.tell(&json!({"event": "says", "number": number, "name": name, "says": what}));
+        };
+        let cancelled = || called_off.load(Ordering::Relaxed);
+        let progress = Progress {
+            say: &say,
+            cancelled: &cancelled,
+        };
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            perform(&own_desk, task, bench.as_deref(), &progress)
+        }));
+        let result = result.unwrap_or_else(|_| {
+            Err("internal error: this is a bug in flywheel, please report it".to_owned())
+        });
+        let failure = {
+            let mut state = own_desk.state();
+            state.running = None;
+            match result {
+                Ok(bench) => {
+                    state.bench = Some(Arc::new(bench));
+                    None
+                }
+                Err(message) => {
+                    state.failure = Some(message.clone());
+                    Some(message)
+                }
+            }
+        };
+        own_desk.tell(&json!({
+            "event": "ended", "number": number, "name": name, "failure": failure,
+            "cancelled": cancelled(), "seconds": began.elapsed().as_secs_f64(),
+        }));
+    };
+    if let Err(error) = thread::Builder::new().name(name.to_owned()).spawn(work) {
+        desk.state().running = None;
+        return Err(format!("no thread can be begun: {error}"));
+    }
+    Ok(number)
+}
+
+/// Asks the computation under way to end.
+pub fn call_off(desk: &Desk) {
+    if let Some(running) = &desk.state().running {
+        running.called_off.store(true, Ordering::Relaxed);
+    }
+}
+
+fn perform(
+    desk: &Desk,
+    task: Task,
+    bench: Option<&OpenBench>,
+    progress: &Progress,
+) -> Result<OpenBench, String> {
+    let (path, refit) = match &task {
+        Task::Open { path, refit } => (Some(path.clone()), *refit),
+        Task::OpenDemonstration {} => (Some(folder::demonstration()?), false),
+        Task::Create { folder, text } => {
+            desk.dropped().write(folder, text)?;
+            desk.dropped().clear();
+            (Some(folder.clone()), false)
+        }
+        _ => (None, false),
+    };
+    if let Some(path) = path {
+        return OpenBench::open(&path, refit, progress);
+    }
+    let mut bench = bench.ok_or("no bench is open")?.clone();
+    change(task, &mut bench, progress)?;
+    Ok(bench)
+}
+
+/// Does what is asked with a copy of the bench, which takes its place if all goes well.
+fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), String> {
+    match task {
+        // These open another bench: see `perform`.
+        Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. } => {}
+        Task::Fit { start } => {
+            bench.remember();
+            let start = borrowed(&start);
+            let fitted = bench
+                .session
+                .identify_from(&start, progress)
+                .map_err(said)?;
+            bench.changed(fitted, "fitted".to_owned(), progress)?;
+        }
+        Task::Keep { values } => {
+            bench.remember();
+            let values = borrowed(&values);
+            bench
+                .session
+                .set_parameters(&values, "set by hand in the lab")
+                .map_err(said)?;
+            let compared = bench.session.compare(progress).map_err(said)?;
+            bench.changed(compared, "set by hand".to_owned(), progress)?;
+        }
+        Task::Diagnose {} => {
+            let report = bench.session.diagnose(progress).map_err(said)?;
+            bench.diagnosis = Some(Arc::new(Diagnosed {
+                report,
+                first: bench.comparison.clone(),
+                applied: false,
+            }));
+        }
+        Task::Apply {} => {
+            let found = bench.diagnosis.clone();
+            let found = found.ok_or("there is no diagnosis yet: diagnose first")?;
+            bench.remember();
+            bench.session.apply(&found.report);
+            let steps = found.report.steps.iter().skip(1);
+            let stairs = steps.map(|step| (step_label(step), step.rmse.clone()));
+            let mut stairs: Vec<_> = stairs.collect();
+            let last = stairs.pop();
+            for (label, rmse) in stairs {
+                bench.staircase.push(crate::desk::Stair { label, rmse });
+            }
+            let label = last.map_or("refitted".to_owned(), |(label, _)| label);
+            bench.changed(found.report.last.clone(), label, progress)?;
+            bench.diagnosis = Some(Arc::new(Diagnosed {
+                report: found.report.clone(),
+                first: found.first.clone(),
+                applied: true,
+            }));
+        }
+        Task::Add { effect } => {
+            bench.remember();
+            let change = bench.session.add_effect(&effect, progress).map_err(said)?;
+            bench.changed(change.after, format!("+ {effect}"), progress)?;
+        }
+        Task::Remove { effect } => {
+            bench.remember();
+            let change = bench
+                .session
+                .remove_effect(&effect, progress)
+                .map_err(said)?;
+            bench.changed(change.after, format!("− {effect}"), progress)?;
+        }
+        Task::Undo {} => bench.undo(progress)?,
+        Task::KeepDesign { wishes } => {
+            bench.remember();
+            let designed = bench.session.design_for(wishes).map_err(said)?;
+            bench.session.set_model(designed.file().clone());
+            bench.save();
+        }
+        Task::Generate { wishes, preset } => {
+            (progress.say)("emitting the controller");
+            let designed = bench.session.design_for(wishes).map_err(said)?;
+            bench.generated = Some(designed.generate(preset).map_err(said)?);
+            bench.proof = None;
+        }
+        Task::WriteController {} => {
+            let controller = bench.generated.as_ref();
+            let controller = controller.ok_or("there is no controller yet: generate it first")?;
+            let into = bench.folder.join(CONTROLLER);
+            folder::within(&bench.folder, &into)?;
+            controller.write(&into).map_err(said)?;
+        }
+        Task::Prove {} => {
+            let controller = bench.generated.as_ref();
+            let controller = controller.ok_or("there is no controller yet: generate it first")?;
+            let settings = ProofSettings {
+                kani: false,
+                ..Default::default()
+            };
+            bench.proof = Some(controller.prove(&settings, progress).map_err(said)?);
+        }
+    }
+    Ok(())
+}
+
+/// The folder in the bench's folder into which the controller is written.
+pub const CONTROLLER: &str = "controller";
+
+/// What a step of a diagnosis did.
+fn step_label(step: &workbench::DiagnosisStep) -> String {
+    let mut label = match &step.effect {
+        Some(effect) => format!("+ {effect}"),
+        None => String::new(),
+    };
+    if !step.replaces.is_empty() {
+        label = format!("{label} − {}", step.replaces.join(", "));
+    }
+    label.trim().to_owned()
+}
+
+fn borrowed(values: &[(String, f64)]) -> Vec<(&str, f64)> {
+    let pairs = values.iter();
+    pairs.map(|(name, value)| (name.as_str(), *value)).collect()
+}

@@ -1,0 +1,115 @@
+//! Dropped CSV files become a bench folder.
+
+use std::fs;
+
+use serde_json::json;
+
+use crate::running::Running;
+
+fn log(name: &str) -> &'static str {
+    let found = demo::FILES.into_iter().find(|(own, _)| *own == name);
+    found.expect("a log of the demonstration").1
+}
+
+#[test]
+fn dropped_logs_are_described_checked_and_become_a_bench() {
+    let place = tempfile::tempdir().expect("a folder");
+    let folder = place.path().join("mine");
+    let lab = Running::entered(None);
+    for name in ["spin-up-0.4A.csv", "free-swing-20deg.csv"] {
+        let answer = lab.ask("POST", &format!("/api/drop?name={name}"), log(name));
+        assert_eq!(answer.status, 200, "{}", answer.body);
+    }
+    let found = lab.ask("GET", "/api/drop", "").json();
+    let first_line = log("free-swing-20deg.csv").lines().next();
+    assert_eq!(found["files"][1]["lines"][0].as_str(), first_line);
+    let kinds = |index: usize| found["proposal"]["experiments"][index]["kind"].clone();
+    assert_eq!(
+        [kinds(0), kinds(1)],
+        [json!("spin-up"), json!("free-swing")]
+    );
+    let text = found["proposal"]["text"].as_str().expect("a text");
+
+    // A correction that is none is noticed as it is typed, and nothing is written.
+    let wrong = text.replace("free-swing\"", "freeswing\"");
+    let checked = lab.ask(
+        "POST",
+        "/api/drop/check",
+        &json!({"text": wrong}).to_string(),
+    );
+    assert!(
+        checked.json()["failure"]
+            .as_str()
+            .is_some_and(|said| said.contains("freeswing"))
+    );
+    let refused = lab.work(&json!({"task": "create", "folder": folder, "text": wrong}));
+    assert_eq!(refused["bench"], json!(null));
+    assert!(!folder.exists());
+
+    // What a user fills in: without the torque constant nothing fixes the scale.
+    let filled = format!("{text}\n[known]\ntorque_constant = 0.033\ngravity_torque = 0.238383\n");
+    let filled = if text.contains("\n[known]") {
+        text.replacen(
+            "[known]",
+            "[known]\ntorque_constant = 0.033\ngravity_torque = 0.238383",
+            1,
+        )
+    } else {
+        filled
+    };
+    let opened = lab.work(&json!({"task": "create", "folder": folder, "text": filled}));
+    assert_eq!(opened["failure"], json!(null));
+    assert_eq!(
+        opened["bench"]["experiments"].as_array().map(Vec::len),
+        Some(2)
+    );
+    assert_eq!(
+        fs::read_to_string(folder.join("bench.toml")).expect("written"),
+        filled
+    );
+    let written = fs::read_to_string(folder.join("free-swing-20deg.csv")).expect("written");
+    assert_eq!(written, log("free-swing-20deg.csv"));
+    assert_eq!(lab.ask("GET", "/api/drop", "").json()["files"], json!([]));
+
+    // Nothing is written over.
+    lab.ask(
+        "POST",
+        "/api/drop?name=free-swing-20deg.csv",
+        log("free-swing-50deg.csv"),
+    );
+    let again = lab.work(&json!({"task": "create", "folder": folder, "text": filled}));
+    assert!(again["failure"].as_str().is_some(), "{again}");
+    let kept = fs::read_to_string(folder.join("free-swing-20deg.csv")).expect("kept");
+    assert_eq!(kept, written);
+}
+
+#[test]
+fn names_that_lead_elsewhere_and_files_that_are_no_logs_are_refused() {
+    let lab = Running::entered(None);
+    for name in [
+        "..%2Fx.csv",
+        "a%2Fb.csv",
+        "a%5Cb.csv",
+        ".x.csv",
+        "x.exe",
+        "x",
+        "bench.toml",
+        "%00.csv",
+        "..",
+        "",
+    ] {
+        let answer = lab.ask("POST", &format!("/api/drop?name={name}"), "t,a\n0,1\n");
+        assert_eq!(answer.status, 422, "{name}: {}", answer.body);
+    }
+    // What is no table gets its message, without a word on where it lies.
+    lab.ask("POST", "/api/drop?name=bad.csv", "hello\n\u{1F600}\n");
+    let found = lab.ask("GET", "/api/drop", "").json();
+    let said = found["failure"]
+        .as_str()
+        .or(found["proposal"]["open"].as_str());
+    assert!(
+        said.is_some_and(|said| !said.contains("flywheel-lab-")),
+        "{found}"
+    );
+    assert_eq!(lab.ask("DELETE", "/api/drop", "").status, 204);
+}

@@ -1,0 +1,11 @@
+//! The lab from outside: requests over TCP, and the page in a browser.
+
+mod bench;
+mod browser;
+mod drop;
+mod hostile;
+mod http;
+mod report;
+mod running;
+mod tasks;
+mod webdriver;

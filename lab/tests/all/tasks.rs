@@ -1,0 +1,198 @@
+//! The work of the lab, without a browser: the folder is its state.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::bench;
+use crate::running::Running;
+
+fn number(state: &Value, key: &str, experiment: &str, channel: &str) -> f64 {
+    let rows = state["bench"]["errors"].as_array().expect("rows");
+    let row = rows
+        .iter()
+        .find(|row| row["experiment"] == experiment && row["channel"] == channel);
+    row.and_then(|row| row[key].as_f64()).expect("an error")
+}
+
+fn rmse(state: &Value, experiment: &str, channel: &str) -> f64 {
+    number(state, "rmse", experiment, channel)
+}
+
+/// Whether the model is as good as the sensor: the RMSE is the noise to within a tenth (thousands of samples tell it
+/// to a hundredth; the noise itself is estimated).
+fn is_noise(state: &Value) -> bool {
+    let over = number(state, "over_noise", "swing", "angle");
+    (0.9..1.1).contains(&over)
+}
+
+fn effects(state: &Value) -> Vec<&str> {
+    let effects = state["bench"]["effects"].as_array().expect("effects");
+    effects.iter().filter_map(Value::as_str).collect()
+}
+
+/// Open, diagnose, add what is missing, take it back: the error falls to the sensor's noise and comes back, the
+/// staircase grows and shrinks, and model.toml says the same at every step.
+#[test]
+fn the_missing_effect_is_found_added_and_taken_back() {
+    let folder = bench::folder();
+    let lab = Running::entered(Some(folder.path()));
+    let model = || fs::read_to_string(folder.path().join("model.toml")).expect("a model");
+    let base = lab.settled();
+    assert_eq!(base["failure"], json!(null));
+    assert!(!model().contains("body-coulomb-friction"));
+    let before = rmse(&base, "swing", "angle");
+    assert!(number(&base, "over_noise", "swing", "angle") > 2.0);
+
+    lab.work(&json!({"task": "diagnose"}));
+    let found = lab.ask("GET", "/api/diagnosis", "").json();
+    assert_eq!(found["verdict"], "explained", "{found}");
+    assert_eq!(found["added"], json!(["body-coulomb-friction"]));
+    // What a person is to see: the residual before and after.
+    assert!(
+        found["reasons"][0]["before"]
+            .as_array()
+            .is_some_and(|bins| bins.len() > 3)
+    );
+
+    let added = lab.work(&json!({"task": "apply"}));
+    assert!(effects(&added).contains(&"body-coulomb-friction"));
+    assert!(model().contains("body-coulomb-friction"));
+    assert!(is_noise(&added));
+    assert_eq!(
+        added["bench"]["staircase"]["labels"],
+        json!(["base model", "+ body-coulomb-friction"])
+    );
+
+    let undone = lab.work(&json!({"task": "undo"}));
+    assert!(!model().contains("body-coulomb-friction"));
+    assert!((rmse(&undone, "swing", "angle") / before - 1.0).abs() < 1e-3);
+    assert_eq!(
+        undone["bench"]["staircase"]["labels"],
+        json!(["base model"])
+    );
+
+    // The same by hand, and taken out by name.
+    let added = lab.work(&json!({"task": "add", "effect": "body-coulomb-friction"}));
+    assert!(is_noise(&added));
+    let removed = lab.work(&json!({"task": "remove", "effect": "body-coulomb-friction"}));
+    assert!((rmse(&removed, "swing", "angle") / before - 1.0).abs() < 1e-3);
+
+    // Another lab on the same folder finds the same.
+    let other = Running::entered(Some(folder.path()));
+    let state = other.settled();
+    assert_eq!(effects(&state), effects(&removed));
+    assert!((rmse(&state, "swing", "angle") / before - 1.0).abs() < 1e-3);
+}
+
+/// Values set by hand are kept as they are; a fit from there finds the minimum again.
+#[test]
+fn values_are_kept_and_fitted_from() {
+    let folder = bench::folder();
+    let lab = Running::entered(Some(folder.path()));
+    let slider = |state: &Value, name: &str| {
+        let sliders = state["bench"]["sliders"]
+            .as_array()
+            .expect("sliders")
+            .clone();
+        sliders
+            .into_iter()
+            .find(|one| one["name"] == name)
+            .expect("a slider")
+    };
+    let fitted = lab.settled();
+    let inertia = slider(&fitted, "total_inertia")["value"]
+        .as_f64()
+        .expect("a value");
+    let track = slider(&fitted, "total_inertia")["coarse"].clone();
+    assert!(track[0].as_f64() <= Some(inertia) && Some(inertia) <= track[1].as_f64());
+
+    let kept = lab.work(&json!({"task": "keep", "values": [["total_inertia", 1.05 * inertia]]}));
+    assert_eq!(
+        slider(&kept, "total_inertia")["value"],
+        json!(1.05 * inertia)
+    );
+    assert_eq!(slider(&kept, "total_inertia")["std"], json!(null));
+    assert!(rmse(&kept, "swing", "angle") > rmse(&fitted, "swing", "angle"));
+
+    let again = lab.work(&json!({"task": "fit", "start": [["total_inertia", 1.02 * inertia]]}));
+    let found = slider(&again, "total_inertia")["value"]
+        .as_f64()
+        .expect("a value");
+    assert!((found / inertia - 1.0).abs() < 1e-4, "{found} {inertia}");
+}
+
+/// What another program writes into the folder is not written over.
+#[test]
+fn a_model_that_changes_outside_is_noticed() {
+    let folder = bench::folder();
+    let lab = Running::entered(Some(folder.path()));
+    lab.settled();
+    let path = folder.path().join("model.toml");
+    let text = fs::read_to_string(&path).expect("a model") + "\n# by hand\n";
+    fs::write(&path, &text).expect("written");
+    assert_eq!(lab.settled()["bench"]["changed_outside"], json!(true));
+    let refused = lab.ask("POST", "/api/work", "{\"task\": \"undo\"}");
+    assert_eq!(refused.status, 409);
+    assert_eq!(fs::read_to_string(&path).expect("a model"), text);
+    let read = lab.work(&json!({"task": "open", "path": folder.path()}));
+    assert_eq!(read["bench"]["changed_outside"], json!(false));
+}
+
+/// A second task waits for nobody: it is refused; the first can be called off and leaves everything as it was.
+#[test]
+fn one_task_at_a_time_which_can_be_called_off() {
+    let folder = bench::folder();
+    let lab = Running::entered(Some(folder.path()));
+    let before = lab.settled();
+    assert_eq!(
+        lab.ask("POST", "/api/work", "{\"task\": \"diagnose\"}")
+            .status,
+        202
+    );
+    let second = lab.ask("POST", "/api/work", "{\"task\": \"undo\"}");
+    assert_eq!(second.status, 409, "{second:?}");
+    assert_eq!(lab.ask("DELETE", "/api/work", "").status, 204);
+    let after = lab.settled();
+    assert_eq!(after["bench"]["has_diagnosis"], json!(false));
+    assert_eq!(after["bench"]["errors"], before["bench"]["errors"]);
+}
+
+/// A controller for other weights, emitted, proved and written into the folder.
+#[test]
+fn a_controller_is_designed_emitted_and_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in demo::FILES {
+        fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let lab = Running::entered(Some(folder.path()));
+    let state = lab.settled();
+    let mut wishes = state["bench"]["design"].clone();
+    wishes["current_weight"] = json!(2.0);
+    let designed = lab.ask("POST", "/api/design", &wishes.to_string());
+    assert_eq!(designed.status, 200, "{}", designed.body);
+    let designed = designed.json();
+    assert_eq!(designed["report"]["current_weight"], json!(2.0));
+    assert_eq!(designed["responses"].as_array().map(Vec::len), Some(2));
+    wishes["current_weight"] = json!(-1.0);
+    assert_eq!(
+        lab.ask("POST", "/api/design", &wishes.to_string()).status,
+        422
+    );
+
+    wishes["current_weight"] = json!(2.0);
+    lab.work(&json!({"task": "generate", "wishes": wishes}));
+    let state = lab.work(&json!({"task": "write-controller"}));
+    assert_eq!(state["failure"], json!(null));
+    let written = folder.path().join("controller/certificate.json");
+    let found = lab.ask("GET", "/api/controller", "").json();
+    let files = found["files"].as_array().expect("files");
+    let certificate = files
+        .iter()
+        .find(|file| file["path"] == "certificate.json")
+        .expect("it");
+    assert_eq!(
+        certificate["text"],
+        json!(fs::read_to_string(written).expect("written"))
+    );
+}
