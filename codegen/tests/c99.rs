@@ -414,14 +414,14 @@ fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
     }
 }
 
-/// Damages an operator or a cast of the C, one at a time; the comparison or the compiler must notice. Every 12th place.
+/// Damages an operator of the C, one at a time; the comparison or the compiler must notice. Every 12th place.
 #[test]
 #[cfg_attr(not(have_gcc), ignore = "needs gcc")]
-fn damaged_operators_and_casts_are_noticed() {
+fn damaged_operators_are_noticed() {
     damage(12, 5, false);
 }
 
-/// As above, every place, and every number changed in its last digit. It takes some minutes, and lists what no
+/// As above, every place, every cast, and every number changed in its last digit. It takes some minutes, and lists what no
 /// answer of the whole controller shows: the last bit of a polynomial's coefficient, a threshold moved by one unit.
 #[test]
 #[ignore = "run apart: some minutes"]
@@ -502,8 +502,12 @@ fn changes(line: &str, with_numbers: bool) -> Vec<(usize, usize, String)> {
         ("!", ""),
     ] {
         for (place, _) in line.match_indices(old) {
-            // A cast counts where nothing else widens the product.
-            if old == "(int64_t)" && !is_only_cast(line) {
+            // Whether another operand widens the product too the text does not say: casts are damaged with the numbers.
+            if old == "(int64_t)" && !with_numbers {
+                continue;
+            }
+            // The vectors are scaled by steps that ask again: the first question only saves time.
+            if old == " && " && line.contains("INT32_C(0x4000000)) && ") {
                 continue;
             }
             changes.push((place, old.len(), new.to_string()));
@@ -536,9 +540,4 @@ fn changes(line: &str, with_numbers: bool) -> Vec<(usize, usize, String)> {
         }
     }
     changes
-}
-
-/// Whether a line has one widening cast of a factor: `(int64_t)a * b`.
-fn is_only_cast(line: &str) -> bool {
-    line.matches("int64_t").count() == 1 && line.contains(" * ")
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use identify::{
     Cancelled, Effort, FitProblem, IdentifyError, Minimum, Progress, carry_over, contradictions,
-    extend, identify_until, joined, refit,
+    extend, fit_until, joined, refit,
 };
 use plant::{EffectId, Model};
 use rayon::prelude::*;
@@ -127,7 +127,7 @@ fn ground_fit(
     (model, minimum): (&Model, &Minimum),
     progress: &Progress,
 ) -> Result<Minimum, Cancelled> {
-    match identify_until(problem, ground, None, progress) {
+    match fit_until(problem, ground, None, progress) {
         Ok(found) => Ok(found.fit.minimum),
         Err(IdentifyError::Cancelled(cancelled)) => Err(cancelled),
         Err(_) => {

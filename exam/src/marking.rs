@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 use diagnose::{Diagnosis, Options, Step, Verdict, diagnose_with};
 use identify::{
-    Cancelled, Effort, Fit, FitProblem, IdentifyError, Progress, identify, joined, refit,
+    Cancelled, Effort, Fit, FitProblem, IdentifyError, Progress, fit_until, joined, refit,
 };
 use plant::{EffectId, Model};
 
@@ -127,7 +127,7 @@ pub fn mark(
 ) -> Result<Paper, MarkError> {
     let started = std::time::Instant::now();
     let base = Model::base();
-    let found = identify(problem, &base, None)?;
+    let found = fit_until(problem, &base, None, progress)?;
     let mut minimum = found.fit.minimum.clone();
     let options = Options {
         suspects,

@@ -55,6 +55,39 @@ pub fn identify_until(
     previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
     progress: &Progress,
 ) -> Result<Identification, IdentifyError> {
+    let found = fit_until(problem, model, previous, progress)?;
+    refuse_failed(problem, &found.fit)?;
+    Ok(found)
+}
+
+/// [`IdentifyError::NoBetterThanMeans`] for a fit that has failed.
+///
+/// # Errors
+/// That.
+pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyError> {
+    let (model, windows) = (&fit.model, &fit.minimum.windows);
+    let problem = problem.suited_to(model);
+    let records = problem.all_records();
+    let unknowns = Unknowns::new(model, &problem.free(model));
+    let series = failed_series(&records, model, &fit.minimum.values, windows, &unknowns);
+    if series.is_empty() {
+        Ok(())
+    } else {
+        Err(IdentifyError::NoBetterThanMeans { series })
+    }
+}
+
+/// As [`identify_until`], of a model that need not follow the logs yet: a diagnosis begins with it, and what it
+/// lacks may be all that there is to be seen (a zero of the angle that is far off).
+///
+/// # Errors
+/// [`IdentifyError::NotFinite`], [`IdentifyError::Cancelled`].
+pub fn fit_until(
+    problem: &FitProblem,
+    model: &Model,
+    previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
+    progress: &Progress,
+) -> Result<Identification, IdentifyError> {
     let effort = Effort::FULL.until(progress.cancelled);
     let suited = problem.suited_to(model);
     let problem = suited.as_ref();
@@ -84,12 +117,6 @@ pub fn identify_until(
             .first()
             .map_or(String::new(), |record| record.name.clone());
         return Err(IdentifyError::NotFinite { suspect });
-    }
-    let (values, windows) = (&minimum.values, &minimum.windows);
-    let unknowns = Unknowns::new(model, &problem.free(model));
-    let series = failed_series(&records, model, values, windows, &unknowns);
-    if !series.is_empty() {
-        return Err(IdentifyError::NoBetterThanMeans { series });
     }
     let found = identification(problem, model, minimum, None);
     progress.check()?;

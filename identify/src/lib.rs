@@ -43,7 +43,9 @@ pub use fit::{
     final_windows, fit_from_scratch, fit_windowed, guessed, joined, minimise, normal,
     normal_observed, ratios, refit, relevant, score_test, settled, simulate, traces,
 };
-pub use identification::{Identification, describe, identify, identify_until};
+pub use identification::{
+    Identification, describe, fit_until, identify, identify_until, refuse_failed,
+};
 pub use model_free::{
     AtAmplitude, DecayLaw, Estimate, FreeDecay, RateAgainstAngle, decay, rate_against_angle,
 };

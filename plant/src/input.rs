@@ -66,6 +66,8 @@ impl Input {
             let largest = current_a.iter().fold(0.0f64, |m, i| m.max(i.abs()));
             let pairs = time_s.iter().skip(1).zip(current_a.windows(2));
             let steps = pairs.filter(|(_, pair)| (pair[1] - pair[0]).abs() > STEP_SHARE * largest);
+            // The first sample may be a step from what was commanded before the log.
+            steps_s.extend(time_s.first());
             steps_s.extend(steps.map(|(&time_s, _)| time_s));
             if steps_s.len() * SAMPLES_PER_STEP > time_s.len() {
                 steps_s.clear();

@@ -53,8 +53,10 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         )
     } else if session.model().is_none() {
         session.keep_first_step(&report);
+        let is_kept = session.model().is_some();
         // The diagnosis stands whether or not the bench can be written to.
         match save_model(&session) {
+            Ok(()) if !is_kept => (String::new(), None, None),
             Ok(()) => {
                 let path = session.model_path().to_path_buf();
                 let text = format!("\nWritten: {} (the base model)\n", path.display());

@@ -69,6 +69,8 @@ pub struct DiagnosisReport {
     pub statements: Vec<String>,
     /// What is to be known about the files; sentences.
     pub notes: Vec<BenchNote>,
+    /// Whether the model as it was predicts no better than means: nothing is to be had from it.
+    pub has_failed_at_first: bool,
     /// The model of the last step beside the measurements, with its curves. It serialises by itself.
     #[serde(skip)]
     pub last: ComparisonReport,
@@ -166,15 +168,17 @@ pub struct AppliedDiagnosis {
 
 impl Session {
     /// Which physical effects the model lacks. Its parameters are refitted first: wrong numbers are
-    /// not a missing effect. What is provisional in the model does not count, so that a tie is found again. The session's model stays as it is; see [`Session::apply`].
+    /// not a missing effect. What is provisional in the model does not count, so that a tie is found
+    /// again. The session's model stays as it is; see [`Session::apply`].
     ///
     /// # Errors
-    /// Those of [`Session::identify`]; [`Error::Cancelled`] soon after the work was called off.
+    /// Those of [`Session::identify`], where the last model fails and not only the first;
+    /// [`Error::Cancelled`] soon after the work was called off.
     pub fn diagnose(&self, progress: &Progress) -> Result<DiagnosisReport, Error> {
         let model = self
             .model()
             .map_or_else(Model::base, ModelFile::certain_model);
-        let identified = self.fit(&model, progress)?;
+        let identified = self.fit_however(&model, progress)?;
         let fit = &identified.fit;
         // What its user has written is suspected like what the library has.
         let suspects: Vec<EffectId> = EffectId::ALL
@@ -202,10 +206,11 @@ impl Session {
         } else {
             // The diagnosis has read the logs differently: without pushes that only it found.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
-            identify::identify_until(self.problem(), &step.fit.model, Some(start), progress)
+            identify::fit_until(self.problem(), &step.fit.model, Some(start), progress)
                 .map_err(|source| self.not_identified(source))?
         };
         progress.check()?;
+        self.refuse_failed(&last_fit)?;
         let last = self.comparison_of(&last_fit);
         progress.check()?;
         let mut report = DiagnosisReport::new(self, &found, &last_fit, last);
@@ -215,6 +220,7 @@ impl Session {
             let remains = RemainsReport::new(&found.remains, self.problem(), design.as_ref());
             report.remains = Some(remains);
         }
+        report.has_failed_at_first = self.refuse_failed(&identified).is_err();
         Ok(report)
     }
 
@@ -252,9 +258,9 @@ impl Session {
         applied
     }
 
-    /// Makes the model that the diagnosis began with, refitted, the session's model.
+    /// Makes the model that the diagnosis began with, refitted, the session's model; not one that has failed.
     pub fn keep_first_step(&mut self, report: &DiagnosisReport) {
-        if let Some(step) = report.steps.first() {
+        if let (Some(step), false) = (report.steps.first(), report.has_failed_at_first) {
             self.set_model(self.model_of(step));
         }
     }
@@ -348,6 +354,7 @@ impl DiagnosisReport {
             findings: last.findings.clone(),
             statements: last.statements.clone(),
             notes: last.notes.clone(),
+            has_failed_at_first: false,
             last,
         }
     }

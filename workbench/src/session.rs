@@ -480,6 +480,23 @@ impl Session {
 
     /// Fits `model` to all experiments, unless this session has done so last.
     pub(crate) fn fit(&self, model: &Model, progress: &Progress) -> Result<Identification, Error> {
+        let found = self.fit_however(model, progress)?;
+        self.refuse_failed(&found)?;
+        Ok(found)
+    }
+
+    /// A fit that has failed, as an error.
+    pub(crate) fn refuse_failed(&self, found: &Identification) -> Result<(), Error> {
+        identify::refuse_failed(&self.problem, &found.fit)
+            .map_err(|source| self.not_identified(source))
+    }
+
+    /// As [`Session::fit`], of a model that need not follow the logs yet.
+    pub(crate) fn fit_however(
+        &self,
+        model: &Model,
+        progress: &Progress,
+    ) -> Result<Identification, Error> {
         if let Some(found) = self
             .fitted
             .as_ref()
@@ -489,7 +506,7 @@ impl Session {
         }
         progress.check()?;
         (progress.say)("fitting the model to all experiments");
-        let found = identify::identify_until(&self.problem, model, None, progress)
+        let found = identify::fit_until(&self.problem, model, None, progress)
             .map_err(|source| self.not_identified(source))?;
         Ok(found)
     }

@@ -22,7 +22,8 @@ pub enum IdentifyError {
     #[error(
         "the fit has failed: {}. No parameter can be had from that. Check units, signs and kind of {} in \
          bench.toml; the log must also be long enough to show its motion (a spin-up a change of speed well above \
-         the noise, a swing a good part of a period) at several samples a period",
+         the noise, a swing a good part of a period) at several samples a period. Where all of that is right, \
+         `flywheel diagnose` looks for what the model lacks",
         no_better(series),
         if series.len() == 1 { "the experiment" } else { "these experiments" }
     )]

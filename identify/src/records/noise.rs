@@ -28,6 +28,16 @@ pub fn noise_std(samples: &[f64]) -> f64 {
     noise_by_differences(samples, &[]).std
 }
 
+/// The floors of [`noise_std`] for a channel with these samples, all finite.
+pub(crate) fn least_noise_std(finite: &[f64]) -> f64 {
+    let n = finite.len().max(1) as f64;
+    let mean = finite.iter().sum::<f64>() / n;
+    let spread = (finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+    (resolution(finite) / 12f64.sqrt())
+        .max(RELATIVE_FLOOR * spread)
+        .max(1e-12)
+}
+
 /// A noise with what it was estimated from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NoiseEstimate {
@@ -47,12 +57,7 @@ pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEst
             differences: 0,
         };
     }
-    let mean = finite.iter().sum::<f64>() / finite.len() as f64;
-    let spread =
-        (finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / finite.len() as f64).sqrt();
-    let floor = (resolution(&finite) / 12f64.sqrt())
-        .max(RELATIVE_FLOOR * spread)
-        .max(1e-12);
+    let floor = least_noise_std(&finite);
 
     let mut best: Option<NoiseEstimate> = None;
     let mut differences = samples.to_vec();

@@ -8,7 +8,7 @@ pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
 use super::averages::{blocks, means, middles};
-use super::noise::{noise_by_differences, resolution, steps_of_command};
+use super::noise::{least_noise_std, noise_by_differences, resolution, steps_of_command};
 
 /// One measured channel.
 #[derive(Clone, Debug)]
@@ -41,7 +41,9 @@ impl RecordedChannel {
     pub(crate) fn set_noise(&mut self, noise_std: f64) {
         let step = resolution(&self.samples);
         let rounding_std = step / 12f64.sqrt();
-        self.noise_std = noise_std.max(rounding_std);
+        let finite = self.samples.iter().copied().filter(|one| one.is_finite());
+        let finite: Vec<f64> = finite.collect();
+        self.noise_std = noise_std.max(least_noise_std(&finite));
         let is_quantised = rounding_std >= QUANTISED_SHARE * self.noise_std;
         self.quantum = is_quantised.then_some(step);
     }

@@ -27,7 +27,7 @@ struct Phase {
 pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     let f = Functions(module);
     let second = Supervisor::read(module)?;
-    let one_g = one_g(&f)?;
+    let rest = AtRest::read(&f)?;
     let zero = f.constant("constants", "ZERO_CURRENT")?[0];
     let (low, high) = (second.limit("wheel_low")?, second.limit("wheel_high")?);
     let window = second.limit("window")?;
@@ -70,7 +70,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
         };
         let length = 1 + random.choice(most) as usize;
         for _ in 0..length.min(cases - done) {
-            let sample = drawn(&mut random, phase, one_g, &mut gyro, low, high);
+            let sample = drawn(&mut random, phase, &rest, &mut gyro, low, high);
             let current = (random.choice(16) == 0).then(|| random.word());
             let (duty, wanted) = second.step(&words, &sample, current)?;
             let mut arguments = [&words[..], &sample.words()].concat();
@@ -138,63 +138,106 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     if cases >= 5000 && armed == 0 {
         return Err("in none of the runs the controller was armed".to_owned());
     }
-    each_condition(&f, &second, one_g, zero)?;
+    each_condition(&f, &second, &rest, zero)?;
     Ok(done)
 }
 
-/// Counts of one g along the accelerometer's axis that shows the body's x best: where gravity points
-/// upright, up to the mounting angle.
-fn one_g(f: &Functions) -> Result<[f64; 2], String> {
-    // The counts at which the reading of the step's own words has the length of gravity.
-    let filter = f.constant("constants", "FILTER")?;
-    let high = f.0.constant_words("constants", "LIMITS");
-    let words = high.ok_or("src/constants.rs has no LIMITS")?;
-    let squared = words
-        .iter()
-        .filter(|(name, _)| name.ends_with("gravity_low"))
-        .map(|(_, word)| *word as f64)
-        .next()
-        .ok_or("LIMITS has no gravity_low")?;
-    let gravity = (squared * 2f64.powi(32)).sqrt() / 0.85;
-    let scale = |row: usize| {
-        let entries = filter[17 + 3 * row..20 + 3 * row].iter();
-        entries
-            .map(|word| (*word as f64).powi(2))
-            .sum::<f64>()
-            .sqrt()
-            / 2f64.powi(17)
+/// What the sensors of this bench read at rest.
+struct AtRest {
+    /// Counts of the gyroscope.
+    gyro: [f64; 3],
+    /// Counts of the accelerometer without gravity.
+    accel: [f64; 3],
+    /// Counts of gravity along the sensor's x, and along its y: three counts each.
+    gravity: [[f64; 3]; 2],
+    /// Angle of the body's axis in the sensor's frame, rad.
+    mounting_rad: f64,
+}
+
+impl AtRest {
+    /// By the calibration's own words, which the runs must not leave aside: a sensor with a bias, askew or turned is
+    /// as good as any other.
+    fn read(f: &Functions) -> Result<AtRest, String> {
+        let filter = f.constant("constants", "FILTER")?;
+        let limits = f.0.constant_words("constants", "LIMITS");
+        let limits = limits.ok_or("src/constants.rs has no LIMITS")?;
+        let low = limits
+            .iter()
+            .find(|(name, _)| name.ends_with("gravity_low"))
+            .ok_or("LIMITS has no gravity_low")?;
+        // The shortest reading that may be gravity is 0.85 of it.
+        let gravity = (low.1 as f64 * 2f64.powi(32)).sqrt() / 0.85;
+        let bias = |line: usize| [0, 1, 2].map(|axis| filter[line + axis] as f64 / 32_768.0);
+        let (gyro, accel) = (bias(0), bias(ACCEL));
+        let unit = 2f64.powi(17 + filter[ACCEL + 12] as i32);
+        let matrix = [0, 1, 2]
+            .map(|row| [0, 1, 2].map(|column| filter[ACCEL + 3 + 3 * row + column] as f64 / unit));
+        let along = |axis: usize| {
+            let mut reading = [0.0; 3];
+            reading[axis] = gravity;
+            solved(matrix, reading).ok_or("the accelerometer's matrix has no inverse")
+        };
+        let mounting = f.constant("constants", "MOUNTING_ANGLE")?[0];
+        Ok(AtRest {
+            gyro,
+            accel,
+            gravity: [along(0)?, along(1)?],
+            mounting_rad: mounting as f64 / 2f64.powi(28),
+        })
+    }
+
+    /// Counts of the accelerometer with the body leaning by this from upright.
+    fn accel_at(&self, lean_rad: f64) -> [f64; 3] {
+        let (sin, cos) = (lean_rad + self.mounting_rad).sin_cos();
+        [0, 1, 2].map(|axis| {
+            self.accel[axis] + cos * self.gravity[0][axis] - sin * self.gravity[1][axis]
+        })
+    }
+}
+
+/// Where the accelerometer's line begins among the words of FILTER: bias, three rows, shift, half a unit each.
+const ACCEL: usize = 14;
+
+/// x with m x = y, by Cramer's rule.
+fn solved(m: [[f64; 3]; 3], y: [f64; 3]) -> Option<[f64; 3]> {
+    let determinant = |m: &[[f64; 3]; 3]| {
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+            - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
     };
-    Ok([gravity / scale(0), gravity / scale(1)])
+    let whole = determinant(&m);
+    let part = |column: usize| {
+        let mut replaced = m;
+        for row in 0..3 {
+            replaced[row][column] = y[row];
+        }
+        determinant(&replaced) / whole
+    };
+    let x = [part(0), part(1), part(2)];
+    x.iter().all(|value| value.is_finite()).then_some(x)
 }
 
 fn drawn(
     random: &mut Random,
     phase: Phase,
-    one_g: [f64; 2],
+    rest: &AtRest,
     gyro: &mut [i128; 3],
     low: i128,
     high: i128,
 ) -> Sample {
     if !phase.frozen {
         let most = if phase.quiet { 40.0 } else { 2_000.0 };
-        *gyro = [0; 3].map(|_| random.count(most));
+        *gyro = rest.gyro.map(|zero| zero as i128 + random.count(most));
     }
     if phase.clipped {
         gyro[2] = 32_767;
     }
-    let (sin, cos) = phase.lean.sin_cos();
+    let reading = rest.accel_at(phase.lean);
     let noise = if phase.quiet { 10.0 } else { 900.0 };
     let accel = if phase.falls {
         [0; 3].map(|_| random.count(20.0))
     } else {
-        let read = |value: f64, random: &mut Random| {
-            (value as i128 + random.count(noise)).clamp(-32_768, 32_767)
-        };
-        [
-            read(one_g[0] * cos, random),
-            read(-one_g[1] * sin, random),
-            random.count(noise),
-        ]
+        reading.map(|value| (value as i128 + random.count(noise)).clamp(-32_768, 32_767))
     };
     Sample {
         gyro: *gyro,
@@ -212,13 +255,17 @@ fn drawn(
 fn each_condition(
     f: &Functions,
     second: &Supervisor,
-    one_g: [f64; 2],
+    rest: &AtRest,
     zero: i128,
 ) -> Result<(), String> {
     let middle = (second.limit("wheel_low")? + second.limit("wheel_high")?) / 2;
     let upright = |turn: i128| Sample {
-        gyro: [turn % 7 - 3, turn % 5 - 2, turn % 3 - 1],
-        accel: [one_g[0] as i128, 0, 0],
+        gyro: [
+            rest.gyro[0] as i128 + turn % 7 - 3,
+            rest.gyro[1] as i128 + turn % 5 - 2,
+            rest.gyro[2] as i128 + turn % 3 - 1,
+        ],
+        accel: rest.accel_at(0.0).map(|value| value as i128),
         mag: None,
         wheel: middle,
     };
