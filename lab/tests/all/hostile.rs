@@ -16,7 +16,8 @@ fn only_the_page_itself_may_ask() {
     let origin = format!("http://{host}");
     let other_port = format!("http://127.0.0.1:{}", lab.port ^ 1);
     let cookie = lab.cookie.as_str();
-    let stale = format!("{}0", &cookie[..cookie.len() - 1]);
+    let other = if cookie.ends_with('0') { '1' } else { '0' };
+    let stale = format!("{}{other}", &cookie[..cookie.len() - 1]);
     let task = json!({"task": "diagnose"}).to_string();
     let ask = |method: &str, path: &str, host: &str, origin: Option<&str>, cookie: Option<&str>| {
         let mut headers = vec![("Host", host), ("Content-Type", "application/json")];
