@@ -104,19 +104,22 @@ fn change_of_period(periods: &[AtAmplitude], scale: f64) -> Option<f64> {
     Some((mean(&periods[..count])? / mean(&periods[periods.len() - count..])?).ln())
 }
 
+/// The largest amplitude, and the periods that are compared.
+fn large_swings(periods: &[AtAmplitude]) -> (f64, Vec<AtAmplitude>) {
+    let largest = periods
+        .iter()
+        .fold(0.0, |most: f64, p| most.max(p.amplitude_rad));
+    let large = periods.iter();
+    let large = large.filter(|point| point.amplitude_rad >= LEAST_AMPLITUDE * largest);
+    (largest, large.cloned().collect())
+}
+
 fn angle_unit(view: &View, periods: &[AtAmplitude], scale: f64, out: &mut Vec<Finding>) {
     if view.samples(Channel::Angle).is_none() {
         return;
     }
-    let largest = periods
-        .iter()
-        .fold(0.0, |most: f64, p| most.max(p.amplitude_rad));
+    let (largest, periods) = large_swings(periods);
     let amplitude = scale * largest;
-    let periods: Vec<AtAmplitude> = periods
-        .iter()
-        .filter(|point| point.amplitude_rad >= LEAST_AMPLITUDE * largest)
-        .cloned()
-        .collect();
     let periods = periods.as_slice();
     let as_mapped = change_of_period(periods, scale);
     // The other readings of the column, and what they leave of the change.
@@ -300,4 +303,32 @@ fn usual_period_s(extremes: &[(f64, f64)]) -> Option<f64> {
         .map(|pair| pair[1].0 - pair[0].0)
         .collect();
     (halves.len() >= 2).then(|| median(halves).map(|half| 2.0 * half))?
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A swing from 0.9 rad that dry friction ends: its last periods are longer by what a pendulum of that
+    /// amplitude would have too much. All of them together look like a period that knows no amplitude.
+    #[test]
+    fn the_last_swings_before_a_stop_do_not_count() {
+        let periods: Vec<AtAmplitude> = (0..40)
+            .map(|index| {
+                let amplitude_rad = 0.9 - 0.022 * f64::from(index);
+                let stops = if index >= 34 { 1.055 } else { 1.0 };
+                AtAmplitude {
+                    time_s: 0.6 * f64::from(index),
+                    amplitude_rad,
+                    value: 0.6 * stops / agm(1.0, (0.5 * amplitude_rad).cos()),
+                    std: 1e-4,
+                }
+            })
+            .collect();
+        let all = change_of_period(&periods, 1.0).expect("below the top");
+        assert!(all.abs() > CHANGE, "{all}");
+        let (_, large) = large_swings(&periods);
+        let large = change_of_period(&large, 1.0).expect("below the top");
+        assert!(large.abs() < 1e-9, "{large}");
+    }
 }

@@ -1,6 +1,6 @@
 // The emitted controller on an ESP32 with the sensors of the thesis' bench: FXOS8700 (accelerometer), FXAS21002C
 // (gyroscope), an ADS1015 on the speed output of the drive, and a drive that takes its current from a PWM.
-// Registers are those of the data sheets of NXP. This sketch compiles; it has not been tried on a bench. Take the
+// Registers are those of the data sheets of NXP. This sketch has been neither compiled with Arduino's core nor tried on a bench. Take the
 // wheel off, or the supply's current limit down, for the first power-on.
 //
 // Commands on the serial line: a arms, d disarms. Every 20 ms a line: status, duty, and the words of angle and rate.

@@ -98,7 +98,7 @@ impl Scope<'_> {
                 self.cast(&cast.expr, ty)
             }
             Expr::MethodCall(call) => self.method(call),
-            Expr::Call(call) => self.call(call, wanted),
+            Expr::Call(call) => self.call(call),
             Expr::If(_) => self.conditional(expression, wanted),
             Expr::Path(_) | Expr::Field(_) | Expr::Index(_) => {
                 let place = self.place(expression)?;
@@ -330,7 +330,7 @@ impl Scope<'_> {
         }
     }
 
-    fn call(&mut self, call: &syn::ExprCall, wanted: Option<&Type>) -> Result<Scalar> {
+    fn call(&mut self, call: &syn::ExprCall) -> Result<Scalar> {
         let Expr::Path(path) = &*call.func else {
             return self.refuse("this call");
         };
@@ -353,10 +353,7 @@ impl Scope<'_> {
                 Some(int) => self.cast(inner, Type::Int(int)),
                 None => self.refuse(format!("{int}::from")),
             },
-            _ => {
-                let _ = wanted;
-                self.called(&Expr::Call(call.clone()))
-            }
+            _ => self.called(&Expr::Call(call.clone())),
         }
     }
 
