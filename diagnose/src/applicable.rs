@@ -18,7 +18,11 @@ pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
             }
             Role::Sensor => {
                 let distorted = |output| record.channel(output).is_some();
+                // Alone and undriven, a channel that comes late is one that begins at another time.
+                let has_clock = record.channels.len() > 1
+                    || (commanded && record.kind != Kind::FreeSwing);
                 info.senses.is_some_and(distorted)
+                    && (info.sensor_timing.is_none() || has_clock)
             }
         };
         sees && info.shows_in.contains(&record.kind)

@@ -9,6 +9,7 @@
 
 use plant::{EffectId, Kind};
 
+use crate::true_sensors::TrueSensors;
 use crate::truth::{Hidden, Outsider, TrueInstant, Truth};
 
 /// Steps in one interval between samples.
@@ -37,6 +38,8 @@ pub struct TrueMotion {
     body: Direction,
     wheel: Direction,
     steps_per_sample: f64,
+    /// Those of the sensors that need the time; `None` where none does.
+    sensors: Option<TrueSensors>,
 }
 
 /// Where a motion begins.
@@ -90,6 +93,14 @@ impl TrueMotion {
         }
     }
 
+    /// With the sensors at the start of a log.
+    fn with_sensors(mut self) -> TrueMotion {
+        let effects = self.truth.hidden.iter().filter_map(Hidden::effect);
+        let sensors = TrueSensors::new(effects, self.time_s, self.at_once());
+        self.sensors = (!sensors.are_prompt()).then_some(sensors);
+        self
+    }
+
     /// Starts in the middle of a motion, to be compared with another motion of the same steps.
     pub fn of_differences(truth: &Truth, kind: Kind, from: &Beginning) -> TrueMotion {
         let direction = |speed: f64| if speed == 0.0 { 0.0 } else { speed.signum() };
@@ -108,7 +119,9 @@ impl TrueMotion {
             body: direction(from.rate_rad_s),
             wheel: direction(from.wheel_speed_rad_s),
             steps_per_sample: FEW_STEPS_PER_SAMPLE,
+            sensors: None,
         }
+        .with_sensors()
     }
 
     fn library(&self, effect: EffectId) -> Option<&[f64]> {
@@ -132,7 +145,16 @@ impl TrueMotion {
 
     /// What the sensors say without noise: angle, rate, wheel speed.
     pub fn reading(&self) -> [f64; 3] {
+        let sensors = self.sensors.as_ref();
+        sensors.map_or_else(|| self.at_once(), TrueSensors::reading)
+    }
+
+    /// What sensors without lag and delay would say.
+    fn at_once(&self) -> [f64; 3] {
         let [mut angle, mut rate, _, speed, _, _] = self.motion;
+        if let Some(p) = self.library(EffectId::AngleEccentricity) {
+            angle += p[0] * (self.motion[0] + p[1]).sin();
+        }
         if let Some(p) = self.outsider(Outsider::UnevenEncoder) {
             angle += p[0] * (8.0 * self.motion[0] + p[1]).sin();
         }
@@ -462,6 +484,13 @@ impl TrueMotion {
         step_s
     }
 
+    fn sense(&mut self) {
+        let (time_s, measured) = (self.time_s, self.at_once());
+        if let Some(sensors) = &mut self.sensors {
+            sensors.advance(time_s, measured);
+        }
+    }
+
     /// Goes on to `until_s`, which is at most one sample away, under a command that is held at
     /// `before_a` until `change_s` and at `after_a` from then on. `sample_s` is the time between
     /// samples.
@@ -480,6 +509,7 @@ impl TrueMotion {
                 let longest_s = (sample_s / self.steps_per_sample).min(self.longest_step_s());
                 let parts = ((end_s - self.time_s) / longest_s).ceil().max(1.0);
                 self.step((end_s - self.time_s) / parts, command_a, push);
+                self.sense();
             }
             self.time_s = end_s;
         }

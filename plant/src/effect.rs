@@ -92,12 +92,12 @@ pub struct ParameterInfo {
     pub is_whole: bool,
 }
 
-/// A stage of the motor chain that needs the time, and not only the current.
+/// A stage of the motor chain, or of a sensor, that needs the time and not only the value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Timing {
-    /// The current follows its command with a time constant ([`Effect::lag_s`]).
+    /// What comes out follows what goes in with a time constant ([`Effect::lag_s`]).
     Lag,
-    /// The current comes later than its command ([`Effect::delay_s`]).
+    /// What comes out is what went in a while ago ([`Effect::delay_s`]).
     Delay,
 }
 
@@ -207,6 +207,9 @@ pub struct EffectInfo {
     /// The stage of the motor chain that it is, where that stage needs the time. Such a stage carries
     /// what was commanded before a log began into the log.
     pub timing: Option<Timing>,
+    /// What the sensor [`EffectInfo::senses`] does to the time, where it does: it follows with a lag
+    /// ([`Effect::lag_s`]) or says late what it measured ([`Effect::delay_s`]).
+    pub sensor_timing: Option<Timing>,
     /// It lies between the command and the current: where a log holds the measured current, what it
     /// does is in the log already, and it is left out.
     pub is_electrical: bool,
@@ -223,6 +226,8 @@ pub struct EffectInfo {
     pub memory: Option<Memory>,
     /// What the logs say about its parameters before any fit.
     pub start_from: StartFrom,
+    /// The round of the exam that first drew it: seeds of an earlier round hide what they always hid.
+    pub drawn_since: u32,
     /// How the exam hides it; `None`: as [`EffectInfo::hidden`] does with any effect.
     pub hiding: Option<Hiding>,
 }
@@ -253,6 +258,7 @@ impl EffectInfo {
         senses: None,
         rate_fault: None,
         timing: None,
+        sensor_timing: None,
         is_electrical: false,
         is_limit: false,
         angle_power: None,
@@ -260,6 +266,7 @@ impl EffectInfo {
         ripple: None,
         memory: None,
         start_from: StartFrom::Stated,
+        drawn_since: 0,
         hiding: None,
     };
 }
@@ -290,13 +297,15 @@ pub trait Effect {
         current_a
     }
 
-    /// Time constant in s by which the current follows its command (role `Motor`).
+    /// Time constant in s by which the current follows its command (role `Motor`), or what a sensor says
+    /// follows what it measures (role `Sensor`).
     #[inline(always)]
     fn lag_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None
     }
 
-    /// Time in s by which the current comes later than its command (role `Motor`).
+    /// Time in s by which the current comes later than its command (role `Motor`), or what a sensor says
+    /// later than what it measured (role `Sensor`).
     #[inline(always)]
     fn delay_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None

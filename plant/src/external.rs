@@ -70,17 +70,8 @@ pub trait ExternalEffect: Send + Sync {
         reading: &Reading<f64>,
         partials: &mut Partials,
     ) -> f64 {
-        *part(&mut partials.reading, output) = 1.0;
+        *output.part_of(&mut partials.reading) = 1.0;
         output.of(reading)
-    }
-}
-
-/// The member of a reading that belongs to an output.
-fn part<S>(reading: &mut Reading<S>, output: Output) -> &mut S {
-    match output {
-        Output::Angle => &mut reading.angle_rad,
-        Output::Rate => &mut reading.rate_rad_s,
-        Output::WheelSpeed => &mut reading.wheel_speed_rad_s,
     }
 }
 
@@ -229,7 +220,7 @@ fn check(info: &EffectInfo) -> Result<(), ExternalError> {
         "a start has not as many values as there are parameters"
     } else if info.shows_in.is_empty() {
         "no experiment is stated in which it shows"
-    } else if info.memory.is_some() || info.timing.is_some() {
+    } else if info.memory.is_some() || info.timing.is_some() || info.sensor_timing.is_some() {
         "memory, lag and delay are for effects of the library"
     } else if (info.role == Role::Sensor) != info.senses.is_some() {
         "a sensor's effect says which sensor it distorts, and no other does"
@@ -378,7 +369,7 @@ impl External {
             rate_rad_s: before.rate_rad_s.value(),
             wheel_speed_rad_s: before.wheel_speed_rad_s.value(),
         };
-        *part(reading, output) = lifted(
+        *output.part_of(reading) = lifted(
             p,
             &mut |p, partials| self.equations().measured(p, output, &values, partials),
             &|partials, add| {
@@ -515,7 +506,7 @@ impl<E: Effect + Send + Sync> ExternalEffect for Adapted<E> {
                 output.of(&distorted)
             },
             &mut |index, slope| match Output::ALL.get(index) {
-                Some(&output) => *part(&mut partials.reading, output) = slope,
+                Some(&output) => *output.part_of(&mut partials.reading) = slope,
                 None => partials.p[index - before] = slope,
             },
         )

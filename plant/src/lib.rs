@@ -46,7 +46,7 @@ pub use linear::{LinearModel, LinearisationError, linearise, torque_inputs};
 pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
-pub use plant::{Current, Drive, Plant, State};
+pub use plant::{Current, Drive, Late, Plant, State};
 pub use prior::{Commonness, Prior};
 pub use reading::{Output, Reading};
 pub use scalar::{Dual, Scalar};

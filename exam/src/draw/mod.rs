@@ -1,6 +1,8 @@
 //! The draw: which bench a seed stands for.
 //!
-//! Forty seeds make a round. In every round each effect of the library is hidden once
+//! Seeds below a million hide the effects of the first list, those from there on the effects of both (the lags,
+//! delays and the like of sensors came with the second); the suspects are the same for all. Of the first, forty
+//! seeds make a round. In every round each effect of the library is hidden once
 //! alone and once in one of nine pairs, each of the eight outsiders is hidden once, one effect of
 //! the library is hidden and taken out of the suspects, and four benches hide nothing. Everything
 //! else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and the diagnosis is
@@ -32,7 +34,7 @@ use plant::{EffectId, Output, Role};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-pub use question::{Question, ROUND, effects, question};
+pub use question::{Question, ROUND, SENSOR_SEEDS, effects, effects_of, question};
 
 use self::combinations::left_by_combinations;
 use self::dice::log_uniform;
@@ -87,8 +89,17 @@ fn needs(question: &Question) -> Needs {
     let hidden = question.hidden();
     let any = |holds: fn(EffectId) -> bool| hidden.iter().any(|&effect| holds(effect));
     Needs {
-        rate: any(|effect| effect.info().senses == Some(Output::Rate)),
-        motor: any(|effect| matches!(effect.info().role, Role::Wheel | Role::Motor))
+        // A late angle shows beside a rate.
+        rate: any(|effect| {
+            let info = effect.info();
+            info.senses == Some(Output::Rate)
+                || (info.senses == Some(Output::Angle) && info.sensor_timing.is_some())
+        }),
+        motor: any(|effect| {
+            let info = effect.info();
+            matches!(info.role, Role::Wheel | Role::Motor)
+                || info.senses == Some(Output::WheelSpeed)
+        })
             || matches!(question, Question::Outside(outsider) if outsider.needs_a_motor()),
     }
 }
@@ -140,7 +151,11 @@ fn attempt_draw(
     }
     if question.is_outside() {
         let fit = base_fit(&made.clean, &truth)?;
-        if left_by_combinations(&made.clean, &fit, &suspects, &place)? < LEFT_BY_SUSPECTS {
+        // Seeds of the first list keep their outsiders, whatever suspects came later.
+        let of_list = effects_of(seed);
+        let mut rivals = suspects.clone();
+        rivals.retain(|suspect| of_list.contains(suspect) || stated.is_some());
+        if left_by_combinations(&made.clean, &fit, &rivals, &place)? < LEFT_BY_SUSPECTS {
             return None;
         }
     }

@@ -6,7 +6,7 @@ use plant::{
 };
 
 use super::problem::FitProblem;
-use crate::fit::{Ratios, base_values, driving_samples, ratios};
+use crate::fit::{Ratios, base_values, driving_samples, is_of_wheel, ratios};
 use crate::records::Record;
 
 impl FitProblem {
@@ -26,13 +26,8 @@ impl FitProblem {
                                 record.kind != Kind::FreeSwing && !record.current_a.is_empty()
                             })
                     }
-                    _ => {
-                        let effect = model.effect_at(position);
-                        match effect.map(|effect| effect.info().role) {
-                            Some(Role::Wheel | Role::Motor) => wheel,
-                            _ => body,
-                        }
-                    }
+                    _ if model.effect_at(position).is_some_and(is_of_wheel) => wheel,
+                    _ => body,
                 };
                 let given = self.known.get(position).is_some_and(Option::is_some);
                 shown && !given && !infos[position].is_whole

@@ -1,7 +1,7 @@
 //! The unknowns of a fit: parameters that all windows share, and those of one window alone (its start, and
 //! what nobody recorded); and which of them a record can say anything about.
 
-use plant::{EffectId, Kind, Model};
+use plant::{EffectId, Kind, Model, Role, Timing};
 
 use crate::records::{Output, Record, RecordedCurrent};
 
@@ -22,14 +22,17 @@ pub enum Nuisance {
     /// Wheel angle at the start beyond the one that the measured wheel speed gives, rad. Its noise adds up
     /// to a random walk over the log, by which a window in the middle does not know where the wheel is.
     WheelAngle,
+    /// The share of its motion that the model had before the log began ([`plant::Plant::with_motion_before`]): a sensor
+    /// with a delay shows it in the log. Only the window with the first sample has it.
+    PastMotion,
     /// Current that was commanded before the log began, A: nobody recorded it, and a delay or a lag carries
     /// it into the log. Only the window with the first sample has it.
     PastCurrent,
 }
 
 impl Nuisance {
-    /// The unknowns of every window of this record, as its kind and channels allow; the last is left out
-    /// where it is [`Nuisance::PastCurrent`] and the window does not begin with the log.
+    /// The unknowns of every window of this record, as its kind and channels allow; the last ones, those of the
+    /// time before the log ([`Nuisance::is_past`]), are left out where the window does not begin with the log.
     pub fn of(record: &Record) -> Vec<Nuisance> {
         let measures = |output| record.channel(output).is_some();
         let mut nuisances = vec![];
@@ -48,6 +51,7 @@ impl Nuisance {
         if matches!(record.kind, Kind::Balance | Kind::Driven) && measures(Output::WheelSpeed) {
             nuisances.push(Nuisance::WheelAngle);
         }
+        nuisances.push(Nuisance::PastMotion);
         let is_commanded = matches!(record.current, RecordedCurrent::Known(_));
         if record.kind != Kind::FreeSwing && is_commanded && !record.current_is_measured {
             nuisances.push(Nuisance::PastCurrent);
@@ -55,11 +59,19 @@ impl Nuisance {
         nuisances
     }
 
+    /// Whether it is of the time before the log.
+    pub fn is_past(self) -> bool {
+        matches!(self, Nuisance::PastMotion | Nuisance::PastCurrent)
+    }
+
     /// Whether the motion of this model depends on the unknown.
     pub fn acts_on(self, model: &Model) -> bool {
         match self {
             Nuisance::WheelAngle => model.find(|info| info.uses_wheel_angle).is_some(),
             Nuisance::PastCurrent => model.find(|info| info.timing.is_some()).is_some(),
+            Nuisance::PastMotion => model
+                .find(|info| info.sensor_timing == Some(Timing::Delay))
+                .is_some(),
             _ => true,
         }
     }
@@ -76,6 +88,8 @@ impl Nuisance {
                 // At the first sample the angle is zero by definition.
                 Some((noise * span_s / steps.sqrt()).max(LEAST_WHEEL_ANGLE_STD_RAD))
             }
+            // Held still or moving on: both are usual.
+            Nuisance::PastMotion => Some(1.0),
             Nuisance::PastCurrent => {
                 // Like the commands that were recorded.
                 let finite = record
@@ -145,12 +159,23 @@ impl Unknowns {
     }
 }
 
-/// Whether an effect can show in an experiment of this kind: body terms do not while the body is
-/// clamped, nor wheel terms while the wheel is locked.
+/// Whether an effect can show in an experiment of this kind: body terms, and sensors of the body, do not while the
+/// body is clamped, nor wheel terms while the wheel is locked.
 pub fn acts(effect: EffectId, kind: Kind) -> bool {
-    match effect.info().role {
-        plant::Role::Body | plant::Role::Sensor => kind != Kind::SpinUp,
-        plant::Role::Wheel | plant::Role::Motor => kind != Kind::FreeSwing,
+    if is_of_wheel(effect) {
+        kind != Kind::FreeSwing
+    } else {
+        kind != Kind::SpinUp
+    }
+}
+
+/// Whether an effect acts on the wheel, its motor or its sensor; else it is of the body.
+pub fn is_of_wheel(effect: EffectId) -> bool {
+    let info = effect.info();
+    match info.role {
+        Role::Body => false,
+        Role::Wheel | Role::Motor => true,
+        Role::Sensor => info.senses == Some(Output::WheelSpeed),
     }
 }
 

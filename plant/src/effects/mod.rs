@@ -132,9 +132,15 @@ effects! {
     motor_dead_zone::MotorDeadZone,
     current_offset::CurrentOffset,
     motor_saturation::MotorSaturation,
+    angle_eccentricity::AngleEccentricity,
     angle_offset::AngleOffset,
     gyro_scale::GyroScale,
     gyro_bias::GyroBias,
+    rate_lag::RateLag,
+    wheel_speed_lag::WheelSpeedLag,
+    angle_delay::AngleDelay,
+    rate_delay::RateDelay,
+    wheel_speed_delay::WheelSpeedDelay,
 }
 
 impl EffectId {

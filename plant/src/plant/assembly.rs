@@ -41,6 +41,8 @@ pub(super) struct Structure {
     /// The static stages of the motor chain.
     pub motor: Vec<Term>,
     pub sensor: Vec<Term>,
+    /// The lags and delays of the sensors.
+    pub late: Vec<Term>,
     timed: Vec<Term>,
     /// The term of the body that remembers.
     pub memory: Option<Term>,
@@ -77,6 +79,7 @@ impl Structure {
             wheel: vec![],
             motor: vec![],
             sensor: vec![],
+            late: vec![],
             timed: vec![],
             memory: None,
             ripple_order: None,
@@ -113,6 +116,7 @@ impl Structure {
                 }
                 Role::Motor if info.timing.is_some() => structure.timed.push(term),
                 Role::Motor => structure.motor.push(term),
+                Role::Sensor if info.sensor_timing.is_some() => structure.late.push(term),
                 Role::Sensor => structure.sensor.push(term),
             }
         }

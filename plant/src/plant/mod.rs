@@ -8,10 +8,12 @@
 //! - body clamped (`spin-up`): j_w φ̈ = M − T_w.
 //!
 //! This file holds the one right-hand side. `assembly` puts a plant together and says how long its steps may be,
-//! `motor` is the chain from command to current, `integrator` follows the motion.
+//! `motor` is the chain from command to current, `integrator` follows the motion, `late` are the sensors that
+//! need the time.
 
 mod assembly;
 mod integrator;
+mod late;
 mod motor;
 
 use assembly::{Structure, Term};
@@ -21,6 +23,7 @@ use crate::model::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA
 use crate::{Kind, Model, Reading, Scalar, Timing};
 
 pub use integrator::{Current, Drive};
+pub use late::Late;
 
 /// The state of the pendulum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +70,8 @@ pub struct Plant<S> {
     inverse_wheel: S,
     lag_s: Option<S>,
     delay_s: Option<S>,
+    /// The share of its motion that the model had before a log began ([`Plant::with_motion_before`]).
+    motion_before: S,
 }
 
 impl<S: Scalar> Plant<S> {
@@ -100,6 +105,7 @@ impl<S: Scalar> Plant<S> {
             inverse_wheel: one / values[WHEEL_INERTIA],
             lag_s: timed(Timing::Lag),
             delay_s: timed(Timing::Delay),
+            motion_before: S::zero(),
             values: values.to_vec(),
             structure,
         }
@@ -199,14 +205,20 @@ impl<S: Scalar> Plant<S> {
         distance_rad.is_finite().then_some(distance_rad)
     }
 
-    /// What the sensors say in a state.
+    /// What the sensors say in a state, without their lags and delays: those need the way there
+    /// ([`Plant::read_late`]).
     #[inline(always)]
     pub fn read(&self, state: &State<S>) -> Reading<S> {
-        let mut reading = Reading {
+        self.distorted(Reading {
             angle_rad: state.angle_rad,
             rate_rad_s: state.rate_rad_s,
             wheel_speed_rad_s: state.wheel_speed_rad_s,
-        };
+        })
+    }
+
+    /// What the sensors make of these readings.
+    #[inline(always)]
+    fn distorted(&self, mut reading: Reading<S>) -> Reading<S> {
         for term in &self.structure.sensor {
             term.effect.distort(self.p(term), &mut reading);
         }

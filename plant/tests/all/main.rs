@@ -1,5 +1,6 @@
 //! The plant through its public face.
 
+mod late;
 mod motion;
 mod motor;
 mod outside;

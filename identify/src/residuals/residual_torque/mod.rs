@@ -1,6 +1,7 @@
 //! The torque that a model lacks, over time.
 
 mod motion;
+mod undo;
 mod torque;
 
 pub use motion::MeasuredMotion;
