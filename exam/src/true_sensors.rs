@@ -53,12 +53,6 @@ impl TrueSensors {
         self.lag_s.iter().chain(&self.delay_s).all(|&s| s == 0.0)
     }
 
-    /// The shortest lag in s; infinite without one.
-    pub fn shortest_lag_s(&self) -> f64 {
-        let lags = self.lag_s.iter().copied().filter(|&lag_s| lag_s > 0.0);
-        lags.fold(f64::INFINITY, f64::min)
-    }
-
     /// Goes on to a time at which this is measured; between, it is a straight line.
     pub fn advance(&mut self, time_s: f64, measured: [f64; 3]) {
         let step_s = time_s - self.time_s;

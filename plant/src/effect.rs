@@ -226,7 +226,11 @@ pub struct EffectInfo {
     pub memory: Option<Memory>,
     /// What the logs say about its parameters before any fit.
     pub start_from: StartFrom,
-    /// The round of the exam that first drew it: seeds of an earlier round hide what they always hid.
+    /// It has its one parameter once for each log ([`crate::EffectId::for_logs`]), in the place of the parameter with
+    /// this name of the effect that it replaces.
+    pub per_log: Option<&'static str>,
+    /// The list of the exam that first drew it: seeds of an earlier list hide what they always hid. An effect that
+    /// depends on the bench is in none (`u32::MAX`).
     pub drawn_since: u32,
     /// How the exam hides it; `None`: as [`EffectInfo::hidden`] does with any effect.
     pub hiding: Option<Hiding>,
@@ -266,6 +270,7 @@ impl EffectInfo {
         ripple: None,
         memory: None,
         start_from: StartFrom::Stated,
+        per_log: None,
         drawn_since: 0,
         hiding: None,
     };

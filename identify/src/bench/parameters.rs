@@ -29,10 +29,27 @@ impl FitProblem {
                     _ if model.effect_at(position).is_some_and(is_of_wheel) => wheel,
                     _ => body,
                 };
+                // The zero of a log that this bench does not have is nobody's.
+                let has_log = model.range_at(position).is_none_or(|(effect, own)| {
+                    let mut records = self.records.iter();
+                    records.any(|record| effect.is_of_log(position - own.start, &record.name))
+                });
                 let given = self.known.get(position).is_some_and(Option::is_some);
-                shown && !given && !infos[position].is_whole
+                shown && has_log && !given && !infos[position].is_whole
             })
             .collect()
+    }
+
+    /// An effect as this bench has it: with a parameter for each log that has the channel which it distorts, if it has
+    /// one per log.
+    pub fn made_for_logs(&self, effect: EffectId) -> EffectId {
+        let senses = effect.info().senses;
+        let shows = |record: &&Record| {
+            senses.is_some_and(|output| record.channel(output).is_some())
+                && effect.info().shows_in.contains(&record.kind)
+        };
+        let records = self.records.iter().filter(shows);
+        effect.for_logs(&records.map(|record| record.name.clone()).collect::<Vec<_>>())
     }
 
     /// The unit of a parameter of `model` as the bench allows it: "… per kg m2" where the scale of

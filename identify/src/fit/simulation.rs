@@ -50,7 +50,7 @@ pub(super) fn plant_of<S: Scalar>(
     values: &[S],
     smoothing: Smoothing,
 ) -> Plant<S> {
-    let plant = Plant::smoothed(model, values, record.kind, smoothing);
+    let plant = Plant::smoothed(model, values, record.kind, smoothing).for_log(&record.name);
     if record.current_is_measured {
         plant.with_measured_current()
     } else {

@@ -185,9 +185,9 @@ pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usiz
     let shows = |position: usize| match position {
         plant::TOTAL_INERTIA | plant::GRAVITY_TORQUE => record.kind != Kind::SpinUp,
         plant::WHEEL_INERTIA | plant::TORQUE_CONSTANT => record.kind != Kind::FreeSwing,
-        _ => model
-            .effect_at(position)
-            .is_some_and(|effect| acts(effect, record.kind)),
+        _ => model.range_at(position).is_some_and(|(effect, own)| {
+            acts(effect, record.kind) && effect.is_of_log(position - own.start, &record.name)
+        }),
     };
     (0..unknowns.free.len())
         .filter(|&unknown| shows(unknowns.free[unknown]))

@@ -2,6 +2,7 @@
 
 use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing};
 use crate::external::External;
+use crate::per_log::PerLog;
 use crate::{Reading, Scalar};
 
 /// The equation of an effect where it has the role that is asked for. The role is a constant, so that a loop over the
@@ -30,6 +31,8 @@ macro_rules! effects {
             )*
             /// One that came while the program runs ([`EffectId::external`]).
             External(External),
+            /// One of the library made for the logs of a bench ([`EffectId::for_logs`]).
+            PerLog(PerLog),
         }
 
         impl EffectId {
@@ -45,6 +48,7 @@ macro_rules! effects {
                         &INFO
                     })*
                     EffectId::External(external) => external.info(),
+                    EffectId::PerLog(made) => made.info(),
                 }
             }
 
@@ -54,6 +58,7 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => of_role!($module::$effect, Role::Body, torque(p, at, v0), S::zero()),)*
                     EffectId::External(external) => external.torque(p, at, v0),
+                    EffectId::PerLog(_) => S::zero(),
                 }
             }
 
@@ -63,6 +68,7 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => of_role!($module::$effect, Role::Wheel, torque(p, at, v0), S::zero()),)*
                     EffectId::External(external) => external.torque(p, at, v0),
+                    EffectId::PerLog(_) => S::zero(),
                 }
             }
 
@@ -71,7 +77,7 @@ macro_rules! effects {
             pub(crate) fn remember<S: Scalar>(self, p: &[S], memory: S, displacement_rad: S) -> S {
                 match self {
                     $(EffectId::$effect => $module::$effect::remember(p, memory, displacement_rad),)*
-                    EffectId::External(_) => memory,
+                    EffectId::External(_) | EffectId::PerLog(_) => memory,
                 }
             }
 
@@ -81,6 +87,7 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => $module::$effect::current(p, current_a, at, torque_constant),)*
                     EffectId::External(external) => external.current(p, current_a, at, torque_constant),
+                    EffectId::PerLog(_) => current_a,
                 }
             }
 
@@ -89,7 +96,7 @@ macro_rules! effects {
             pub(crate) fn lag_s<S: Scalar>(self, p: &[S]) -> Option<S> {
                 match self {
                     $(EffectId::$effect => $module::$effect::lag_s(p),)*
-                    EffectId::External(_) => None,
+                    EffectId::External(_) | EffectId::PerLog(_) => None,
                 }
             }
 
@@ -98,7 +105,7 @@ macro_rules! effects {
             pub(crate) fn delay_s<S: Scalar>(self, p: &[S]) -> Option<S> {
                 match self {
                     $(EffectId::$effect => $module::$effect::delay_s(p),)*
-                    EffectId::External(_) => None,
+                    EffectId::External(_) | EffectId::PerLog(_) => None,
                 }
             }
 
@@ -108,6 +115,8 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => $module::$effect::distort(p, reading),)*
                     EffectId::External(external) => external.distort(p, reading),
+                    // Its library effect acts, with the parameter of one log.
+                    EffectId::PerLog(_) => {}
                 }
             }
         }
@@ -134,6 +143,7 @@ effects! {
     motor_saturation::MotorSaturation,
     angle_eccentricity::AngleEccentricity,
     angle_offset::AngleOffset,
+    angle_zero::AngleZero,
     gyro_scale::GyroScale,
     gyro_bias::GyroBias,
     rate_lag::RateLag,

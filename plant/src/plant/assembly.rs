@@ -41,6 +41,8 @@ pub(super) struct Structure {
     /// The static stages of the motor chain.
     pub motor: Vec<Term>,
     pub sensor: Vec<Term>,
+    /// Those with a parameter for each log; they act once it is known which log that is.
+    per_log: Vec<Term>,
     /// The lags and delays of the sensors.
     pub late: Vec<Term>,
     timed: Vec<Term>,
@@ -80,6 +82,7 @@ impl Structure {
             motor: vec![],
             sensor: vec![],
             late: vec![],
+            per_log: vec![],
             timed: vec![],
             memory: None,
             ripple_order: None,
@@ -116,6 +119,9 @@ impl Structure {
                 }
                 Role::Motor if info.timing.is_some() => structure.timed.push(term),
                 Role::Motor => structure.motor.push(term),
+                Role::Sensor if matches!(effect, EffectId::PerLog(_)) => {
+                    structure.per_log.push(term);
+                }
                 Role::Sensor if info.sensor_timing.is_some() => structure.late.push(term),
                 Role::Sensor => structure.sensor.push(term),
             }
@@ -127,6 +133,23 @@ impl Structure {
     /// The stage of the motor chain that needs the time in this way.
     pub fn timed(&self, timing: Timing) -> Option<&Term> {
         self.timed.iter().find(|term| term.timing == Some(timing))
+    }
+
+    /// Lets what has a parameter for each log act with that of this one.
+    pub fn act_in_log(&mut self, log: &str) {
+        for term in std::mem::take(&mut self.per_log) {
+            let EffectId::PerLog(made) = term.effect else {
+                continue;
+            };
+            if let Some(at) = made.parameter_of(log) {
+                self.sensor.push(Term {
+                    effect: made.template(),
+                    first: term.first + at,
+                    end: term.first + at + 1,
+                    ..term
+                });
+            }
+        }
     }
 
     /// Leaves out the stages that lie between the command and the current.

@@ -111,6 +111,14 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
+    /// In the experiment with this name: what has a parameter for each log acts with that of this one, and not at
+    /// all before it is said or in a log that it does not know.
+    #[must_use]
+    pub fn for_log(mut self, log: &str) -> Plant<S> {
+        self.structure.act_in_log(log);
+        self
+    }
+
     /// Leaves out what lies between the command and the current that flowed: delay, lag and the
     /// limit of the supply. For logs whose current is the measured one.
     pub fn with_measured_current(mut self) -> Plant<S> {

@@ -59,7 +59,7 @@ impl MeasuredMotion {
         if n < 2 * half + 2 {
             return None;
         }
-        let plant = Plant::new(model, values, record.kind);
+        let plant = Plant::new(model, values, record.kind).for_log(&record.name);
         let moves_body = record.kind != Kind::SpinUp;
         let mut noise_std = [0.0; 3];
         let mut measured = |output: Output| -> Option<Vec<f64>> {
