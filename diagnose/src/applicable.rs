@@ -1,11 +1,19 @@
 //! Which effects of the library are suspects at all, before anything is fitted.
 
 use identify::{FitProblem, Record, RecordedCurrent, rate_against_angle};
-use plant::{EffectId, Kind, Model, RateFault, Role};
+use plant::{EffectId, Given, Kind, Model, RateFault, Role};
 
 /// Whether any record of the bench can show the effect at all.
 pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
     let info = effect.info();
+    // Without the distance between pivot and wheel an unbalance cannot be told for a body that moves. Gravity is
+    // that of the earth where nothing else is said.
+    let is_unknown = |(_, given): &(usize, Given)| {
+        *given != Given::Gravity && problem.given(*given).is_none()
+    };
+    if info.given.iter().any(is_unknown) {
+        return false;
+    }
     problem.records.iter().any(|record| {
         let commanded = matches!(record.current, RecordedCurrent::Known(_));
         let sees = match info.role {

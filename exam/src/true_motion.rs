@@ -7,6 +7,7 @@
 //! others, a delayed command changes exactly when it does, and the classical Runge–Kutta method
 //! takes steps that are ten times finer than the samples and finer still where a term is fast.
 
+use nalgebra::{Matrix2, Vector2};
 use plant::{EffectId, Kind};
 
 use crate::true_sensors::TrueSensors;
@@ -227,6 +228,13 @@ impl TrueMotion {
                     EffectId::BodyCableSpring => body += p[0] * (angle - p[1]),
                     EffectId::BodySofteningSpring => body -= p[0] * angle.powi(3),
                     EffectId::WheelQuadraticDrag => wheel += p[0] * speed * speed.abs(),
+                    EffectId::WheelUnbalance => {
+                        let side = wheel_angle + p[1];
+                        let weight = p[0] * p[3] * (angle + side).sin();
+                        let pull = p[0] * p[2] * side.sin();
+                        body += weight - pull * speed * (2.0 * rate + speed);
+                        wheel += weight + pull * rate * rate;
+                    }
                     EffectId::WheelCogging => wheel += p[0] * (p[1] * wheel_angle + p[2]).sin(),
                     _ => {}
                 },
@@ -333,6 +341,9 @@ impl TrueMotion {
     fn rates(&self, time_s: f64, y: &Motion, command_a: f64, push: &[HiddenPush]) -> Motion {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;
+        // What the heavy side of the wheel adds to the products of inertia.
+        let side = |p: &[f64]| p[0] * p[2] * (y[2] + p[1]).cos();
+        let coupling = self.library(EffectId::WheelUnbalance).map_or(0.0, side);
         let body_friction = self.body * self.body_dry(time_s, y[0], y[1]);
         let wheel_friction = self.wheel * self.wheel_dry();
         let body = at.body + body_friction;
@@ -345,7 +356,17 @@ impl TrueMotion {
             Kind::Balance | Kind::Driven => match (self.body_sticks(), self.wheel_sticks()) {
                 (true, true) => (0.0, 0.0),
                 (true, false) => (0.0, wheel / wheel_inertia),
-                (false, true) => (-body / total, 0.0),
+                (false, true) => (-body / (total + 2.0 * coupling), 0.0),
+                (false, false) if coupling != 0.0 => {
+                    let matrix = Matrix2::new(
+                        total + 2.0 * coupling,
+                        wheel_inertia + coupling,
+                        wheel_inertia + coupling,
+                        wheel_inertia,
+                    );
+                    let solved = matrix.lu().solve(&Vector2::new(-body, wheel));
+                    solved.map_or((f64::NAN, f64::NAN), |both| (both[0], both[1]))
+                }
                 (false, false) => {
                     let rate_dot = (-body - wheel) / (total - wheel_inertia);
                     (rate_dot, wheel / wheel_inertia - rate_dot)
@@ -480,6 +501,9 @@ impl TrueMotion {
         }
         if let Some(&[_, order, _]) = self.library(EffectId::WheelCogging) {
             step_s = step_s.min(STEP_SHARE / (order * self.motion[3].abs().max(1.0)));
+        }
+        if self.library(EffectId::WheelUnbalance).is_some() {
+            step_s = step_s.min(STEP_SHARE / self.motion[3].abs().max(1.0));
         }
         step_s
     }

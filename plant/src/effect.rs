@@ -133,6 +133,26 @@ pub enum RateFault {
     Bias,
 }
 
+/// What an unbalanced wheel adds to the left sides of the equations of motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Unbalance<S> {
+    /// c in kg m²: the body's equation gains c (2α̈ + φ̈), the wheel's c α̈.
+    pub coupling: S,
+    /// Torque on the body against its motion that no acceleration makes, N m.
+    pub body_torque: S,
+    /// The same of the wheel.
+    pub wheel_torque: S,
+}
+
+/// A parameter that is measured on the bench and not fitted: a key of `[known]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Given {
+    /// g in m/s².
+    Gravity,
+    /// Distance from the pivot to the axis of the wheel in m.
+    PivotToWheel,
+}
+
 /// What the logs say about the parameters of an effect before any fit.
 #[derive(Clone, Copy, Debug)]
 pub enum StartFrom {
@@ -220,6 +240,13 @@ pub struct EffectInfo {
     pub angle_power: Option<u32>,
     /// It looks at the angle of the wheel ([`Instant::wheel_angle_rad`]).
     pub uses_wheel_angle: bool,
+    /// p[i] is an amplitude and p[j] its phase, for this (i, j): together they are a vector, in which the term is
+    /// linear to first order.
+    pub polar: Option<(usize, usize)>,
+    /// It moves the centre of mass of the wheel ([`Effect::unbalance`]).
+    pub is_unbalance: bool,
+    /// Which of its parameters are measured and not fitted.
+    pub given: &'static [(usize, Given)],
     /// The ripple that it is.
     pub ripple: Option<Ripple>,
     /// The memory that it has ([`Effect::remember`]).
@@ -267,6 +294,9 @@ impl EffectInfo {
         is_limit: false,
         angle_power: None,
         uses_wheel_angle: false,
+        polar: None,
+        is_unbalance: false,
+        given: &[],
         ripple: None,
         memory: None,
         start_from: StartFrom::Stated,
@@ -287,6 +317,16 @@ pub trait Effect {
     #[inline(always)]
     fn torque<S: Scalar>(_p: &[S], _at: &Instant<S>, _v0: &Smoothing) -> S {
         S::zero()
+    }
+
+    /// What an unbalanced wheel does (role `Wheel`, [`EffectInfo::is_unbalance`]).
+    #[inline(always)]
+    fn unbalance<S: Scalar>(_p: &[S], _at: &Instant<S>) -> Unbalance<S> {
+        Unbalance {
+            coupling: S::zero(),
+            body_torque: S::zero(),
+            wheel_torque: S::zero(),
+        }
     }
 
     /// Memory after the body has moved by `displacement_rad` since `memory` held (role `Body`).

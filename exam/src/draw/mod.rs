@@ -39,7 +39,7 @@ pub use question::{Question, ROUND, SENSOR_SEEDS, effects, effects_of, question}
 use self::combinations::left_by_combinations;
 use self::dice::log_uniform;
 use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
-use self::shape::{TermShape, is_plausible, place, shape_of_effect, shape_of_outsider};
+use self::shape::{TermShape, is_plausible, pivot_to_wheel_m, place, shape_of_effect, shape_of_outsider};
 use self::size::{base_fit, make, sized};
 use crate::bench_plan::SensorNoise;
 use crate::truth::{StatedTorque, Truth};
@@ -113,7 +113,11 @@ fn attempt_draw(
     let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1009).wrapping_add(attempt));
     let base = draw_truth(&mut rng);
     let noise = draw_noise(&mut rng);
-    let choice = draw_experiments(&mut rng, &base, needs(&question));
+    let mut choice = draw_experiments(&mut rng, &base, needs(&question));
+    if seed >= SENSOR_SEEDS {
+        choice.measured.gravity = Some(9.81);
+        choice.measured.pivot_to_wheel = Some(pivot_to_wheel_m(base.base[0]));
+    }
     let place = place(&base, choice.top);
     let shapes: Vec<TermShape> = match &question {
         Question::Outside(outsider) => vec![shape_of_outsider(&mut rng, *outsider, &base)],

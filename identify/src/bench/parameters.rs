@@ -1,7 +1,7 @@
 //! The parameters of a model on a bench: which are free, in which unit, and where a fit of them starts.
 
 use plant::{
-    BASE_PARAMETERS, Driving, EffectId, GRAVITY_TORQUE, Kind, Model, Role, StartFrom,
+    BASE_PARAMETERS, Driving, EffectId, GRAVITY_TORQUE, Given, Kind, Model, Role, StartFrom,
     TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
 };
 
@@ -35,7 +35,11 @@ impl FitProblem {
                     records.any(|record| effect.is_of_log(position - own.start, &record.name))
                 });
                 let given = self.known.get(position).is_some_and(Option::is_some);
-                shown && has_log && !given && !infos[position].is_whole
+                let is_measured = model.range_at(position).is_some_and(|(effect, own)| {
+                    let mut given = effect.info().given.iter();
+                    given.any(|(at, _)| own.start + at == position)
+                });
+                shown && !is_measured && has_log && !given && !infos[position].is_whole
             })
             .collect()
     }
@@ -128,7 +132,7 @@ impl FitProblem {
         let info = effect.info();
         let scale = self.scale(info.role, base);
         let parameters = info.parameters.iter().zip(start);
-        parameters
+        let mut values: Vec<f64> = parameters
             .map(|(info, value)| {
                 if info.is_torque {
                     value * scale
@@ -136,7 +140,19 @@ impl FitProblem {
                     *value
                 }
             })
-            .collect()
+            .collect();
+        for &(at, given) in info.given {
+            values[at] = self.given(given).unwrap_or(values[at]);
+        }
+        values
+    }
+
+    /// A measured value of the bench, where it is known.
+    pub fn given(&self, given: Given) -> Option<f64> {
+        match given {
+            Given::Gravity => self.masses.gravity,
+            Given::PivotToWheel => self.masses.pivot_to_wheel,
+        }
     }
 
     /// The size of the bench against the one for which the library states its starts, Θ = 2.3e-3 and

@@ -38,13 +38,13 @@ impl Effect for AngleEccentricity {
             logarithmic: false,
             is_whole: false,
         }],
-        // Amplitudes that every encoder has, a third of a turn apart: to first order the two unknowns are the
-        // two components of one vector, whatever it starts as.
+        // Amplitudes that every encoder has, a third of a turn apart.
         starts: &[&[1e-3, 0.0], &[1e-3, 2.1], &[1e-3, -2.1]],
         absent: Some(&[0.0, 0.0]),
         confused_with: &["angle-offset"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         senses: Some(Output::Angle),
+        polar: Some((0, 1)),
         drawn_since: 1,
         hiding: Some(Hiding {
             parameters: |s, bench| vec![s, std::f64::consts::PI * bench.second],

@@ -1,6 +1,6 @@
 //! The library of effects: one file each, and the list of them.
 
-use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing, Unbalance};
 use crate::external::External;
 use crate::per_log::PerLog;
 use crate::{Reading, Scalar};
@@ -72,6 +72,17 @@ macro_rules! effects {
                 }
             }
 
+            /// [`Effect::unbalance`]; `None` for whatever is none.
+            #[inline(always)]
+            pub(crate) fn unbalance<S: Scalar>(self, p: &[S], at: &Instant<S>) -> Option<Unbalance<S>> {
+                match self {
+                    $(EffectId::$effect if <$module::$effect as Effect>::INFO.is_unbalance => {
+                        Some(<$module::$effect as Effect>::unbalance(p, at))
+                    })*
+                    _ => None,
+                }
+            }
+
             /// [`Effect::remember`].
             #[inline(always)]
             pub(crate) fn remember<S: Scalar>(self, p: &[S], memory: S, displacement_rad: S) -> S {
@@ -135,6 +146,7 @@ effects! {
     wheel_coulomb_friction::WheelCoulombFriction,
     wheel_quadratic_drag::WheelQuadraticDrag,
     wheel_cogging::WheelCogging,
+    wheel_unbalance::WheelUnbalance,
     input_delay::InputDelay,
     motor_lag::MotorLag,
     back_emf_limit::BackEmfLimit,

@@ -46,6 +46,8 @@ pub(super) struct Structure {
     /// The lags and delays of the sensors.
     pub late: Vec<Term>,
     timed: Vec<Term>,
+    /// The unbalance of the wheel.
+    pub unbalance: Option<Term>,
     /// The term of the body that remembers.
     pub memory: Option<Term>,
     /// The order of the ripple that steps must follow.
@@ -84,6 +86,7 @@ impl Structure {
             late: vec![],
             per_log: vec![],
             timed: vec![],
+            unbalance: None,
             memory: None,
             ripple_order: None,
             smoothing,
@@ -103,7 +106,15 @@ impl Structure {
                 memory: info.memory,
             };
             if let Some(Ripple { order, .. }) = info.ripple {
-                structure.ripple_order = Some(values[own.start + order]);
+                let faster = structure.ripple_order.unwrap_or(0.0);
+                structure.ripple_order = Some(values[own.start + order].max(faster));
+            }
+            if info.is_unbalance {
+                structure.unbalance = Some(term);
+                // It acts once in every turn: steps follow it as they follow a ripple.
+                let order = structure.ripple_order.unwrap_or(0.0);
+                structure.ripple_order = Some(order.max(1.0));
+                continue;
             }
             if info.memory.is_some() {
                 structure.memory = Some(term);

@@ -5,6 +5,7 @@ mod motion;
 mod motor;
 mod outside;
 mod sensitivities;
+mod unbalance;
 
 use plant::{Current, Plant, State};
 
