@@ -484,7 +484,9 @@ fn unit_and_bounds(name: &str, own: &[OwnEffect]) -> Option<(&'static str, (f64,
     let is_own = |info: &&ParameterInfo| {
         // One of those that there are for each log.
         let own = info.name.strip_suffix("EXPERIMENT");
-        own.map_or(info.name == name, |own| name.len() > own.len() && name.starts_with(own))
+        own.map_or(info.name == name, |own| {
+            name.len() > own.len() && name.starts_with(own)
+        })
     };
     library_parameters()
         .chain(own)

@@ -194,8 +194,10 @@ fn late(
             .in_experiment(view.name())
             .with_channel(late)
             .with_fix(match late {
-                "rate" => "the effect rate-delay stands for it, or rate-lag where a filter makes it \
-                           late: `flywheel diagnose` says which, `add` puts it into the model",
+                "rate" => {
+                    "the effect rate-delay stands for it, or rate-lag where a filter makes it \
+                           late: `flywheel diagnose` says which, `add` puts it into the model"
+                }
                 _ => "the effect angle-delay stands for it: `add` puts it into the model",
             }),
         );

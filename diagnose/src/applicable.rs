@@ -8,9 +8,8 @@ pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
     let info = effect.info();
     // Without the distance between pivot and wheel an unbalance cannot be told for a body that moves. Gravity is
     // that of the earth where nothing else is said.
-    let is_unknown = |(_, given): &(usize, Given)| {
-        *given != Given::Gravity && problem.given(*given).is_none()
-    };
+    let is_unknown =
+        |(_, given): &(usize, Given)| *given != Given::Gravity && problem.given(*given).is_none();
     if info.given.iter().any(is_unknown) {
         return false;
     }
@@ -27,10 +26,9 @@ pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
             Role::Sensor => {
                 let distorted = |output| record.channel(output).is_some();
                 // Alone and undriven, a channel that comes late is one that begins at another time.
-                let has_clock = record.channels.len() > 1
-                    || (commanded && record.kind != Kind::FreeSwing);
-                info.senses.is_some_and(distorted)
-                    && (info.sensor_timing.is_none() || has_clock)
+                let has_clock =
+                    record.channels.len() > 1 || (commanded && record.kind != Kind::FreeSwing);
+                info.senses.is_some_and(distorted) && (info.sensor_timing.is_none() || has_clock)
             }
         };
         sees && info.shows_in.contains(&record.kind)

@@ -1,8 +1,8 @@
 //! The score test: what each suspect promises, and from where it may be fitted.
 
 use identify::{
-    KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, ScoreStep, Unknowns, Window, carry_over,
-    cogging_start, guessed, score_test, settled,
+    KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, ScoreStep, Unknowns, Window,
+    carry_over, cogging_start, guessed, score_test, settled,
 };
 use plant::{EffectId, Model, Role, StartFrom};
 use rayon::prelude::*;

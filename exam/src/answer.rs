@@ -53,7 +53,10 @@ impl Answer {
     /// The answer with its effects as a bench has them ([`FitProblem::made_for_logs`]).
     #[must_use]
     pub fn made_for(&self, problem: &FitProblem) -> Answer {
-        let effects = self.effects.iter().map(|&effect| problem.made_for_logs(effect));
+        let effects = self
+            .effects
+            .iter()
+            .map(|&effect| problem.made_for_logs(effect));
         let mut effects: Vec<EffectId> = effects.collect();
         effects.sort();
         Answer {

@@ -36,8 +36,8 @@ mod reading;
 mod scalar;
 
 pub use effect::{
-    Driving, Effect, EffectInfo, Given, Instant, Linearised, Memory, ParameterInfo, RateFault, Ripple,
-    Role, Smoothing, StartFrom, Timing, Unbalance,
+    Driving, Effect, EffectInfo, Given, Instant, Linearised, Memory, ParameterInfo, RateFault,
+    Ripple, Role, Smoothing, StartFrom, Timing, Unbalance,
 };
 pub use effects::EffectId;
 pub use experiment::Kind;

@@ -164,7 +164,10 @@ mod tests {
         let logs = ["a".to_owned(), "b".to_owned()];
         let zero = EffectId::AngleZero.for_logs(&logs);
         assert_eq!(zero, EffectId::AngleZero.for_logs(&logs));
-        assert_eq!((zero.name(), zero.info().parameters.len()), ("angle-zero", 2));
+        assert_eq!(
+            (zero.name(), zero.info().parameters.len()),
+            ("angle-zero", 2)
+        );
         let model = Model::base().with(EffectId::AngleOffset).with(zero);
         assert!(!model.has(EffectId::AngleOffset));
         let own: Vec<&str> = model.parameters()[6..].iter().map(|one| one.name).collect();

@@ -39,7 +39,9 @@ pub use question::{Question, ROUND, SENSOR_SEEDS, effects, effects_of, question}
 use self::combinations::left_by_combinations;
 use self::dice::log_uniform;
 use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
-use self::shape::{TermShape, is_plausible, pivot_to_wheel_m, place, shape_of_effect, shape_of_outsider};
+use self::shape::{
+    TermShape, is_plausible, pivot_to_wheel_m, place, shape_of_effect, shape_of_outsider,
+};
 use self::size::{base_fit, make, sized};
 use crate::bench_plan::SensorNoise;
 use crate::truth::{StatedTorque, Truth};
@@ -99,8 +101,7 @@ fn needs(question: &Question) -> Needs {
             let info = effect.info();
             matches!(info.role, Role::Wheel | Role::Motor)
                 || info.senses == Some(Output::WheelSpeed)
-        })
-            || matches!(question, Question::Outside(outsider) if outsider.needs_a_motor()),
+        }) || matches!(question, Question::Outside(outsider) if outsider.needs_a_motor()),
     }
 }
 

@@ -36,7 +36,14 @@ fn problem(truth: &Truth, plans: &[ExperimentPlan], seed: u64) -> FitProblem {
         let log = record(truth, plan, &NOISE, seed + index as u64);
         let outputs = log.measured.clone().map(Some);
         let current = Some(log.current_a.clone());
-        Record::new(&plan.name, plan.kind, log.time_s.clone(), outputs, current, false)
+        Record::new(
+            &plan.name,
+            plan.kind,
+            log.time_s.clone(),
+            outputs,
+            current,
+            false,
+        )
     });
     let known = [None, None, Some(truth.base[2]), Some(truth.base[3])];
     FitProblem::from_records(records.collect(), known, Default::default()).expect("records")
@@ -45,7 +52,14 @@ fn problem(truth: &Truth, plans: &[ExperimentPlan], seed: u64) -> FitProblem {
 fn diagnosed(problem: &FitProblem) -> Diagnosis {
     let (base, quiet) = (Model::base(), Progress::silent());
     let found = fit_until(problem, &base, None, &quiet).expect("a fit");
-    diagnose_with(problem, &base, found.fit.minimum, &Options::default(), &quiet).expect("done")
+    diagnose_with(
+        problem,
+        &base,
+        found.fit.minimum,
+        &Options::default(),
+        &quiet,
+    )
+    .expect("done")
 }
 
 fn clamped() -> Vec<ExperimentPlan> {

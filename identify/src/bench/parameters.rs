@@ -53,7 +53,11 @@ impl FitProblem {
                 && effect.info().shows_in.contains(&record.kind)
         };
         let records = self.records.iter().filter(shows);
-        effect.for_logs(&records.map(|record| record.name.clone()).collect::<Vec<_>>())
+        effect.for_logs(
+            &records
+                .map(|record| record.name.clone())
+                .collect::<Vec<_>>(),
+        )
     }
 
     /// The unit of a parameter of `model` as the bench allows it: "… per kg m2" where the scale of

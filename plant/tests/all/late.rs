@@ -26,10 +26,17 @@ fn run(
     current: Current<f64>,
 ) -> (Vec<Reading<f64>>, Vec<State<f64>>) {
     let (mut readings, mut states) = (vec![], vec![]);
-    plant.run(start, time_s, samples, current, None, |_, reading, state| {
-        readings.push(*reading);
-        states.push(*state);
-    });
+    plant.run(
+        start,
+        time_s,
+        samples,
+        current,
+        None,
+        |_, reading, state| {
+            readings.push(*reading);
+            states.push(*state);
+        },
+    );
     (readings, states)
 }
 
@@ -76,16 +83,29 @@ fn a_delay_is_the_motion_of_a_while_ago() {
     let plant = Plant::new(&model, &values, Kind::FreeSwing);
     let (late, _) = run(&plant, start, &time_s, 0..400, Current::Held(0.0));
     // The same motion, looked at a delay earlier.
-    let asked: Vec<f64> = time_s.iter().map(|t| t - delay_s).filter(|t| *t > 0.0).collect();
+    let asked: Vec<f64> = time_s
+        .iter()
+        .map(|t| t - delay_s)
+        .filter(|t| *t > 0.0)
+        .collect();
     let mut at_asked = vec![0.0];
     at_asked.extend(&asked);
     let prompt = Plant::new(&Model::base(), &VALUES, Kind::FreeSwing);
-    let (then, _) = run(&prompt, start, &at_asked, 0..at_asked.len(), Current::Held(0.0));
+    let (then, _) = run(
+        &prompt,
+        start,
+        &at_asked,
+        0..at_asked.len(),
+        Current::Held(0.0),
+    );
     let before = time_s.len() - asked.len();
     for (k, reading) in late.iter().enumerate() {
         let expected = then[(k + 1).saturating_sub(before)];
         assert!((reading.angle_rad - expected.angle_rad).abs() < 2e-6, "{k}");
-        assert!((reading.rate_rad_s - expected.rate_rad_s).abs() < 2e-5, "{k}");
+        assert!(
+            (reading.rate_rad_s - expected.rate_rad_s).abs() < 2e-5,
+            "{k}"
+        );
     }
     // A motion that was there before continues backwards without a jump.
     let moved = plant.with_motion_before(1.0);
@@ -116,9 +136,8 @@ fn a_window_knows_its_past() {
     };
     let current = Current::Recorded(&input);
     let (whole, states) = run(&plant, start, &time_s, 0..500, current);
-    let swing = |of: fn(&Reading<f64>) -> f64| {
-        whole.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()))
-    };
+    let swing =
+        |of: fn(&Reading<f64>) -> f64| whole.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
     let scales = [
         swing(|r| r.angle_rad),
         swing(|r| r.rate_rad_s),
@@ -133,7 +152,10 @@ fn a_window_knows_its_past() {
                 a.wheel_speed_rad_s - b.wheel_speed_rad_s,
             ];
             for (error, scale) in errors.iter().zip(scales) {
-                assert!(error.abs() < 2e-3 * scale, "{first} + {k}: {errors:?} of {scales:?}");
+                assert!(
+                    error.abs() < 2e-3 * scale,
+                    "{first} + {k}: {errors:?} of {scales:?}"
+                );
             }
         }
     }
@@ -144,14 +166,20 @@ fn a_window_knows_its_past() {
 #[test]
 fn the_sensor_and_the_motor_are_one_function_of_a_spin_up() {
     let time_s = times(0.005, 600);
-    let current_a: Vec<f64> = time_s.iter().map(|&t| if t < 0.2 { 0.0 } else { 1.1 }).collect();
+    let current_a: Vec<f64> = time_s
+        .iter()
+        .map(|&t| if t < 0.2 { 0.0 } else { 1.1 })
+        .collect();
     let input = Input::new(&time_s, &current_a, Hold::Zero);
     let says = |effect: EffectId| {
         let (model, values) = with(&[(effect, 0.03)]);
         let plant = Plant::new(&model, &values, Kind::SpinUp);
         let current = Current::Recorded(&input);
         let (readings, _) = run(&plant, State::rest(), &time_s, 0..600, current);
-        readings.iter().map(|r| r.wheel_speed_rad_s).collect::<Vec<f64>>()
+        readings
+            .iter()
+            .map(|r| r.wheel_speed_rad_s)
+            .collect::<Vec<f64>>()
     };
     for (sensor, motor) in [
         (EffectId::WheelSpeedDelay, EffectId::InputDelay),

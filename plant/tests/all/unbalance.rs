@@ -43,14 +43,26 @@ fn without_friction_the_energy_stays() {
     let time_s: Vec<f64> = (0..4000).map(|k| k as f64 * 1e-3).collect();
     let mut energies = vec![];
     let mut speeds = vec![];
-    plant.run(start, &time_s, 0..4000, Current::Held(0.0), None, |_, _, state| {
-        energies.push(energy(state));
-        speeds.push(state.wheel_speed_rad_s);
-    });
-    let largest = energies.iter().map(|e| (e - energies[0]).abs()).fold(0.0, f64::max);
+    plant.run(
+        start,
+        &time_s,
+        0..4000,
+        Current::Held(0.0),
+        None,
+        |_, _, state| {
+            energies.push(energy(state));
+            speeds.push(state.wheel_speed_rad_s);
+        },
+    );
+    let largest = energies
+        .iter()
+        .map(|e| (e - energies[0]).abs())
+        .fold(0.0, f64::max);
     assert!(largest < 1e-6 * energies[0].abs().max(0.1), "{largest}");
     // The unbalance is no small change here: the wheel's speed varies by it.
-    let spread = speeds.iter().fold(0.0f64, |m, speed| m.max((speed - 40.0).abs()));
+    let spread = speeds
+        .iter()
+        .fold(0.0f64, |m, speed| m.max((speed - 40.0).abs()));
     assert!(spread > 5.0, "{spread}");
 }
 
@@ -65,12 +77,25 @@ fn a_slow_wheel_is_a_pendulum() {
     };
     let period_s = std::f64::consts::TAU * (VALUES[1] / (UNBALANCE[0] * UNBALANCE[3])).sqrt();
     let steps = 1000;
-    let time_s: Vec<f64> = (0..=steps).map(|k| k as f64 * period_s / steps as f64).collect();
+    let time_s: Vec<f64> = (0..=steps)
+        .map(|k| k as f64 * period_s / steps as f64)
+        .collect();
     let mut angles = vec![];
     let current = Current::Held(0.0);
-    plant.run(start, &time_s, 0..steps + 1, current, None, |_, _, state| {
-        angles.push(state.wheel_angle_rad + UNBALANCE[1]);
-    });
-    assert!((angles[steps / 2] + 0.01).abs() < 1e-6, "{}", angles[steps / 2]);
+    plant.run(
+        start,
+        &time_s,
+        0..steps + 1,
+        current,
+        None,
+        |_, _, state| {
+            angles.push(state.wheel_angle_rad + UNBALANCE[1]);
+        },
+    );
+    assert!(
+        (angles[steps / 2] + 0.01).abs() < 1e-6,
+        "{}",
+        angles[steps / 2]
+    );
     assert!((angles[steps] - 0.01).abs() < 1e-6, "{}", angles[steps]);
 }

@@ -1,8 +1,8 @@
 //! The torque that a model lacks, over time.
 
 mod motion;
-mod undo;
 mod torque;
+mod undo;
 
 pub use motion::MeasuredMotion;
 pub use torque::{ResidualTorque, TorqueOn, half_bump, residual_torque, residual_torques};

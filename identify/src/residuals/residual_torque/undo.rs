@@ -31,7 +31,9 @@ pub(super) fn undone(
     let (values, scale) = if bend.abs() < STRAIGHT {
         (straight.collect(), scale.abs())
     } else {
-        let inverted = samples.iter().map(|&sample| inverted(plant, output, sample));
+        let inverted = samples
+            .iter()
+            .map(|&sample| inverted(plant, output, sample));
         (inverted.collect(), 1.0)
     };
     let (lag_s, delay_s) = plant.sensor_times_s(output);
