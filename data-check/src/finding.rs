@@ -153,17 +153,37 @@ impl FindingId {
             FindingId::HeldStart => {
                 "The body is held still before its release; `from` cuts that off."
             }
-            FindingId::Hand => "The swing gains energy: a hand is on the body; cut it off with `from` and `until`.",
-            FindingId::SameData => "Two experiments have the same samples; one of them names the wrong `file`.",
-            FindingId::Clipped => "A channel ends at a limit: the sensor was set to too small a range; repeat, or cut with `from` and `until`.",
-            FindingId::Frozen => "A channel stands still while the motion goes on: the sensor or its bus had stopped.",
-            FindingId::Wrapped => "A channel begins anew at a limit, as an angle at 360 degrees does; unwrap it before it is logged.",
-            FindingId::Quantised => "A channel has few levels: its steps are larger than its noise.",
-            FindingId::LateChannel => "A channel comes later than the others, by a filter or a delay on its way.",
+            FindingId::Hand => {
+                "The swing gains energy: a hand is on the body; cut it off with `from` and `until`."
+            }
+            FindingId::SameData => {
+                "Two experiments have the same samples; one of them names the wrong `file`."
+            }
+            FindingId::Clipped => {
+                "A channel ends at a limit: the sensor was set to too small a range; repeat, or cut with `from` and `until`."
+            }
+            FindingId::Frozen => {
+                "A channel stands still while the motion goes on: the sensor or its bus had stopped."
+            }
+            FindingId::Wrapped => {
+                "A channel begins anew at a limit, as an angle at 360 degrees does; unwrap it before it is logged."
+            }
+            FindingId::Quantised => {
+                "A channel has few levels: its steps are larger than its noise."
+            }
+            FindingId::LateChannel => {
+                "A channel comes later than the others, by a filter or a delay on its way."
+            }
             FindingId::Stale => "A channel repeats old samples: its sensor is slower than the log.",
-            FindingId::Gains => "The logged current is not that of the controller in `[controller]`: its gains have another unit or sign, or the log another current.",
-            FindingId::KnownMissing => "Masses and lengths are given, but not what makes a torque of them; state what is named, mostly `gravity`.",
-            FindingId::KnownRange => "A value of `[known]` that no such bench has, mostly by a unit.",
+            FindingId::Gains => {
+                "The logged current is not that of the controller in `[controller]`: its gains have another unit or sign, or the log another current."
+            }
+            FindingId::KnownMissing => {
+                "Masses and lengths are given, but not what makes a torque of them; state what is named, mostly `gravity`."
+            }
+            FindingId::KnownRange => {
+                "A value of `[known]` that no such bench has, mostly by a unit."
+            }
             FindingId::UnknownFinding => "`accept` names something that is no finding.",
         }
     }

@@ -108,7 +108,9 @@ fn sections(list: &[KeySection]) -> String {
 }
 
 fn parts() -> String {
-    let mut out = "\n| part | as | setting that the numbers hold for | source |\n|---|---|---|---|\n".to_owned();
+    let mut out =
+        "\n| part | as | setting that the numbers hold for | source |\n|---|---|---|---|\n"
+            .to_owned();
     for part in bench_files::known_parts() {
         let _ = writeln!(
             out,
@@ -131,7 +133,9 @@ fn help(arguments: &[&str]) -> String {
         .output()
         .expect("the program starts");
     assert!(output.status.success(), "flywheel {arguments:?} --help");
-    String::from_utf8_lossy(&output.stdout).trim_end().to_owned()
+    String::from_utf8_lossy(&output.stdout)
+        .trim_end()
+        .to_owned()
 }
 
 fn commands() -> String {
@@ -155,7 +159,12 @@ fn commands() -> String {
 fn findings() -> String {
     let mut out = "\n| finding | meaning, and what mends it |\n|---|---|\n".to_owned();
     for finding in FindingId::ALL {
-        let _ = writeln!(out, "| `{}` | {} |", finding.name(), cell(finding.meaning()));
+        let _ = writeln!(
+            out,
+            "| `{}` | {} |",
+            finding.name(),
+            cell(finding.meaning())
+        );
     }
     out + "\n"
 }
@@ -196,14 +205,26 @@ fn whole(effect: &EffectDescription) -> String {
             "1" => "no unit",
             unit => unit,
         };
-        let _ = writeln!(out, "- `{}` ({unit}): {}", parameter.name, parameter.meaning);
+        let _ = writeln!(
+            out,
+            "- `{}` ({unit}): {}",
+            parameter.name, parameter.meaning
+        );
     }
     out.push('\n');
     if !effect.replaces.is_empty() {
-        let _ = write!(out, "It contains and replaces {}.\n\n", names(&effect.replaces));
+        let _ = write!(
+            out,
+            "It contains and replaces {}.\n\n",
+            names(&effect.replaces)
+        );
     }
     if !effect.confused_with.is_empty() {
-        let _ = write!(out, "It is confused with {}.\n\n", names(&effect.confused_with));
+        let _ = write!(
+            out,
+            "It is confused with {}.\n\n",
+            names(&effect.confused_with)
+        );
     }
     let _ = write!(out, "Source: {}.\n\n", effect.source.trim_end_matches('.'));
     if let Some(portrait) = effect_portrait(&effect.name) {

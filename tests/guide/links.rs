@@ -46,7 +46,10 @@ fn links_lead_somewhere() {
     for page in pages() {
         for target in targets(&text(&page)) {
             if target.contains("://") {
-                broken.push(format!("{}: leads out of the project: {target}", page.display()));
+                broken.push(format!(
+                    "{}: leads out of the project: {target}",
+                    page.display()
+                ));
                 continue;
             }
             count += 1;

@@ -1,9 +1,7 @@
 //! What an effect looks like: the same experiment with and without it.
 
 use figures::{Line, LineRole, Panel, Quantity, Series};
-use plant::{
-    Current, EffectId, HidingPlace, Hold, Input, Kind, Model, Plant, State,
-};
+use plant::{Current, EffectId, HidingPlace, Hold, Input, Kind, Model, Plant, State};
 
 use crate::error::Error;
 use crate::numbers::significant;
@@ -142,7 +140,9 @@ pub fn effect_portrait(name: &str) -> Option<EffectPortrait> {
         }
         values
     };
-    let scenes = SCENES.iter().filter(|scene| info.shows_in.contains(&scene.kind));
+    let scenes = SCENES
+        .iter()
+        .filter(|scene| info.shows_in.contains(&scene.kind));
     let mut best: Option<(f64, EffectPortrait)> = None;
     for scene in scenes {
         let without = record(&base, &bench_values(&base), scene);
@@ -245,7 +245,11 @@ impl EffectPortrait {
 }
 
 /// The channels of a run with their units.
-const CHANNELS: [(&str, &str); 3] = [("angle", "rad"), ("rate", "rad/s"), ("wheel_speed", "rad/s")];
+const CHANNELS: [(&str, &str); 3] = [
+    ("angle", "rad"),
+    ("rate", "rad/s"),
+    ("wheel_speed", "rad/s"),
+];
 
 /// The smallest amplitude at which an effect changes the channel by [`VISIBLE`] of its range; `share` gives that
 /// share. `None` where no amplitude that is tried does.
@@ -358,7 +362,10 @@ mod tests {
                 );
                 continue;
             };
-            let range = portrait.without.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
+            let range = portrait
+                .without
+                .iter()
+                .fold(0.0_f64, |most, one| most.max(one.abs()));
             let change = portrait
                 .with
                 .iter()
@@ -380,12 +387,14 @@ mod tests {
             panic!("no picture");
         };
         let peak = |from: usize, to: usize, values: &[f64]| {
-            values[from..to].iter().fold(0.0_f64, |most, one| most.max(one.abs()))
+            values[from..to]
+                .iter()
+                .fold(0.0_f64, |most, one| most.max(one.abs()))
         };
         let third = SAMPLES / 3;
         let early = peak(0, third, &portrait.without) - peak(0, third, &portrait.with);
-        let late = peak(2 * third, SAMPLES, &portrait.without)
-            - peak(2 * third, SAMPLES, &portrait.with);
+        let late =
+            peak(2 * third, SAMPLES, &portrait.without) - peak(2 * third, SAMPLES, &portrait.with);
         assert!(late > 1.5 * early, "{early} {late}");
     }
 }

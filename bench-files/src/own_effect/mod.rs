@@ -171,7 +171,10 @@ fn parameters(section: &Section) -> Result<Vec<ParameterText>, Error> {
         let Some(entry) = table.section(&key.value)? else {
             continue;
         };
-        entry.allow_only(&crate::keys::names(crate::keys::OWN_EFFECT, "own.parameters"))?;
+        entry.allow_only(&crate::keys::names(
+            crate::keys::OWN_EFFECT,
+            "own.parameters",
+        ))?;
         let starts = match entry.numbers("start", &[0], "a number, or a list of numbers") {
             Ok(Some(list)) if !list.is_empty() => list,
             _ => vec![entry.required_number("start")?],

@@ -192,7 +192,10 @@ mod tests {
     #[test]
     fn every_key_stands_in_the_proposal() {
         let text = bench_toml("bench", &[]) + "[[experiment]] name file";
-        for section in BENCH.iter().filter(|section| !section.name.starts_with("calibration")) {
+        for section in BENCH
+            .iter()
+            .filter(|section| !section.name.starts_with("calibration"))
+        {
             for key in section.keys {
                 assert!(text.contains(key.name), "{}: {}", section.name, key.name);
             }
