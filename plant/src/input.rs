@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 
-/// How the current runs between two samples.
+/// The course of the current between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
     /// A command: held until the next sample.
@@ -11,18 +11,18 @@ pub enum Hold {
     Linear,
 }
 
-/// A sampled current with its running integral, so that its mean over any interval is exact.
+/// A sampled current with its running integral, from which the mean over any interval follows exactly.
 ///
-/// Over an integration step the current enters as its mean: exact where the step lies between two
-/// samples of a held command, and a continuous function of the delay everywhere, so that a delay
-/// has a derivative although the command has steps.
+/// In an integration step, the mean of the current is used. It is exact if the step lies between two
+/// samples of a held command. It is a continuous function of the motor's delay, so that the derivative
+/// with respect to the delay exists although the command has steps.
 #[derive(Clone, Debug)]
 pub struct Input {
     time_s: Vec<f64>,
     current_a: Vec<f64>,
     charge_as: Vec<f64>,
     hold: Hold,
-    /// The times at which a held command steps, if that is seldom.
+    /// The times in s at which a held command steps; empty if it steps too often.
     steps_s: Vec<f64>,
 }
 
@@ -108,7 +108,7 @@ impl Input {
             .zip(self.current_a.first().copied())
     }
 
-    /// The index of the last sample at or before `time_s`, looked for near `hint`.
+    /// The index of the last sample at or before `time_s`; `hint` is the index of a sample nearby.
     fn index(&self, time_s: f64, hint: usize) -> usize {
         let near = |k: usize| {
             k < self.time_s.len()
@@ -137,7 +137,7 @@ impl Input {
             .saturating_sub(1)
     }
 
-    /// The index of the first sample after `time_s`, looked for near `hint`.
+    /// The index of the first sample after `time_s`; `hint` is the index of a sample nearby.
     fn next(&self, time_s: f64, hint: usize) -> usize {
         let is_before_all = self.time_s.first().is_some_and(|&first_s| time_s < first_s);
         if is_before_all {
@@ -147,7 +147,7 @@ impl Input {
         }
     }
 
-    /// ∫ i dt up to `time_s` and i there; before the first sample the first value holds.
+    /// ∫ i dt up to `time_s` in A s, and i at that time in A. Before the first sample, the first value holds.
     fn charge(&self, time_s: f64, hint: usize) -> (f64, f64) {
         let (Some(&first_s), Some(&first_a)) = (self.time_s.first(), self.current_a.first()) else {
             return (0.0, 0.0);
@@ -182,7 +182,7 @@ impl Input {
         (next > from_s + least_s && next < to_s - least_s).then_some(next)
     }
 
-    /// The mean time in s for which a sample is held; `None` where the current is not held.
+    /// The mean time in s for which a sample is held; `None` if the current is not a held command.
     pub fn held_s(&self) -> Option<f64> {
         let span_s = self.time_s.last()? - self.time_s.first()?;
         let steps = self.time_s.len() - 1;
@@ -199,7 +199,7 @@ impl Input {
         self.time_s.is_empty()
     }
 
-    /// The stretches of (from_s, to_s) between which a current that is delayed by `delay_s` has samples;
+    /// The parts of (from_s, to_s) between the samples of a current that is delayed by `delay_s`;
     /// `hint` is the index of a sample nearby.
     pub fn stretches(
         &self,
