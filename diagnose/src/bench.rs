@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use identify::{Cancelled, FitProblem, Record};
+use identify::{Cancelled, Effort, FitProblem, Record};
 use plant::EffectId;
 
 use crate::candidate::Candidate;
@@ -53,7 +53,7 @@ impl<'a> SearchBench<'a> {
         }
     }
 
-    /// Returns [`Cancelled`] if the work has been cancelled. Called before every fit.
+    /// Returns [`Cancelled`] if the work has been cancelled. Called before and after every fit.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -63,6 +63,13 @@ impl<'a> SearchBench<'a> {
         } else {
             Ok(())
         }
+    }
+
+    /// As `effort`, for a fit that also ends when the work is cancelled, within one evaluation of the normal equations.
+    /// The result of a cancelled fit is not a minimum; every fit is therefore followed by a [`SearchBench::check`].
+    pub fn until_called_off(&self, effort: Effort<'static>) -> Effort<'a> {
+        let effort: Effort<'a> = effort;
+        effort.until(self.is_cancelled)
     }
 
     /// Number of samples over all channels: the cost (χ²) that is expected of noise alone.
@@ -83,8 +90,12 @@ impl<'a> SearchBench<'a> {
 
     /// The misfit that the smoothed sign of dry friction alone leaves in this candidate's fit.
     pub fn imperfection(&self, candidate: &Candidate) -> Arc<Imperfection> {
-        self.imperfections
-            .of(self.problem, &self.records, candidate)
+        self.imperfections.of(
+            self.problem,
+            &self.records,
+            candidate,
+            self.until_called_off(Effort::ROUGH),
+        )
     }
 
     /// The largest structured remainder over all series, in units of noise, without the part that the smoothed

@@ -45,6 +45,7 @@ impl Imperfections {
         problem: &FitProblem,
         records: &[&Record],
         candidate: &Candidate,
+        effort: Effort,
     ) -> Arc<Imperfection> {
         let key = (candidate.set(), candidate.minimum.cost.to_bits());
         // A thread that panicked leaves no half-written entry: each entry is inserted in one step.
@@ -53,16 +54,18 @@ impl Imperfections {
             return known.clone();
         }
         // The lock is not held during the fit. Two threads may compute the same entry; the results are equal.
-        let new = Arc::new(imperfection(problem, records, candidate));
+        let new = Arc::new(imperfection(problem, records, candidate, effort));
         found().entry(key).or_insert(new).clone()
     }
 }
 
-/// Computes the misfit that the smoothed sign of dry friction alone would leave in a candidate's fit.
+/// Computes the misfit that the smoothed sign of dry friction alone would leave in a candidate's fit. `effort` limits
+/// the fit.
 pub fn imperfection(
     problem: &FitProblem,
     records: &[&Record],
     candidate: &Candidate,
+    effort: Effort,
 ) -> Imperfection {
     let (model, minimum) = (&candidate.model, &candidate.minimum);
     if !model.effects().iter().any(|effect| effect.info().has_kink) {
@@ -105,7 +108,7 @@ pub fn imperfection(
         minimum.values.clone(),
         minimum.windows.clone(),
         &problem.free(model),
-        Effort::ROUGH,
+        effort,
     );
     let mut found = Imperfection {
         rms_over_noise: vec![],

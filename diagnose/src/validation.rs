@@ -78,12 +78,13 @@ pub fn mean_fit_percent(series: &[HeldOut]) -> f64 {
     series.iter().map(|one| one.fit_percent).sum::<f64>() / series.len() as f64
 }
 
-/// Predicts the channels of a record with given parameters; only the start of the motion is fitted.
+/// Predicts the channels of a record with given parameters; only the start of the motion is fitted, with `effort`.
 fn predicted(
     record: &Record,
     model: &Model,
     values: &[f64],
     windows: Vec<identify::Window>,
+    effort: Effort,
 ) -> Vec<HeldOut> {
     let unknowns = Unknowns::new(model, &[]);
     let minimum = minimise(
@@ -92,7 +93,7 @@ fn predicted(
         values.to_vec(),
         vec![windows],
         &unknowns,
-        Effort::ROUGH,
+        effort,
     );
     traces(record, &minimum.windows[0], model, values)
         .iter()
@@ -119,6 +120,7 @@ fn moves(channel: &identify::RecordedChannel) -> bool {
 }
 
 fn by_experiment(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+    let effort = bench.until_called_off(Effort::ROUGH);
     let unknowns = Unknowns::new(model, &bench.problem.free(model));
     let whole = score_test(
         &bench.records,
@@ -162,6 +164,7 @@ fn by_experiment(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<H
             model,
             &values,
             minimum.windows[index].clone(),
+            effort,
         ));
     }
     series
@@ -186,6 +189,7 @@ fn by_halves(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldO
         .iter()
         .map(|record| final_windows(record, &minimum.values))
         .collect();
+    let effort = bench.until_called_off(Effort::ROUGH);
     let unknowns = Unknowns::new(model, &bench.problem.free(model));
     let fitted = minimise(
         &first,
@@ -193,11 +197,11 @@ fn by_halves(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldO
         minimum.values.clone(),
         windows,
         &unknowns,
-        Effort::ROUGH,
+        effort,
     );
     for (_, second) in &halves {
         let windows = final_windows(second, &fitted.values);
-        series.extend(predicted(second, model, &fitted.values, windows));
+        series.extend(predicted(second, model, &fitted.values, windows, effort));
     }
     series
 }

@@ -5,8 +5,8 @@
 pub struct Progress<'a> {
     /// Receives a message about the next piece of work; always called from the caller's own thread.
     pub say: &'a dyn Fn(&str),
-    /// Called before every fit, from any thread. If it returns `true`, the work ends with [`Cancelled`]. It must return
-    /// immediately, and once it has returned `true` it must not return `false` again.
+    /// Called before every fit and during it, from any thread. If it returns `true`, the work ends with [`Cancelled`].
+    /// It must return immediately, and once it has returned `true` it must not return `false` again.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
