@@ -313,7 +313,7 @@ pub enum Problem {
         si: &'static str,
     },
     /// One effect twice, or two of which one contains the other.
-    #[error("\"{effect}\" cannot be used together with \"{other}\": {}; remove one", if .effect == .other { "it is listed twice" } else { "one contains the other" })]
+    #[error("\"{effect}\" cannot be used together with \"{other}\": {}; remove one", if .effect == .other { "it is already listed" } else { "one contains the other" })]
     EffectTwice {
         /// The second.
         effect: &'static str,
@@ -394,7 +394,7 @@ pub enum Problem {
         remark: &'static str,
     },
     /// Two columns have the requested name.
-    #[error("{times} columns of the header have this name; give every column its own name")]
+    #[error("the header has this name {times} times; give every column its own name")]
     DuplicateColumn {
         /// How often.
         times: usize,
