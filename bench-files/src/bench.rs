@@ -1,4 +1,4 @@
-//! A bench: `bench.toml` and the logs that it names.
+//! A bench: `bench.toml` and the logs that it lists.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::{Path, PathBuf};
@@ -19,21 +19,21 @@ use crate::toml_source::{Located, Section, TomlSource};
 /// A bench with all its measurements, checked and in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bench {
-    /// Its name; the folder's name where bench.toml gives none.
+    /// Its name; the name of the folder if bench.toml does not give one.
     pub name: String,
-    /// The folder that holds bench.toml; logs are named relative to it. Empty for a bench in memory.
+    /// The folder of bench.toml; paths of logs are relative to it. Empty for a bench in memory.
     pub folder: PathBuf,
-    /// What was measured directly.
+    /// The values that were measured directly.
     pub known: Known,
     /// The controller of the balance logs.
     pub controller: Option<Controller>,
-    /// Its sensors and its drive, where bench.toml states them.
+    /// Its sensors and its drive, if bench.toml states them.
     pub hardware: Option<Hardware>,
     /// The experiments in the order of the file; at least one, names unique.
     pub experiments: Vec<Experiment>,
-    /// The effects that its user has written, by name.
+    /// The effects that the user has defined, by name.
     pub own_effects: Vec<OwnEffect>,
-    /// What the bench's user should know that concerns no single experiment; sentences.
+    /// Notes for the user that concern no single experiment, as sentences.
     pub notes: Vec<String>,
 }
 
@@ -43,19 +43,19 @@ pub struct Bench {
 pub struct Controller {
     /// Gains K for angle (A/rad), rate (A s/rad) and wheel speed (A s/rad).
     pub gains: [f64; 3],
-    /// Largest current either way, A.
+    /// Largest current in either direction, A.
     pub current_limit_a: f64,
     /// Time between two commands, s.
     pub sample_time_s: f64,
 }
 
-/// What the current column of a log means.
+/// The meaning of the current column of a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurrentMeaning {
-    /// What the controller asked for.
+    /// The command of the controller.
     #[default]
     Command,
-    /// What flowed.
+    /// The measured current.
     Measured,
 }
 
@@ -64,22 +64,22 @@ pub enum CurrentMeaning {
 pub struct Experiment {
     /// Its name, unique in the bench.
     pub name: String,
-    /// What was held still, and about which equilibrium.
+    /// What is held still, and around which equilibrium the motion takes place.
     pub kind: Kind,
     /// The log's path.
     pub file: PathBuf,
-    /// The samples. Which channels there are: free-swing at least one of angle and rate; spin-up
-    /// wheel speed, and current where it is known; balance at least one of angle and rate, and
-    /// current; driven at least one of angle and wheel speed, and current.
+    /// The samples. Channels by kind: free-swing has at least one of angle and rate; spin-up has the
+    /// wheel speed, and the current if it is known; balance has at least one of angle and rate, and the
+    /// current; driven has at least one of angle and wheel speed, and the current.
     pub log: Log,
-    /// The channels that the kind holds still, where the file has them: for checks, no part of a fit. Their
-    /// samples belong to the times of `log`; NaN where a cell is no number.
+    /// Channels of the file that this kind of experiment holds still. Checks use them, a fit does not. Their
+    /// samples belong to the times of `log`; NaN for a cell that is not a number.
     pub beside: Log,
-    /// What the current means.
+    /// The meaning of the current.
     pub current_meaning: CurrentMeaning,
-    /// Findings of the data check that this experiment may have (`accept`).
+    /// The findings of the data check that the user accepts for this experiment (`accept`).
     pub accept: Vec<String>,
-    /// Line of bench.toml on which its name stands.
+    /// Line of bench.toml with its name.
     pub line: usize,
     /// How the log was read.
     pub report: LoadReport,
@@ -89,15 +89,15 @@ impl Bench {
     /// Loads a bench and all its logs. `path` is the bench's folder or its bench.toml.
     ///
     /// # Errors
-    /// The first thing that is wrong, see [`Problem`].
+    /// The first error, see [`Problem`].
     pub fn load(path: &Path) -> Result<Bench, Error> {
         Bench::load_from(path, Files::Disk)
     }
 
-    /// As [`Bench::load`], with somebody who is told how far it is and may call it off.
+    /// As [`Bench::load`], with progress reports and the possibility to cancel.
     ///
     /// # Errors
-    /// As for [`Bench::load`]; [`Problem::Unreadable`] where the reading was called off.
+    /// As for [`Bench::load`]; [`Problem::Unreadable`] if the reading was cancelled.
     pub fn load_watched(path: &Path, watch: ReadingWatch) -> Result<Bench, Error> {
         Bench::load_from(path, Files::Watched(watch))
     }
@@ -110,7 +110,7 @@ impl Bench {
         read_bench(files, &source, &source.root(&document), folder)
     }
 
-    /// The same from files that are in memory, one of them `bench.toml`.
+    /// As [`Bench::load`], from files in memory, one of them `bench.toml`.
     ///
     /// # Errors
     /// As for [`Bench::load`].
@@ -138,11 +138,11 @@ pub(crate) const SECTIONS: [&str; 8] = [
     "calibration",
     "hardware",
     "bring_up",
-    // Of other programs; nothing in it is read.
+    // A section for other programs; its content is not read.
     "tool",
 ];
 
-/// The bench.toml of a bench that is named by its folder or that file.
+/// The path of bench.toml, from the path of a bench's folder or of that file.
 pub(crate) fn bench_file(path: &Path) -> Result<PathBuf, Error> {
     if path.is_dir() {
         return Ok(path.join("bench.toml"));
@@ -248,7 +248,7 @@ fn read_controller(section: &Section) -> Result<Controller, Error> {
     })
 }
 
-/// What bench.toml says about one experiment.
+/// The entries of bench.toml for one experiment.
 struct Plan {
     name: Located<String>,
     kind: Kind,
@@ -260,7 +260,7 @@ struct Plan {
     signs: Vec<(Channel, Located<f64>)>,
     offsets: Vec<(Channel, Located<f64>)>,
     held_current: Option<Located<f64>>,
-    /// The current column is a command without unit.
+    /// Whether the current column is a command without a unit.
     normalised: bool,
     current_meaning: CurrentMeaning,
     window: log::Window,
@@ -268,8 +268,7 @@ struct Plan {
     accept: Vec<String>,
 }
 
-/// The channels that a kind can use. The others stay in the file: a column that is nobody's input
-/// cannot spoil the bench.
+/// The channels that a kind of experiment uses. Other columns are not read, so that they cannot cause an error.
 fn useful(kind: Kind) -> &'static [Channel] {
     match kind {
         Kind::FreeSwing => &[Channel::Time, Channel::Angle, Channel::Rate],
@@ -283,7 +282,7 @@ fn useful(kind: Kind) -> &'static [Channel] {
     }
 }
 
-/// What a kind cannot do without, beside time and current: one of these channels.
+/// The channels of which a kind of experiment needs at least one, apart from time and current.
 fn motion_needed(kind: Kind) -> (&'static [Channel], &'static str) {
     match kind {
         Kind::FreeSwing | Kind::Balance => (
@@ -397,7 +396,7 @@ impl Plan {
         section: &Section,
     ) -> Result<Experiment, Error> {
         let table = csv_table::open(files, &self.file).map_err(|error| match error.problem() {
-            // The place to mend is where the file is named.
+            // The error points to the entry `file`, which is what the user must correct.
             Problem::NotFound | Problem::NotAFile { .. } => source.error(
                 self.file_key.span.clone(),
                 Problem::NoLog {
@@ -450,7 +449,7 @@ impl Plan {
         })
     }
 
-    /// The units that are the file's own word, in notes.
+    /// Notes on units that were taken from the file's own line of units.
     fn units_of_file(&self, table: &OpenTable, uses: &[ColumnUse]) -> Vec<Note> {
         let found = uses.iter().filter_map(|column| {
             let channel = column.channel;
@@ -461,7 +460,7 @@ impl Plan {
         found.collect()
     }
 
-    /// Which column each channel comes from; everything that is wrong with that is said here.
+    /// The column of each channel. All errors in this mapping are reported here.
     fn column_uses(
         &self,
         source: &TomlSource,
@@ -535,7 +534,7 @@ impl Plan {
                         key: channel.key().to_string(),
                         present: present.to_vec(),
                     };
-                    // The section is there: the entry came out of it.
+                    // The section exists: the entry was read from it.
                     return Err(match section.section(key)? {
                         Some(table) => table.error_at(channel.key(), problem),
                         None => source.error(located.span.clone(), problem),
@@ -551,7 +550,7 @@ impl Plan {
                 let name = column_of(channel)?.to_string();
                 let stated = |list| find(list, channel).map(|one: &Located<f64>| one.value);
                 let factor = |list| stated(list).unwrap_or(1.0);
-                // bench.toml knows better than the file.
+                // A unit in bench.toml takes precedence over one in the file.
                 let of_file = unit_of_file(log, channel, &name).map_or(1.0, |(_, scale)| scale);
                 let unit = stated(&self.units).unwrap_or(of_file);
                 Some(ColumnUse {
@@ -613,8 +612,8 @@ impl Plan {
         Ok(uses)
     }
 
-    /// Balance logs stay about upright, free swings about hanging: an angle that is counted from
-    /// elsewhere would make nonsense of everything after it.
+    /// Checks where the angle is counted from. Balance logs stay around the upright position, free swings around the
+    /// hanging one. An angle that is counted from elsewhere would make all later results wrong.
     fn check_upright(
         &self,
         section: &Section,
@@ -641,8 +640,8 @@ impl Plan {
         } else {
             "file"
         };
-        // About its equilibrium the body does not turn over. (In a free swing the check of the data says by
-        // which factor the angle is too large.)
+        // Around its equilibrium, the body does not turn over. (For a free swing, the data check finds the
+        // factor by which the angle is too large.)
         let farthest_rad = (low - expected).abs().max((high - expected).abs());
         if self.kind == Kind::Balance && farthest_rad > 2.0 * TAU {
             return Err(section.error_at(
@@ -653,7 +652,7 @@ impl Plan {
                 },
             ));
         }
-        // A sensor within one turn may say −π for upright.
+        // A sensor with a range of one turn may report −π for upright.
         let turns = ((expected - median_rad) / TAU).round();
         let added_rad = turns * TAU;
         if (median_rad + added_rad - expected).abs() > FRAC_PI_2 {
@@ -726,7 +725,7 @@ fn not_zero(table: &Section, key: &'static str, must_be: &str) -> Result<Located
     Ok(number)
 }
 
-/// Unwraps a value whose key is known to be there.
+/// Returns a value whose key is known to exist.
 fn require<T>(value: Option<T>, table: &Section, key: &str) -> Result<T, Error> {
     value.ok_or_else(|| table.error(table.missing(key, "a number")))
 }
@@ -750,7 +749,7 @@ fn unit_scale(table: &Section, key: &'static str) -> Result<Located<f64>, Error>
     }
 }
 
-/// The unit of a channel that the line of units of its file gives, and its factor to SI.
+/// The unit of a channel from its file's line of units, with its factor to SI.
 fn unit_of_file(table: &OpenTable, channel: Channel, column: &str) -> Option<(&'static str, f64)> {
     let unit = table.unit(column)?;
     channel
@@ -760,7 +759,7 @@ fn unit_of_file(table: &OpenTable, channel: Channel, column: &str) -> Option<(&'
         .copied()
 }
 
-/// Whether `units` says that the current is a command without unit.
+/// Whether `units` states that the current is a command without a unit.
 fn is_normalised(section: &Section) -> Result<bool, Error> {
     let Some(table) = section.section("units")? else {
         return Ok(false);

@@ -51,7 +51,7 @@ pub struct CountsRecording {
     pub counts: Vec<[i16; 3]>,
 }
 
-/// Plumb lines drawn on the body.
+/// Plumb lines, drawn on the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlumbLines {
     /// The pivot in the drawing, m.
@@ -67,9 +67,9 @@ pub struct PlumbLines {
 pub struct CalibrationRecordings {
     /// The bench's folder.
     pub folder: PathBuf,
-    /// What was measured directly.
+    /// The values that were measured directly.
     pub known: Known,
-    /// The bench's sensors and its drive, where bench.toml states them.
+    /// The bench's sensors and its drive, if bench.toml states them.
     pub hardware: Option<Hardware>,
     /// Still poses of the accelerometer.
     pub accelerometer: Vec<CountsRecording>,
@@ -93,13 +93,13 @@ pub struct CalibrationRecordings {
     pub sample_time_s: Option<f64>,
     /// Local magnetic field, µT.
     pub field_ut: Option<f64>,
-    /// Position of the accelerometer as it was measured directly.
+    /// Position of the accelerometer, measured directly.
     pub lever_arm: Option<LeverArmCalibration>,
     /// Plumb lines.
     pub plumb_lines: Option<PlumbLines>,
 }
 
-/// The columns that recordings have.
+/// The column names of the recordings.
 const COLUMNS: [&str; 13] = [
     "ax",
     "ay",
@@ -121,17 +121,16 @@ const GYROSCOPE: [&str; 3] = ["gx", "gy", "gz"];
 const MAGNETOMETER: [&str; 3] = ["mx", "my", "mz"];
 
 impl CalibrationRecordings {
-    /// Loads the recordings of a bench. `path` is the bench's folder or its bench.toml, which need
-    /// not have experiments.
+    /// Loads the recordings of a bench. `path` is the bench's folder or its bench.toml, which may have no experiments.
     ///
     /// # Errors
-    /// The first thing that is wrong, see [`Problem`].
+    /// The first error, see [`Problem`].
     pub fn load(path: &Path) -> Result<CalibrationRecordings, Error> {
         let file = bench_file(path)?;
         CalibrationRecordings::read(Files::Disk, &file, folder_of(&file))
     }
 
-    /// The same from files that are in memory, one of them `bench.toml`.
+    /// As [`CalibrationRecordings::load`], from files in memory, one of them `bench.toml`.
     ///
     /// # Errors
     /// As for [`CalibrationRecordings::load`].
@@ -196,7 +195,7 @@ impl CalibrationRecordings {
         Ok(recordings)
     }
 
-    /// What a recording needs beside itself.
+    /// Checks for other entries that a recording needs.
     fn check_needs(&self, section: &Section) -> Result<(), Error> {
         let needs = |key: &'static str, missing: &'static str, example: &'static str| {
             section.error_at(
@@ -262,7 +261,7 @@ fn columns(section: &Section) -> Result<Vec<(String, Located<String>)>, Error> {
         .collect()
 }
 
-/// Reads the files that the section names.
+/// Reads the files that the section lists.
 struct Reader<'a> {
     files: Files<'a>,
     source: &'a TomlSource,
@@ -310,14 +309,14 @@ impl<'a> Reader<'a> {
         Ok(Some(pairs))
     }
 
-    /// Whether a file has the column that stands for `name`.
+    /// Whether a file has the column `name`, or the one that `columns` maps to it.
     fn has_column(&self, file: &Located<String>, name: &str) -> Result<bool, Error> {
         let path = self.folder.join(&file.value);
         let table = self.open(file, &path)?;
         Ok(table.columns().contains(&self.column(name)))
     }
 
-    /// What the header calls `name`.
+    /// The name of a column in the file's header.
     fn column(&self, name: &str) -> String {
         let own = self.columns.iter().find(|(key, _)| key == name);
         own.map_or(name.to_owned(), |(_, column)| column.value.clone())
@@ -420,7 +419,7 @@ pub struct StoredSensorCalibration {
     pub matrix_std: [[f64; 3]; 3],
 }
 
-/// How the sensor sits on the body.
+/// The orientation of the sensor on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MountingCalibration {
     /// The pivot axis in the sensor's frame, a unit vector.
@@ -433,10 +432,10 @@ pub struct MountingCalibration {
     pub angle_std_rad: f64,
 }
 
-/// Where the accelerometer sits.
+/// The position of the accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeverArmCalibration {
-    /// From the pivot axis along the sensor's x and y after the mounting's alignment, m.
+    /// Position relative to the pivot axis, along the sensor's x and y after its alignment by the mounting, m.
     pub position_m: [f64; 2],
     /// Standard errors, m.
     pub position_std_m: [f64; 2],
@@ -455,7 +454,7 @@ pub struct LineCalibration {
     pub offset_std: f64,
 }
 
-/// What calibration found: the section `[calibration]` of model.toml. Each part may be missing.
+/// The results of the calibration: section `[calibration]` of model.toml. Each part may be missing.
 ///
 /// ```toml
 /// [calibration.accelerometer]       # likewise gyroscope (with beta) and magnetometer
@@ -488,15 +487,15 @@ pub struct Calibration {
     /// Gyroscope, rad/s per count.
     pub gyroscope: Option<StoredSensorCalibration>,
     /// Madgwick's β from the gyroscope's noise, rad/s (`beta` under `[calibration.gyroscope]`). The
-    /// filter turns the estimate back by at most 2β: where the gyroscope's bias wanders by more
-    /// after the recording, with warmth say, a larger β is to be written here. Another calibration
-    /// of the gyroscope writes it anew.
+    /// filter corrects the estimate by at most 2β (rad/s). If the gyroscope's bias changes by more than that
+    /// after the recording, for example with temperature, write a larger β here. A new calibration
+    /// of the gyroscope overwrites it.
     pub beta_rad_s: Option<f64>,
     /// Magnetometer, µT per count.
     pub magnetometer: Option<StoredSensorCalibration>,
-    /// Place of the sensor on the body.
+    /// Orientation of the sensor on the body.
     pub mounting: Option<MountingCalibration>,
-    /// Place of the accelerometer, for which the filter corrects.
+    /// Position of the accelerometer, which the filter corrects for.
     pub lever_arm: Option<LeverArmCalibration>,
     /// Wheel speed in rad/s over converter counts.
     pub wheel_speed: Option<LineCalibration>,
@@ -578,7 +577,7 @@ impl Calibration {
         })
     }
 
-    /// Puts the section into a document.
+    /// Writes the section into a document.
     pub(crate) fn write(&self, root: &mut dyn TableLike) {
         let section = table_in(root, "calibration", true);
         for (key, sensor) in [
