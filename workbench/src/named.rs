@@ -1,4 +1,4 @@
-//! How values of other crates stand in JSON: enumerations by their names, gaps in a series as null.
+//! The JSON form of values of other crates: enumerations as their names, gaps in a series as null.
 
 use diagnose::Verdict;
 use identify::{Coordinate, Output, ResidualKind};
