@@ -12,7 +12,7 @@ pub struct BackEmfLimit;
 impl Effect for BackEmfLimit {
     const INFO: EffectInfo = EffectInfo {
         name: "back-emf-limit",
-        equation: "|i| ≤ (V − k_e |φ̇|)/R where current and speed have the same sign, k_e = τ",
+        equation: "|i| ≤ (V − k_e |φ̇|)/R where current and speed have one sign, k_e = τ",
         meaning: "the back-EMF of the motor uses up the supply voltage",
         source: "Krishnan, Electric Motor Drives (2001), ch. 9, voltage limit of a brushless motor",
         fingerprint: "a spin-up bends over at a high speed and ends at a speed that does not depend on the current",
