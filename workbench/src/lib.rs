@@ -1,4 +1,4 @@
-//! A bench in hand, from its logs to a controller that is proved: identify, compare, diagnose,
+//! The library for programs: from the logs of a bench to a proved controller. Identify, compare, diagnose,
 //! simulate, design, generate, prove. Begin with [`Session`].
 //!
 //! ```
@@ -42,23 +42,23 @@
 //! # }
 //! ```
 //!
-//! # What is where
+//! # Overview
 //! | from | to |
 //! |---|---|
 //! | [`Session`] | [`ComparisonReport`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
 //! | [`Session::design`], [`ControlDesign::read`] | [`ControlDesign`] |
-//! | [`check_data`] | [`DataReport`]: what is wrong with the data of a bench |
+//! | [`check_data`] | [`DataReport`]: the findings for the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
 //!
-//! Results are plain data in SI units that serialise (`serde`); what the commands write with `--json`
-//! is these data. Curves, which would make that long, are left out of it: they stand beside the
-//! numbers in the same result, and `drawings()` or `files()` make figures and tables of them, as text.
+//! Results are plain data in SI units that can be serialised (`serde`); the option `--json` of the commands writes
+//! these data. Curves are left out of the JSON, because they are long. They are part of the same result, and
+//! `drawings()` or `files()` make figures and tables from them, as text.
 //!
 //! Nothing here prints, reads arguments or ends the program. Files are written only by
-//! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; one in a
-//! file knows file, line and column.
+//! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; an error in a
+//! file has file, line and column.
 
 mod bench_hardware;
 mod calibration;
@@ -73,6 +73,7 @@ mod design_report;
 mod diagnosis;
 mod drawings;
 mod effect_library;
+mod effect_portrait;
 mod error;
 mod loop_responses;
 mod measured_linearity;
@@ -118,6 +119,7 @@ pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
+pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use loop_responses::LoopResponse;

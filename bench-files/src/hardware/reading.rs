@@ -1,19 +1,20 @@
-//! From the text of `[hardware]` to numbers, with the presets filled in.
+//! Reads `[hardware]`, and fills in the presets.
 
 use toml_edit::Item;
 
 use super::parts::{Numbers, Part, Role, named, names};
 use super::{AngleSensor, Drive, DriveKind, Hardware, InertialSensor, WheelSpeedSensor};
 use crate::error::{Error, Names, Problem};
+use crate::keys;
 use crate::toml_source::{Section, TomlSource};
 
 type Rotation = [[f64; 3]; 3];
 
-/// Farthest that an entry of R Rᵀ may be from that of the unit matrix: numbers typed with three
-/// digits pass.
+/// Largest deviation of an entry of R Rᵀ from that of the identity matrix: numbers with three
+/// digits are accepted.
 const ROTATION_ERROR_MAX: f64 = 2e-3;
 
-/// Bits of the word that an inertial sensor's reading is passed in.
+/// Number of bits of the word that holds an inertial sensor's reading.
 const WORD_BITS: u32 = 16;
 
 impl Hardware {
@@ -22,14 +23,7 @@ impl Hardware {
         let Some(section) = root.section("hardware")? else {
             return Ok(None);
         };
-        section.allow_only(&[
-            "gyroscope",
-            "accelerometer",
-            "magnetometer",
-            "wheel_speed",
-            "angle",
-            "drive",
-        ])?;
+        section.allow_only(&keys::names(keys::BENCH, "hardware"))?;
         let sensor = |key, role| match section.section(key)? {
             Some(table) => inertial(&table, role).map(Some),
             None => Ok(None),
@@ -37,7 +31,7 @@ impl Hardware {
         let gyroscope = sensor("gyroscope", Role::Gyroscope)?;
         let accelerometer = sensor("accelerometer", Role::Accelerometer)?;
         let mut magnetometer = sensor("magnetometer", Role::Magnetometer)?;
-        // A magnetometer in the housing of the other two turns with it; its part's own axes stay.
+        // A magnetometer in the same housing turns with it; the part's own axes are kept.
         if let (Some(magnetometer), Some(other)) = (&mut magnetometer, &accelerometer)
             && let (Some(part), Some(of_other)) = (magnetometer.part, other.part)
             && part.name == of_other.name
@@ -63,7 +57,7 @@ impl Hardware {
     }
 }
 
-/// The section as it was written, free of its place in the document.
+/// The section's text, without its position in the document.
 fn text(source: &TomlSource) -> Result<Item, Error> {
     fn loosened(item: &mut Item) {
         if let Item::Table(table) = item {
@@ -98,20 +92,11 @@ fn preset(table: &Section, roles: &[Role]) -> Result<Option<&'static Part>, Erro
 }
 
 fn inertial(table: &Section, role: Role) -> Result<InertialSensor, Error> {
-    let mut known = vec![
-        "part",
-        "scale",
-        "bits",
-        "justified",
-        "clip",
-        "rate",
-        "axes",
-        "rotation",
-    ];
-    if role == Role::Accelerometer {
-        known.push("lever_arm");
-    }
-    table.allow_only(&known)?;
+    let section = match role {
+        Role::Accelerometer => "hardware.accelerometer",
+        _ => "hardware.gyroscope",
+    };
+    table.allow_only(&keys::names(keys::BENCH, section))?;
     let part = preset(table, &[role])?;
     let mut sensor = InertialSensor {
         part,
@@ -137,7 +122,7 @@ fn inertial(table: &Section, role: Role) -> Result<InertialSensor, Error> {
         sensor.bits = *bits;
         sensor.is_left_justified = *is_left_justified;
         sensor.rate_hz = Some(*rate_hz);
-        // How the housing sits on the body is the bench's; a compass may sit otherwise in it.
+        // The bench determines the orientation of the housing; a magnetometer may have other axes inside it.
         if role == Role::Magnetometer {
             sensor.rotation = by_axes(axes);
         }
@@ -224,7 +209,7 @@ fn rotation(table: &Section) -> Result<Option<Rotation>, Error> {
     right_handed(table, "rotation", matrix).map(Some)
 }
 
-/// The matrix whose columns are the body axes that the sensor's axes show; `None` where these are
+/// The matrix whose columns are the body axes of the sensor's axes; `None` if these are
 /// not three different axes.
 fn by_axes(axes: &[&str; 3]) -> Option<Rotation> {
     let mut matrix = [[0.0; 3]; 3];
@@ -270,7 +255,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
     let kind = table.required_text("kind", "kind = \"converter\" (or encoder, driver)")?;
     match kind.value.as_str() {
         "converter" => {
-            table.allow_only(&["kind", "slope", "offset", "low", "high"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, converter"))?;
             let count = |key: &str| -> Result<u16, Error> {
                 match whole(table, key, 0, 65_535)? {
                     Some(count) => Ok(count as u16),
@@ -301,7 +286,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
             })
         }
         "encoder" => {
-            table.allow_only(&["kind", "part", "counts_per_turn", "bits", "window"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, encoder"))?;
             let (counts_per_turn, bits) = encoder(table)?;
             Ok(WheelSpeedSensor::Encoder {
                 counts_per_turn,
@@ -315,7 +300,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
             })
         }
         "driver" => {
-            table.allow_only(&["kind", "scale"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, driver"))?;
             let scale = table.required_number("scale")?;
             if scale == 0.0 {
                 return Err(out_of_range(table, "scale", 0.0, "other than zero"));
@@ -330,11 +315,11 @@ fn angle(table: &Section) -> Result<AngleSensor, Error> {
     let kind = table.required_text("kind", "kind = \"inertial\" (or encoder)")?;
     match kind.value.as_str() {
         "inertial" => {
-            table.allow_only(&["kind"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.angle, inertial"))?;
             Ok(AngleSensor::Inertial)
         }
         "encoder" => {
-            table.allow_only(&["kind", "part", "counts_per_turn", "bits", "zero"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.angle, encoder"))?;
             let (counts_per_turn, bits) = encoder(table)?;
             let largest = (1_i64 << bits) - 1;
             match whole(table, "zero", 0, largest)? {
@@ -350,7 +335,7 @@ fn angle(table: &Section) -> Result<AngleSensor, Error> {
     }
 }
 
-/// Counts in a turn and bits of an encoder.
+/// Counts per turn and bits of an encoder.
 fn encoder(table: &Section) -> Result<(f64, u32), Error> {
     let part = preset(table, &[Role::Encoder])?;
     let (mut counts, mut bits) = match part.map(|part| &part.numbers) {
@@ -391,24 +376,13 @@ fn drive(table: &Section) -> Result<Drive, Error> {
             }
         },
     };
-    let common = [
-        "kind",
-        "part",
-        "bits",
-        "duty_zero",
-        "duty_low",
-        "duty_high",
-        "amperes_per_count",
-    ];
     let kind = match kind.as_str() {
         "current" => {
-            table.allow_only(&common)?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.drive, current"))?;
             DriveKind::Current
         }
         "voltage" => {
-            let mut known = common.to_vec();
-            known.extend(["supply_voltage", "winding_resistance"]);
-            table.allow_only(&known)?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.drive, voltage"))?;
             DriveKind::Voltage {
                 supply_v: table
                     .required_positive_number("supply_voltage", "supply_voltage = 12.0 (V)")?,
@@ -480,7 +454,7 @@ fn drive(table: &Section) -> Result<Drive, Error> {
     Ok(drive)
 }
 
-/// The whole number under a key, within these ends.
+/// The whole number under a key, within these limits.
 fn whole(table: &Section, key: &str, low: i64, high: i64) -> Result<Option<i64>, Error> {
     let Some(number) = table.number(key)? else {
         return Ok(None);
@@ -504,7 +478,7 @@ fn out_of_range(table: &Section, key: &str, value: f64, must_be: &str) -> Error 
     )
 }
 
-/// The error of a text that is none of a list.
+/// The error for a text that is not in a list.
 fn unknown(table: &Section, key: &'static str, known: &[&str]) -> Result<Error, Error> {
     let name = table.required_text(key, "one of the known names")?.value;
     Ok(table.error_at(

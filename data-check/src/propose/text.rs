@@ -1,10 +1,10 @@
-//! A proposal as the text of a bench.toml in which every key that exists stands.
+//! A proposal as the text of a bench.toml that shows every key.
 
 use bench_files::Channel;
 
 use super::Draft;
 
-/// What stands above the experiments.
+/// The text above the experiments.
 const HEAD: &str = r#"
 [known]                        # what was measured directly; each may be missing
 # gravity         = 9.81       # m/s2
@@ -39,7 +39,7 @@ const HEAD: &str = r#"
 #   accept    = ["rate-factor"]       findings of `flywheel check` that this experiment may have
 "#;
 
-/// What stands below them.
+/// The text below the experiments.
 const TAIL: &str = r#"
 # [hardware.gyroscope]         # likewise accelerometer, magnetometer: what the controller's raw counts mean
 # part      = "FXAS21002"      # a preset; the keys below override it
@@ -48,7 +48,8 @@ const TAIL: &str = r#"
 # justified = "right"
 # clip      = [32767, 32767, 32767]
 # rate      = 800.0            # fresh samples a second
-# axes      = ["x", "y", "z"]  # the body axis that each sensor axis shows, "-y" reversed
+# axes      = ["x", "y", "z"]  # the body axis that each sensor axis shows, "-y" reversed; or
+# rotation  = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]   # sensor to body
 # lever_arm = [0.0, 0.0]       # m, accelerometer, along body x and y
 # [hardware.wheel_speed]
 # kind      = "converter"      # slope, offset (rad/s), low, high (counts); "encoder": counts_per_turn, bits, window;
@@ -80,7 +81,7 @@ pub(super) fn bench_toml(name: &str, drafts: &[Draft]) -> String {
     text + TAIL
 }
 
-/// A text in quotation marks, as TOML writes it.
+/// A text in TOML quotation marks.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
@@ -93,7 +94,7 @@ fn quoted(text: &str) -> String {
     out + "\""
 }
 
-/// A comment in one line.
+/// A comment of one line.
 fn comment(text: &str) -> String {
     let plain: String = text
         .chars()
@@ -122,7 +123,7 @@ fn experiment(draft: &Draft) -> String {
             one.reason
         )));
     }
-    // A column of the standard name needs no entry.
+    // A column with the standard name needs no entry.
     let columns = draft
         .mapped
         .iter()
@@ -163,7 +164,7 @@ fn experiment(draft: &Draft) -> String {
     text
 }
 
-/// Whether a unit is the one that needs no entry.
+/// Whether a unit is the default, which needs no entry.
 fn is_si(channel: Channel, unit: &str) -> bool {
     let si = match channel {
         Channel::Time => "s",
@@ -180,4 +181,24 @@ fn table(key: &str, entries: impl Iterator<Item = String>) -> String {
         return String::new();
     }
     format!("{key} = {{ {} }}\n", entries.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bench_files::keys::BENCH;
+
+    /// Every key of a bench.toml that begins a bench stands in the text, at least as a comment.
+    #[test]
+    fn every_key_stands_in_the_proposal() {
+        let text = bench_toml("bench", &[]) + "[[experiment]] name file";
+        for section in BENCH
+            .iter()
+            .filter(|section| !section.name.starts_with("calibration"))
+        {
+            for key in section.keys {
+                assert!(text.contains(key.name), "{}: {}", section.name, key.name);
+            }
+        }
+    }
 }

@@ -38,14 +38,14 @@ pub struct State<S> {
     pub wheel_angle_rad: S,
     /// Wheel speed φ̇ relative to the body in rad/s.
     pub wheel_speed_rad_s: S,
-    /// Torque in N m of the friction that remembers the way of the body.
+    /// Torque in N m of the friction with memory (presliding).
     pub friction_torque: S,
     /// Current behind the lag of the motor in A.
     pub current_a: S,
 }
 
 impl<S: Scalar> State<S> {
-    /// At rest, hanging.
+    /// At rest in the hanging position.
     pub fn rest() -> State<S> {
         State {
             angle_rad: S::zero(),
@@ -58,7 +58,7 @@ impl<S: Scalar> State<S> {
     }
 }
 
-/// A model with numbers, under the constraint of one kind of experiment.
+/// A model with parameter values, under the constraint of one kind of experiment.
 #[derive(Clone, Debug)]
 pub struct Plant<S> {
     structure: Structure,
@@ -66,7 +66,7 @@ pub struct Plant<S> {
     values: Vec<S>,
     gravity_torque: S,
     torque_constant: S,
-    /// 1/Θ where the wheel is locked, 1/(Θ − j_w) where it is free, in 1/(kg m²).
+    /// 1/Θ if the wheel is locked, 1/(Θ − j_w) if it is free, in 1/(kg m²).
     inverse_body: S,
     /// 1/j_w in 1/(kg m²).
     inverse_wheel: S,
@@ -79,7 +79,7 @@ pub struct Plant<S> {
 }
 
 impl<S: Scalar> Plant<S> {
-    /// The model with its parameter vector (layout of [`Model::parameters`], SI units) in an
+    /// Builds the plant from a model and its parameter vector (layout of [`Model::parameters`], SI units) for an
     /// experiment of this kind.
     pub fn new(model: &Model, values: &[S], kind: Kind) -> Plant<S> {
         Plant::smoothed(model, values, kind, Smoothing::SIMULATION)
@@ -124,8 +124,8 @@ impl<S: Scalar> Plant<S> {
         self
     }
 
-    /// Leaves out what lies between the command and the current that flowed: delay, lag and the
-    /// limit of the supply. For logs whose current is the measured one.
+    /// Removes the stages between the command and the current: delay, lag and the
+    /// supply limit. For logs with measured current.
     pub fn with_measured_current(mut self) -> Plant<S> {
         self.lag_s = None;
         self.delay_s = None;
@@ -214,8 +214,8 @@ impl<S: Scalar> Plant<S> {
         )
     }
 
-    /// (α̈, φ̈) in rad/s² in a state, with the current that flows and a push in N m: the one
-    /// right-hand side of simulation, fit and linearisation.
+    /// (α̈, φ̈) in rad/s² in a state, for the motor current in A and a push on the body in N m. Simulation, fit and
+    /// linearisation all use this right-hand side.
     pub fn derivative(&self, state: &State<S>, current_a: S, push: f64) -> (S, S) {
         let mut at = Instant {
             angle_rad: state.angle_rad,
@@ -227,8 +227,8 @@ impl<S: Scalar> Plant<S> {
         self.accelerations(&mut at, state.friction_torque, current_a, push, true)
     }
 
-    /// The torque in N m of the friction that remembers the way of the body, after the body has moved by
-    /// `displacement_rad` in one direction since it was `memory`; unchanged in a model without it.
+    /// The torque in N m of the friction with memory, after the body has moved by `displacement_rad` in one direction since
+    /// the torque was `memory`; unchanged in a model without such friction.
     #[inline(always)]
     pub fn remember(&self, memory: S, displacement_rad: S) -> S {
         match &self.structure.memory {
@@ -237,7 +237,7 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
-    /// The distance in rad over which the friction that remembers yields (its level over its stiffness), if
+    /// The distance in rad over which the friction with memory yields (its level divided by its stiffness), if
     /// the model has it.
     pub fn memory_distance_rad(&self) -> Option<f64> {
         let term = self.structure.memory.as_ref()?;
