@@ -11,3 +11,4 @@ pub mod effects;
 pub mod findings;
 pub mod new_bench;
 pub mod proof;
+pub mod recording;

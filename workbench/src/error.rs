@@ -217,6 +217,14 @@ pub enum Error {
         /// Why.
         source: csv::Error,
     },
+    /// Nothing can be recorded from this line.
+    #[error("{}: {reason}", port.display())]
+    Record {
+        /// The serial device.
+        port: PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// The session lives in memory and has no file to write its model to.
     #[error("the bench is in memory: say where its model is to be written")]
     NoPlace,

@@ -50,6 +50,7 @@
 //! | [`check_data`] | [`DataReport`]: what is wrong with the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
+//! | [`record()`] | [`RecordReport`]: logs of a bench from the firmware's serial line |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
 //!
 //! Results are plain data in SI units that serialise (`serde`); what the commands write with `--json`
@@ -57,7 +58,7 @@
 //! numbers in the same result, and `drawings()` or `files()` make figures and tables of them, as text.
 //!
 //! Nothing here prints, reads arguments or ends the program. Files are written only by
-//! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; one in a
+//! [`Session::save_model`], [`GeneratedController::write`], [`new_bench`] and [`record()`]. Every failure is an [`Error`]; one in a
 //! file knows file, line and column.
 
 mod bench_hardware;
@@ -82,6 +83,7 @@ pub mod numbers;
 mod output_file;
 mod per_series;
 mod proof;
+mod recording;
 mod remains;
 mod session;
 mod swing_decay;
@@ -125,6 +127,10 @@ pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
 pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
+pub use recording::{
+    RecordEnd, RecordReport, RecordSettings, RecordedExperiment, RecordedLog, RecordedSample,
+    record,
+};
 pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};
