@@ -7,7 +7,7 @@ use plant::Kind;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 use crate::bench::{SECTIONS, bench_file, folder_of};
-use crate::error::{Error, Problem};
+use crate::error::Error;
 use crate::files::Files;
 use crate::hardware::Hardware;
 use crate::toml_source::TomlSource;
@@ -85,7 +85,7 @@ impl BenchOutline {
     /// Adds an entry `[[experiment]]` and writes the file.
     ///
     /// # Errors
-    /// [`Problem::Unwritable`]; [`Problem::WrongType`] where `experiment` is no list.
+    /// A file that cannot be written.
     pub fn add_experiment(&mut self, new: &NewExperiment) -> Result<(), Error> {
         let key = "experiment";
         let list = self
@@ -115,7 +115,7 @@ impl BenchOutline {
     /// Puts a recording under `[bring_up]`, in the place of an older one, and writes the file.
     ///
     /// # Errors
-    /// [`Problem::Unwritable`].
+    /// A file that cannot be written.
     pub fn set_bring_up(&mut self, key: &str, file: &str) -> Result<(), Error> {
         let section = table_in(self.document.as_table_mut(), "bring_up", false);
         crate::toml_writing::set(section, key, Value::from(file));

@@ -28,7 +28,13 @@ impl Line {
     pub fn open(path: &Path, baud: u32) -> Result<Line, Error> {
         let failed = |error: serialport::Error| Error::Record {
             port: path.to_path_buf(),
-            reason: format!("cannot be opened: {}", said(&error.description)),
+            // What is a file, a pipe or another device has no line settings.
+            reason: match error.kind() {
+                serialport::ErrorKind::Io(_) if error.description.contains("typewriter") => {
+                    "this is no serial device".to_owned()
+                }
+                _ => format!("cannot be opened: {}", said(&error.description)),
+            },
         };
         let port = serialport::new(path.to_string_lossy(), baud)
             .timeout(PATIENCE)

@@ -308,12 +308,13 @@ impl<'w> Run<'w> {
         let mut stretch = 0;
         let mut ends_s = part.stretches[0].seconds;
         let mut last = first;
-        let (mut time_s, mut lost, mut said_s) = (0.0, 0, f64::NEG_INFINITY);
+        let (mut passed_us, mut time_s, mut lost) = (0_u64, 0.0, 0);
+        let mut said_s = f64::NEG_INFINITY;
         let mut next = Some(first);
         loop {
             if let Some(frame) = next {
-                let passed_us = frame.time_us.wrapping_sub(last.time_us);
-                if passed_us > RESTART_US {
+                let step_us = frame.time_us.wrapping_sub(last.time_us);
+                if step_us > RESTART_US {
                     return Ok(RecordEnd::Restarted);
                 }
                 if part.needs_running && frame.status != RUNNING {
@@ -323,8 +324,9 @@ impl<'w> Run<'w> {
                     return Ok(RecordEnd::WheelBeyondSensor);
                 }
                 // A frame that came twice is one.
-                if rows.is_empty() || passed_us > 0 {
-                    time_s += f64::from(passed_us) * 1e-6;
+                if rows.is_empty() || step_us > 0 {
+                    passed_us += u64::from(step_us);
+                    time_s = passed_us as f64 / 1e6;
                     let lost_before = match rows.is_empty() {
                         true => 0,
                         false => lost_between(&last, &frame, self.every),
