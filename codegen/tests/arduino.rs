@@ -50,7 +50,7 @@ fn flash_bytes(image: &Path) -> usize {
 #[test]
 #[cfg_attr(
     not(all(have_arduino_avr, have_cross_gcc)),
-    ignore = "needs Arduino's AVR core"
+    ignore = "needs the AVR core of Arduino"
 )]
 fn the_sketch_links_with_arduinos_avr_core() {
     let folder = tempfile::tempdir().expect("a folder");
