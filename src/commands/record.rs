@@ -31,7 +31,7 @@ pub struct Arguments {
     )]
     pub current: Vec<f64>,
     /// Length of a log in s [default: that of the experiment]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Name of the log in bench.toml [default: after the experiment]
     #[arg(long)]

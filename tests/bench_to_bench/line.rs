@@ -47,8 +47,7 @@ pub struct SimulatedBench {
 
 impl SimulatedBench {
     pub fn start(firmware: &Path, truth: &Truth, faults: Faults) -> SimulatedBench {
-        let (master, mut slave) = TTYPort::pair().expect("a pseudo-terminal");
-        slave.set_exclusive(false).expect("not exclusive");
+        let (master, slave) = TTYPort::pair().expect("a pseudo-terminal");
         let port = slave.name().expect("its name");
         let (scenes, new_scenes) = mpsc::channel();
         let mut firmware = Firmware::start(firmware);

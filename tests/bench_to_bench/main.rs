@@ -288,7 +288,7 @@ fn what_is_recorded_becomes_the_controller_that_balances() {
 fn a_controller_that_trips_ends_the_record_and_what_was_recorded_stays() {
     let folder = bench_folder();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let module = firmware::compiled(&root.join("generated"), "first");
+    let module = firmware::compiled(&root.join("generated"), "tripping");
     let on = SimulatedBench::start(&module, &Truth::with_dry_friction(), Faults::NONE);
     // Clamped, the body does not answer: the law's current stays at its limit or the wheel runs away.
     on.scene(Scene::BusFailsAfter { seconds: 2.0 });

@@ -17,7 +17,8 @@ pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
     for row in rows {
         let from_upright_rad = words.from_upright_rad(&row.frame);
         let angle_rad = match kind {
-            Kind::Balance => PI + from_upright_rad,
+            // Driven bodies stand: the controller arms only there. Hanging, the words would jump by a turn.
+            Kind::Balance | Kind::SpinUp => PI + from_upright_rad,
             _ => hanging_angle_rad(from_upright_rad),
         };
         // Writing to a string does not fail.
