@@ -73,24 +73,34 @@ pub struct Pendulum {
     plant: Plant<f64>,
     scene: Scene,
     pub state: State<f64>,
-    /// Since the scene began, s.
+    /// Where the body was when the scene was called for, rad.
+    came_from_rad: f64,
+    /// Since the scene began, s; below zero the body is being turned to where it begins.
     time_s: f64,
     /// Since the motor was first driven, s.
     driven_s: f64,
 }
 
+/// So long the hand takes to turn the body to where a scene begins, s: the gyroscope must see it.
+const TURN_S: f64 = 2.0;
+
 impl Pendulum {
+    /// The next scene: from where the body is, with the wheel at rest.
+    pub fn next(&self, scene: Scene) -> Pendulum {
+        let mut next = Pendulum::new(&self.truth, scene);
+        next.came_from_rad = self.state.angle_rad;
+        next.time_s = -TURN_S;
+        next.hold();
+        next
+    }
+
     pub fn new(truth: &Truth, scene: Scene) -> Pendulum {
         let kind = match scene {
             Scene::Swing { .. } => Kind::FreeSwing,
             Scene::Clamped | Scene::BusFailsAfter { .. } => Kind::SpinUp,
             Scene::Upright { .. } => Kind::Balance,
         };
-        let angle_rad = match scene {
-            Scene::Swing { .. } => 0.0,
-            Scene::Clamped | Scene::BusFailsAfter { .. } => PI,
-            Scene::Upright { from_rad } => PI + from_rad,
-        };
+        let angle_rad = begin_rad(scene);
         Pendulum {
             truth: *truth,
             plant: truth.plant(kind),
@@ -99,13 +109,15 @@ impl Pendulum {
                 angle_rad,
                 ..State::rest()
             },
+            came_from_rad: angle_rad,
             time_s: 0.0,
             driven_s: 0.0,
         }
     }
 
-    pub fn truth(&self) -> Truth {
-        self.truth
+    /// Whether the hand is still turning the body to where the scene begins.
+    pub fn is_turned(&self) -> bool {
+        self.time_s < 0.0
     }
 
     /// Whether the sensors answer.
@@ -126,16 +138,21 @@ impl Pendulum {
 
     /// Where the hand holds the body, angle and rate; `None`: nowhere.
     fn held(&self) -> Option<(f64, f64)> {
+        if self.time_s < 0.0 {
+            let way_rad = begin_rad(self.scene) - self.came_from_rad;
+            let (angle_rad, rate_rad_s) = smooth(1.0 + self.time_s / TURN_S);
+            return Some((
+                self.came_from_rad + way_rad * angle_rad,
+                way_rad * rate_rad_s / TURN_S,
+            ));
+        }
         match self.scene {
             Scene::Swing { from_rad } => match self.time_s {
                 t if t < 1.0 => Some((0.0, 0.0)),
                 // Lifted within a second along a smooth path, held for half a second.
                 t if t < 2.0 => {
-                    let phase = PI * (t - 1.0);
-                    Some((
-                        from_rad * (1.0 - phase.cos()) / 2.0,
-                        from_rad * PI * phase.sin() / 2.0,
-                    ))
+                    let (share, rate) = smooth(t - 1.0);
+                    Some((from_rad * share, from_rad * rate))
                 }
                 t if t < 2.5 => Some((from_rad, 0.0)),
                 _ => None,
@@ -154,10 +171,15 @@ impl Pendulum {
         for _ in 0..SUBSTEPS {
             self.runge_kutta(current_a, step_s);
             self.time_s += step_s;
-            if let Some((angle_rad, rate_rad_s)) = self.held() {
-                self.state.angle_rad = angle_rad;
-                self.state.rate_rad_s = rate_rad_s;
-            }
+            self.hold();
+        }
+    }
+
+    /// Puts the body where the hand holds it.
+    fn hold(&mut self) {
+        if let Some((angle_rad, rate_rad_s)) = self.held() {
+            self.state.angle_rad = angle_rad;
+            self.state.rate_rad_s = rate_rad_s;
         }
     }
 
@@ -183,4 +205,19 @@ impl Pendulum {
             [0, 1, 2, 3].map(|i| (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]) / 6.0);
         self.state = moved(mean, step_s);
     }
+}
+
+/// Where the body is at the beginning of a scene, rad.
+fn begin_rad(scene: Scene) -> f64 {
+    match scene {
+        Scene::Swing { .. } => 0.0,
+        Scene::Clamped | Scene::BusFailsAfter { .. } => PI,
+        Scene::Upright { from_rad } => PI + from_rad,
+    }
+}
+
+/// A smooth way from 0 to 1, and its slope.
+fn smooth(share: f64) -> (f64, f64) {
+    let phase = PI * share;
+    ((1.0 - phase.cos()) / 2.0, PI * phase.sin() / 2.0)
 }

@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 use std::path::Path;
-use std::sync::mpsc::{self, Sender, TryRecvError};
+use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -40,6 +40,7 @@ impl Faults {
 pub struct SimulatedBench {
     port: String,
     scenes: Option<Sender<Scene>>,
+    is_turned: Receiver<()>,
     thread: Option<JoinHandle<()>>,
     /// Kept open, so that the line is there between two records.
     _slave: TTYPort,
@@ -50,6 +51,7 @@ impl SimulatedBench {
         let (master, slave) = TTYPort::pair().expect("a pseudo-terminal");
         let port = slave.name().expect("its name");
         let (scenes, new_scenes) = mpsc::channel();
+        let (turned, is_turned) = mpsc::channel();
         let mut firmware = Firmware::start(firmware);
         let mut bench = Running {
             master,
@@ -64,7 +66,14 @@ impl SimulatedBench {
         let thread = thread::spawn(move || {
             loop {
                 match new_scenes.try_recv() {
-                    Ok(scene) => bench.pendulum = Pendulum::new(&bench.pendulum.truth(), scene),
+                    Ok(scene) => {
+                        bench.pendulum = bench.pendulum.next(scene);
+                        while bench.pendulum.is_turned() {
+                            bench.tick(&mut firmware, &[]);
+                        }
+                        // Whoever waits for it may be gone.
+                        let _ = turned.send(());
+                    }
                     Err(TryRecvError::Empty) => {}
                     Err(TryRecvError::Disconnected) => return,
                 }
@@ -74,6 +83,7 @@ impl SimulatedBench {
         SimulatedBench {
             port,
             scenes: Some(scenes),
+            is_turned,
             thread: Some(thread),
             _slave: slave,
         }
@@ -84,10 +94,11 @@ impl SimulatedBench {
         self.port.clone()
     }
 
-    /// From now on the person at the bench does this.
+    /// From now on the person at the bench does this; returns when the body is where that begins.
     pub fn scene(&self, scene: Scene) {
         if let Some(scenes) = &self.scenes {
             scenes.send(scene).expect("the bench runs");
+            self.is_turned.recv().expect("the body is turned");
         }
     }
 }
@@ -137,20 +148,7 @@ impl Running {
             return;
         }
         self.since_command += 1;
-        let current_a = self.sensors.current_a(self.duty);
-        let acceleration = self.pendulum.acceleration_rad_s2(current_a);
-        let sample = self
-            .sensors
-            .sample(&self.pendulum.state, acceleration, &mut self.random);
-        let sample = self.pendulum.bus_works().then_some(&sample);
-        let (duty, mut goes) = firmware
-            .tick(self.now_us, sample, came)
-            .expect("the firmware runs");
-        self.duty = duty;
-        let current_a = self.sensors.current_a(duty);
-        self.pendulum
-            .step(current_a, 1e-6 * f64::from(SAMPLE_TIME_US));
-        self.now_us = self.now_us.wrapping_add(SAMPLE_TIME_US);
+        let mut goes = self.tick(firmware, came);
         if self.random.random_bool(self.faults.lost) {
             goes.clear();
         }
@@ -164,5 +162,24 @@ impl Running {
         }
         // A line that nobody reads loses what is sent.
         let _ = self.master.write_all(&goes);
+    }
+
+    /// One sample time: the bytes that go to the line.
+    fn tick(&mut self, firmware: &mut Firmware, came: &[u8]) -> Vec<u8> {
+        let current_a = self.sensors.current_a(self.duty);
+        let acceleration = self.pendulum.acceleration_rad_s2(current_a);
+        let sample = self
+            .sensors
+            .sample(&self.pendulum.state, acceleration, &mut self.random);
+        let sample = self.pendulum.bus_works().then_some(&sample);
+        let (duty, goes) = firmware
+            .tick(self.now_us, sample, came)
+            .expect("the firmware runs");
+        self.duty = duty;
+        let current_a = self.sensors.current_a(duty);
+        self.pendulum
+            .step(current_a, 1e-6 * f64::from(SAMPLE_TIME_US));
+        self.now_us = self.now_us.wrapping_add(SAMPLE_TIME_US);
+        goes
     }
 }

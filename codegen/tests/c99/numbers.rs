@@ -143,7 +143,9 @@ impl Visit<'_> for Found {
         // C has no −2³¹: it writes −(2³¹ − 1) − 1.
         if let syn::Expr::Lit(inner) = &*unary.expr
             && let syn::Lit::Int(number) = &inner.lit
-            && number.base10_parse() == Ok(1_u64 << 31)
+            && number
+                .base10_parse()
+                .is_ok_and(|value: u64| value == 1 << 31)
         {
             self.0.extend([(1 << 31) - 1, 1]);
             return;

@@ -15,7 +15,7 @@ pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
         "time_s,angle_rad,rate_rad_s,wheel_speed_rad_s,current_A,lost_frames,status\n",
     );
     for row in rows {
-        let from_upright_rad = words.from_upright_rad(&row.frame);
+        let from_upright_rad = words.angle_from_upright_rad(&row.frame);
         let angle_rad = match kind {
             // Driven bodies stand: the controller arms only there. Hanging, the words would jump by a turn.
             Kind::Balance | Kind::SpinUp => PI + from_upright_rad,

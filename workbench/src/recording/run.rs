@@ -373,7 +373,7 @@ impl<'w> Run<'w> {
     fn in_si(&self, frame: &Telemetry, time_s: Option<f64>) -> RecordedSample {
         RecordedSample {
             time_s,
-            from_upright_rad: self.words.from_upright_rad(frame),
+            from_upright_rad: self.words.angle_from_upright_rad(frame),
             rate_rad_s: self.words.rate_rad_s(frame),
             wheel_speed_rad_s: self.words.wheel_speed_rad_s(frame),
             current_a: self.words.current_a(frame),

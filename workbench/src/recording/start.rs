@@ -14,7 +14,7 @@ pub(super) fn of(part: &Part, rows: &[Row], words: &Words, notes: &mut Vec<Strin
         RecordedExperiment::FreeSwing => {
             let angles: Vec<f64> = rows
                 .iter()
-                .map(|row| hanging_angle_rad(words.from_upright_rad(&row.frame)))
+                .map(|row| hanging_angle_rad(words.angle_from_upright_rad(&row.frame)))
                 .collect();
             let start = free_from(&angles);
             if start.is_none() {

@@ -76,7 +76,7 @@ impl Words {
     }
 
     /// Body angle from upright, rad.
-    pub fn from_upright_rad(&self, frame: &Telemetry) -> f64 {
+    pub fn angle_from_upright_rad(&self, frame: &Telemetry) -> f64 {
         f64::from(frame.angle) * self.units[0]
     }
 
