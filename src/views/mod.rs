@@ -12,3 +12,4 @@ pub mod exam;
 pub mod findings;
 pub mod new_bench;
 pub mod proof;
+pub mod recording;

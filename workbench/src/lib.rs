@@ -50,6 +50,7 @@
 //! | [`check_data`] | [`DataReport`]: the findings for the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
+//! | [`record()`] | [`RecordReport`]: logs of a bench from the firmware's serial line |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
 //!
 //! Results are plain data in SI units that can be serialised (`serde`); the option `--json` of the commands writes
@@ -57,8 +58,8 @@
 //! `drawings()` or `files()` make figures and tables from them, as text.
 //!
 //! Nothing here prints, reads arguments or ends the program. Files are written only by
-//! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; an error in a
-//! file has file, line and column.
+//! [`Session::save_model`], [`GeneratedController::write`], [`new_bench`] and [`record()`]. Every failure is an [`Error`];
+//! an error in a file has file, line and column.
 
 mod bench_hardware;
 mod calibration;
@@ -83,6 +84,7 @@ pub mod numbers;
 mod output_file;
 mod per_series;
 mod proof;
+mod recording;
 mod remains;
 mod session;
 mod swing_decay;
@@ -127,6 +129,10 @@ pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
 pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
+pub use recording::{
+    RecordEnd, RecordReport, RecordSettings, RecordedExperiment, RecordedLog, RecordedSample,
+    record,
+};
 pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};
