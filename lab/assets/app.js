@@ -9,6 +9,8 @@ import * as sliders from "./sliders.js";
 import * as why from "./why.js";
 
 const TABS = ["sliders", "why", "design", "controller"];
+// Panels that need the room of the curves.
+const WIDE = ["design", "controller"];
 const panels = { sliders, why, design, controller };
 let folder = null;
 let choosing = false;
@@ -94,6 +96,8 @@ function tab(name) {
     if (!on) panels[one].hidden?.();
   }
   shownTab = name;
+  byId("lab").classList.toggle("wide", WIDE.includes(name));
+  if (!WIDE.includes(name)) curves.resize();
   panels[name].shown?.();
 }
 
@@ -114,6 +118,7 @@ byId("open-other").addEventListener("click", () => { choosing = !choosing; refre
 
 function told(event) {
   if (event.event === "says" || event.event === "begun") working(event);
+  else if (event.event === "claim") controller.settled(event.claim);
   else if (event.event === "ended") {
     working(null);
     choosing = choosing && Boolean(event.failure);

@@ -23,6 +23,11 @@ export function start(report) {
   onTheme(() => { if (shown) redraw(); });
 }
 
+/** The place has become visible again: it may have another width. */
+export function resize() {
+  if (shown && plot.data) Plotly.Plots.resize(plot);
+}
+
 /** The bench as it is now; `fresh` where another one was opened. */
 export function setBench(state, fresh) {
   const name = bench?.experiments[chosen]?.name;

@@ -3,12 +3,10 @@
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
 use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
-use workbench::{
-    ComparisonReport, Coordinate, DesignSection, FailurePlace, PerSeries, ResidualKind, words,
-};
+use workbench::{ComparisonReport, Coordinate, FailurePlace, PerSeries, ResidualKind, words};
 
-use crate::desk::{Desk, OpenBench, said};
-use crate::picture::{View, stretches, thinned};
+use crate::desk::{Desk, OpenBench};
+use crate::picture::stretches;
 use crate::work::CONTROLLER;
 
 /// Standard errors to either side on the fine track of a slider.
@@ -19,8 +17,6 @@ const MOST_STRETCHES: usize = 100;
 const MOST_SHADED: f64 = 0.5;
 /// Pictures of residuals in a diagnosis.
 const MOST_REASONS: usize = 3;
-/// Width for which the responses of a design are drawn.
-const RESPONSE_PIXELS: usize = 500;
 
 /// Everything but curves and diagnosis.
 pub fn state(desk: &Desk) -> Value {
@@ -397,94 +393,6 @@ fn decay(swing: &workbench::SwingDecay) -> Option<Value> {
     }))
 }
 
-/// The controller for these weights, with its responses.
-///
-/// # Errors
-/// A sentence, where these weights give no controller.
-pub fn design(bench: &OpenBench, wishes: DesignSection) -> Result<Value, String> {
-    let designed = bench.session.design_for(wishes).map_err(said)?;
-    let report = designed.report().map_err(said)?;
-    let responses = designed.responses().map_err(said)?;
-    let responses = responses.iter().map(|run| {
-        let end_s = run.time_s.last().copied().unwrap_or_default();
-        let view = View {
-            from_s: 0.0,
-            to_s: end_s,
-            pixels: RESPONSE_PIXELS,
-        };
-        let curve = |value: &[f64]| {
-            let thin = thinned(&run.time_s, value, &view);
-            json!([thin.time_s, thin.value])
-        };
-        json!({
-            "scenario": run.scenario,
-            "about": run.about,
-            "fell": run.fell,
-            "angle_rad": curve(&run.angle_rad),
-            "wheel_speed_rad_s": curve(&run.wheel_speed_rad_s),
-            "current_a": curve(&run.current_a),
-        })
-    });
-    let responses: Vec<Value> = responses.collect();
-    let margins = &report.margins;
-    let finite = |value: f64, text: String| {
-        if value.is_finite() {
-            text
-        } else {
-            "without limit".to_owned()
-        }
-    };
-    let degrees = |rad: f64| format!("{}°", significant(rad.to_degrees(), 3));
-    let numbers = [
-        (
-            "Gains K (A/rad, A s/rad, A s/rad)",
-            report.gains.map(|gain| significant(gain, 6)).join(", "),
-        ),
-        (
-            "Recovers from rest up to",
-            degrees(report.recovery_angle_rad),
-        ),
-        (
-            "Gain factor that it bears",
-            format!(
-                "{} to {}",
-                significant(margins.least_gain_factor, 3),
-                finite(
-                    margins.largest_gain_factor,
-                    significant(margins.largest_gain_factor, 3)
-                )
-            ),
-        ),
-        (
-            "Phase margin",
-            finite(margins.phase_margin_rad, degrees(margins.phase_margin_rad)),
-        ),
-        (
-            "Further delay that it bears",
-            finite(
-                margins.delay_margin_s,
-                with_prefix(margins.delay_margin_s, "s"),
-            ),
-        ),
-        (
-            "Least distance from −1",
-            significant(margins.modulus_margin, 3),
-        ),
-        (
-            "Wheel speed for an angle that is read 1° too large",
-            format!(
-                "{} rad/s",
-                significant(report.wheel_speed_per_angle_bias * 1_f64.to_radians(), 3)
-            ),
-        ),
-    ];
-    Ok(json!({
-        "report": report,
-        "numbers": numbers,
-        "responses": responses,
-    }))
-}
-
 /// The emitted controller and its proof.
 pub fn controller(bench: &OpenBench) -> Value {
     let files = bench.generated.as_ref().map(|generated| {
@@ -498,6 +406,13 @@ pub fn controller(bench: &OpenBench) -> Value {
         "files": files,
         "assumed": bench.generated.as_ref().map(|generated| &generated.assumed),
         "warnings": bench.generated.as_ref().map(|generated| &generated.warnings),
+        "claims": workbench::CLAIMS.iter().map(|claim| json!({
+            "id": claim.id,
+            "statement": claim.statement,
+            "domain": claim.domain,
+            "assumptions": claim.assumptions,
+            "engine": claim.engine,
+        })).collect::<Vec<_>>(),
         "proof": bench.proof,
         "passed": bench.proof.as_ref().map(|proof| proof.passed()),
     })

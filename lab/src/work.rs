@@ -229,12 +229,17 @@ fn perform(
         return OpenBench::open(&path, refit, progress);
     }
     let mut bench = bench.ok_or("no bench is open")?.clone();
-    change(task, &mut bench, progress)?;
+    change(desk, task, &mut bench, progress)?;
     Ok(bench)
 }
 
 /// Does what is asked with a copy of the bench, which takes its place if all goes well.
-fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), String> {
+fn change(
+    desk: &Desk,
+    task: Task,
+    bench: &mut OpenBench,
+    progress: &Progress,
+) -> Result<(), String> {
     match task {
         // These open another bench: see `perform`.
         Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. } => {}
@@ -325,7 +330,10 @@ fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), 
                 kani: false,
                 ..Default::default()
             };
-            bench.proof = Some(controller.prove(&settings, progress).map_err(said)?);
+            // The page's table fills as claim after claim is settled.
+            let tell = |claim: &_| desk.tell(&json!({"event": "claim", "claim": claim}));
+            let proof = controller.prove_telling(&settings, progress, &tell);
+            bench.proof = Some(proof.map_err(said)?);
         }
     }
     Ok(())

@@ -70,12 +70,15 @@ mod controller;
 mod data_check;
 mod design_change;
 mod design_report;
+mod design_sweep;
 mod diagnosis;
 mod drawings;
 mod effect_library;
 mod error;
+mod loop_expectations;
 mod loop_responses;
 mod measured_linearity;
+mod model_export;
 mod module_spec;
 mod named;
 pub mod numbers;
@@ -83,11 +86,13 @@ mod output_file;
 mod per_series;
 mod proof;
 mod remains;
+mod sensor_noise;
 mod session;
 mod swing_decay;
 pub mod words;
 
 pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
+pub use ::design::linear_response::Band;
 pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
@@ -113,18 +118,28 @@ pub use design_report::{
     DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors,
     SensorCondition, WheelSize,
 };
+pub use design_sweep::{DesignSweep, SweepPoint, SweepRow, Swept};
 pub use diagnose::Verdict;
 pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
+pub use drawings::{NamedLoop, loop_drawings};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use loop_expectations::{
+    AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
+    weights_of_excursions,
+};
 pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
+pub use model_export::ExportLanguage;
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
-pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
+pub use proof::{
+    CLAIMS, ClaimStatement, MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove,
+};
 pub use remains::{ClosedLoopDeviation, RemainsReport};
+pub use sensor_noise::BenchNoise;
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

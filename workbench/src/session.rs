@@ -151,6 +151,11 @@ impl Session {
         })
     }
 
+    /// The experiments as they are simulated.
+    pub(crate) fn records(&self) -> &[Record] {
+        &self.problem.records
+    }
+
     /// The measurements.
     pub fn bench(&self) -> &Bench {
         &self.bench
