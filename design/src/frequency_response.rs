@@ -20,7 +20,7 @@ pub struct LoopFrequency {
     pub frequency_rad_s: f64,
     /// L(e^{jωT}).
     pub value: Complex<f64>,
-    /// Its phase in rad, without jumps from one frequency to the next.
+    /// Its phase in rad, without jumps from one frequency to the next; it begins within −2π and 0, as a loop that lags.
     pub phase_rad: f64,
 }
 
@@ -47,6 +47,9 @@ pub fn frequency_response(
             continue;
         };
         let mut phase_rad = value.arg();
+        if phase_rad > 0.0 {
+            phase_rad -= TAU;
+        }
         if let Some(before) = curve.last() {
             phase_rad += TAU * ((before.phase_rad - phase_rad) / TAU).round();
         }

@@ -347,6 +347,7 @@ mod tests {
     use crate::lqr::{Weights, discrete_regulator};
     use crate::matrix::of_model;
     use crate::thesis;
+    use crate::zero_order_hold::zero_order_hold;
     use nalgebra::{RowVector3, Vector3};
     use proptest::prelude::*;
 

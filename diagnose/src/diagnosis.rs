@@ -18,7 +18,7 @@ use crate::decision::{Decision, decide};
 use crate::economy::{MOST_REVISIONS, MOST_SUSPECTS, SAMPLES_PER_PERIOD};
 use crate::genuine::genuine;
 use crate::imperfection::Imperfections;
-use crate::next_experiment::propose;
+use crate::next_experiment::{NextExperiment, propose};
 use crate::pool::Search;
 use crate::ranking::{Ranked, ranked};
 use crate::remains::remains;
@@ -349,8 +349,12 @@ impl<'a> Searched<'a> {
             .iter()
             .map(|&index| found.pool[index].set())
             .collect();
+        let settling = match decision.ties.as_slice() {
+            [a, b, ..] => propose(problem, &found.pool[*a], &found.pool[*b]),
+            _ => NextExperiment::default(),
+        };
         let next_experiment = match (decision.ties.as_slice(), verdict) {
-            ([a, b, ..], _) => propose(problem, &found.pool[*a], &found.pool[*b]),
+            ([_, _, ..], _) => settling.sentence,
             (_, Verdict::Unexplained) if !plain.is_empty() => {
                 "Measure again what contradicts itself: the value, or the experiment.".to_owned()
             }
@@ -369,6 +373,7 @@ impl<'a> Searched<'a> {
             suspects,
             ambiguous_between,
             next_experiment,
+            recipe: settling.recipe,
             remainder: decision.remainder,
             remains: remains(&bench.records, last),
             contradictions: plain,

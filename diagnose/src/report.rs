@@ -1,5 +1,6 @@
 //! What a diagnosis reports: steps, suspects, and a closer look at each.
 
+use crate::next_experiment::Recipe;
 use std::collections::{BTreeMap, BTreeSet};
 
 use identify::{Cancelled, Contradiction, Fit, FitProblem, Minimum, finish};
@@ -110,6 +111,8 @@ pub struct Diagnosis {
     pub ambiguous_between: Vec<Vec<EffectId>>,
     /// The experiment that would settle what is open, in one sentence; empty where nothing is.
     pub next_experiment: String,
+    /// The same as a recipe, where it tells the first two sets that tie apart.
+    pub recipe: Option<Recipe>,
     /// The structured remainder of the last step in units of the noise of its worst series.
     pub remainder: f64,
     /// The same against the signal and as a torque.

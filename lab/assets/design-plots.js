@@ -42,7 +42,7 @@ function paint(holder) {
   holder.old = false;
   const { traces, form, about } = holder.figure.of(designs);
   holder.about.textContent = about ?? "";
-  draw(holder.element, traces, layout({ ...form, legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom", font: { size: 11 } }, showlegend: designs.length > 1 || Boolean(holder.figure.legend) }));
+  draw(holder.element, traces, layout({ margin: { l: 62, r: 12, t: 22, b: 40 }, ...form, legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom", font: { size: 11 } }, showlegend: designs.length > 1 || Boolean(holder.figure.legend) }), { displayModeBar: false });
 }
 
 const tone = (index) => colour(TONES[index % TONES.length]);

@@ -97,8 +97,8 @@ function build() {
       el("div", { class: "row small" }, "Export parameters and matrices: ",
         el("a", { class: "button", href: "/api/export/python" }, "Python (NumPy)"), el("a", { class: "button", href: "/api/export/matlab" }, "MATLAB")),
       el("p", { class: "quiet small" }, "Keep writes [design] of model.toml; the exports are of what is kept."),
-      parts.aside, parts.numbers),
-    parts.plots));
+      parts.aside),
+    el("div", { class: "results" }, parts.numbers, parts.plots)));
   plots(parts.plots);
   tell();
 }
@@ -167,6 +167,8 @@ async function compute(anew) {
     } while (again);
     onError(null);
   } catch (error) {
+    // Weights that give no controller can be moved all the same.
+    if (!parts.numbers?.isConnected) build();
     onError(error);
   } finally {
     busy = false;

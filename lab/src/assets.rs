@@ -24,6 +24,7 @@ const FILES: &[(&str, &str, &str)] = assets![
     "dom.js": SCRIPT,
     "drop.js": SCRIPT,
     "errors.js": SCRIPT,
+    "moving.js": SCRIPT,
     "open.js": SCRIPT,
     "plots.js": SCRIPT,
     "server.js": SCRIPT,

@@ -64,7 +64,10 @@ fn degrees(rad: f64) -> String {
 }
 
 /// What is said of the design: name and value of each line.
-fn numbers(report: &DesignReport, found: &LoopExpectations) -> Vec<(&'static str, String)> {
+pub(crate) fn numbers(
+    report: &DesignReport,
+    found: &LoopExpectations,
+) -> Vec<(&'static str, String)> {
     let or_without_limit = |value: f64, text: String| match value.is_finite() {
         true => text,
         false => "without limit".to_owned(),

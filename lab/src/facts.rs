@@ -7,6 +7,7 @@ use workbench::{ComparisonReport, Coordinate, FailurePlace, PerSeries, ResidualK
 
 use crate::desk::{Desk, OpenBench};
 use crate::picture::stretches;
+use crate::why_facts;
 use crate::work::CONTROLLER;
 
 /// Standard errors to either side on the fine track of a slider.
@@ -287,7 +288,9 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
         "next_experiment": report.next_experiment,
         "places": report.places.iter().filter(|one| one.significant).map(place).collect::<Vec<_>>(),
         "reasons": reasons(&found.first, &report.last),
-        "decay": report.decay.iter().filter_map(decay).collect::<Vec<_>>(),
+        "decay": report.decay.iter().filter_map(|swing| why_facts::decay(swing, None)).collect::<Vec<_>>(),
+        "fingerprints": bench.fingerprints.iter().map(|one| why_facts::fingerprint(one)).collect::<Vec<_>>(),
+        "recipe": report.recipe.as_ref().map(|recipe| why_facts::recipe(recipe, &report.ambiguous_between)),
     })
 }
 
@@ -307,7 +310,7 @@ fn takes_away(shares: &PerSeries) -> Vec<Value> {
 }
 
 /// The residuals in which the first model fails most plainly, with the last model beside them.
-fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
+pub(crate) fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
     let mut seen = Vec::new();
     let significant = || first.places.iter().filter(|place| place.significant);
     // A torque shows the cause; an output what has come of it since the start of the log.
@@ -374,23 +377,6 @@ fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
             }))
         })
         .collect()
-}
-
-fn decay(swing: &workbench::SwingDecay) -> Option<Value> {
-    let measured = swing.measured.as_ref()?;
-    let points = |series: &[identify::AtAmplitude]| -> Vec<[f64; 3]> {
-        let at = series.iter();
-        at.map(|at| [at.amplitude_rad, at.value, at.std]).collect()
-    };
-    let simulated = swing.simulated.as_ref();
-    Some(json!({
-        "experiment": swing.experiment,
-        "law": swing.laws.first().map(words::amplitude_law),
-        "rates": points(&measured.rates),
-        "periods": points(&measured.small_swing_periods),
-        "model_rates": simulated.map(|one| points(&one.rates)),
-        "model_periods": simulated.map(|one| points(&one.small_swing_periods)),
-    }))
 }
 
 /// The emitted controller and its proof.

@@ -13,9 +13,9 @@
 //! | `dropped`, `preview` | CSV files on their way to a bench |
 //! | `work` | one long computation at a time, with progress and cancel |
 //! | `picture` | curves as a screen can show them: least and largest value a pixel |
-//! | `facts`, `design_facts` | what the page is told, as JSON |
+//! | `facts`, `design_facts`, `why_facts` | what the page is told, as JSON |
 //! | `routes`, `socket` | the addresses of the server, and the socket for sliders |
-//! | `report` | the bench as one HTML file |
+//! | `report`, `report_conclusion` | the bench as one HTML file |
 
 mod assets;
 mod design_facts;
@@ -28,9 +28,11 @@ mod guard;
 mod picture;
 mod preview;
 mod report;
+mod report_conclusion;
 mod routes;
 mod server;
 mod socket;
+mod why_facts;
 mod work;
 
 pub use report::{Findings, report, report_of};

@@ -93,7 +93,7 @@ fn let_in(shared: &Shared, key: &str) -> Response {
     match shared.guard.exchange(key) {
         Some(cookie) => (
             [(SET_COOKIE, cookie)],
-            Html("<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url=/\"><title>flywheel lab</title><a href=\"/\">To the lab</a>"),
+            Html("<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url=/\"><link rel=\"icon\" href=\"data:,\"><title>flywheel lab</title><a href=\"/\">To the lab</a>"),
         )
             .into_response(),
         None => (

@@ -75,6 +75,7 @@ mod diagnosis;
 mod drawings;
 mod effect_library;
 mod error;
+mod fingerprint;
 mod loop_expectations;
 mod loop_responses;
 mod measured_linearity;
@@ -119,13 +120,14 @@ pub use design_report::{
     SensorCondition, WheelSize,
 };
 pub use design_sweep::{DesignSweep, SweepPoint, SweepRow, Swept};
-pub use diagnose::Verdict;
+pub use diagnose::{Recipe, Verdict};
 pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
 pub use drawings::{NamedLoop, loop_drawings};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use error::Error;
+pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use loop_expectations::{
     AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,

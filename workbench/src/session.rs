@@ -19,6 +19,7 @@ use crate::comparison::{
 };
 use crate::data_check;
 use crate::error::Error;
+use crate::swing_decay::{SwingDecay, swing_decays};
 
 /// A bench with its measurements, and the model that is being made of it.
 ///
@@ -664,6 +665,12 @@ impl Predictor {
             .zip(values)
             .map(|(info, value)| (info.name.to_owned(), *value))
             .collect()
+    }
+
+    /// How the free swings die out, measured and by the model.
+    pub fn decays(&self) -> Vec<SwingDecay> {
+        let traces = self.0.traces(&self.0.minimum.values);
+        swing_decays(&self.0.problem.records, &traces)
     }
 
     /// Simulates every experiment from its start, with these parameters changed. With none it gives

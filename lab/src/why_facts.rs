@@ -1,0 +1,77 @@
+//! What lets a person see why an effect is suspected, as JSON: fingerprints without and with it, and the recipe that
+//! settles a tie.
+
+use serde_json::{Value, json};
+use workbench::numbers::{significant, with_prefix};
+use workbench::{EffectFingerprint, Recipe, SwingDecay, words};
+
+use crate::facts::reasons;
+
+/// How a swing dies out over its amplitude: measured, by a model, and by another one.
+pub fn decay(swing: &SwingDecay, other: Option<&SwingDecay>) -> Option<Value> {
+    let measured = swing.measured.as_ref()?;
+    let points = |series: &[identify::AtAmplitude]| -> Vec<[f64; 3]> {
+        let at = series.iter();
+        at.map(|at| [at.amplitude_rad, at.value, at.std]).collect()
+    };
+    let simulated = swing.simulated.as_ref();
+    let other = other.and_then(|other| other.simulated.as_ref());
+    Some(json!({
+        "experiment": swing.experiment,
+        "law": swing.laws.first().map(words::amplitude_law),
+        "rates": points(&measured.rates),
+        "periods": points(&measured.small_swing_periods),
+        "model_rates": simulated.map(|one| points(&one.rates)),
+        "model_periods": simulated.map(|one| points(&one.small_swing_periods)),
+        "other_rates": other.map(|one| points(&one.rates)),
+        "other_periods": other.map(|one| points(&one.small_swing_periods)),
+    }))
+}
+
+/// An effect's fingerprint: residuals without (before) and with it (after); decays by the model with it, and by the
+/// other without.
+pub fn fingerprint(found: &EffectFingerprint) -> Value {
+    let decays = found.decay_with.iter().filter_map(|swing| {
+        let mut all = found.decay_without.iter();
+        decay(
+            swing,
+            all.find(|other| other.experiment == swing.experiment),
+        )
+    });
+    json!({
+        "effect": found.effect,
+        "reasons": reasons(&found.without, &found.with),
+        "decay": decays.collect::<Vec<_>>(),
+    })
+}
+
+/// The experiment that settles a tie, and what each of the first two explanations would show in it.
+pub fn recipe(recipe: &Recipe, ties: &[Vec<String>]) -> Value {
+    let [first, second] = &recipe.answers;
+    let pairs = first.iter().zip(second).enumerate();
+    let widest =
+        pairs.max_by(|(_, (a, b)), (_, (c, d))| (*a - *b).abs().total_cmp(&(*c - *d).abs()));
+    let at = widest.map(|(index, (a, b))| {
+        format!(
+            "At {} s the {} would be {} by the first explanation and {} by the second.",
+            significant(recipe.time_s.get(index).copied().unwrap_or_default(), 3),
+            words::spoken(recipe.channel),
+            with_prefix(*a, recipe.unit),
+            with_prefix(*b, recipe.unit),
+        )
+    });
+    json!({
+        "experiment": recipe.experiment,
+        "steps": recipe.steps,
+        "channel": words::spoken(recipe.channel),
+        "unit": recipe.unit,
+        "difference": format!(
+            "{} times the noise of the sensor (root mean square)",
+            significant(recipe.difference_over_noise, 3)
+        ),
+        "widest": at,
+        "time_s": recipe.time_s,
+        "answers": recipe.answers,
+        "names": ties.iter().take(2).map(|set| set.join(" + ")).collect::<Vec<_>>(),
+    })
+}
