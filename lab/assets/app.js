@@ -47,6 +47,7 @@ async function refresh() {
   byId("report").hidden = !bench;
   byId("open-other").hidden = !bench;
   byId("open-other").textContent = choosing ? "Back" : "Open another bench";
+  byId("undo").hidden = !bench;
   byId("undo").disabled = !bench || bench.undo === 0;
   byId("bench-name").textContent = bench ? `${bench.name} · ${bench.folder}` : "";
   document.title = bench ? `${bench.name} · flywheel lab` : "flywheel lab";

@@ -162,7 +162,7 @@ function previewed(plot, preview, choices, change) {
   if (choices.from_s !== null) out(first, choices.from_s);
   if (choices.until_s !== null) out(choices.until_s, last);
   plot.style.height = `${90 + 85 * count}px`;
-  draw(plot, traces, form).then(() => plot.on("plotly_relayout", (moved) => {
+  draw(plot, traces, form, { displayModeBar: false }).then(() => plot.on("plotly_relayout", (moved) => {
     if (!("xaxis.range[0]" in moved) || preview.time !== "time (s)") return;
     const [from, until] = [moved["xaxis.range[0]"], moved["xaxis.range[1]"]].map(Number);
     choices.from_s = from > first ? Number(from.toPrecision(5)) : null;

@@ -49,7 +49,7 @@ export function sketch() {
       part("pivot_to_com", shape("circle", { cx: 135, cy: 140, r: 5, class: "centre" }), measure(162, 40, 162, 140), shape("path", { d: "M135 140 H166 M135 40 H166", class: "thin" }), shape("text", { x: 168, y: 98 }, "l")),
       part("pivot_to_wheel", measure(206, 40, 206, 240), shape("path", { d: "M168 40 H210 M135 240 H210", class: "thin" }), shape("text", { x: 212, y: 150 }, "k")),
       shape("circle", { cx: 135, cy: 40, r: 6, class: "pivot" })),
-    shape("path", { d: "M135 196 A156 156 0 0 0 183 188", class: "angle", "marker-end": "url(#sketch-tip)" }), text(150, 214, "+α"),
+    shape("path", { d: "M135 150 A110 110 0 0 0 158 147", class: "angle", "marker-end": "url(#sketch-tip)" }), text(138, 172, "+α"),
     part("gravity", shape("path", { d: "M30 60 V120", class: "measure", "marker-end": "url(#sketch-tip)" }), text(38, 96, "g")),
     part("gravity_torque", shape("path", { d: "M104 62 A38 38 0 0 1 166 18", class: "measure" }), text(70, 66, "G")));
   return { drawing, mark: (key) => parts.forEach((group, own) => group.classList.toggle("marked", own === key)) };

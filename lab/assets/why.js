@@ -105,7 +105,7 @@ function staircase() {
     el("details", {}, el("summary", {}, "Numbers"), el("div", { class: "scroll" }, table(["RMSE", ...labels, "sensor noise"], lines))));
 }
 
-const points = (list, name, tone, symbol) => ({
+const points = (all, name, tone, symbol, list = all.filter((p) => p[1] !== null)) => ({
   x: list.map((p) => p[0]), y: list.map((p) => p[1]), error_y: { array: list.map((p) => p[2]), visible: true, thickness: 1, width: 0 },
   mode: "markers", name, marker: { color: colour(tone), size: 6, symbol },
 });

@@ -33,16 +33,47 @@ pub fn decay(swing: &SwingDecay, other: Option<&SwingDecay>) -> Option<Value> {
 pub fn fingerprint(found: &EffectFingerprint) -> Value {
     let decays = found.decay_with.iter().filter_map(|swing| {
         let mut all = found.decay_without.iter();
-        decay(
-            swing,
-            all.find(|other| other.experiment == swing.experiment),
-        )
+        let other = all.find(|other| other.experiment == swing.experiment)?;
+        shows(swing, other).then(|| decay(swing, Some(other)))?
     });
     json!({
         "effect": found.effect,
         "reasons": reasons(&found.without, &found.with),
         "decay": decays.collect::<Vec<_>>(),
     })
+}
+
+/// Standard errors of a measured point by which two models differ where the swing tells them apart for the eye.
+const APART: f64 = 2.0;
+
+/// Whether the effect shows in how this swing dies out: the models without and with it are apart, at some measured
+/// amplitude, by more than the measurement is uncertain there.
+fn shows(with: &SwingDecay, without: &SwingDecay) -> bool {
+    let (Some(measured), Some(a), Some(b)) = (&with.measured, &with.simulated, &without.simulated)
+    else {
+        return true;
+    };
+    let near = |points: &[identify::AtAmplitude], amplitude_rad: f64| {
+        let distance = |at: &&identify::AtAmplitude| (at.amplitude_rad - amplitude_rad).abs();
+        let nearest = points
+            .iter()
+            .min_by(|x, y| distance(x).total_cmp(&distance(y)));
+        nearest.map(|at| at.value)
+    };
+    let apart = |points: &[identify::AtAmplitude],
+                 a: &[identify::AtAmplitude],
+                 b: &[identify::AtAmplitude]| {
+        points.iter().any(|at| {
+            let both = near(a, at.amplitude_rad).zip(near(b, at.amplitude_rad));
+            both.is_some_and(|(a, b)| (a - b).abs() > APART * at.std)
+        })
+    };
+    apart(&measured.rates, &a.rates, &b.rates)
+        || apart(
+            &measured.small_swing_periods,
+            &a.small_swing_periods,
+            &b.small_swing_periods,
+        )
 }
 
 /// The experiment that settles a tie, and what each of the first two explanations would show in it.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Draft;
 use super::columns::Mapped;
+use super::kind::HELD_AT_WHAT;
 
 /// What stands beside a line that its user has decided.
 const BY_HAND: &str = "corrected by hand";
@@ -161,6 +162,9 @@ impl Draft {
         self.from_s = kept(choices.from_s, &self.from_s);
         self.until_s = choices.until_s;
         self.time_step_s = choices.time_step_s;
+        if self.held_current_a.is_some() {
+            self.questions.retain(|question| question != HELD_AT_WHAT);
+        }
         self.decided = true;
         Ok(())
     }

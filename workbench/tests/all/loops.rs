@@ -109,7 +109,7 @@ fn answers_to_torques_have_bands() {
         assert!(low <= high && *low <= angle + 1e-12 && angle - 1e-12 <= *high);
     }
     // The swing's log shows the angle's noise; no log shows a gyroscope.
-    let noise = found.noise.expect("noise");
+    let noise = found.noise.as_ref().expect("noise");
     assert!(
         noise.sources[0].contains("swing") && noise.sources[1].contains("assumed"),
         "{noise:?}"
