@@ -18,7 +18,7 @@ use crate::decision::{Decision, decide};
 use crate::economy::{MOST_REVISIONS, MOST_SUSPECTS, SAMPLES_PER_PERIOD};
 use crate::genuine::genuine;
 use crate::imperfection::Imperfections;
-use crate::next_experiment::{NextExperiment, propose};
+use crate::next_experiment::propose;
 use crate::pool::Search;
 use crate::ranking::{Ranked, ranked};
 use crate::remains::remains;
@@ -360,10 +360,8 @@ impl<'a> Searched<'a> {
             .iter()
             .map(|&index| found.pool[index].set())
             .collect();
-        let settling = match decision.ties.as_slice() {
-            [a, b, ..] => propose(problem, &found.pool[*a], &found.pool[*b]),
-            _ => NextExperiment::default(),
-        };
+        let tied = decision.ties.iter().map(|&index| &found.pool[index]);
+        let settling = propose(problem, &tied.collect::<Vec<&Candidate>>());
         let next_experiment = match (decision.ties.as_slice(), verdict) {
             ([_, _, ..], _) => settling.sentence,
             (_, Verdict::Unexplained) if !plain.is_empty() => {

@@ -35,8 +35,8 @@ pub struct Recipe {
     pub difference_over_noise: f64,
     /// Times of the imagined log, s.
     pub time_s: Vec<f64>,
-    /// What the channel would show by the first and by the second explanation.
-    pub answers: [Vec<f64>; 2],
+    /// What the channel would show by each explanation, in their order.
+    pub answers: Vec<Vec<f64>>,
 }
 
 /// What is proposed where explanations tie.
@@ -196,8 +196,12 @@ fn separation(
     best
 }
 
-/// The experiment that separates two explanations best, and by how much.
-pub fn propose(problem: &FitProblem, a: &Candidate, b: &Candidate) -> NextExperiment {
+/// The experiment that separates the first two of the explanations that tie best, and by how much; with what each of
+/// all would show in it.
+pub fn propose(problem: &FitProblem, ties: &[&Candidate]) -> NextExperiment {
+    let [a, b, ..] = ties else {
+        return NextExperiment::default();
+    };
     let best = proposals(problem)
         .into_iter()
         .map(|proposal| (separation(problem, &proposal, a, b), proposal))
@@ -211,7 +215,7 @@ pub fn propose(problem: &FitProblem, a: &Candidate, b: &Candidate) -> NextExperi
                 output.name().replace('_', " "),
                 size
             ),
-            recipe: Some(recipe(&proposal, output, size, a, b)),
+            recipe: Some(recipe(&proposal, output, size, ties)),
         },
         _ => NextExperiment {
             sentence: "None of the usual experiments would separate the two explanations; a quieter sensor \
@@ -222,12 +226,13 @@ pub fn propose(problem: &FitProblem, a: &Candidate, b: &Candidate) -> NextExperi
     }
 }
 
-fn recipe(proposal: &Proposal, output: Output, size: f64, a: &Candidate, b: &Candidate) -> Recipe {
-    let ((time_s, first), (_, second)) = (imagined(proposal, a), imagined(proposal, b));
+fn recipe(proposal: &Proposal, output: Output, size: f64, ties: &[&Candidate]) -> Recipe {
     let index = Output::ALL
         .iter()
         .position(|one| *one == output)
         .unwrap_or(0);
+    let all: Vec<_> = ties.iter().map(|tie| imagined(proposal, tie)).collect();
+    let time_s = all.first().map_or(vec![], |(time_s, _)| time_s.clone());
     let stride = time_s.len().div_ceil(RECIPE_POINTS).max(1);
     let thin = |values: Vec<f64>| values.into_iter().step_by(stride).collect();
     let channel = |readings: &[[f64; 3]]| thin(readings.iter().map(|one| one[index]).collect());
@@ -241,7 +246,7 @@ fn recipe(proposal: &Proposal, output: Output, size: f64, a: &Candidate, b: &Can
             "rad/s"
         },
         difference_over_noise: size,
-        answers: [channel(&first), channel(&second)],
+        answers: all.iter().map(|(_, readings)| channel(readings)).collect(),
         time_s: thin(time_s),
     }
 }

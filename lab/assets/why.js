@@ -61,11 +61,11 @@ function nextExperiment() {
   const recipe = found.recipe;
   if (!recipe) return el("div", { class: "card" }, el("h3", {}, "Next experiment"), el("p", {}, found.next_experiment));
   const holder = el("div", { class: "plot", role: "img", "aria-label": `What each explanation predicts for the ${recipe.channel}` });
-  const line = (index, tone, dash) => ({ x: recipe.time_s, y: recipe.answers[index], mode: "lines", name: recipe.names[index] ?? `explanation ${index + 1}`, line: { color: colour(tone), width: 1.5, dash } });
-  redrawPlots.push(() => draw(holder, [line(0, "model", "solid"), line(1, "ghost", "dot")], layout({ xaxis: axis("time (s)", { exponentformat: "none" }), yaxis: axis(`${recipe.channel} (${recipe.unit})`) })));
+  const lines = () => recipe.answers.map((answer, index) => ({ x: recipe.time_s, y: answer, mode: "lines", name: recipe.names[index], line: { color: colour(["model", "ghost", "push", "good"][index % 4]), width: 1.6, dash: ["solid", "dot", "dash", "dashdot"][index % 4] } }));
+  redrawPlots.push(() => draw(holder, lines(), layout({ xaxis: axis("time (s)", { exponentformat: "none" }), yaxis: axis(`${recipe.channel} (${recipe.unit})`) }), { displayModeBar: false }));
   return el("div", { class: "card", id: "recipe" }, el("h3", {}, "The experiment that settles it"), el("p", {}, `Record ${recipe.experiment}.`),
     el("ol", { class: "small" }, recipe.steps.map((step) => el("li", {}, step))),
-    el("p", { class: "small" }, `The two explanations differ in the ${recipe.channel} by ${recipe.difference}. `, recipe.widest ?? ""), holder);
+    el("p", { class: "small" }, `The first two explanations differ in the ${recipe.channel} by ${recipe.difference}. `, recipe.widest ?? ""), holder);
 }
 
 function tie() {

@@ -76,19 +76,35 @@ fn shows(with: &SwingDecay, without: &SwingDecay) -> bool {
         )
 }
 
-/// The experiment that settles a tie, and what each of the first two explanations would show in it.
+/// The experiment that settles a tie, and what each explanation would show in it.
 pub fn recipe(recipe: &Recipe, ties: &[Vec<String>]) -> Value {
-    let [first, second] = &recipe.answers;
-    let pairs = first.iter().zip(second).enumerate();
-    let widest =
-        pairs.max_by(|(_, (a, b)), (_, (c, d))| (*a - *b).abs().total_cmp(&(*c - *d).abs()));
-    let at = widest.map(|(index, (a, b))| {
+    let names: Vec<String> = ties.iter().map(|set| set.join(" + ")).collect();
+    let spread = |index: usize| {
+        let values = recipe.answers.iter().filter_map(|answer| answer.get(index));
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = values.fold(ends, |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        });
+        high - low
+    };
+    let indices = 0..recipe.time_s.len();
+    let widest = indices.max_by(|a, b| spread(*a).total_cmp(&spread(*b)));
+    let said = widest.map(|index| {
+        let each = recipe
+            .answers
+            .iter()
+            .zip(&names)
+            .filter_map(|(answer, name)| {
+                Some(format!(
+                    "{} by {name}",
+                    with_prefix(*answer.get(index)?, recipe.unit)
+                ))
+            });
         format!(
-            "At {} s the {} would be {} by the first explanation and {} by the second.",
-            significant(recipe.time_s.get(index).copied().unwrap_or_default(), 3),
+            "At {} s the {} would be {}.",
+            significant(recipe.time_s[index], 3),
             words::spoken(recipe.channel),
-            with_prefix(*a, recipe.unit),
-            with_prefix(*b, recipe.unit),
+            each.collect::<Vec<_>>().join(", ")
         )
     });
     json!({
@@ -100,9 +116,9 @@ pub fn recipe(recipe: &Recipe, ties: &[Vec<String>]) -> Value {
             "{} times the noise of the sensor (root mean square)",
             significant(recipe.difference_over_noise, 3)
         ),
-        "widest": at,
+        "widest": said,
         "time_s": recipe.time_s,
         "answers": recipe.answers,
-        "names": ties.iter().take(2).map(|set| set.join(" + ")).collect::<Vec<_>>(),
+        "names": names,
     })
 }

@@ -48,7 +48,7 @@ pub struct DiagnosisReport {
     pub ambiguous_between: Vec<Vec<String>>,
     /// The experiment that would settle what is open; empty where nothing is.
     pub next_experiment: String,
-    /// The same step by step, with what each of the first two explanations would show; `None` where no experiment
+    /// The same step by step, with what each explanation would show; `None` where no experiment
     /// tells them apart. Not part of the JSON, which has the sentence.
     #[serde(skip)]
     pub recipe: Option<Recipe>,
