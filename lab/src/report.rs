@@ -345,17 +345,25 @@ pub(crate) fn list(page: &mut String, lines: impl Iterator<Item = String>) {
 }
 
 fn table(page: &mut String, heads: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+    let rows: Vec<Vec<String>> = rows.collect();
+    let is_number =
+        |cell: &str| cell.starts_with(|c: char| c.is_ascii_digit() || "-(–".contains(c));
+    let class = |cell: &str| if is_number(cell) { "" } else { " class=\"l\"" };
     page.push_str("<table><thead><tr>");
-    for head in heads {
-        put(page, &format!("<th scope=\"col\">{}</th>", escaped(head)));
+    for (column, head) in heads.iter().enumerate() {
+        // A head stands over its column as its cells do.
+        let first = rows.first().and_then(|row| row.get(column));
+        let class = class(first.map_or("", String::as_str));
+        put(
+            page,
+            &format!("<th scope=\"col\"{class}>{}</th>", escaped(head)),
+        );
     }
     page.push_str("</tr></thead><tbody>\n");
-    for row in rows {
+    for row in &rows {
         page.push_str("<tr>");
         for cell in row {
-            let is_number = cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '(');
-            let class = if is_number { "" } else { " class=\"l\"" };
-            put(page, &format!("<td{class}>{}</td>", escaped(&cell)));
+            put(page, &format!("<td{}>{}</td>", class(cell), escaped(cell)));
         }
         page.push_str("</tr>\n");
     }
