@@ -9,6 +9,7 @@ pub mod design_change;
 pub mod designs;
 pub mod diagnosis;
 pub mod effects;
+pub mod exam;
 pub mod findings;
 pub mod new_bench;
 pub mod proof;

@@ -74,6 +74,7 @@ mod design_sweep;
 mod diagnosis;
 mod drawings;
 mod effect_library;
+mod effect_portrait;
 mod error;
 mod fingerprint;
 mod loop_expectations;
@@ -126,6 +127,7 @@ pub use diagnosis::{
 };
 pub use drawings::{NamedLoop, loop_drawings};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
+pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
