@@ -19,7 +19,7 @@ const CLAIMS: [&str; 5] = [
 
 /// The harnesses of the crate `verify` beside `directory`, where Kani is installed.
 pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResult> {
-    let mut table = Table(Vec::new());
+    let mut table = Table(Vec::new(), None);
     match output(directory, settings) {
         Ok(text) => {
             for (id, outcome, seconds) in kani_rows(&text) {

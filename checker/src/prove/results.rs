@@ -103,7 +103,7 @@ pub fn passed(results: &[ClaimResult]) -> bool {
 /// The rows in the order of [`CLAIMS`], with one for each claim that has none: `why` it was not
 /// looked at.
 pub(crate) fn complete(rows: Vec<ClaimResult>, why: &str) -> Vec<ClaimResult> {
-    let mut table = Table(rows);
+    let mut table = Table(rows, None);
     for claim in &CLAIMS {
         if table.0.iter().all(|row| row.id != claim.id) {
             let outcome = ClaimOutcome::NotRun(why.to_owned());
@@ -133,10 +133,13 @@ impl ClaimResult {
     }
 }
 
-/// Collects rows.
-pub(crate) struct Table(pub(crate) Vec<ClaimResult>);
+/// Collects rows, and tells of each as it is settled.
+pub(crate) struct Table<'a>(
+    pub(crate) Vec<ClaimResult>,
+    pub(crate) Option<&'a dyn Fn(&ClaimResult)>,
+);
 
-impl Table {
+impl Table<'_> {
     pub(crate) fn add(
         &mut self,
         id: &str,
@@ -155,6 +158,10 @@ impl Table {
         outcome: ClaimOutcome,
         seconds: f64,
     ) {
-        self.0.push(ClaimResult::new(id, engine, outcome, seconds));
+        let row = ClaimResult::new(id, engine, outcome, seconds);
+        if let Some(tell) = self.1 {
+            tell(&row);
+        }
+        self.0.push(row);
     }
 }

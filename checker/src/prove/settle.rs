@@ -41,7 +41,19 @@ pub fn settle_saying(
     settings: &ProofSettings,
     say: &dyn Fn(&str),
 ) -> Vec<ClaimResult> {
-    let mut table = Table(Vec::new());
+    settle_telling(emitted, certificate, model, settings, say, &|_| ())
+}
+
+/// As [`settle_saying`]; `tell` is told every row as soon as it is settled.
+pub fn settle_telling(
+    emitted: &Emitted,
+    certificate: &Certificate,
+    model: Option<&str>,
+    settings: &ProofSettings,
+    say: &dyn Fn(&str),
+    tell: &dyn Fn(&ClaimResult),
+) -> Vec<ClaimResult> {
+    let mut table = Table(Vec::new(), Some(tell));
     table.add("model-matches", READER, || match model {
         Some(text) => model_matches::by_reading(certificate, text),
         None => ClaimOutcome::NotApplicable(
