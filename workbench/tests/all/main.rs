@@ -7,3 +7,4 @@ mod hardware;
 mod results;
 mod session;
 mod sliders;
+mod sound_modules;
