@@ -219,11 +219,12 @@ impl Loop {
             later[index] = [0, 1, 2].map(|_| &rest * &largest);
             let mut term = v.clone();
             for k in 0..LATER {
-                if k < PARTS {
-                    inputs[index][k] = term.each_ref().map(on_grid);
-                } else {
-                    for (sum, entry) in later[index].iter_mut().zip(&term) {
-                        *sum += entry.abs();
+                match inputs[index].get_mut(k) {
+                    Some(part) => *part = term.each_ref().map(on_grid),
+                    None => {
+                        for (sum, entry) in later[index].iter_mut().zip(&term) {
+                            *sum += entry.abs();
+                        }
                     }
                 }
                 term = [0, 1, 2].map(|i| {
