@@ -32,7 +32,7 @@ impl EffectsSection {
         section: &Section,
         own: &[OwnEffect],
     ) -> Result<EffectsSection, Error> {
-        section.allow_only(&["present", "provisional", "rivals"])?;
+        section.allow_only(&crate::keys::names(crate::keys::MODEL, "effects"))?;
         let names = section.texts("present")?.ok_or_else(|| {
             section.error(section.missing("present", "present = [\"body-viscous-friction\"]"))
         })?;
