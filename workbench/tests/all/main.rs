@@ -8,3 +8,4 @@ mod loops;
 mod results;
 mod session;
 mod sliders;
+mod sound_modules;
