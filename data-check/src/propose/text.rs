@@ -221,7 +221,7 @@ mod tests {
     /// Every key of a bench.toml that begins a bench stands in the text, at least as a comment.
     #[test]
     fn every_key_stands_in_the_proposal() {
-        let text = bench_toml("bench", &[]) + "[[experiment]] name file";
+        let text = bench_toml("bench", &BTreeMap::new(), &[]) + "[[experiment]] name file";
         for section in BENCH
             .iter()
             .filter(|section| !section.name.starts_with("calibration"))
