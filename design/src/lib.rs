@@ -1,18 +1,18 @@
-//! From the linear model of the bench to a controller and what can be expected of it.
+//! From the linear model of the bench to a controller, and the properties of its loop.
 //!
-//! [`Design::new`] is the entry: it samples the model, solves for the gains and checks the loop.
-//! Below it, one file per job:
+//! [`Design::new`] is the entry point: it samples the model, solves for the gains and checks the loop.
+//! The other files:
 //!
 //! | file | job |
 //! |---|---|
-//! | [`zero_order_hold`], [`sampled_cost`] | the continuous model and cost as a sampled loop sees them |
+//! | [`zero_order_hold`], [`sampled_cost`] | the discretisation of model and cost |
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
-//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
-//! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
-//! | [`disturbance`] | what a disturbing torque does to the loop |
-//! | [`friction`], [`uncertainty`] | the loop around benches that differ from the model |
-//! | [`recovery`], [`wheel_sizing`] | what current and wheel speed allow |
-//! | [`angle_bias`], [`bias_observer`] | what a wrong angle costs, and its cure |
+//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and their conditioning |
+//! | [`controller`], [`margins`] | loops, with their gain, phase, delay and modulus margins |
+//! | [`disturbance`] | the response of the loop to a disturbing torque |
+//! | [`friction`], [`uncertainty`] | the loop on benches that differ from the model |
+//! | [`recovery`], [`wheel_sizing`] | the limits that current and wheel speed set |
+//! | [`angle_bias`], [`bias_observer`] | the effect of a bias of the angle, and an observer against it |
 //!
 //! States are (angle from upright in rad, rate in rad/s, wheel speed in rad/s), the input is the
 //! motor current in A, and the law is u = −K x throughout.

@@ -1,17 +1,17 @@
-//! How much the loop bears: gain, phase, delay, and the distance to instability at any frequency.
+//! The robustness of the loop: gain, phase, delay and modulus margins.
 //!
-//! The loop is broken at the plant's input and seen at the samples, z = e^{jωT}:
+//! The loop is opened at the plant's input, and considered at the samples, z = e^{jωT}:
 //!
 //! ```text
 //! L(z) = −(Cc (zI − Ac)⁻¹ Bc + Dc) (zI − Ad)⁻¹ Bd
 //! ```
 //!
 //! *Gain margin*: the factors g for which 1 + g L has no zero on the circle, i.e. −1/g lies between
-//! the neighbouring crossings of L with the negative real axis. *Phase margin*: the least turn of
-//! L that carries it through −1 where |L| = 1. *Modulus margin*: min |1 + L| = 1/max |S|.
-//! *Delay margin*: a delay that is not a whole number of samples is no mere turn of L, because the
-//! hold then switches between samples; so the turn divided by ω only starts Newton's method on the
-//! exact condition 1 + L_δ(e^{jωT}) = 0 for δ and ω, with L_δ of the plant sampled with its delay
+//! the neighbouring crossings of L with the negative real axis. *Phase margin*: the smallest rotation of
+//! L that moves it onto −1 where |L| = 1. *Modulus margin*: min |1 + L| = 1/max |S|.
+//! *Delay margin*: a delay by a fraction of a sample is no mere rotation of L, because the
+//! hold then switches between samples. The rotation divided by ω therefore only starts Newton's method on the
+//! exact condition 1 + L_δ(e^{jωT}) = 0 for δ and ω. L_δ is the loop with the plant sampled with its delay
 //! ([`crate::zero_order_hold::zero_order_hold_delayed`]).
 
 use crate::controller::{Delay, LinearController};
@@ -22,36 +22,36 @@ use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 
-/// Frequencies looked at before refining. Loops of a few states cross an axis a few times; between
-/// neighbours the frequency grows by about one per cent.
+/// Number of frequencies before refinement. Loops with few states cross an axis a few times. Neighbouring
+/// frequencies differ by about 1 %.
 const GRID: usize = 1200;
 
-/// What the loop bears before it becomes unstable.
+/// The margins within which the loop stays stable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margins {
-    /// Smallest factor on the gains that keeps the loop stable; below one, as an inverted pendulum
-    /// needs feedback. Zero where none is needed.
+    /// Smallest factor on the gains with which the loop is stable. It is below one, and above zero if the
+    /// pendulum needs feedback.
     pub least_gain_factor: f64,
-    /// Largest factor on the gains that keeps the loop stable.
+    /// Largest factor on the gains with which the loop is stable.
     pub largest_gain_factor: f64,
-    /// Phase margin in rad; infinite where |L| never is one.
+    /// Phase margin in rad; infinite if |L| is never 1.
     pub phase_margin_rad: f64,
-    /// Where |L| = 1 with that phase margin, in rad/s.
+    /// Frequency in rad/s at which |L| = 1 with that phase margin.
     pub crossover_rad_s: f64,
-    /// Delay on top of the hold that the loop bears, in s.
+    /// Largest delay in s, in addition to the hold, with which the loop is stable.
     pub delay_margin_s: f64,
-    /// Frequency of the oscillation that sets in at that delay, in rad/s.
+    /// Frequency in rad/s of the oscillation that begins at that delay.
     pub delay_frequency_rad_s: f64,
-    /// min |1 + L|: one over the peak of the sensitivity.
+    /// min |1 + L|: the reciprocal of the peak of the sensitivity.
     pub modulus_margin: f64,
-    /// Where it is least, in rad/s.
+    /// Frequency in rad/s of that minimum.
     pub modulus_frequency_rad_s: f64,
 }
 
 /// The margins of `controller` around ẋ = A x + B u (A n×n, B n×1) sampled at `sample_time_s`.
 ///
 /// # Errors
-/// [`DesignError::UnstableLoop`] where the loop is unstable to begin with; wrong shapes.
+/// [`DesignError::UnstableLoop`] if the loop is unstable; wrong shapes.
 pub fn margins(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -63,7 +63,7 @@ pub fn margins(
     let radius = spectral_radius(&controller.closed_loop(&hold.state, &hold.input)?)?;
     if radius >= 1.0 {
         return Err(DesignError::UnstableLoop {
-            loop_name: "whose margins are wanted",
+            loop_name: "for which margins were requested",
             spectral_radius: radius,
             cure: "design gains for this model",
         });
@@ -92,7 +92,7 @@ pub fn margins(
         .filter_map(|frequency| Some((frequency, open.at(frequency)?)))
         .collect();
 
-    // L is real at both ends of the circle.
+    // L is real at both ends of the half circle.
     let mut negative_crossings: Vec<f64> = [0.0, nyquist]
         .into_iter()
         .filter_map(|frequency| open.at(frequency))
@@ -123,7 +123,7 @@ pub fn margins(
         let Some(value) = open.at(frequency) else {
             continue;
         };
-        // How far −L is turned ahead of 1; a lag of that size brings L onto −1.
+        // The phase lead of −L relative to 1; a lag of that size moves L onto −1.
         let lead = (-value).arg();
         if lead.abs() < phase_margin_rad {
             phase_margin_rad = lead.abs();
@@ -190,7 +190,7 @@ impl OpenLoop<'_> {
         Some(value + 1.0)
     }
 
-    /// Newton's method on 1 + L_δ(e^{jωT}) = 0 from a guess of (δ, ω); the guess where it fails.
+    /// Newton's method on 1 + L_δ(e^{jωT}) = 0 from a guess of (δ, ω); returns the guess if it fails.
     fn critical_delay(&self, delay_s: f64, frequency: f64) -> (f64, f64) {
         let (mut delay, mut omega) = (delay_s, frequency);
         for _ in 0..50 {
@@ -210,7 +210,7 @@ impl OpenLoop<'_> {
             }
             let change_delay = (here.re * by_omega.im - here.im * by_omega.re) / determinant;
             let change_omega = (by_delay.re * here.im - by_delay.im * here.re) / determinant;
-            // Steps are kept short, so that the root near the guess is found and no other.
+            // Steps are limited, so that the method finds the root near the guess and no other.
             delay -= change_delay.clamp(-0.2 * delay, 0.2 * delay);
             omega -= change_omega.clamp(-0.2 * omega, 0.2 * omega);
             if change_delay.abs() < 1e-12 * delay && change_omega.abs() < 1e-12 * omega {
@@ -223,7 +223,7 @@ impl OpenLoop<'_> {
         }
     }
 
-    /// The frequencies where `measure` of L changes sign along the grid, refined by bisection.
+    /// The frequencies at which `measure` of L changes its sign along the grid, refined by bisection.
     fn roots(
         &self,
         grid: &[(f64, Complex<f64>)],
@@ -249,7 +249,7 @@ impl OpenLoop<'_> {
         roots
     }
 
-    /// (frequency, |1 + L|) where |1 + L| is least: the best of the grid, then golden sections.
+    /// (frequency, |1 + L|) at the minimum of |1 + L|: the best point of the grid, refined by golden-section search.
     fn smallest_return_difference(&self, grid: &[(f64, Complex<f64>)]) -> (f64, f64) {
         let size = |value: Complex<f64>| (value + 1.0).norm();
         let Some(best) = (0..grid.len())

@@ -1,8 +1,8 @@
-//! The experiment that would separate explanations which tie.
+//! The experiment that would separate explanations that tie.
 //!
-//! Every experiment of a short list is simulated with both fitted models. What separates them is
-//! the difference of their answers in units of the sensors' noise; the experiment with the largest
-//! difference is proposed.
+//! Every experiment of a short list is simulated with both fitted models. Their separation is the root mean square
+//! difference of their outputs in units of the sensors' noise. The experiment with the largest separation is
+//! proposed.
 
 use identify::{FitProblem, Output, Record};
 use plant::{Current, Hold, Input, Kind, Plant, State};
@@ -20,10 +20,10 @@ struct Proposal {
     duration_s: f64,
 }
 
-/// Sampling of the imagined logs in s.
+/// Sampling interval of the simulated logs, s.
 const STEP_S: f64 = 0.004;
-/// Noise of sensors that the bench does not have yet: angle 1 mrad, rate 5 mrad/s, wheel speed
-/// 0.5 rad/s, what a modest encoder and gyroscope reach.
+/// Noise standard deviation assumed for a sensor that the bench does not have: angle 1 mrad, rate 5 mrad/s,
+/// wheel speed 0.5 rad/s. A modest encoder and gyroscope reach these values.
 const USUAL_NOISE: [f64; 3] = [1e-3, 5e-3, 0.5];
 
 fn proposals(problem: &FitProblem) -> Vec<Proposal> {
@@ -90,8 +90,8 @@ fn proposals(problem: &FitProblem) -> Vec<Proposal> {
     list
 }
 
-/// Root mean square difference of two models' answers in units of noise, with the channel that
-/// shows it best.
+/// The largest root mean square difference between the outputs of two models, in units of noise, and the channel
+/// in which it occurs.
 fn separation(
     problem: &FitProblem,
     proposal: &Proposal,
@@ -162,7 +162,7 @@ fn separation(
     best
 }
 
-/// One sentence: the experiment that separates two explanations best, and by how much.
+/// Proposes, in one sentence, the experiment with the largest separation of two explanations.
 pub fn propose(problem: &FitProblem, a: &Candidate, b: &Candidate) -> String {
     let best = proposals(problem)
         .into_iter()

@@ -15,7 +15,7 @@ pub struct LinearModel {
     pub input: Vector3<f64>,
 }
 
-/// Why a model has no linear model at the place asked for.
+/// The reason why a model has no linear model at the requested equilibrium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinearisationError {
     /// Θ, j_w or Θ − j_w is not positive.
@@ -29,23 +29,23 @@ pub enum LinearisationError {
         /// j_w in kg m².
         wheel: f64,
     },
-    /// No angle near the one asked for at which the body is in balance.
-    #[error("the body is in balance nowhere near {near_rad} rad with these parameters")]
+    /// There is no equilibrium of the body near the requested angle.
+    #[error("the body has no equilibrium near {near_rad} rad with these parameters")]
     NoEquilibrium {
         /// Where the search started, rad.
         near_rad: f64,
     },
 }
 
-/// The model about the equilibrium nearest to `near_rad` (π for upright, 0 for hanging) with both
+/// The linear model about the equilibrium nearest to `near_rad` (π for upright, 0 for hanging), with both
 /// speeds zero and no current: the exact Jacobian of [`Plant::derivative`].
 ///
-/// Dry friction of the body enters as μ tanh(α̇/ι), hence with slope μ/ι, where
-/// `friction_speed_rad_s` gives ι; without it, dry friction is left out. Effects that the linear
-/// model cannot carry are left out ([`Linearised::LeftOut`]).
+/// Dry friction of the body enters as μ tanh(α̇/ι), with slope μ/ι; `friction_speed_rad_s` is ι. If it is
+/// `None`, dry friction is left out. Effects that have no place in the linear model are left out
+/// ([`Linearised::LeftOut`]).
 ///
 /// # Errors
-/// Inertias without meaning; no equilibrium within half a radian.
+/// If the inertias are not physical, or there is no equilibrium within half a radian.
 pub fn linearise(
     model: &Model,
     values: &[f64],
@@ -97,8 +97,8 @@ pub fn linearise(
     })
 }
 
-/// How a torque enters the linear model: the input matrices (3×1, units of row per N m and second) of a torque on
-/// the body, and of one on the wheel with its reaction on the body. `values` as in [`linearise`].
+/// The input matrices (3×1, units of row per N m and second) of a torque on the body, and of a torque on the wheel with
+/// its reaction on the body. `values` as in [`linearise`].
 pub fn torque_inputs(model: &Model, values: &[f64]) -> [Vector3<f64>; 2] {
     let plant = Plant::new(model, values, Kind::Balance);
     let rest = State::rest();
@@ -113,7 +113,7 @@ pub fn torque_inputs(model: &Model, values: &[f64]) -> [Vector3<f64>; 2] {
     ]
 }
 
-/// The part of a model that its linear model carries, with the parameters that belong to it.
+/// The effects of a model that have a place in its linear model, with their parameters.
 fn kept(model: &Model, values: &[f64], keep_dry_friction: bool) -> (Model, Vec<f64>) {
     let mut effects = vec![];
     for &effect in model.effects() {
@@ -121,7 +121,7 @@ fn kept(model: &Model, values: &[f64], keep_dry_friction: bool) -> (Model, Vec<f
         match info.linearised {
             Linearised::Exactly => effects.push(effect),
             Linearised::AsDryFriction if keep_dry_friction => {
-                // Of a refinement the friction that it refines, with which it shares a parameter.
+                // A refinement is represented by the friction that it refines, with which it shares a parameter.
                 let simpler = info
                     .replaces
                     .iter()

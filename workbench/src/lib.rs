@@ -1,4 +1,4 @@
-//! A bench in hand, from its logs to a controller that is proved: identify, compare, diagnose,
+//! The library for programs: from the logs of a bench to a proved controller. Identify, compare, diagnose,
 //! simulate, design, generate, prove. Begin with [`Session`].
 //!
 //! ```
@@ -42,24 +42,24 @@
 //! # }
 //! ```
 //!
-//! # What is where
+//! # Overview
 //! | from | to |
 //! |---|---|
 //! | [`Session`] | [`ComparisonReport`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
 //! | [`Session::design`], [`ControlDesign::read`] | [`ControlDesign`] |
-//! | [`check_data`] | [`DataReport`]: what is wrong with the data of a bench |
+//! | [`check_data`] | [`DataReport`]: the findings for the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
 //! | [`record()`] | [`RecordReport`]: logs of a bench from the firmware's serial line |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
 //!
-//! Results are plain data in SI units that serialise (`serde`); what the commands write with `--json`
-//! is these data. Curves, which would make that long, are left out of it: they stand beside the
-//! numbers in the same result, and `drawings()` or `files()` make figures and tables of them, as text.
+//! Results are plain data in SI units that can be serialised (`serde`); the option `--json` of the commands writes
+//! these data. Curves are left out of the JSON, because they are long. They are part of the same result, and
+//! `drawings()` or `files()` make figures and tables from them, as text.
 //!
 //! Nothing here prints, reads arguments or ends the program. Files are written only by
-//! [`Session::save_model`], [`GeneratedController::write`], [`new_bench`] and [`record()`]. Every failure is an [`Error`]; one in a
-//! file knows file, line and column.
+//! [`Session::save_model`], [`GeneratedController::write`], [`new_bench`] and [`record()`]. Every failure is an
+//! [`Error`]; an error in a file has file, line and column.
 
 mod bench_hardware;
 mod calibration;

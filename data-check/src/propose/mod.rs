@@ -1,7 +1,7 @@
-//! A bench.toml for files of which nothing is known but their columns.
+//! A proposed bench.toml for files of which only the columns are known.
 //!
-//! Names and units of the columns give a first proposal; then the check of the data says what of it cannot be,
-//! and by which factor, and the proposal is mended until nothing is refused. What stays open is left as a
+//! Names and units of the columns give a first proposal. The check of the data then shows what is impossible in it, and
+//! by which factor, and the proposal is corrected until nothing is refused. An open question becomes a
 //! comment that says what to decide.
 
 mod columns;
@@ -18,9 +18,9 @@ use crate::finding::{Finding, FindingId, Severity};
 use crate::slips::{DEGREES, RPM, short};
 use columns::Mapped;
 
-/// Rows of a file that are looked at: minutes of a fast log.
+/// Largest number of rows of a file that are read: minutes of a fast log.
 const MOST_ROWS: usize = 200_000;
-/// Rounds in which a proposal is mended.
+/// Largest number of corrections of a proposal.
 const ROUNDS: usize = 4;
 
 /// A proposed bench.toml.
@@ -28,15 +28,15 @@ const ROUNDS: usize = 4;
 pub struct Proposal {
     /// The whole text.
     pub text: String,
-    /// What is proposed for each file.
+    /// The proposal for each file.
     pub experiments: Vec<ProposedExperiment>,
-    /// What the check says of the bench as proposed; empty where it cannot be read yet.
+    /// The findings of the check on the proposed bench; empty if the bench cannot be read yet.
     pub findings: Vec<Finding>,
-    /// Why the bench cannot be read yet, where that is so.
+    /// The reason why the bench cannot be read yet; `None` if it can.
     pub open: Option<String>,
 }
 
-/// What is proposed for one file.
+/// The proposal for one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProposedExperiment {
     /// The file, as bench.toml names it.
@@ -45,13 +45,13 @@ pub struct ProposedExperiment {
     pub name: String,
     /// The kind of experiment.
     pub kind: String,
-    /// The reasons; sentences.
+    /// The reasons, as sentences.
     pub reasons: Vec<String>,
-    /// What its user has to decide; sentences.
+    /// The questions that the user must decide, as sentences.
     pub questions: Vec<String>,
 }
 
-/// One experiment in the making.
+/// A proposed experiment that is still being corrected.
 struct Draft {
     name: String,
     file: String,
@@ -66,10 +66,10 @@ struct Draft {
     unused: Vec<String>,
 }
 
-/// Proposes a bench.toml for these files in `folder`. Nothing is written.
+/// Proposes a bench.toml for these files in `folder`. Writes no file.
 ///
 /// # Errors
-/// A file that cannot be read, or is no table.
+/// If a file cannot be read, or does not hold a table.
 pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
     let mut drafts: Vec<Draft> = vec![];
     let mut in_memory = FilesInMemory::default();
@@ -121,7 +121,7 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
     })
 }
 
-/// A path as bench.toml in `folder` names it.
+/// A path as bench.toml in `folder` would name it.
 fn name_in(folder: &Path, path: &Path) -> String {
     let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let (folder, path) = (whole(folder), whole(path));
@@ -179,7 +179,7 @@ fn draft(name: String, file: String, table: &Table) -> Draft {
     }
 }
 
-/// The unit of a time that states none, from the usual step: nobody logs a pendulum every second.
+/// The unit of a time column without a stated unit, from its usual interval: nobody samples a pendulum once per second.
 fn time_unit(time: &mut Mapped, values: &[f64], questions: &mut Vec<String>) {
     if time.unit.is_some() {
         return;
@@ -202,7 +202,7 @@ fn time_unit(time: &mut Mapped, values: &[f64], questions: &mut Vec<String>) {
     }
 }
 
-/// Mends a draft by what the check says; false where that needs its user.
+/// Corrects a draft as a finding requires. Returns `false` if only the user can.
 fn mend(drafts: &mut [Draft], finding: &Finding) -> bool {
     let concerned = |draft: &&mut Draft| match &finding.experiment {
         Some(name) => draft.name == *name,
@@ -255,7 +255,7 @@ fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
     };
     let is = |size: f64| (factor / size - 1.0).abs() < 0.01;
     if is(-1.0) {
-        // Which of two has the wrong sign, no file says.
+        // The file does not say which of two channels has the wrong sign.
         draft
             .questions
             .push(format!("{}: {}", finding.sentence, finding.fix));

@@ -1,10 +1,10 @@
-//! A proposal as the text of a bench.toml in which every key that exists stands.
+//! A proposal as the text of a bench.toml that shows every key.
 
 use bench_files::Channel;
 
 use super::Draft;
 
-/// What stands above the experiments.
+/// The text above the experiments.
 const HEAD: &str = r#"
 [known]                        # what was measured directly; each may be missing
 # gravity         = 9.81       # m/s2
@@ -39,7 +39,7 @@ const HEAD: &str = r#"
 #   accept    = ["rate-factor"]       findings of `flywheel check` that this experiment may have
 "#;
 
-/// What stands below them.
+/// The text below the experiments.
 const TAIL: &str = r#"
 # [hardware.gyroscope]         # likewise accelerometer, magnetometer: what the controller's raw counts mean
 # part      = "FXAS21002"      # a preset; the keys below override it
@@ -81,7 +81,7 @@ pub(super) fn bench_toml(name: &str, drafts: &[Draft]) -> String {
     text + TAIL
 }
 
-/// A text in quotation marks, as TOML writes it.
+/// A text in TOML quotation marks.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
@@ -94,7 +94,7 @@ fn quoted(text: &str) -> String {
     out + "\""
 }
 
-/// A comment in one line.
+/// A comment of one line.
 fn comment(text: &str) -> String {
     let plain: String = text
         .chars()
@@ -123,7 +123,7 @@ fn experiment(draft: &Draft) -> String {
             one.reason
         )));
     }
-    // A column of the standard name needs no entry.
+    // A column with the standard name needs no entry.
     let columns = draft
         .mapped
         .iter()
@@ -164,7 +164,7 @@ fn experiment(draft: &Draft) -> String {
     text
 }
 
-/// Whether a unit is the one that needs no entry.
+/// Whether a unit is the default, which needs no entry.
 fn is_si(channel: Channel, unit: &str) -> bool {
     let si = match channel {
         Channel::Time => "s",

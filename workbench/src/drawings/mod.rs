@@ -1,4 +1,4 @@
-//! Figures of the results, as the text of SVG files: each result has a method that draws it.
+//! Figures of the results as SVG texts: each result has a method that draws it.
 
 mod calibration;
 mod closed_loop;
