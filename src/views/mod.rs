@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod decay;
 pub mod design;
 pub mod design_change;
+pub mod designs;
 pub mod diagnosis;
 pub mod effects;
 pub mod exam;
