@@ -1,4 +1,4 @@
-//! What the page is told, as JSON: the library's data, and texts for people beside the numbers.
+//! The data for the page as JSON: the library's results, with texts for people beside the numbers.
 
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
@@ -11,18 +11,18 @@ use crate::desk::{Desk, OpenBench, said};
 use crate::picture::{View, stretches, thinned};
 use crate::work::CONTROLLER;
 
-/// Standard errors to either side on the fine track of a slider.
+/// Range of the fine track of a slider, in standard errors to either side.
 const FINE_ERRORS: f64 = 10.0;
-/// Stretches of one place that are shaded.
+/// Largest number of shaded stretches for one place.
 const MOST_STRETCHES: usize = 100;
-/// Largest share of an experiment's time that is shaded: a place that is nearly everywhere is none for the eye.
+/// Largest share of an experiment's time that is shaded; a place that covers more is not shown.
 const MOST_SHADED: f64 = 0.5;
-/// Pictures of residuals in a diagnosis.
+/// Largest number of pictures of residuals in a diagnosis.
 const MOST_REASONS: usize = 3;
-/// Width for which the responses of a design are drawn.
+/// Width in pixels for which the responses of a design are drawn.
 const RESPONSE_PIXELS: usize = 500;
 
-/// Everything but curves and diagnosis.
+/// The state without curves and diagnosis.
 pub fn state(desk: &Desk) -> Value {
     let (bench, running, failure) = {
         let state = desk.state();
@@ -105,7 +105,7 @@ fn experiments(found: &ComparisonReport) -> Vec<Value> {
         .collect()
 }
 
-/// Where on the time axis the model fails: the plainest place that a shade can show.
+/// The stretches of the time axis where the model fails: the most significant place that can be shaded.
 fn shades(found: &ComparisonReport, experiment: &str) -> Vec<Value> {
     let curves = found.curves.iter().find(|one| one.experiment == experiment);
     let Some(curves) = curves else {
@@ -170,7 +170,7 @@ pub fn error_row(experiment: &str, channel: &workbench::ChannelCurves) -> Value 
     })
 }
 
-/// What is known of a parameter of the model by its name.
+/// The description of a parameter of the model, by its name.
 fn info_of(model: &Model, name: &str) -> Option<(&'static ParameterInfo, Option<&'static str>)> {
     let effects = model.effects().iter();
     let own = effects.flat_map(|effect| {
@@ -199,7 +199,7 @@ fn sliders(bench: &OpenBench) -> Vec<Value> {
         let (info, effect) = info_of(&model, name)?;
         let std = parameter.std.filter(|std| *std > 0.0 && std.is_finite());
         let errors = FINE_ERRORS * std.unwrap_or(0.0);
-        // All of the value to either side; what is zero and has no error may become as large as is plausible.
+        // The value itself to either side; a value of zero without an error may become as large as is plausible.
         let wide = match value.abs().max(errors) {
             size if size > 0.0 => size,
             _ => info.plausible.1.abs(),
@@ -250,12 +250,12 @@ fn staircase(bench: &OpenBench) -> Value {
     })
 }
 
-/// The effects of the library, for who learns.
+/// The effects of the library.
 pub fn effects() -> Value {
     json!(workbench::effect_library())
 }
 
-/// The diagnosis, with what lets a person see the reason.
+/// The diagnosis, with the data for the pictures of its reasons.
 pub fn diagnosis(bench: &OpenBench) -> Value {
     let Some(found) = &bench.diagnosis else {
         return Value::Null;
@@ -275,7 +275,7 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
             "takes_away": takes_away(&suspect.takes_away),
         })
     });
-    // A diagnosis of another model than the one at hand is shown, but nothing is taken over from it.
+    // A diagnosis of another model is shown, but cannot be applied.
     let begins_here = found.first.effects == bench.comparison.effects;
     json!({
         "verdict": report.verdict.name(),
@@ -295,7 +295,7 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
     })
 }
 
-/// The three series from which most is taken away.
+/// The three series with the largest removed share of their error.
 fn takes_away(shares: &PerSeries) -> Vec<Value> {
     let mut all: Vec<_> = shares
         .iter()
@@ -310,11 +310,11 @@ fn takes_away(shares: &PerSeries) -> Vec<Value> {
         .collect()
 }
 
-/// The residuals in which the first model fails most plainly, with the last model beside them.
+/// The residuals in which the first model fails most significantly, compared with those of the last model.
 fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
     let mut seen = Vec::new();
     let significant = || first.places.iter().filter(|place| place.significant);
-    // A torque shows the cause; an output what has come of it since the start of the log.
+    // A torque shows the cause directly; an output shows its accumulated effect since the start of the log.
     let has_torque = significant().any(|place| place.residual == ResidualKind::ResidualTorque);
     for place in significant() {
         if has_torque && place.residual != ResidualKind::ResidualTorque {
@@ -341,7 +341,7 @@ fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
             ) == *key
         })?;
         let bins = own.bins.iter().map(|bin| {
-            // What pushes along the motion cancels in the mean over both directions.
+            // A force along the motion cancels in the mean over both directions.
             let (value, std) = if bin.along_motion.is_finite() {
                 (bin.along_motion, bin.along_motion_std)
             } else {
@@ -400,7 +400,7 @@ fn decay(swing: &workbench::SwingDecay) -> Option<Value> {
 /// The controller for these weights, with its responses.
 ///
 /// # Errors
-/// A sentence, where these weights give no controller.
+/// A sentence, if these weights give no controller.
 pub fn design(bench: &OpenBench, wishes: DesignSection) -> Result<Value, String> {
     let designed = bench.session.design_for(wishes).map_err(said)?;
     let report = designed.report().map_err(said)?;
@@ -445,7 +445,7 @@ pub fn design(bench: &OpenBench, wishes: DesignSection) -> Result<Value, String>
             degrees(report.recovery_angle_rad),
         ),
         (
-            "Gain factor that it bears",
+            "Largest gain factor",
             format!(
                 "{} to {}",
                 significant(margins.least_gain_factor, 3),
@@ -460,7 +460,7 @@ pub fn design(bench: &OpenBench, wishes: DesignSection) -> Result<Value, String>
             finite(margins.phase_margin_rad, degrees(margins.phase_margin_rad)),
         ),
         (
-            "Further delay that it bears",
+            "Largest further delay",
             finite(
                 margins.delay_margin_s,
                 with_prefix(margins.delay_margin_s, "s"),
