@@ -1,12 +1,12 @@
-//! The texts that an emitted crate is made of, fixed by digests.
+//! The texts of an emitted crate, fixed by digests.
 //!
-//! All that differs between two emitted crates are numbers: the words of `src/constants.rs`, gains,
-//! limit and formats of `src/control.rs`. Everything else is one of a few texts, which were audited once
-//! (`cargo run --release -p checker --example audit`) and are known by the SHA-256 of their tokens.
-//! `audited.json` keeps the digests with what the run has shown; it is written by that run alone.
+//! Two emitted crates differ in numbers only: the words of `src/constants.rs`, and gains,
+//! limit and formats of `src/control.rs`. Everything else is one of a few texts that were audited once
+//! (`cargo run --release -p checker --example audit`) and are identified by the SHA-256 of their tokens.
+//! `audited.json` holds the digests and the results of the audit; only the audit writes it.
 //!
-//! So a method that is added, a default that is changed, or a branch that is taken for a few words
-//! only, which random runs may never meet, is another text and is refused.
+//! An added method, a changed default, or a branch that is taken for a few words only (which random runs may
+//! never reach) makes another text, which is refused.
 
 pub mod digest;
 

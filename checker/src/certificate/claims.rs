@@ -1,7 +1,7 @@
-//! The claims, as the checker knows them: identifier, statement, domain and what they rest on.
+//! The claims as the checker knows them: identifier, statement, domain, and the claims they depend on.
 //!
-//! Written down here a second time on purpose: a certificate that states something else is
-//! rejected, not believed.
+//! They are written down here a second time on purpose: a certificate that states something else is
+//! rejected.
 
 use crate::claims::outcome::{COMPILED, EXACT, INTERVALS, RANDOM, READER};
 

@@ -1,4 +1,4 @@
-//! `certificate.json`, read strictly: every field must be there and none more.
+//! Reads `certificate.json` strictly: every field must exist, and no other field may.
 
 use std::fmt;
 use std::fs;

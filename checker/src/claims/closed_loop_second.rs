@@ -1,4 +1,4 @@
-//! Claim `closed-loop-for-all-time` by the second checker, a small program in Python that shares nothing
+//! Claim `closed-loop-for-all-time`, decided by the second checker: a small Python program that shares no code
 //! with this one (`checker/second/closed_loop.py`).
 
 use std::fs;

@@ -1,16 +1,16 @@
-//! The emitted control law from its source alone: what it computes, and how far that is from
+//! The emitted control law, from its source alone: the function that it computes, and the distance of that from
 //! −K x.
 //!
 //! The source is read as a saturated linear form of the three words
-//! ([`crate::domains::linear_forms`]), so gains, rounding and limit come out of the code and not out
-//! of the certificate. With the coefficients cᵢ (command units per unit of word i) and the error interval
+//! ([`crate::domains::linear_forms`]). Gains, rounding and limit therefore come from the code, not
+//! from the certificate. With the coefficients cᵢ (command units per unit of word i) and the error interval
 //! [l, h] of the form:
 //!
 //! - the quantised gains are N̂ᵢ = cᵢ 2^(fᵢ − f), in A per unit of state i;
-//! - the command is off from the saturated law with these gains by at most max(|l|, |h|) units;
+//! - the command differs from the saturated law with these gains by at most max(|l|, |h|) units;
 //! - and from the saturated law with the real gains and limit by at most
-//!   max(that + Σ |N̂ᵢ + Kᵢ| rᵢ, |L̂ − L|) for |xᵢ| ≤ rᵢ: saturation brings two numbers no further
-//!   apart, and two limits move a saturated number by no more than they differ.
+//!   max(that + Σ |N̂ᵢ + Kᵢ| rᵢ, |L̂ − L|) for |xᵢ| ≤ rᵢ: saturation does not increase the distance of two
+//!   numbers, and two limits change a saturated number by at most their difference.
 
 use num_rational::BigRational;
 use num_traits::Signed;

@@ -2,8 +2,8 @@
 //! attitude filter keeps.
 //!
 //! The steps are analysed with the calls of proved primitives ([`crate::claims::primitives`])
-//! replaced by their contracts: what they are given must lie in the stated ranges, and nothing but
-//! the stated ranges is known of their results.
+//! replaced by their contracts: the arguments must lie in the stated ranges, and only
+//! the stated ranges of the results are used.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! What came of a claim, and by what means.
+//! The result of a claim, and the means by which it was decided.
 
 /// What came of a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]

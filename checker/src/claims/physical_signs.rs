@@ -1,20 +1,20 @@
 //! Claim `physical-signs`: sensors, drive and law together push the body back upright.
 //!
-//! Words may all be rightly rounded and the motor still be driven the wrong way: by a sensor that is
-//! mirrored, a scale in g instead of m/s², a drive that is wired in reverse in one place only. What
-//! physics says of any such bench:
+//! All words may be rounded correctly, and the motor may still be driven the wrong way: by a mirrored
+//! sensor, a scale in g instead of m/s², a drive that is reversed in one place only. The following
+//! conditions hold for every such bench:
 //!
-//! 1. gyroscope and accelerometer have one handedness: no turn of a chip gives a mirror image, so the
-//!    determinants of both matrices are positive;
-//! 2. gravity is 8 to 11.5 m/s² through the accelerometer's matrix (the earth's 9.78 to 9.83 and 15 %
-//!    for a scale that is not calibrated), at the counts that the part's own scale gives one g; where
-//!    no part is stated, the 16-bit word reaches 1.2 to 40 g, as those of all such sensors do;
-//! 3. a motor pushes forward, τ > 0: the plant's body goes back and its wheel forward;
-//! 4. a body that leans forward (or falls forward) is pushed back: raw counts of a lean of 1°, 3° and
+//! 1. Gyroscope and accelerometer have the same handedness. No orientation of a chip is a mirror image, so the
+//!    determinants of both matrices are positive.
+//! 2. Gravity is 8 to 11.5 m/s² through the accelerometer's matrix (9.78 to 9.83 on Earth, with 15 %
+//!    for an uncalibrated scale), at the counts that the part's own scale gives for one g. If
+//!    no part is stated, the 16-bit word covers 1.2 to 40 g, as for all such sensors.
+//! 3. A motor pushes forward, τ > 0: the plant's body accelerates backwards and its wheel forward.
+//! 4. A body that leans or falls forward is pushed back: the raw counts of a lean of 1°, 3° and
 //!    10° (rates of 0.2 and 1 rad/s), through attitude filter, law and drive, give a current that
-//!    turns the body back;
-//! 5. a sensor on the body is not far outside it: the lever arm is at most three times the length
-//!    Θ g/G of the simple pendulum that swings alike (a rod's end is at 1.5 times that).
+//!    turns the body back.
+//! 5. A sensor on the body is not far outside it: the lever arm is at most three times
+//!    Θ g/G, the length of the simple pendulum with the same period (the end of a rod is at 1.5 times that).
 
 use crate::certificate::hardware::CertifiedSensor;
 use crate::certificate::reader::Certificate;

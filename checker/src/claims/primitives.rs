@@ -1,7 +1,7 @@
-//! Claim `primitives`: every function whose contract stands at it in the source keeps it.
+//! Claim `primitives`: every function with a contract in the source keeps that contract.
 //!
-//! Each is proved alone, by halving its domain ([`crate::domains::halving::prove`]), with the calls
-//! of proved ones replaced by their contracts. Random runs compare with what they stand for.
+//! Each function is proved separately, by halving its domain ([`crate::domains::halving::prove`]), with calls
+//! of proved functions replaced by their contracts. Random runs compare it with the function that it approximates.
 
 use std::collections::HashMap;
 

@@ -1,17 +1,17 @@
 //! Claim `stable-for-parameters`: the loop with the emitted gains is stable for every parameter vector
 //! that identification allows, by the criterion of [`crate::claims::closed_loop_stable`].
 //!
-//! **Region.** Each parameter that the loop depends on lies within ±√χ² standard errors, χ² the 95 %
-//! quantile for as many degrees of freedom as there are uncertain ones among them. This box contains
-//! their 95 % ellipsoid whatever the correlations are (the ellipsoid's projection on an axis is that interval). It is halved until
-//! the criterion holds on every part in outward-rounded intervals.
+//! **Region.** Each parameter that the loop depends on lies within ±√χ² standard errors. χ² is the 95 %
+//! quantile with as many degrees of freedom as there are uncertain parameters among them. This box contains
+//! their 95 % ellipsoid for all correlations, because the projection of the ellipsoid on an axis is that interval. The box
+//! is halved until the criterion holds on every part in outward-rounded intervals.
 //!
 //! **Model.** In coordinates (angle, rate, absolute wheel speed ψ = α̇ + φ̇), D = Θ − j_w,
 //!
 //! D α̈ = G α − d α̇ − τ u + r_w (ψ − α̇),   j_w ψ̇ = τ u − r_w (ψ − α̇).
 //!
-//! Whatever the stated A has beyond its parameters (linearised dry friction, springs) is taken
-//! from A itself: of G as a constant, of d in proportion to the Coulomb torque.
+//! Terms of the stated A that do not follow from the parameters (linearised dry friction, springs) are taken
+//! from A itself: the part of G as a constant, the part of d in proportion to the Coulomb torque.
 
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};

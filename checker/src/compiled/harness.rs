@@ -1,8 +1,8 @@
 //! A program that calls the public functions of an emitted crate with words from its input.
 //!
-//! One line of input is the number of a call and the words of its arguments; one line of output
-//! is the words of the result. Structs with private fields are kept from line to line, one of
-//! each, and shown after each call that changes one, by `Debug`, in which their integers stand in order.
+//! A line of input is the number of a call and the words of its arguments; a line of output
+//! is the words of the result. For structs with private fields, one object of each is kept between lines. After a call
+//! that changes it, it is printed by `Debug`, which shows its integers in order.
 
 use std::fmt::Write;
 

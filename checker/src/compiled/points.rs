@@ -1,10 +1,10 @@
-//! Which words the compiled crate is given, and what the reader gives for them.
+//! The words with which the compiled crate is called, and the reader's results for them.
 //!
-//! For each function: random words, ends of ranges and the numbers that stand in it with their
-//! neighbours; then pairs of arguments that take different ways, between which the place is found at
-//! which the way changes, by halving: both sides of that boundary are points. A function of one short
-//! word is run on all of them. Objects are led through runs near upright, as they are used, with counts odd and
-//! even, and now and then with any counts.
+//! For each function, these are random words, ends of ranges, and the numbers in its source with their
+//! neighbours. Then follow pairs of arguments that take different branches. The boundary between them is located
+//! by halving, and both of its sides become points. A function of one short
+//! word is run on all of them. Objects are run near upright, as they are used, with odd and
+//! even counts, and occasionally with arbitrary counts.
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::claims::random::Random;

@@ -1,8 +1,8 @@
-//! Builds and runs the crate in an empty folder, under a manifest of the checker's.
+//! Builds and runs the crate in an empty folder, with a manifest of the checker.
 //!
-//! Nothing that lies around counts: the environment is emptied but for the places of the tools, the
-//! build is offline, the folder has a workspace of its own, and a `.cargo` or toolchain file above it
-//! is looked for.
+//! The surroundings have no influence: the environment is cleared except for the paths of the tools, the
+//! build is offline, the folder is a workspace of its own, and the folders above are checked for a `.cargo` or toolchain
+//! file.
 
 use std::fs;
 use std::io;

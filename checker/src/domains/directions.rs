@@ -1,7 +1,7 @@
-//! In which direction a word moves when one argument rises and the others stay.
+//! The direction in which a word changes when one argument rises and the others are constant.
 //!
-//! Sums keep a direction that both sides have, factors turn it by their sign, and rounding down
-//! by a shift, a clamp to constants and a cast that loses nothing keep it.
+//! Sums keep a direction that both terms have, and factors reverse it if they are negative. Rounding down
+//! by a shift, a clamp to constants, and a cast without loss keep it.
 
 use std::convert::Infallible;
 

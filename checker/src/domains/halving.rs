@@ -1,5 +1,5 @@
-//! Contracts by interval analysis, the domain halved again and again where it is too coarse, down to
-//! single words if need be: then the analysis is exact.
+//! Contracts by interval analysis. Where it is too coarse, the domain is halved repeatedly, down to
+//! single words if necessary; then the analysis is exact.
 
 use crate::domains::intervals::{Finding, IntegerInterval, every_bit_pattern, ranges};
 use crate::program::contract::Contract;

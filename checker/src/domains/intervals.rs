@@ -1,8 +1,8 @@
 //! Ranges of every word by interval analysis in exact integers.
 //!
-//! Conditions narrow the words that they compare, on the side of a branch where they hold. Where
+//! A condition narrows the words that it compares, on the side of the branch where it holds. Where
 //! intervals are too wide because a word occurs several times in one expression (Newton's method),
-//! [`crate::domains::halving`] helps.
+//! [`crate::domains::halving`] divides the domain.
 
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::program::place::SourcePlace;

@@ -1,10 +1,10 @@
 //! Words as linear forms of the arguments: affine arithmetic in exact integers.
 //!
-//! A word w is held as Σ cᵢ Xᵢ + c + e with e within an interval, all over one power of two:
-//! w 2ᵈ = Σ cᵢ Xᵢ + c + e. Sums and products with constants are exact; a right shift by s divides
-//! and rounds down, so e grows by at most the part that is cut off. A clamp to constants is kept
-//! beside the form: saturation brings two numbers no further apart, so an error bound before it
-//! holds after it.
+//! A word w is represented as Σ cᵢ Xᵢ + c + e, with e within an interval, all divided by one power of two:
+//! w 2ᵈ = Σ cᵢ Xᵢ + c + e. Sums and products with constants are exact. A right shift by s divides
+//! and rounds down, so e grows by at most the part that is cut off. A clamp to constants is stored
+//! beside the form: saturation does not increase the distance of two numbers, so an error bound before it
+//! also holds after it.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;

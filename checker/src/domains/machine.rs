@@ -1,4 +1,4 @@
-//! One integer for each word: runs a function, with every overflow found.
+//! One integer for each word: executes a function and detects every overflow.
 
 use std::cell::Cell;
 

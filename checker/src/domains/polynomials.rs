@@ -1,11 +1,11 @@
 //! Words as polynomials of symbols with a remainder, in exact rational numbers.
 //!
-//! A word is held as Σ cₘ m + e with monomials m in symbols and e within an interval. Arguments,
-//! results of calls and words in which branches join are symbols. Sums and products are exact; a
-//! right shift by s divides by 2ˢ and takes up to one unit off e. A factor that has a remainder
-//! becomes a symbol of its own, whose definition stays known.
+//! A word is represented as Σ cₘ m + e, with monomials m in symbols and e within an interval. Arguments,
+//! results of calls, and words in which branches join are symbols. Sums and products are exact. A
+//! right shift by s divides by 2ˢ and lowers e by up to one unit. A factor with a remainder
+//! becomes a new symbol, whose definition is kept.
 //!
-//! Machine words are integers here. That nothing overflows is for [`crate::domains::intervals`] to show.
+//! Machine words are treated as integers here. [`crate::domains::intervals`] proves that nothing overflows.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;

@@ -1,8 +1,8 @@
 //! Terms of SMT-LIB, and questions to z3 about them.
 //!
-//! Words are unbounded integers with their ranges as assumptions, truth is 0 or 1; a right shift is
-//! a division that rounds down. Every claim is asked as "is there a counterexample"; `unsat` proves
-//! it.
+//! Words are unbounded integers with their ranges as assumptions; truth values are 0 or 1; a right shift is
+//! a division that rounds down. For every claim, z3 searches a counterexample; `unsat` proves
+//! the claim.
 
 use std::process::{Command, Stdio};
 

@@ -1,13 +1,13 @@
-//! The one walk over a program, in whatever domain its words are computed.
+//! The walk over a program, for every domain in which its words are computed.
 //!
-//! A [`Domain`] says what a word is and what each operation makes of words; [`walk`] goes through
-//! the steps, both sides of branches included, and keeps the words.
+//! A [`Domain`] defines what a word is and the result of each operation. [`walk`] visits
+//! the steps, including both sides of branches, and stores the words.
 //!
-//! **Branches.** A domain that knows which way a branch goes walks one side, and the words in which
-//! the sides join are copied from it. One that does not walks both: before a side it is told to
-//! enter it, where it may narrow the words to those for which the side is taken, or find that it is
-//! never taken; afterwards it takes the narrowing back. Then it joins what the two sides left.
-//! Every word is written once, so that neither side disturbs the other.
+//! **Branches.** If a domain knows which side of a branch is taken, only that side is visited, and the words in which
+//! the sides join are copied from it. Otherwise both sides are visited. Before a side, the domain is told to
+//! enter it; it may narrow the words to those for which the side is taken, or find that the side is
+//! never taken. Afterwards it undoes the narrowing. Then it joins the results of the two sides.
+//! Every word is written once, so neither side disturbs the other.
 
 use crate::program::place::SourcePlace;
 use crate::program::steps::{Action, Arithmetic, Join, Program, ProgramStep, Slot, WordComparison};

@@ -1,4 +1,4 @@
-//! Reads the contracts that stand at functions of the source.
+//! Reads the contracts of the functions in the source.
 
 use crate::language::module::Module;
 use crate::program::contract::{Contract, Range};

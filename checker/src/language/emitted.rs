@@ -1,4 +1,4 @@
-//! An emitted crate as text: everything that is looked at.
+//! An emitted crate as text: all of its files.
 
 use std::fs;
 use std::path::{Path, PathBuf};

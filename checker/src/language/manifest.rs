@@ -1,4 +1,4 @@
-//! `Cargo.toml` of an emitted crate: what it may say, and nothing beside.
+//! `Cargo.toml` of an emitted crate: the only entries that it may have.
 
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 

@@ -1,4 +1,4 @@
-//! A function before and after a damage: whether the two are the same.
+//! A function before and after a damage: whether the two are equivalent.
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::domains::machine::Machine;

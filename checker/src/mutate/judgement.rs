@@ -1,4 +1,4 @@
-//! Which engine notices a mutant, and what is known of those that none notices.
+//! Which engine detects a mutant, and what is known about those that none detects.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Contracts as ranges: the arguments that a function takes, and the results that it then gives.
+//! Contracts as ranges: the arguments that a function accepts, and the results that it then returns.
 
 use crate::program::steps::Slot;
 use crate::program::types::Type;

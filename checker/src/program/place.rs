@@ -1,4 +1,4 @@
-//! Places in the emitted source, and what is said about them.
+//! Places in the emitted source, and messages about them.
 
 use std::fmt;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
-//! A function of the emitted crate, resolved: words in numbered slots, calls put in place.
+//! A function of the emitted crate, resolved: words in numbered slots, calls inlined.
 //!
 //! There are no loops in the language, so a function is a finite list of steps with branches.
 //! Every slot is written once, except that a branch writes the slots in which its two sides join.
-//! Everything that computes with a function reads this one form, by the walk of
+//! Every computation with a function uses this form, through the walk of
 //! [`crate::domains::walk`].
 
 use crate::program::place::SourcePlace;

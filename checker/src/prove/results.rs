@@ -1,4 +1,4 @@
-//! Rows of what was settled.
+//! The rows of results.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! All claims about an emitted crate in a folder, each by every engine that can settle it.
+//! All claims about an emitted crate in a folder, each by every engine that can decide it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
