@@ -14,7 +14,7 @@ pub struct Scalar {
     pub text: String,
     /// Its type.
     pub ty: Type,
-    /// How tightly it holds together: 0 for what needs no parentheses anywhere.
+    /// Binding strength: 0 for a text that never needs parentheses.
     pub strength: u8,
 }
 
@@ -37,7 +37,7 @@ impl Scalar {
         }
     }
 
-    /// In parentheses unless it holds together at least this tightly.
+    /// The text, in parentheses unless it binds at least this tightly.
     pub fn within(&self, strength: u8) -> String {
         if self.strength <= strength {
             self.text.clone()
@@ -57,7 +57,7 @@ pub fn bare(expression: &Expr) -> &Expr {
     }
 }
 
-/// Whether it is a number that takes its type from where it stands.
+/// Whether it is a number whose type follows from the context.
 fn is_untyped(expression: &Expr) -> bool {
     match bare(expression) {
         Expr::Lit(value) => literal(&value.lit).is_some() && suffix(&value.lit).is_none(),
@@ -66,7 +66,7 @@ fn is_untyped(expression: &Expr) -> bool {
     }
 }
 
-/// What is called, with its arguments.
+/// A call with its arguments.
 pub struct Call<'e> {
     /// The function.
     pub key: FunctionKey,
@@ -77,12 +77,12 @@ pub struct Call<'e> {
 }
 
 impl Scope<'_> {
-    /// A scalar; `wanted` is its type where the place where it stands says so.
+    /// A scalar; `wanted` is the type that the context requires, if it does.
     pub fn scalar(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<Scalar> {
         self.scalar_beside(expression, wanted, true)
     }
 
-    /// `is_beside_wide`: something else gives the number its width: the other operand, or where it goes.
+    /// `is_beside_wide`: another operand, or the target, gives the number its width.
     fn scalar_beside(
         &mut self,
         expression: &Expr,
@@ -250,7 +250,7 @@ impl Scope<'_> {
         let lines = self.lines.len();
         let right = self.scalar(&binary.right, Some(&Type::Bool))?;
         if self.lines.len() != lines {
-            // It would be computed whether or not the left one holds.
+            // C would compute these steps even if the left side decides the result.
             return self.refuse(format!("steps on the right of `{sign}`"));
         }
         // Parentheses where the two signs meet, as compilers advise.
@@ -265,7 +265,7 @@ impl Scope<'_> {
         Ok(Scalar::new(text, Type::Bool, strength))
     }
 
-    /// Only of what is not negative, for C leaves the others open.
+    /// A left shift, only of a number that is not negative: C leaves the others undefined.
     fn shift_left(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<Scalar> {
         let Expr::Lit(_) = bare(&binary.left) else {
             return self.refuse("a shift to the left of something that may be negative");
@@ -540,7 +540,7 @@ impl Scope<'_> {
         self.refuse(format!("the name {name}"))
     }
 
-    /// The type of an expression; `None` where it takes that from where it stands.
+    /// The type of an expression; `None` if it follows from the context.
     pub fn infer(&mut self, expression: &Expr) -> Result<Option<Type>> {
         Ok(match bare(expression) {
             Expr::Lit(value) => match &value.lit {
@@ -612,7 +612,7 @@ impl Scope<'_> {
         })
     }
 
-    /// The type of a block's last expression, where its names are not needed to tell.
+    /// The type of a block's last expression, if it can be found without the block's names.
     fn infer_block(&mut self, block: &syn::Block) -> Result<Option<Type>> {
         match block.stmts.last() {
             Some(syn::Stmt::Expr(last, None)) if block.stmts.len() == 1 => self.infer(last),
