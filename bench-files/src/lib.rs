@@ -21,6 +21,7 @@ mod dialect;
 mod drop_out;
 mod effects_section;
 mod error;
+mod experiment_plan;
 mod files;
 mod hardware;
 pub mod keys;

@@ -511,7 +511,7 @@ mod tests {
             ("1 +", 3, "a number, a name"),
             ("2*(x", 4, "closing parenthesis"),
             ("x y", 2, "an operator"),
-            ("2*omega", 2, "\"omega\" has no meaning"),
+            ("2*omega", 2, "the name \"omega\" is not defined"),
             ("sin x", 4, "in parentheses"),
             ("x**2", 1, "written with ^"),
             ("1.2.3", 0, "not a number"),
