@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-/// One text and what its audit has shown.
+/// One text, with the results of its audit.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AuditedText {
@@ -24,7 +24,7 @@ pub struct AuditedText {
     pub digest: String,
     /// Functions that were run on every input of their contract.
     pub every_input: Vec<String>,
-    /// Functions that were run in `cases` random cases aimed at the places where pieces meet.
+    /// Functions that were run in `cases` random cases, chosen near the places where branches meet.
     pub in_cases: Vec<String>,
     /// Number of these cases.
     pub cases: usize,
@@ -32,7 +32,8 @@ pub struct AuditedText {
 
 /// Every audited text.
 static AUDITED: LazyLock<Vec<AuditedText>> = LazyLock::new(|| {
-    // A test of this crate reads it, so that it cannot be broken unnoticed; without it nothing is known.
+    // A test of this crate reads the file, so that it cannot become invalid unnoticed. If it is invalid, no text counts as
+    // audited.
     serde_json::from_str(include_str!("../../audited.json")).unwrap_or_default()
 });
 

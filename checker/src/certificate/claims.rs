@@ -5,24 +5,24 @@
 
 use crate::claims::outcome::{COMPILED, EXACT, INTERVALS, RANDOM, READER};
 
-/// What a claim says.
+/// The statement of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClaimStatement {
     /// Identifier.
     pub id: &'static str,
     /// One sentence.
     pub statement: &'static str,
-    /// For which inputs.
+    /// The inputs for which the claim holds.
     pub domain: &'static str,
-    /// What is assumed; empty if nothing.
+    /// The assumptions; empty if there are none.
     pub assumptions: &'static str,
-    /// What settles it wherever this program runs; other engines may settle it too.
+    /// The engine that decides the claim on every machine; other engines may decide it, too.
     pub engine: &'static str,
-    /// Whether the certificate lists it.
+    /// Whether certificates list the claim.
     pub is_in_certificate: bool,
 }
 
-/// Every claim, in the order in which they are shown.
+/// Every claim, in the order of the reports.
 pub const CLAIMS: [ClaimStatement; 23] = [
     ClaimStatement {
         id: "source-understood",

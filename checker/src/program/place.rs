@@ -34,8 +34,8 @@ impl fmt::Display for SourcePlace {
     }
 }
 
-/// Source that is not in the language of emitted code, with what was found and what would be
-/// right.
+/// A place where the source is not in the language of emitted code, with what was found and what is
+/// allowed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {message}")]
 pub struct SourceError {
