@@ -36,7 +36,7 @@ pub struct EmittedLaw {
     pub rounding: BigRational,
 }
 
-/// Why the law could not be read from the source.
+/// The reason why the law could not be read from the source.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
     /// There is no function `control` of three fixed-point words.
@@ -45,20 +45,20 @@ pub enum LawError {
     /// Something may overflow.
     #[error("{0}")]
     Finding(#[from] Finding),
-    /// The result is no saturated linear form.
+    /// The result is not a saturated linear form.
     #[error("the command is no linear form of the states, clamped to plus and minus one limit")]
     NotLinear,
-    /// There is no limit, or none that a command could keep.
+    /// There is no limit, or it is not positive.
     #[error("src/control.rs has no positive constant CURRENT_LIMIT")]
     NoLimit,
-    /// The command may leave its limit.
+    /// The command may exceed its limit.
     #[error("the command may reach {0}, the limit is {1} (words)")]
     BeyondLimit(i128, i128),
 }
 
 impl EmittedLaw {
-    /// Reads the law and shows that it is total: nothing overflows for any bit pattern, and the
-    /// command lies within `CURRENT_LIMIT`.
+    /// Reads the law and proves that it is total: nothing overflows for any bit pattern, and the
+    /// command is within `CURRENT_LIMIT`.
     ///
     /// # Errors
     /// [`LawError`].
@@ -139,7 +139,7 @@ impl EmittedLaw {
         bound.max((&self.limit - limit).abs())
     }
 
-    /// What rounding a real state to the nearest word adds with real gains `k`.
+    /// The additional error from rounding a real state to the nearest word, with real gains `k`.
     pub fn state_rounding(&self, k: &[BigRational; 3]) -> BigRational {
         self.half_words()
             .iter()

@@ -28,15 +28,15 @@ type Check = Result<(), String>;
 
 /// Standard gravity, m/s².
 const G: f64 = 9.80665;
-/// What gravity may read, m/s².
+/// Allowed range of gravity as measured, m/s².
 const GRAVITY_READS: [f64; 2] = [8.0, 11.5];
-/// What the largest count of a 16-bit word may stand for, in g.
+/// Allowed range of the value of the largest 16-bit count, in g.
 const REACH_G: [f64; 2] = [1.2, 40.0];
-/// Lever arm over the length of the equal simple pendulum.
+/// Largest lever arm, relative to the length of the simple pendulum with the same period.
 const LEVER_ARM_MAX: f64 = 3.0;
-/// Leans that are tried, rad.
+/// Tested leans, rad.
 const LEANS_RAD: [f64; 3] = [0.017_453, 0.052_36, 0.174_53];
-/// Rates that are tried, rad/s.
+/// Tested rates, rad/s.
 const RATES_RAD_S: [f64; 2] = [0.2, 1.0];
 
 /// A sensor as the certificate states it.
@@ -45,10 +45,10 @@ struct Sensor {
     matrix: [[f64; 3]; 3],
 }
 
-/// Checks all of it.
+/// Checks all conditions.
 ///
 /// # Errors
-/// A sentence that says what contradicts physics.
+/// A sentence that names the contradiction.
 pub fn check(certificate: &Certificate, module: &Module) -> Check {
     let gyro = Sensor::of(&certificate.hardware.gyroscope)?;
     let accel = Sensor::of(&certificate.hardware.accelerometer)?;
@@ -105,7 +105,7 @@ impl Sensor {
             .sum()
     }
 
-    /// The counts that stand for `value`.
+    /// The counts for `value`.
     fn counts(&self, value: [f64; 3]) -> [i128; 3] {
         let determinant = self.determinant();
         [0, 1, 2].map(|axis| {
@@ -115,7 +115,7 @@ impl Sensor {
         })
     }
 
-    /// Length of what one count of an axis stands for.
+    /// Length of the vector that one count of an axis represents.
     fn per_count(&self, axis: usize) -> f64 {
         self.matrix
             .iter()
@@ -174,7 +174,7 @@ fn lever_arm(certificate: &Certificate) -> Check {
     let parameter = |name: &str| {
         let mut found = certificate.parameters.iter();
         let found = found.find(|parameter| parameter.name == name)?;
-        // Per unit of inertia the lengths are not known.
+        // If values are per unit of inertia, the lengths are unknown.
         (!found.unit.contains("per kg")).then(|| real(&found.value.value).ok())?
     };
     let (Some(inertia), Some(torque)) = (parameter("total_inertia"), parameter("gravity_torque"))
