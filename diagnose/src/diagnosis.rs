@@ -360,8 +360,10 @@ impl<'a> Searched<'a> {
             .iter()
             .map(|&index| found.pool[index].set())
             .collect();
+        let tied = decision.ties.iter().map(|&index| &found.pool[index]);
+        let settling = propose(problem, &tied.collect::<Vec<&Candidate>>());
         let next_experiment = match (decision.ties.as_slice(), verdict) {
-            ([a, b, ..], _) => propose(problem, &found.pool[*a], &found.pool[*b]),
+            ([_, _, ..], _) => settling.sentence,
             (_, Verdict::Unexplained) if !plain.is_empty() => {
                 "Two results contradict each other: measure the stated value again, or repeat the experiment."
                     .to_owned()
@@ -380,6 +382,7 @@ impl<'a> Searched<'a> {
             suspects,
             ambiguous_between,
             next_experiment,
+            recipe: settling.recipe,
             remainder: decision.remainder,
             remains: remains(&bench.records, last),
             contradictions: plain,

@@ -61,3 +61,4 @@ pub use residuals::{
     effective_samples, find_pushes, half_bump, leave_out, residual_torque, residual_torques,
     structure, without_rounding,
 };
+pub use statements::left_open;

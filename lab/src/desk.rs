@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::broadcast;
 use workbench::{
-    ComparisonReport, DiagnosisReport, Error, GeneratedController, ModelFile, PerSeries, Predictor,
-    Progress, Proof, Session,
+    ComparisonReport, DiagnosisReport, EffectFingerprint, Error, GeneratedController, ModelFile,
+    PerSeries, Predictor, Progress, Proof, Session,
 };
 
 use crate::dropped::Dropped;
@@ -87,6 +87,8 @@ pub struct OpenBench {
     pub predictor: Predictor,
     /// The last diagnosis, as long as it concerns the present model or made it.
     pub diagnosis: Option<Arc<Diagnosed>>,
+    /// What effects look like beside the model as it is, as far as that was asked.
+    pub fingerprints: Vec<Arc<EffectFingerprint>>,
     /// The error after each change.
     pub staircase: Vec<Stair>,
     /// The earlier states for undo.
@@ -157,6 +159,7 @@ impl OpenBench {
             comparison,
             predictor,
             diagnosis: None,
+            fingerprints: Vec::new(),
             staircase,
             undo: Vec::new(),
             generated: None,
@@ -210,7 +213,15 @@ impl OpenBench {
         Ok(())
     }
 
-    /// Undoes one change.
+    /// Draws what an effect looks like beside the model as it is.
+    pub fn draw_fingerprint(&mut self, effect: &str, progress: &Progress) -> Result<(), String> {
+        let found = self.session.fingerprint(effect, progress).map_err(said)?;
+        self.fingerprints.retain(|one| one.effect != effect);
+        self.fingerprints.push(Arc::new(found));
+        Ok(())
+    }
+
+    /// Goes back by one change.
     pub fn undo(&mut self, progress: &Progress) -> Result<(), String> {
         let before = self.undo.pop().ok_or("there is nothing to undo")?;
         self.session.set_model(before.model.unwrap_or_default());
@@ -234,6 +245,11 @@ impl OpenBench {
 
     /// Discards the controller, which belongs to an earlier model.
     pub fn controller_is_old(&mut self) {
+        // Those of a model that was applied from a diagnosis still show why.
+        self.fingerprints.retain(|one| {
+            one.with.effects == self.comparison.effects
+                || one.without.effects == self.comparison.effects
+        });
         self.generated = None;
         self.proof = None;
     }

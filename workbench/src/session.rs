@@ -19,6 +19,7 @@ use crate::comparison::{
 };
 use crate::data_check;
 use crate::error::Error;
+use crate::swing_decay::{SwingDecay, swing_decays};
 
 /// A bench with its measurements, and the model that is being developed for it.
 ///
@@ -149,6 +150,11 @@ impl Session {
             model: None,
             fitted: None,
         })
+    }
+
+    /// The experiments as they are simulated.
+    pub(crate) fn records(&self) -> &[Record] {
+        &self.problem.records
     }
 
     /// The measurements.
@@ -661,7 +667,13 @@ impl Predictor {
             .collect()
     }
 
-    /// Simulates every experiment from its start, with these parameters changed. Without changes, the result is
+    /// How the free swings die out, measured and by the model.
+    pub fn decays(&self) -> Vec<SwingDecay> {
+        let traces = self.0.traces(&self.0.minimum.values);
+        swing_decays(&self.0.problem.records, &traces)
+    }
+
+    /// Simulates every experiment from its start, with these parameters changed. With none it gives
     /// the curves of [`Session::compare`].
     ///
     /// # Errors

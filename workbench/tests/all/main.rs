@@ -4,6 +4,8 @@ mod bench;
 mod calling_off;
 mod controller;
 mod hardware;
+mod loops;
 mod results;
 mod session;
 mod sliders;
+mod sound_modules;
