@@ -12,6 +12,8 @@ use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use numbers::Expected;
+
 #[path = "c99/numbers.rs"]
 mod numbers;
 mod thesis;
@@ -422,7 +424,7 @@ fn every_number_of_the_c_is_one_of_the_rust() {
         let c = c99::emit(&emitted).expect("a translation");
         let file = |path| c.file(path).expect("a file");
         let (header, source) = (file("src/flywheel.h"), file("src/flywheel.c"));
-        assert_eq!(numbers::difference(&emitted, header, source), None);
+        assert_eq!(Expected::of(&emitted).difference(header, source), None);
     }
 }
 
@@ -433,11 +435,12 @@ fn any_damaged_number_is_noticed() {
     let c = c99::emit(&emitted).expect("a translation");
     let file = |path| c.file(path).expect("a file");
     let (header, source) = (file("src/flywheel.h"), file("src/flywheel.c"));
+    let expected = Expected::of(&emitted);
     let damaged = mutants(source, Damage::Numbers);
     assert!(damaged.len() > 300, "{}", damaged.len());
     let unnoticed: Vec<&String> = damaged
         .iter()
-        .filter(|(_, text)| numbers::difference(&emitted, header, text).is_none())
+        .filter(|(_, text)| expected.difference(header, text).is_none())
         .map(|(line, _)| line)
         .collect();
     // An index beyond its array or to another element is no number of the Rust: the compiler and the answers see it.
@@ -481,6 +484,7 @@ fn damage(every: usize, first: usize, kinds: &[Damage]) {
     let translated = written(&emitted, folder.path());
     let source = translated.file("src/flywheel.c").expect("the source");
     let header = translated.file("src/flywheel.h").expect("the header");
+    let expected = Expected::of(&emitted);
     let mutants: Vec<(String, String)> = kinds
         .iter()
         .flat_map(|kind| mutants(source, *kind))
@@ -492,7 +496,7 @@ fn damage(every: usize, first: usize, kinds: &[Damage]) {
         File::create(path)
             .and_then(|mut file| file.write_all(text.as_bytes()))
             .expect("written");
-        let is_noticed = numbers::difference(&emitted, header, text).is_some()
+        let is_noticed = expected.difference(header, text).is_some()
             || compile(folder.path(), "-O1").is_err()
             || {
                 let mut harness = Command::new(folder.path().join("harness"));

@@ -13,25 +13,33 @@ type Numbers = BTreeMap<String, Vec<u64>>;
 /// Functions of the C that no function of the Rust stands for, with their numbers.
 const OWN: [(&str, &[u64]); 1] = [("clamp_64", &[])];
 
-/// The first function or constant of the C whose numbers are not those of the Rust.
-pub fn difference(rust: &EmittedCrate, header: &str, source: &str) -> Option<String> {
-    let rust = of_rust(rust);
-    let c = of_c(&format!("{header}\n{source}"));
-    assert!(
-        c.len() > 80,
-        "the C has {} functions and constants",
-        c.len()
-    );
-    c.into_iter().find_map(|(name, found)| {
-        if let Some((_, expected)) = OWN.iter().find(|(own, _)| *own == name) {
-            return (found != *expected).then(|| format!("{name}: {found:?}"));
-        }
-        match rust.get(&name) {
-            None => Some(format!("{name}: the Rust has no such function or constant")),
-            Some(expected) if *expected == found => None,
-            Some(expected) => Some(format!("{name}: {found:?}, in the Rust {expected:?}")),
-        }
-    })
+/// The numbers of an emitted crate, to which those of its C are compared.
+pub struct Expected(Numbers);
+
+impl Expected {
+    pub fn of(emitted: &EmittedCrate) -> Expected {
+        Expected(of_rust(emitted))
+    }
+
+    /// The first function or constant of the C whose numbers are not those of the Rust.
+    pub fn difference(&self, header: &str, source: &str) -> Option<String> {
+        let c = of_c(&format!("{header}\n{source}"));
+        assert!(
+            c.len() > 80,
+            "the C has {} functions and constants",
+            c.len()
+        );
+        c.into_iter().find_map(|(name, found)| {
+            if let Some((_, expected)) = OWN.iter().find(|(own, _)| *own == name) {
+                return (found != *expected).then(|| format!("{name}: {found:?}"));
+            }
+            match self.0.get(&name) {
+                None => Some(format!("{name}: the Rust has no such function or constant")),
+                Some(expected) if *expected == found => None,
+                Some(expected) => Some(format!("{name}: {found:?}, in the Rust {expected:?}")),
+            }
+        })
+    }
 }
 
 // --- Rust ---
