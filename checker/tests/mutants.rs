@@ -33,6 +33,7 @@ fn most_damages_are_noticed_and_survivors_are_listed() {
 
 /// Damages to what the reader reads (types, names, receivers, visibility) are noticed, all of them.
 #[test]
+#[ignore = "minutes: cargo test -p checker --test mutants damages_to -- --ignored"]
 fn damages_to_what_is_read_are_noticed() {
     let emitted = Emitted::read(Path::new("../generated")).unwrap();
     let certificate = Certificate::parse(&emitted.certificate).unwrap();

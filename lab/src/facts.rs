@@ -1,4 +1,4 @@
-//! What the page is told, as JSON: the library's data, and texts for people beside the numbers.
+//! The data for the page as JSON: the library's results, with texts for people beside the numbers.
 
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
@@ -10,16 +10,16 @@ use crate::picture::stretches;
 use crate::why_facts;
 use crate::work::CONTROLLER;
 
-/// Standard errors to either side on the fine track of a slider.
+/// Range of the fine track of a slider, in standard errors to either side.
 const FINE_ERRORS: f64 = 10.0;
-/// Stretches of one place that are shaded.
+/// Largest number of shaded stretches for one place.
 const MOST_STRETCHES: usize = 100;
-/// Largest share of an experiment's time that is shaded: a place that is nearly everywhere is none for the eye.
+/// Largest share of an experiment's time that is shaded; a place that covers more is not shown.
 const MOST_SHADED: f64 = 0.5;
-/// Pictures of residuals in a diagnosis.
+/// Largest number of pictures of residuals in a diagnosis.
 const MOST_REASONS: usize = 3;
 
-/// Everything but curves and diagnosis.
+/// The state without curves and diagnosis.
 pub fn state(desk: &Desk) -> Value {
     let (bench, running, failure) = {
         let state = desk.state();
@@ -102,7 +102,7 @@ fn experiments(found: &ComparisonReport) -> Vec<Value> {
         .collect()
 }
 
-/// Where on the time axis the model fails: the plainest place that a shade can show.
+/// The stretches of the time axis where the model fails: the most significant place that can be shaded.
 fn shades(found: &ComparisonReport, experiment: &str) -> Vec<Value> {
     let curves = found.curves.iter().find(|one| one.experiment == experiment);
     let Some(curves) = curves else {
@@ -167,7 +167,7 @@ pub fn error_row(experiment: &str, channel: &workbench::ChannelCurves) -> Value 
     })
 }
 
-/// What is known of a parameter of the model by its name.
+/// The description of a parameter of the model, by its name.
 fn info_of(model: &Model, name: &str) -> Option<(&'static ParameterInfo, Option<&'static str>)> {
     let effects = model.effects().iter();
     let own = effects.flat_map(|effect| {
@@ -196,7 +196,7 @@ fn sliders(bench: &OpenBench) -> Vec<Value> {
         let (info, effect) = info_of(&model, name)?;
         let std = parameter.std.filter(|std| *std > 0.0 && std.is_finite());
         let errors = FINE_ERRORS * std.unwrap_or(0.0);
-        // All of the value to either side; what is zero and has no error may become as large as is plausible.
+        // The value itself to either side; a value of zero without an error may become as large as is plausible.
         let wide = match value.abs().max(errors) {
             size if size > 0.0 => size,
             _ => info.plausible.1.abs(),
@@ -247,12 +247,12 @@ fn staircase(bench: &OpenBench) -> Value {
     })
 }
 
-/// The effects of the library, for who learns.
+/// The effects of the library.
 pub fn effects() -> Value {
     json!(workbench::effect_library())
 }
 
-/// The diagnosis, with what lets a person see the reason.
+/// The diagnosis, with the data for the pictures of its reasons.
 pub fn diagnosis(bench: &OpenBench) -> Value {
     let Some(found) = &bench.diagnosis else {
         return Value::Null;
@@ -272,7 +272,7 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
             "takes_away": takes_away(&suspect.takes_away),
         })
     });
-    // A diagnosis of another model than the one at hand is shown, but nothing is taken over from it.
+    // A diagnosis of another model is shown, but cannot be applied.
     let begins_here = found.first.effects == bench.comparison.effects;
     json!({
         "verdict": report.verdict.name(),
@@ -294,7 +294,7 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
     })
 }
 
-/// The three series from which most is taken away.
+/// The three series with the largest removed share of their error.
 fn takes_away(shares: &PerSeries) -> Vec<Value> {
     let mut all: Vec<_> = shares
         .iter()
@@ -313,7 +313,7 @@ fn takes_away(shares: &PerSeries) -> Vec<Value> {
 pub(crate) fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
     let mut seen = Vec::new();
     let significant = || first.places.iter().filter(|place| place.significant);
-    // A torque shows the cause; an output what has come of it since the start of the log.
+    // A torque shows the cause directly; an output shows its accumulated effect since the start of the log.
     let has_torque = significant().any(|place| place.residual == ResidualKind::ResidualTorque);
     for place in significant() {
         if has_torque && place.residual != ResidualKind::ResidualTorque {
@@ -340,7 +340,7 @@ pub(crate) fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<
             ) == *key
         })?;
         let bins = own.bins.iter().map(|bin| {
-            // What pushes along the motion cancels in the mean over both directions.
+            // A force along the motion cancels in the mean over both directions.
             let (value, std) = if bin.along_motion.is_finite() {
                 (bin.along_motion, bin.along_motion_std)
             } else {

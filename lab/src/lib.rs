@@ -1,14 +1,14 @@
 //! The lab in the browser: an HTTP server on this machine's loopback address, and the page that it serves.
 //!
 //! The page compares a bench's model with its measurements, moves parameters, diagnoses, designs, generates and
-//! proves; everything that is computed is computed by `workbench`. What the lab knows beyond the bench folder is
-//! gone with it: the state of the lab is that folder.
+//! proves. `workbench` computes all of this. The lab stores nothing outside the bench folder: when it ends, that folder
+//! is all that remains.
 //!
 //! | file | job |
 //! |---|---|
-//! | `guard` | who may ask: host, origin, cookie; headers of every answer |
+//! | `guard` | access control: host, origin, cookie; headers of every answer |
 //! | `door` | how a browser gets the cookie without a secret on a command line |
-//! | `folder` | which folders are benches, and that no file of one lies outside it |
+//! | `folder` | which folder is a bench, and whether its files lie inside it |
 //! | `desk` | the open bench: session, diagnosis, staircase, undo |
 //! | `dropped`, `preview` | CSV files on their way to a bench |
 //! | `work` | one long computation at a time, with progress and cancel |

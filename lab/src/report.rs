@@ -1,5 +1,5 @@
-//! The bench as one HTML file that needs neither a server nor a network: the conclusion in words first, then what
-//! it rests on.
+//! The bench as one HTML file that needs neither a server nor a network: first the conclusion in words, then its
+//! evidence.
 
 use std::fmt::Write;
 
@@ -14,20 +14,20 @@ use crate::report_conclusion;
 /// Figures of the model beside the measurements, at most.
 const MOST_FIGURES: usize = 12;
 
-/// What a report is made from.
+/// The data for a report.
 pub struct Findings<'a> {
-    /// The session; its model is the one that the report is about.
+    /// The session, with the model that the report is about.
     pub session: &'a Session,
-    /// That model beside the measurements.
+    /// That model compared with the measurements.
     pub comparison: &'a ComparisonReport,
-    /// What it lacks, where that was asked.
+    /// Its diagnosis, if one was made.
     pub diagnosis: Option<&'a DiagnosisReport>,
-    /// What is proved of its controller, or why nothing is.
+    /// The proof of its controller, or the reason why there is none.
     pub proof: Result<&'a Proof, &'a str>,
 }
 
-/// The report of a bench, with everything that it needs computed: diagnosis, design, proof. A bench without a model
-/// is fitted with the base model; the session has the model then.
+/// The report of a bench; diagnosis, design and proof are computed for it. If the bench has no model,
+/// the base model is fitted and becomes the session's model.
 ///
 /// # Errors
 /// Those of [`Session::compare`] and [`Session::diagnose`].
@@ -41,7 +41,7 @@ pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, E
         .design()
         .and_then(|designed| designed.generate(None));
     let settings = ProofSettings {
-        // What takes minutes is no part of a report.
+        // Kani takes minutes, which is too long for a report.
         kani: false,
         ..Default::default()
     };
@@ -57,10 +57,10 @@ pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, E
     })
 }
 
-/// The report of what is known.
+/// The report from existing results.
 ///
 /// # Errors
-/// [`Error::Figure`] where a figure cannot be drawn.
+/// [`Error::Figure`] if a figure cannot be drawn.
 pub fn report(findings: &Findings) -> Result<String, Error> {
     let found = findings.comparison;
     let mut page = String::new();
@@ -160,7 +160,7 @@ fn data(page: &mut String, found: &ComparisonReport) {
     list(page, notes.chain(found.statements.iter().cloned()));
 }
 
-/// The staircase: the base model, this model, the sensor.
+/// The errors: of the base model, of this model, and the sensor's noise.
 fn errors(page: &mut String, findings: &Findings) {
     section(page, "Model against measurement");
     let found = findings.comparison;
@@ -370,7 +370,7 @@ fn table(page: &mut String, heads: &[&str], rows: impl Iterator<Item = Vec<Strin
     page.push_str("</tbody></table>\n");
 }
 
-/// Each figure as an image of its own, so that their names cannot meet.
+/// Each figure as a separate image, so that identifiers inside the figures cannot collide.
 fn figures<'a>(page: &mut String, files: impl Iterator<Item = &'a OutputFile>) {
     for file in files.filter(|file| file.is_figure()) {
         let name = file.name.trim_end_matches(".svg").replace('-', " ");
@@ -401,7 +401,7 @@ pub(crate) fn escaped(text: &str) -> String {
     html
 }
 
-/// Text in an address (RFC 3986): what could end it, and everything beyond ASCII, as %XX.
+/// Text, escaped for an address (RFC 3986): characters that could end it, and all beyond ASCII, as %XX.
 fn in_address(text: &str) -> String {
     let mut address = String::with_capacity(text.len() + text.len() / 4);
     for byte in text.bytes() {

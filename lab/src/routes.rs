@@ -20,13 +20,13 @@ use crate::server::Shared;
 use crate::work::{self, Task};
 use crate::{assets, facts, folder, socket};
 
-/// Largest body of a request, bytes. What the page sends are names and numbers.
+/// Largest body of a request, bytes. The page sends names and numbers only.
 const LARGEST_BODY: usize = 256 * 1024;
 
-/// Largest file that can be dropped, bytes: 100 000 samples of ten columns are a tenth of it.
+/// Largest file that can be dropped, bytes; 100 000 samples of ten columns take a tenth of it.
 const LARGEST_FILE: usize = 64 * 1024 * 1024;
 
-/// All of them, behind the guard.
+/// All addresses, behind the access control.
 pub fn router(shared: Shared) -> Router {
     Router::new()
         .route("/", get(async || asset("index.html")))
@@ -49,7 +49,7 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/report", get(report))
         .route("/socket", get(socket::upgrade))
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
-        // After that layer, so that its own limit counts.
+        // Added after that layer, so that it has its own limit.
         .route(
             "/api/drop",
             get(dropped)
@@ -61,7 +61,7 @@ pub fn router(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-/// Why a request is not answered, as the page shows it.
+/// The answer to a refused request, as the page shows it.
 fn refused(status: StatusCode, message: impl Into<String>) -> Response {
     (status, Json(json!({"message": message.into()}))).into_response()
 }
@@ -87,8 +87,8 @@ async fn enter_once(State(shared): State<Shared>, Query(given): Query<Key>) -> R
     let_in(&shared, &given.key)
 }
 
-/// The cookie for a key, and a page that goes on from here: a browser that was sent on by another page would not
-/// show the cookie.
+/// Sets the cookie for a key, and returns a page that redirects. A browser that another page had redirected would not
+/// send the cookie.
 fn let_in(shared: &Shared, key: &str) -> Response {
     match shared.guard.exchange(key) {
         Some(cookie) => (
@@ -237,7 +237,7 @@ async fn report(State(shared): State<Shared>) -> Response {
     }
 }
 
-/// Computes in a thread that may take its time.
+/// Computes in a thread for long work.
 async fn computed(work: impl FnOnce() -> Result<Value, String> + Send + 'static) -> Response {
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(value)) => Json(value).into_response(),

@@ -1,4 +1,4 @@
-//! Long computations, one at a time, in a thread beside the server.
+//! Tasks: long computations, one at a time, in a thread beside the server.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use workbench::{DesignSection, Preset, Progress, ProofSettings};
 use crate::desk::{Desk, Diagnosed, OpenBench, said};
 use crate::folder;
 
-/// What can be asked for.
+/// The tasks that can be requested.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Task {
@@ -22,15 +22,15 @@ pub enum Task {
     Open {
         /// The folder, or its bench.toml.
         path: PathBuf,
-        /// Fits the model anew in place of comparing it as it is.
+        /// Fits the model again instead of comparing it as it is.
         #[serde(default)]
         refit: bool,
     },
     /// Opens the demonstration bench.
     OpenDemonstration {},
-    /// Makes a bench folder of the files that were dropped on the page, and opens it.
+    /// Creates a bench folder from the files that were dropped on the page, and opens it.
     Create {
-        /// The folder; it must not be a bench already.
+        /// The folder; it must not be a bench.
         folder: PathBuf,
         /// The text of bench.toml.
         text: String,
@@ -40,21 +40,21 @@ pub enum Task {
         /// Parameters by name.
         start: Vec<(String, f64)>,
     },
-    /// Makes these values the model's.
+    /// Sets the model's parameters to these values.
     Keep {
         /// Parameters by name.
         values: Vec<(String, f64)>,
     },
-    /// What does the model lack?
+    /// Diagnoses the model.
     Diagnose {},
-    /// Takes what the diagnosis found into the model.
+    /// Applies the diagnosis to the model.
     Apply {},
-    /// Puts an effect into the model.
+    /// Adds an effect to the model.
     Add {
         /// Its name.
         effect: String,
     },
-    /// Takes an effect out of the model.
+    /// Removes an effect from the model.
     Remove {
         /// Its name.
         effect: String,
@@ -66,7 +66,7 @@ pub enum Task {
     },
     /// Goes back by one change.
     Undo {},
-    /// Writes what the controller is designed for into the model.
+    /// Writes the requirements of the controller into the model.
     KeepDesign {
         /// Weights, sample time, limit.
         wishes: DesignSection,
@@ -75,23 +75,23 @@ pub enum Task {
     Generate {
         /// Weights, sample time, limit.
         wishes: DesignSection,
-        /// Where what is not stated of sensors and drive comes from; `None`: then it is refused.
+        /// The preset for properties of sensors and drive that are not stated; with `None`, they are an error.
         #[serde(default)]
         preset: Option<Preset>,
     },
     /// Writes the emitted controller into the bench folder.
     WriteController {},
-    /// Checks what the emitted controller promises.
+    /// Proves the claims of the emitted controller.
     Prove {},
 }
 
-/// A computation under way.
+/// A running task.
 pub struct Running {
-    /// Which one, counted from the start of the server.
+    /// Its number, counted from the start of the server.
     pub number: u64,
-    /// What it is, for people.
+    /// Its name, for people.
     pub name: &'static str,
-    /// What it does now.
+    /// Its present progress message.
     pub says: String,
     /// Set to end it.
     pub called_off: Arc<AtomicBool>,

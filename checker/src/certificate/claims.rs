@@ -1,24 +1,24 @@
-//! The claims, as the checker knows them: identifier, statement, domain and what they rest on.
+//! The claims as the checker knows them: identifier, statement, domain, and the claims they depend on.
 //!
-//! Written down here a second time on purpose: a certificate that states something else is
-//! rejected, not believed.
+//! They are written down here a second time on purpose: a certificate that states something else is
+//! rejected.
 
 use crate::claims::outcome::{COMPILED, EXACT, INTERVALS, RANDOM, READER};
 
-/// What a claim says.
+/// The statement of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClaimStatement {
     /// Identifier.
     pub id: &'static str,
     /// One sentence.
     pub statement: &'static str,
-    /// For which inputs.
+    /// The inputs for which the claim holds.
     pub domain: &'static str,
-    /// What is assumed; empty if nothing.
+    /// The assumptions; empty if there are none.
     pub assumptions: &'static str,
-    /// What settles it wherever this program runs; other engines may settle it too.
+    /// The engine that decides the claim on every machine; other engines may decide it, too.
     pub engine: &'static str,
-    /// Whether the certificate lists it.
+    /// Whether certificates list the claim.
     pub is_in_certificate: bool,
 }
 

@@ -1,13 +1,13 @@
 //! Claim `closed-loop-stable`: Hurwitz' criterion for the sampled loop with the emitted gains.
 //!
-//! With t = T/2 and δ = (z − 1)/T, z = (1 + w t)/(1 − w t) maps the left half plane
-//! of w onto the inside of the unit circle, and δ = w/(1 − w t). A characteristic polynomial
+//! With t = T/2 and δ = (z − 1)/T, the map z = (1 + w t)/(1 − w t) takes the left half plane
+//! of w to the inside of the unit circle, and δ = w/(1 − w t). A characteristic polynomial
 //! δ³ + a δ² + b δ + c becomes h₃ w³ + h₂ w² + h₁ w + h₀ with
 //!
 //! h₃ = 1 − a t + b t² − c t³,  h₂ = a − 2 b t + 3 c t²,  h₁ = b − 3 c t,  h₀ = c,
 //!
 //! and all roots lie in the left half plane exactly if all four are positive and h₂ h₁ > h₃ h₀
-//! (Hurwitz). Working in δ instead of z keeps what matters, z − 1, from drowning in 1.
+//! (Hurwitz). Using δ instead of z keeps the accuracy of the small difference z − 1.
 
 use num_rational::BigRational;
 

@@ -1,7 +1,7 @@
 //! A region of attraction of the pendulum itself, whose gravity is a sine, in exact arithmetic.
 //!
-//! Of [`crate::claims::closed_loop_for_all_time`] this uses the set E = {x: ‖x‖ ≤ 1}, ‖x‖² = xᵀ P x, which the linear loop maps
-//! into γ times itself, and in which no command saturates whatever the perturbations |v| ≤ V.
+//! From [`crate::claims::closed_loop_for_all_time`], this uses the set E = {x: ‖x‖ ≤ 1}, ‖x‖² = xᵀ P x. The linear loop maps
+//! E into γ E, and in E no command saturates for any perturbations |v| ≤ V.
 //!
 //! **Gravity.** With g = G/(Θ − j_w), e = (0, 1, −1) and A of the linear model the pendulum obeys
 //! ẋ = A x + B u + e g (sin α − α), so that after one sample
@@ -9,16 +9,16 @@
 //! x⁺ = F̂ x + Bd v + d,   d = ∫₀ᵀ exp(A (T − s)) e g (sin α(s) − α(s)) ds,   |sin α − α| ≤ |α|³/6.
 //!
 //! **Between samples.** Let ‖x‖ = r at the sample, r₀ ≤ r ≤ 1. As long as |α| ≤ r a, |α̇| ≤ r b and
-//! |φ̇| ≤ r c, the speeds change by no more than the model's rows say, with |u| ≤ r (√(N P⁻¹ Nᵀ) + V/r₀). If
-//! a, b, c are such that the three then cannot be reached within one sample, they never are.
+//! |φ̇| ≤ r c, the speeds change by at most what the model's rows allow, with |u| ≤ r (√(N P⁻¹ Nᵀ) + V/r₀). If
+//! a, b, c are such that these limits then cannot be reached within one sample, they never are.
 //!
 //! **Decrease.** ‖exp(A τ) e‖ ≤ q for 0 ≤ τ ≤ T, with q from the series of the entries' magnitudes. Then
 //! ‖d‖ ≤ r³ κ, κ = T g q a³/6, and
 //!
 //! ‖x⁺‖ ≤ γ r + κ r³ + p,   p = ‖Bd‖ V.
 //!
-//! Where the right side is below r for r = r₁ and for r = r₀ it is so between, because it is convex in r:
-//! every start with ‖x‖ ≤ r₁ stays there and comes to ‖x‖ < r₀, where it stays for the same reason.
+//! If the right side is below r for r = r₁ and for r = r₀, it is so between, because it is convex in r.
+//! Every start with ‖x‖ ≤ r₁ then stays there and reaches ‖x‖ < r₀, where it stays for the same reason.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

@@ -1,4 +1,4 @@
-//! Claim `source-understood`: the sources are in the language, and nothing else is built or run with
+//! Claim `source-understood`: the sources are written in the checker's language, and nothing else is built or run with
 //! them.
 
 use crate::claims::outcome::ClaimOutcome;

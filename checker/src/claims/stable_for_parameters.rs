@@ -11,8 +11,8 @@
 //!
 //! D α̈ = G α − d α̇ − τ u + r_w (ψ − α̇),   j_w ψ̇ = τ u − r_w (ψ − α̇).
 //!
-//! Whatever the stated A has beyond its parameters (linearised dry friction, springs) is taken
-//! from A itself: of G as a constant, of d in proportion to the Coulomb torque.
+//! Terms of the stated A that do not follow from the parameters (linearised dry friction, springs) are taken
+//! from A itself: the part of G as a constant, the part of d in proportion to the Coulomb torque.
 
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};

@@ -1,4 +1,4 @@
-//! The attitude in which the emitted filter says that the body is upright.
+//! The attitude that the emitted filter reports as upright.
 
 use crate::claims::functions::Functions;
 use crate::domains::machine::Machine;

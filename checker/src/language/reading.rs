@@ -1,9 +1,9 @@
 //! The declarations of an emitted crate: files, types, constants and functions.
 //!
-//! The language is the one that the generator documents for its output, read from that document
-//! and written anew here: 32-bit fixed-point aliases, structs, arrays, plain functions, no loops,
-//! no generics, no traits but `Default`, no macro but `assert!` in a constant. Anything else is
-//! refused with its place. Bodies are read in [`crate::language::lower`].
+//! The language is the one that the generator documents for its output, implemented here from that
+//! documentation: 32-bit fixed-point aliases, structs, arrays, plain functions, no loops,
+//! no generics, no traits except `Default`, no macro except `assert!` in a constant. Anything else is
+//! refused with its place. [`crate::language::lower`] reads the bodies.
 
 use std::collections::HashMap;
 use std::sync::Arc;

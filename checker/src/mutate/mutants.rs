@@ -14,13 +14,13 @@ pub struct Mutant {
     pub line: usize,
     /// Column, from one.
     pub column: usize,
-    /// What was done.
+    /// The kind of damage.
     pub kind: &'static str,
-    /// Text that was there.
+    /// The original text.
     pub before: String,
-    /// Text that is there now.
+    /// The new text.
     pub after: String,
-    /// Bytes of the file that were replaced.
+    /// The range of bytes in the file that was replaced.
     #[serde(skip)]
     range: (usize, usize),
 }
@@ -33,7 +33,7 @@ pub fn mutants(file: &str, text: &str) -> Vec<Mutant> {
     let mut is_assertion = false;
     for (index, token) in tokens.iter().enumerate() {
         // Imports and module declarations are names, not code. An assertion about constants
-        // computes nothing that runs; the checker derives what it asserts by itself.
+        // computes nothing at run time; the checker derives what it asserts separately.
         match token.text.as_str() {
             "use" | "mod" => is_use = true,
             "_" if index > 0 && tokens[index - 1].text == "const" => is_assertion = true,

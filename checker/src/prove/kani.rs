@@ -18,7 +18,7 @@ const CLAIMS: [&str; 6] = [
     "supervisor",
 ];
 
-/// The harnesses of the crate `verify` beside `directory`, where Kani is installed.
+/// The harnesses of the crate `verify` beside `directory`, if Kani is installed.
 pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResult> {
     let mut table = Table(Vec::new(), None);
     match output(directory, settings) {
@@ -36,12 +36,12 @@ pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResul
     table.0
 }
 
-/// What Kani printed, or why it did not run.
+/// The output of Kani, or the reason why it did not run.
 fn output(directory: &Path, settings: &ProofSettings) -> Result<String, String> {
     if !settings.kani {
         return Err("switched off".to_owned());
     }
-    // The harnesses call the crate `generated` beside them, and speak of no other.
+    // The harnesses call the crate `generated` beside them, and no other.
     let is_theirs = directory
         .canonicalize()
         .is_ok_and(|path| path.file_name().is_some_and(|name| name == "generated"));
@@ -75,7 +75,7 @@ fn output(directory: &Path, settings: &ProofSettings) -> Result<String, String> 
 /// The line that ends a harness.
 const VERDICT: &str = "VERIFICATION:- ";
 
-/// Claim by claim what Kani printed: proved where every harness of it succeeded and every cover was
+/// Kani's results by claim: a claim is proved if all its harnesses succeeded and every cover was
 /// reached.
 fn kani_rows(text: &str) -> Vec<(&'static str, ClaimOutcome, f64)> {
     let mut failed: [Option<String>; CLAIMS.len()] = Default::default();
@@ -100,7 +100,7 @@ fn kani_rows(text: &str) -> Vec<(&'static str, ClaimOutcome, f64)> {
                 failed[at].get_or_insert(format!("{name}: {verdict}"));
             }
         } else if let Some(covers) = line.strip_suffix("cover properties satisfied") {
-            // "** 3 of 4": what is never reached shows nothing.
+            // "** 3 of 4": a cover that is not reached means that its region was not tested.
             let counts: Vec<&str> = covers.split_whitespace().collect();
             if let [.., reached, "of", all] = counts.as_slice()
                 && reached != all

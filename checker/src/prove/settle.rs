@@ -21,10 +21,10 @@ use crate::language::module::Module;
 use crate::prove::results::{ClaimResult, Table, complete};
 use crate::prove::settings::ProofSettings;
 
-/// More random words than this for each function show nothing new of the compiler.
+/// Largest number of random words per function for the compiled crate; more show nothing new.
 const MOST_COMPILED: usize = 2_000;
 
-/// Settles every claim, by every engine but Kani: each claim has a row, whatever becomes of it.
+/// Decides every claim, by every engine except Kani. Every claim gets a row.
 pub fn settle(
     emitted: &Emitted,
     certificate: &Certificate,
@@ -33,8 +33,8 @@ pub fn settle(
     settle_saying(emitted, certificate, None, settings, &|_| ())
 }
 
-/// As [`settle`], and held against the text of the user's model.toml where one is given; `say` is told
-/// what takes a while.
+/// As [`settle`], compared with the text of the user's model.toml if one is given; `say` receives
+/// progress messages.
 pub fn settle_saying(
     emitted: &Emitted,
     certificate: &Certificate,
@@ -196,7 +196,7 @@ fn control_claims(
     });
 }
 
-/// What is shown of the filter for every word.
+/// The claims about the filter that hold for every word.
 fn range_claims(
     table: &mut Table,
     module: &Module,

@@ -14,7 +14,7 @@ pub struct Scalar {
     pub text: String,
     /// Its type.
     pub ty: Type,
-    /// How tightly it holds together: 0 for what needs no parentheses anywhere.
+    /// Binding strength: 0 for a text that never needs parentheses.
     pub strength: u8,
 }
 
@@ -37,7 +37,7 @@ impl Scalar {
         }
     }
 
-    /// In parentheses unless it holds together at least this tightly.
+    /// The text, in parentheses unless it binds at least this tightly.
     pub fn within(&self, strength: u8) -> String {
         if self.strength <= strength {
             self.text.clone()
@@ -57,7 +57,7 @@ pub fn bare(expression: &Expr) -> &Expr {
     }
 }
 
-/// Whether it is a number that takes its type from where it stands.
+/// Whether it is a number whose type follows from the context.
 fn is_untyped(expression: &Expr) -> bool {
     match bare(expression) {
         Expr::Lit(value) => literal(&value.lit).is_some() && suffix(&value.lit).is_none(),
@@ -67,12 +67,12 @@ fn is_untyped(expression: &Expr) -> bool {
 }
 
 impl Scope<'_> {
-    /// A scalar; `wanted` is its type where the place where it stands says so.
+    /// A scalar; `wanted` is the type that the context requires, if it does.
     pub fn scalar(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<Scalar> {
         self.scalar_beside(expression, wanted, true)
     }
 
-    /// `is_beside_wide`: something else gives the number its width: the other operand, or where it goes.
+    /// `is_beside_wide`: another operand, or the target, gives the number its width.
     fn scalar_beside(
         &mut self,
         expression: &Expr,
@@ -240,7 +240,7 @@ impl Scope<'_> {
         let lines = self.lines.len();
         let right = self.scalar(&binary.right, Some(&Type::Bool))?;
         if self.lines.len() != lines {
-            // It would be computed whether or not the left one holds.
+            // C would compute these steps even if the left side decides the result.
             return self.refuse(format!("steps on the right of `{sign}`"));
         }
         // Parentheses where the two signs meet, as compilers advise.
@@ -255,7 +255,7 @@ impl Scope<'_> {
         Ok(Scalar::new(text, Type::Bool, strength))
     }
 
-    /// Only of what is not negative, for C leaves the others open.
+    /// A left shift, only of a number that is not negative: C leaves the others undefined.
     fn shift_left(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<Scalar> {
         let Expr::Lit(_) = bare(&binary.left) else {
             return self.refuse("a shift to the left of something that may be negative");

@@ -1,9 +1,9 @@
-//! The attitude filter and the whole step: ranges, whatever the sensors say.
+//! The attitude filter and the whole step: ranges, for any sensor readings.
 //!
-//! The state's invariant has two parts. The components' ranges are shown by induction for every
+//! The state's invariant has two parts. The ranges of the components are proved by induction for every
 //! bit pattern of every reading: [`step_keeps_ranges`]. The quaternion's length is a polynomial of
-//! degree six, which does not close as bits: the checker of the source proves it in exact
-//! arithmetic, and [`step_keeps_length`] is run on random states.
+//! degree six, which bit-level solvers do not decide. The source checker proves it in exact
+//! arithmetic, and [`step_keeps_length`] is tested on random states.
 
 use generated::constants::{DUTY_LINE, FILTER, MOUNTING_ANGLE, ZERO_CURRENT};
 use generated::filter::{FilterState, step_imu, step_marg, step_tracked};
@@ -33,7 +33,7 @@ pub fn in_ranges(state: &FilterState) -> bool {
         && rate(state.slow_rate)
 }
 
-/// Whether the quaternion's length is that of the invariant.
+/// Whether the quaternion's length satisfies the invariant.
 pub fn has_unit_length(state: &FilterState) -> bool {
     let squared: i64 = state
         .quaternion

@@ -1,5 +1,5 @@
-//! Calls: of functions and methods of the crate, which are put in place, and of the few that the
-//! language has beside.
+//! Calls: those of functions and methods of the crate, which are inlined, and the few others that the
+//! language has.
 
 use syn::spanned::Spanned;
 
