@@ -141,7 +141,7 @@ impl EffectId {
     }
 
     /// The log whose parameter this name is, if it is one of this effect of the library.
-    pub fn log_of<'a>(self, parameter: &'a str) -> Option<&'a str> {
+    pub fn log_of(self, parameter: &str) -> Option<&str> {
         self.info().per_log?;
         let (own, _) = self.info().parameters.first()?.name.split_once('/')?;
         parameter.strip_prefix(own)?.strip_prefix('/')

@@ -172,6 +172,9 @@ struct Measured<S> {
     slopes: [S; 3],
 }
 
+/// A step of the motion before a run: its two times in s, and what is measured at both.
+type Past<S> = ((f64, f64), Measured<S>, Measured<S>);
+
 impl<S: Scalar> Plant<S> {
     /// The share of its motion that the model had before the first sample of a log already, for sensors with a
     /// delay: 0 (the default), body and wheel stood as they were then; 1, they moved as the model says.
@@ -343,9 +346,8 @@ impl<S: Scalar> Plant<S> {
         pieces.reverse();
         // What is no number has no past.
         let is_number = |value: &S| value.value().is_finite();
-        let is_motion = |(_, from, _): &((f64, f64), Measured<S>, Measured<S>)| {
-            from.values.iter().chain(&from.slopes).all(is_number)
-        };
+        let is_motion =
+            |(_, from, _): &Past<S>| from.values.iter().chain(&from.slopes).all(is_number);
         pieces.retain(is_motion);
         if begins_with_log {
             late.had_moved(&pieces, self.motion_before);
@@ -473,7 +475,7 @@ impl<S: Scalar> Late<S> {
 
     /// Feeds the past of a run that begins in the middle of a log. Where it does not reach back to the log's
     /// start (`is_cut`), a lag begins as if its input had always changed as it does there.
-    fn follow(&mut self, pieces: &[((f64, f64), Measured<S>, Measured<S>)], is_cut: bool) {
+    fn follow(&mut self, pieces: &[Past<S>], is_cut: bool) {
         let Some((_, oldest, _)) = pieces.first() else {
             return;
         };
@@ -491,7 +493,7 @@ impl<S: Scalar> Late<S> {
 
     /// Fills what a delay reads from before the first sample of a log: the motion of the model by a share, around
     /// what it is at that sample.
-    fn had_moved(&mut self, pieces: &[((f64, f64), Measured<S>, Measured<S>)], share: S) {
+    fn had_moved(&mut self, pieces: &[Past<S>], share: S) {
         for channel in &mut self.channels {
             if channel.timings.delay_s.is_none() {
                 continue;
