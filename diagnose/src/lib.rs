@@ -65,7 +65,7 @@ mod verdict;
 pub use applicable::applicable;
 pub use bench::{IsCancelled, SearchBench};
 pub use candidate::{Candidate, names};
-pub use diagnosis::{Options, diagnose_with};
+pub use diagnosis::{Options, diagnose_with, suspects_of};
 pub use imperfection::{Imperfection, Imperfections, imperfection};
 pub use next_experiment::{NextExperiment, Recipe, propose};
 pub use pool::Search;

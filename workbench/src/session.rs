@@ -418,8 +418,10 @@ impl Session {
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
         let before = self.required_model()?.model();
-        match self.effect_named(name).filter(|effect| before.has(*effect)) {
-            Some(effect) => self.change(&before, &before.without(effect), progress),
+        // By its name: the zeros of a model may be those of other logs than the bench has now.
+        let mut effects = before.effects().iter();
+        match effects.find(|effect| effect.name() == name) {
+            Some(&effect) => self.change(&before, &before.without(effect), progress),
             None => Err(Error::EffectAbsent {
                 model: self.model_path.clone(),
                 effect: name.to_owned(),
@@ -451,7 +453,8 @@ impl Session {
     pub(crate) fn effect_named(&self, name: &str) -> Option<EffectId> {
         let of_model = self.model.iter().flat_map(|model| &model.own_effects);
         let mut own = self.bench.own_effects.iter().chain(of_model);
-        EffectId::from_name(name).or_else(|| {
+        let library = EffectId::from_name(name).map(|effect| self.problem().made_for_logs(effect));
+        library.or_else(|| {
             own.find(|own| own.effect.name() == name)
                 .map(|own| own.effect)
         })
