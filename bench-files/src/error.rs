@@ -338,6 +338,9 @@ pub enum Problem {
     /// A formula of the user, or what stands beside it.
     #[error("{0}")]
     Formula(String),
+    /// A learned curve that is none.
+    #[error("{0}")]
+    Curve(String),
 
     // --- logs -------------------------------------------------------------------------------
     /// Not a byte, or only blank lines and comments.

@@ -24,6 +24,7 @@ mod error;
 mod files;
 mod hardware;
 mod known;
+mod learned_section;
 mod log;
 mod long_log;
 mod model_file;

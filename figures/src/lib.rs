@@ -43,6 +43,7 @@ mod series;
 mod sphere;
 mod staircase;
 mod suspects;
+mod torque_curve;
 
 pub use annotation::{Limit, Marker, Quantity, Region};
 pub use breakdown::{Breakdown, BreakdownPanel, ResidualBin, breakdown};
@@ -57,3 +58,4 @@ pub use sphere::{Sphere, sphere};
 pub use staircase::{Staircase, StaircaseTrace, staircase};
 pub use style::LineRole;
 pub use suspects::{SuspectBar, Suspects, suspects};
+pub use torque_curve::{CurvePoint, TorqueCurve, torque_curve};

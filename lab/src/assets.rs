@@ -25,6 +25,7 @@ const FILES: &[(&str, &str, &str)] = assets![
     "errors.js": SCRIPT,
     "open.js": SCRIPT,
     "plots.js": SCRIPT,
+    "remainder.js": SCRIPT,
     "server.js": SCRIPT,
     "sliders.js": SCRIPT,
     "why.js": SCRIPT,

@@ -6,6 +6,7 @@
 //! [`crate::ExternalEffect`].
 
 use crate::hiding::Hiding;
+use crate::learned::LearnedCurve;
 use crate::prior::{Commonness, Prior};
 use crate::{Kind, Output, Reading, Scalar};
 
@@ -223,6 +224,8 @@ pub struct EffectInfo {
     pub memory: Option<Memory>,
     /// What the logs say about its parameters before any fit.
     pub start_from: StartFrom,
+    /// The curve that it is, where it was learned from the logs and explains nothing.
+    pub learned: Option<&'static LearnedCurve>,
     /// How the exam hides it; `None`: as [`EffectInfo::hidden`] does with any effect.
     pub hiding: Option<Hiding>,
 }
@@ -260,6 +263,7 @@ impl EffectInfo {
         ripple: None,
         memory: None,
         start_from: StartFrom::Stated,
+        learned: None,
         hiding: None,
     };
 }

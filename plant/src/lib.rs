@@ -11,6 +11,7 @@
 //! | `hiding` | how the exam hides an effect |
 //! | `hidden` | its parameters, hidden in a given bench |
 //! | `external` | effects that come while the program runs |
+//! | `learned`, `spline` | torques that were learned as curves |
 //! | `effects/` | the library, one file an effect |
 //! | `model` | which effects a model has; the layout of its parameter vector |
 //! | `plant/` | the motion: right-hand side, assembly, motor chain, integrator |
@@ -26,12 +27,14 @@ mod external;
 mod hidden;
 mod hiding;
 mod input;
+mod learned;
 mod linear;
 mod model;
 mod plant;
 mod prior;
 mod reading;
 mod scalar;
+mod spline;
 
 pub use effect::{
     Driving, Effect, EffectInfo, Instant, Linearised, Memory, ParameterInfo, RateFault, Ripple,
@@ -42,7 +45,8 @@ pub use experiment::Kind;
 pub use external::{Definition, External, ExternalEffect, ExternalError, Partials};
 pub use hiding::{Hiding, HidingPlace};
 pub use input::{Hold, Input};
-pub use linear::{LinearModel, LinearisationError, linearise, torque_inputs};
+pub use learned::{FEWEST_KNOTS, LearnedCoordinate, LearnedCurve, MOST_KNOTS};
+pub use linear::{LinearModel, LinearisationError, has_seen, linearise, torque_inputs};
 pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
@@ -50,3 +54,4 @@ pub use plant::{Current, Drive, Plant, State};
 pub use prior::{Commonness, Prior};
 pub use reading::{Output, Reading};
 pub use scalar::{Dual, Scalar};
+pub use spline::Spline;

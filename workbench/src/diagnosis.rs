@@ -14,6 +14,7 @@ use crate::comparison::{
 use crate::control_design::ControlDesign;
 use crate::design_change::DesignChange;
 use crate::error::Error;
+use crate::learned::MissingTorque;
 use crate::named;
 use crate::numbers::significant;
 use crate::per_series::{PerSeries, SeriesName};
@@ -48,6 +49,14 @@ pub struct DiagnosisReport {
     pub ambiguous_between: Vec<Vec<String>>,
     /// The experiment that would settle what is open; empty where nothing is.
     pub next_experiment: String,
+    /// The torque that is missing, over the coordinate in which it stands best; `None` where nothing is unexplained,
+    /// or no curve predicts anything of it.
+    #[serde(default)]
+    pub missing_torque: Option<MissingTorque>,
+    /// The last model with the learned curves that the model had before; `None` where it had none, or they are no
+    /// longer needed. A curve explains nothing: the verdict is that on the model without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with_learned: Option<DiagnosisStep>,
     /// How large what no effect explains is, and whether it matters; `None` where nothing is unexplained.
     pub remains: Option<RemainsReport>,
     /// Where the model of the last step fails, the plainest place first.
@@ -74,6 +83,9 @@ pub struct DiagnosisReport {
     /// The model of the last step beside the measurements, with its curves. It serialises by itself.
     #[serde(skip)]
     pub last: ComparisonReport,
+    /// The structure of the model of [`DiagnosisReport::with_learned`].
+    #[serde(skip)]
+    learned_model: Option<Model>,
 }
 
 /// The model as it was, or after one effect more; refitted to all experiments.
@@ -175,9 +187,11 @@ impl Session {
     /// Those of [`Session::identify`], where the last model fails and not only the first;
     /// [`Error::Cancelled`] soon after the work was called off.
     pub fn diagnose(&self, progress: &Progress) -> Result<DiagnosisReport, Error> {
-        let model = self
+        let whole = self
             .model()
             .map_or_else(Model::base, ModelFile::certain_model);
+        // A learned curve explains nothing: what it follows is still to be explained.
+        let model = whole.without_learned();
         let identified = self.fit_however(&model, progress)?;
         let fit = &identified.fit;
         // What its user has written is suspected like what the library has.
@@ -219,15 +233,90 @@ impl Session {
             let design = file.and_then(|file| ControlDesign::of(file).ok());
             let remains = RemainsReport::new(&found.remains, self.problem(), design.as_ref());
             report.remains = Some(remains);
+            if found.contradictions.is_empty() {
+                (progress.say)(
+                    "looking for the coordinate over which the missing torque stands best",
+                );
+                report.missing_torque = self.missing_torque(&last_fit);
+            }
+        }
+        if let Some(missing) = &report.missing_torque {
+            report.sentence = format!("{} {}", report.sentence, missing.sentence());
+        }
+        if whole != model {
+            self.with_learned(&mut report, &last_fit, progress)?;
         }
         report.has_failed_at_first = self.refuse_failed(&identified).is_err();
         Ok(report)
+    }
+
+    /// The torque that the model of a fit lacks, where a curve over a coordinate predicts something of it.
+    fn missing_torque(&self, found: &Identification) -> Option<MissingTorque> {
+        let fit = &found.fit;
+        let problem = self.problem().suited_to(&fit.model);
+        let curve = identify::best_missing_curve(
+            &problem.all_records(),
+            &fit.minimum.windows,
+            &fit.model,
+            &fit.values,
+            &problem.free(&fit.model),
+        )?;
+        Some(MissingTorque::new(self, &curve))
+    }
+
+    /// Puts the learned curves that the model has into the last step of a diagnosis, where they are still needed.
+    fn with_learned(
+        &self,
+        report: &mut DiagnosisReport,
+        last_fit: &Identification,
+        progress: &Progress,
+    ) -> Result<(), Error> {
+        let coordinates = self.learned_coordinates();
+        let names: Vec<&str> = coordinates.iter().map(|one| one.effect_name()).collect();
+        let names = names.join(" and ");
+        if report.verdict != Verdict::Unexplained {
+            report.statements.push(format!(
+                "{names}: what the curve followed is accounted for without it; --apply takes it out"
+            ));
+            return Ok(());
+        }
+        let found = identify::with_curves(self.problem(), &last_fit.fit, &coordinates, progress)
+            .map_err(|source| self.not_identified(source))?;
+        let records = &self.problem().records;
+        let traces = || found.traces.iter().flatten();
+        let parameters = parameters_of(self.problem(), &found.fit);
+        let rmse = per_series(records, traces().map(|trace| trace.rmse));
+        report.last_model = FinalModel {
+            effects: effect_names(&found.fit.model),
+            parameters: parameters.clone(),
+            rmse: rmse.clone(),
+        };
+        report.sentence = format!(
+            "{} The model follows it with {names}, which explains nothing.",
+            report.sentence
+        );
+        report.with_learned = Some(DiagnosisStep {
+            effect: coordinates.first().map(|one| one.effect_name().to_owned()),
+            replaces: vec![],
+            provisional: false,
+            held_out_worse: false,
+            effects: effect_names(&found.fit.model),
+            parameters,
+            correlation: correlation_of(&found.fit),
+            rmse,
+            fit_percent: per_series(records, traces().map(fit_percent)),
+            validation_fit_percent: f64::NAN,
+            validation_rmse: PerSeries::default(),
+        });
+        report.learned_model = Some(found.fit.model.clone());
+        Ok(())
     }
 
     /// Makes the last step of a diagnosis the session's model, and says what its effects change in
     /// the controller. Where explanations tie, the model says which of its effects are provisional and what
     /// could stand in their place; what it had for certain before stays certain.
     pub fn apply(&mut self, report: &DiagnosisReport) -> AppliedDiagnosis {
+        let had_learned = self.learned_coordinates();
         let before = report.steps.first().map(|step| self.model_of(step));
         let mut applied = AppliedDiagnosis {
             added: report.added(),
@@ -236,8 +325,13 @@ impl Session {
             design_change: None,
             no_controller: None,
         };
-        if let (Some(before), Some(step)) = (&before, report.steps.last()) {
+        let last = report.with_learned.as_ref().or(report.steps.last());
+        if let (Some(before), Some(step)) = (&before, last) {
             let mut file = self.model_of(step);
+            if let Some(model) = &report.learned_model {
+                // The curves have new knots.
+                file.effects = model.effects().to_vec();
+            }
             file.tie = report.tie(self).filter(|tie| {
                 let was_certain = before.certain_model();
                 tie.provisional
@@ -247,6 +341,10 @@ impl Session {
             let provisional = file.tie.iter().flat_map(|tie| &tie.provisional);
             applied.provisional = provisional.map(|one| one.name().to_owned()).collect();
             self.set_model(file);
+        }
+        if report.with_learned.is_none() {
+            let gone = had_learned.iter().map(|one| one.effect_name().to_owned());
+            applied.taken_out.extend(gone);
         }
         let is_changed = report.steps.len() > 1;
         if let (true, Some(before), Some(after)) = (is_changed, before, self.model()) {
@@ -344,6 +442,9 @@ impl DiagnosisReport {
                 .iter()
                 .map(|set| names_of(set))
                 .collect(),
+            missing_torque: None,
+            with_learned: None,
+            learned_model: None,
             remains: None,
             next_experiment: found.next_experiment.clone(),
             places: last.places.clone(),

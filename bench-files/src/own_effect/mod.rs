@@ -67,12 +67,79 @@ impl OwnEffect {
         effects.collect()
     }
 
+    /// All effects in the folder of a bench on the disk, by name.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with one of them.
+    pub fn of_folder(folder: &Path) -> Result<Vec<OwnEffect>, Error> {
+        OwnEffect::all_of(Files::Disk, folder)
+    }
+
+    /// Whether a text could stand in `effects/NAME.toml`: read as that file is, but the effect is not kept. Returns
+    /// the names of its parameters.
+    ///
+    /// # Errors
+    /// What is wrong with it, with line and column; `path` names the file.
+    pub fn check(text: &str, name: &str, path: &Path) -> Result<Vec<String>, Error> {
+        let source = TomlSource::new(path, text.to_owned());
+        let document = source.parse()?;
+        let parsed = Parsed::read(&source, &source.root(&document), name)?;
+        let parameters = parsed.parameters.into_iter();
+        Ok(parameters.map(|parameter| parameter.name).collect())
+    }
+
     /// Reads one.
     pub(crate) fn read(
         source: &TomlSource,
         section: &Section,
         name: &str,
     ) -> Result<OwnEffect, Error> {
+        let Parsed {
+            role,
+            torque,
+            fingerprint,
+            parameters,
+            formula,
+            text,
+        } = Parsed::read(source, section, name)?;
+        let content = format!("{OWN_PREFIX}{name}\n{text}");
+        let effect = EffectId::external(&content, || {
+            define(name, role, &torque, fingerprint, &parameters, formula)
+        })
+        .map_err(|error| section.error(Problem::Formula(error.to_string())))?;
+        Ok(OwnEffect { effect, text })
+    }
+
+    /// NAME, without what stands before it.
+    pub fn bare_name(&self) -> &'static str {
+        let name = self.effect.name();
+        name.strip_prefix(OWN_PREFIX).unwrap_or(name)
+    }
+
+    /// The definition as a table for `[own.NAME]`.
+    pub(crate) fn table(&self) -> Table {
+        let document: Result<DocumentMut, _> = self.text.parse();
+        // The text was made here.
+        let mut table =
+            document.map_or_else(|_| Table::new(), |document| document.as_table().clone());
+        forget_places(&mut table);
+        table
+    }
+}
+
+/// An effect as it was read, before it is defined.
+struct Parsed {
+    role: Role,
+    torque: String,
+    fingerprint: Option<String>,
+    parameters: Vec<ParameterText>,
+    formula: Formula,
+    /// The definition in one form.
+    text: String,
+}
+
+impl Parsed {
+    fn read(source: &TomlSource, section: &Section, name: &str) -> Result<Parsed, Error> {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if name.is_empty() || !name.chars().all(is_plain) {
             return Err(section.error(Problem::Formula(
@@ -123,28 +190,14 @@ impl OwnEffect {
             fingerprint.as_deref(),
             &parameters,
         );
-        let content = format!("{OWN_PREFIX}{name}\n{text}");
-        let effect = EffectId::external(&content, || {
-            define(name, role, &torque.value, fingerprint, &parameters, formula)
+        Ok(Parsed {
+            role,
+            torque: torque.value,
+            fingerprint,
+            parameters,
+            formula,
+            text,
         })
-        .map_err(|error| section.error(Problem::Formula(error.to_string())))?;
-        Ok(OwnEffect { effect, text })
-    }
-
-    /// NAME, without what stands before it.
-    pub fn bare_name(&self) -> &'static str {
-        let name = self.effect.name();
-        name.strip_prefix(OWN_PREFIX).unwrap_or(name)
-    }
-
-    /// The definition as a table for `[own.NAME]`.
-    pub(crate) fn table(&self) -> Table {
-        let document: Result<DocumentMut, _> = self.text.parse();
-        // The text was made here.
-        let mut table =
-            document.map_or_else(|_| Table::new(), |document| document.as_table().clone());
-        forget_places(&mut table);
-        table
     }
 }
 

@@ -12,6 +12,7 @@ use super::effort::{Effort, Outcome, within_pace};
 use super::normal_equations::{assemble, reduce, solve};
 use super::sensitivity::window_cost;
 use super::unknowns::{Unknowns, Window, relevant};
+use crate::learned::penalty_of;
 use crate::records::Record;
 
 /// The records of a fit with their windows, and where the minimisation stands.
@@ -24,7 +25,7 @@ pub struct Minimum {
     /// Sum of squared normalised residuals.
     pub cost: f64,
     /// Information about the free parameters after the windows' unknowns are eliminated, in the
-    /// fit's coordinates.
+    /// fit's coordinates; with what is known beforehand of learned curves.
     pub information: DMatrix<f64>,
     /// Which free parameters lie on a bound, so that the data pull them out of their range.
     pub on_bound: Vec<bool>,
@@ -48,7 +49,8 @@ const CREEPING: usize = 8;
 const CRUMB: f64 = 1e-2;
 
 /// Minimises the sum of squared normalised residuals over the free parameters and the windows'
-/// starts, from `values` and `windows`.
+/// starts, from `values` and `windows`. What is known beforehand of learned curves
+/// ([`plant::LearnedCurve::penalty`]) counts beside it, but is no part of the cost that is told.
 pub fn minimise(
     records: &[&Record],
     model: &Model,
@@ -72,7 +74,20 @@ pub fn minimise(
     let mut since_refusal = DOUBTFUL;
     let mut outcome = Outcome::OutOfIterations;
     let mut on_bound = vec![false; count];
-    let mut costs = vec![assembled.cost];
+    let penalty = penalty_of(model, unknowns);
+    let of_unknowns = |values: &[f64]| {
+        DVector::from_iterator(
+            count,
+            unknowns.free.iter().map(|&position| values[position]),
+        )
+    };
+    let beforehand = |values: &[f64]| -> f64 {
+        penalty.as_ref().map_or(0.0, |penalty| {
+            let own = of_unknowns(values);
+            own.dot(&(penalty * &own))
+        })
+    };
+    let mut costs = vec![assembled.cost + beforehand(&values)];
     let factors = factors(model);
     if !assembled.cost.is_finite() {
         outcome = Outcome::NotFinite;
@@ -83,7 +98,11 @@ pub fn minimise(
             break;
         }
         let mean_square = (assembled.cost / observations.max(1) as f64).max(1e-300);
-        let reduced = reduce(&assembled, &globals, count, damping);
+        let mut reduced = reduce(&assembled, &globals, count, damping);
+        if let Some(penalty) = &penalty {
+            reduced.gradient -= penalty * of_unknowns(&values);
+            reduced.matrix += penalty;
+        }
         // An unknown on its bound is held there while the data pull it outwards.
         for (index, held) in on_bound.iter_mut().enumerate() {
             let value = values[unknowns.free[index]];
@@ -154,8 +173,9 @@ pub fn minimise(
             }
         }
         // Among refusals a step is likely to be refused too: that costs no derivatives.
+        let (before, after) = (beforehand(&values), beforehand(&next_values));
         let is_refused = since_refusal < DOUBTFUL
-            && cost(records, model, &next_values, &next_windows) > assembled.cost;
+            && cost(records, model, &next_values, &next_windows) + after > assembled.cost + before;
         let next = (!is_refused).then(|| {
             assemble(
                 records,
@@ -169,7 +189,7 @@ pub fn minimise(
         evaluations += 1;
         let small = promised.abs() <= effort.tolerance * mean_square;
         since_refusal += 1;
-        if let Some(next) = next.filter(|next| next.cost <= assembled.cost) {
+        if let Some(next) = next.filter(|next| next.cost + after <= assembled.cost + before) {
             values = next_values;
             windows = next_windows;
             assembled = next;
@@ -186,7 +206,8 @@ pub fn minimise(
                 outcome = Outcome::Stalled;
             }
         }
-        costs.push(assembled.cost);
+        let objective = assembled.cost + beforehand(&values);
+        costs.push(objective);
         if outcome == Outcome::OutOfIterations
             && within_pace(&costs, effort.evaluations.saturating_sub(evaluations)) > effort.goal
         {
@@ -194,13 +215,16 @@ pub fn minimise(
         }
         if outcome == Outcome::OutOfIterations
             && costs.len() > CREEPING
-            && costs[costs.len() - 1 - CREEPING] - assembled.cost
+            && costs[costs.len() - 1 - CREEPING] - objective
                 < mean_square.max(CRUMB * (assembled.cost - observations as f64))
         {
             outcome = Outcome::Stalled;
         }
     }
-    let reduced = reduce(&assembled, &globals, count, 0.0);
+    let mut reduced = reduce(&assembled, &globals, count, 0.0);
+    if let Some(penalty) = &penalty {
+        reduced.matrix += penalty;
+    }
     Minimum {
         values,
         windows,

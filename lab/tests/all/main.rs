@@ -5,6 +5,8 @@ mod browser;
 mod drop;
 mod hostile;
 mod http;
+#[path = "../../../workbench/tests/all/magnet.rs"]
+mod magnet;
 mod report;
 mod running;
 mod tasks;

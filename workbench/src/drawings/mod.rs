@@ -6,3 +6,4 @@ mod comparison;
 mod decay;
 mod design;
 mod diagnosis;
+mod torque_curve;

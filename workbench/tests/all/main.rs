@@ -4,6 +4,8 @@ mod bench;
 mod calling_off;
 mod controller;
 mod hardware;
+mod learned;
+mod magnet;
 mod results;
 mod session;
 mod sliders;
