@@ -85,7 +85,7 @@ pub struct DiagnosisReport {
     pub last: ComparisonReport,
     /// The structure of the model of [`DiagnosisReport::with_learned`].
     #[serde(skip)]
-    learned_model: Option<Model>,
+    pub(crate) learned_model: Option<Model>,
 }
 
 /// The model as it was, or after one effect more; refitted to all experiments.
@@ -248,68 +248,6 @@ impl Session {
         }
         report.has_failed_at_first = self.refuse_failed(&identified).is_err();
         Ok(report)
-    }
-
-    /// The torque that the model of a fit lacks, where a curve over a coordinate predicts something of it.
-    fn missing_torque(&self, found: &Identification) -> Option<MissingTorque> {
-        let fit = &found.fit;
-        let problem = self.problem().suited_to(&fit.model);
-        let curve = identify::best_missing_curve(
-            &problem.all_records(),
-            &fit.minimum.windows,
-            &fit.model,
-            &fit.values,
-            &problem.free(&fit.model),
-        )?;
-        Some(MissingTorque::new(self, &curve))
-    }
-
-    /// Puts the learned curves that the model has into the last step of a diagnosis, where they are still needed.
-    fn with_learned(
-        &self,
-        report: &mut DiagnosisReport,
-        last_fit: &Identification,
-        progress: &Progress,
-    ) -> Result<(), Error> {
-        let coordinates = self.learned_coordinates();
-        let names: Vec<&str> = coordinates.iter().map(|one| one.effect_name()).collect();
-        let names = names.join(" and ");
-        if report.verdict != Verdict::Unexplained {
-            report.statements.push(format!(
-                "{names}: what the curve followed is accounted for without it; --apply takes it out"
-            ));
-            return Ok(());
-        }
-        let found = identify::with_curves(self.problem(), &last_fit.fit, &coordinates, progress)
-            .map_err(|source| self.not_identified(source))?;
-        let records = &self.problem().records;
-        let traces = || found.traces.iter().flatten();
-        let parameters = parameters_of(self.problem(), &found.fit);
-        let rmse = per_series(records, traces().map(|trace| trace.rmse));
-        report.last_model = FinalModel {
-            effects: effect_names(&found.fit.model),
-            parameters: parameters.clone(),
-            rmse: rmse.clone(),
-        };
-        report.sentence = format!(
-            "{} The model follows it with {names}, which explains nothing.",
-            report.sentence
-        );
-        report.with_learned = Some(DiagnosisStep {
-            effect: coordinates.first().map(|one| one.effect_name().to_owned()),
-            replaces: vec![],
-            provisional: false,
-            held_out_worse: false,
-            effects: effect_names(&found.fit.model),
-            parameters,
-            correlation: correlation_of(&found.fit),
-            rmse,
-            fit_percent: per_series(records, traces().map(fit_percent)),
-            validation_fit_percent: f64::NAN,
-            validation_rmse: PerSeries::default(),
-        });
-        report.learned_model = Some(found.fit.model.clone());
-        Ok(())
     }
 
     /// Makes the last step of a diagnosis the session's model, and says what its effects change in
@@ -537,12 +475,12 @@ impl DiagnosisStep {
     }
 }
 
-fn fit_percent(trace: &PredictedSeries) -> f64 {
+pub(crate) fn fit_percent(trace: &PredictedSeries) -> f64 {
     trace.fit_percent
 }
 
 /// Numbers in the order of the records and their channels, with the names of the series.
-fn per_series(records: &[Record], values: impl IntoIterator<Item = f64>) -> PerSeries {
+pub(crate) fn per_series(records: &[Record], values: impl IntoIterator<Item = f64>) -> PerSeries {
     let names = records.iter().flat_map(|record| {
         record.channels.iter().map(|channel| SeriesName {
             experiment: record.name.clone(),

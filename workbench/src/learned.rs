@@ -1,11 +1,15 @@
 //! Torques as curves: the one that a model lacks, and those that were learned.
 
-use identify::{MissingCurve, Progress};
+use diagnose::Verdict;
+use identify::{Identification, MissingCurve, Progress};
 use plant::{EffectId, LearnedCoordinate, LearnedCurve, Role};
 use serde::{Deserialize, Serialize};
 
 use crate::change::EffectChange;
+use crate::comparison::{correlation_of, effect_names, parameters_of};
+use crate::diagnosis::{DiagnosisReport, DiagnosisStep, FinalModel, fit_percent, per_series};
 use crate::error::Error;
+use crate::per_series::PerSeries;
 use crate::session::Session;
 
 /// The torque that a model lacks, over the coordinate in which it stands best.
@@ -117,6 +121,68 @@ impl Session {
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
         self.remove_effect(named(coordinate)?.effect_name(), progress)
+    }
+
+    /// The torque that the model of a fit lacks, where a curve over a coordinate predicts something of it.
+    pub(crate) fn missing_torque(&self, found: &Identification) -> Option<MissingTorque> {
+        let fit = &found.fit;
+        let problem = self.problem().suited_to(&fit.model);
+        let curve = identify::best_missing_curve(
+            &problem.all_records(),
+            &fit.minimum.windows,
+            &fit.model,
+            &fit.values,
+            &problem.free(&fit.model),
+        )?;
+        Some(MissingTorque::new(self, &curve))
+    }
+
+    /// Puts the learned curves that the model has into the last step of a diagnosis, where they are still needed.
+    pub(crate) fn with_learned(
+        &self,
+        report: &mut DiagnosisReport,
+        last_fit: &Identification,
+        progress: &Progress,
+    ) -> Result<(), Error> {
+        let coordinates = self.learned_coordinates();
+        let names: Vec<&str> = coordinates.iter().map(|one| one.effect_name()).collect();
+        let names = names.join(" and ");
+        if report.verdict != Verdict::Unexplained {
+            report.statements.push(format!(
+                "{names}: what the curve followed is accounted for without it; --apply takes it out"
+            ));
+            return Ok(());
+        }
+        let found = identify::with_curves(self.problem(), &last_fit.fit, &coordinates, progress)
+            .map_err(|source| self.not_identified(source))?;
+        let records = &self.problem().records;
+        let traces = || found.traces.iter().flatten();
+        let parameters = parameters_of(self.problem(), &found.fit);
+        let rmse = per_series(records, traces().map(|trace| trace.rmse));
+        report.last_model = FinalModel {
+            effects: effect_names(&found.fit.model),
+            parameters: parameters.clone(),
+            rmse: rmse.clone(),
+        };
+        report.sentence = format!(
+            "{} The model follows it with {names}, which explains nothing.",
+            report.sentence
+        );
+        report.with_learned = Some(DiagnosisStep {
+            effect: coordinates.first().map(|one| one.effect_name().to_owned()),
+            replaces: vec![],
+            provisional: false,
+            held_out_worse: false,
+            effects: effect_names(&found.fit.model),
+            parameters,
+            correlation: correlation_of(&found.fit),
+            rmse,
+            fit_percent: per_series(records, traces().map(fit_percent)),
+            validation_fit_percent: f64::NAN,
+            validation_rmse: PerSeries::default(),
+        });
+        report.learned_model = Some(found.fit.model.clone());
+        Ok(())
     }
 
     /// The coordinates over which the model has learned curves.

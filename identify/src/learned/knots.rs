@@ -7,7 +7,7 @@ use super::missing::MissingCurve;
 use crate::records::{Output, Record};
 
 /// Knots of the curve that is looked at before the final one.
-const FINE: usize = 48;
+const FINE: usize = 96;
 /// Fewest distinct samples between two knots.
 const FEWEST_BETWEEN: usize = 8;
 /// Shares of the knots that are spread evenly over the range, and over the samples; the rest goes where the curve
