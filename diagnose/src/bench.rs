@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use identify::{Cancelled, FitProblem, Record};
+use identify::{Cancelled, Effort, FitProblem, Record};
 use plant::EffectId;
 
 use crate::candidate::Candidate;
@@ -52,13 +52,20 @@ impl<'a> SearchBench<'a> {
         }
     }
 
-    /// Goes on unless the work has been called off: asked before every fit.
+    /// Goes on unless the work has been called off: asked before every fit and after it.
     pub fn check(&self) -> Result<(), Cancelled> {
         if (self.is_cancelled)() {
             Err(Cancelled)
         } else {
             Ok(())
         }
+    }
+
+    /// An effort that ends when the work is called off: within one evaluation of the normal equations. What such a
+    /// fit has come to is no minimum, so that every fit is followed by a [`SearchBench::check`].
+    pub fn until_called_off(&self, effort: Effort<'static>) -> Effort<'a> {
+        let effort: Effort<'a> = effort;
+        effort.until(self.is_cancelled)
     }
 
     /// Number of samples over all channels, which is the cost that is expected of noise alone.
@@ -79,8 +86,12 @@ impl<'a> SearchBench<'a> {
 
     /// What the smoothed sign of dry friction alone leaves of a candidate.
     pub fn imperfection(&self, candidate: &Candidate) -> Arc<Imperfection> {
-        self.imperfections
-            .of(self.problem, &self.records, candidate)
+        self.imperfections.of(
+            self.problem,
+            &self.records,
+            candidate,
+            self.until_called_off(Effort::ROUGH),
+        )
     }
 
     /// The largest structured remainder over all series that is not what a smoothed sign of dry friction

@@ -161,14 +161,21 @@ struct Start<'a> {
 }
 
 /// The fit of a model to thinned logs, from where it was fitted to all samples.
-fn thin_fit(thin: &FitProblem, thinning: &[usize], model: &Model, before: &Minimum) -> Minimum {
+fn thin_fit(
+    thin: &FitProblem,
+    thinning: &[usize],
+    model: &Model,
+    before: &Minimum,
+    is_cancelled: IsCancelled,
+) -> Minimum {
     let records = thin.all_records();
     let thinned = |start: usize, step: usize| start.div_ceil(step);
     let windows = windows_at(&before.windows, thinning, thinned);
     let values = before.values.clone();
     let windows = joined(&records, &values, &windows);
     let free = thin.free(model);
-    refit(&records, model, values, windows, &free, Effort::FULL)
+    let effort = Effort::FULL.until(is_cancelled);
+    refit(&records, model, values, windows, &free, effort)
 }
 
 /// A search over the logs of a bench, and what it comes to.
@@ -196,7 +203,7 @@ impl<'a> Start<'a> {
         let minimum = if is_fitted && !is_thinned(&thinning) {
             given.clone()
         } else {
-            thin_fit(&thin, &thinning, model, given)
+            thin_fit(&thin, &thinning, model, given, is_cancelled)
         };
         let candidate = Candidate::new(&thin, &records, vec![], model.clone(), minimum, None);
         Start {
@@ -213,7 +220,7 @@ impl<'a> Start<'a> {
 
     /// The fit of a model to the thinned logs, from where it was fitted to the logs before.
     fn fit(&self, model: &Model, before: &Minimum) -> Minimum {
-        thin_fit(&self.thin, &self.thinning, model, before)
+        thin_fit(&self.thin, &self.thinning, model, before, self.is_cancelled)
     }
 
     /// A step as it is reported, fitted to all samples of the bench; `known`: such a fit, where it was made before.
@@ -230,7 +237,10 @@ impl<'a> Start<'a> {
         }
         let minimum = match known {
             Some(known) => known.clone(),
-            None => whole_fit(problem, &self.thinning, candidate),
+            None => {
+                let effort = Effort::FULL.until(self.is_cancelled);
+                whole_fit(problem, &self.thinning, candidate, effort)
+            }
         };
         Step::whole(problem, planned, look, candidate, minimum)
     }
@@ -250,9 +260,10 @@ impl<'a> Start<'a> {
     /// asks for it beside what a candidate has.
     fn in_windows(&self, candidate: &Candidate, problem: &FitProblem) -> Option<FitProblem> {
         let cut = self.thin.in_windows()?;
+        let effort = Effort::FULL.until(self.is_cancelled);
         let remains = candidate.largest_remainder() > self.thresholds.remains;
-        let asks =
-            remains && shows_in_short_windows(&cut, candidate, &self.suspects, self.thresholds);
+        let asks = remains
+            && shows_in_short_windows(&cut, candidate, &self.suspects, self.thresholds, effort);
         asks.then(|| problem.in_windows())?
     }
 }
@@ -400,8 +411,10 @@ fn place_of(
     } else {
         let ground = &found.pool[0];
         let (from, minimum) = (&ground.model, &ground.minimum);
-        extend(problem, records, from, minimum, &step.model, Effort::FULL)
+        let effort = bench.until_called_off(Effort::FULL);
+        extend(problem, records, from, minimum, &step.model, effort)
     };
+    bench.check()?;
     if let Some(known) = known.filter(|&known| found.pool[known].minimum.cost <= fitted.cost) {
         return Ok(known);
     }

@@ -45,6 +45,7 @@ impl Imperfections {
         problem: &FitProblem,
         records: &[&Record],
         candidate: &Candidate,
+        effort: Effort,
     ) -> Arc<Imperfection> {
         let key = (candidate.set(), candidate.minimum.cost.to_bits());
         // What a thread that panicked has left is whole: entries are put in at once.
@@ -53,16 +54,17 @@ impl Imperfections {
             return known.clone();
         }
         // Not under the lock: two threads at worst work out the same.
-        let new = Arc::new(imperfection(problem, records, candidate));
+        let new = Arc::new(imperfection(problem, records, candidate, effort));
         found().entry(key).or_insert(new).clone()
     }
 }
 
-/// What the smoothed sign of dry friction alone would leave of a candidate.
+/// What the smoothed sign of dry friction alone would leave of a candidate; `effort` is that of the fit.
 pub fn imperfection(
     problem: &FitProblem,
     records: &[&Record],
     candidate: &Candidate,
+    effort: Effort,
 ) -> Imperfection {
     let (model, minimum) = (&candidate.model, &candidate.minimum);
     if !model.effects().iter().any(|effect| effect.info().has_kink) {
@@ -105,7 +107,7 @@ pub fn imperfection(
         minimum.values.clone(),
         minimum.windows.clone(),
         &problem.free(model),
-        Effort::ROUGH,
+        effort,
     );
     let mut found = Imperfection {
         rms_over_noise: vec![],

@@ -158,6 +158,7 @@ pub fn looks(
             let (model, minimum) = (&candidate.model, &candidate.minimum);
             let free = bench.problem.free(model);
             let (unseen, held_out) = held_out(bench, model, minimum);
+            bench.check()?;
             let look = Look {
                 fit: finish(&bench.records, model, &free, minimum.clone()),
                 held_out,

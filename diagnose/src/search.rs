@@ -41,8 +41,9 @@ fn finished_evidences(bench: &SearchBench, pool: &mut [Candidate]) -> Result<Vec
             unfinished.minimum.values.clone(),
             unfinished.minimum.windows.clone(),
             &bench.problem.free(&unfinished.model),
-            Effort::PATIENT.towards(goal),
+            bench.until_called_off(Effort::PATIENT).towards(goal),
         );
+        bench.check()?;
         if minimum.outcome == Outcome::OutOfIterations {
             minimum.outcome = Outcome::Stalled;
         }
@@ -83,10 +84,12 @@ pub fn prepared<'a>(
         let window_s = WINDOW_PERIODS * period_s(&shown);
         bench.window_s = Some(window_s);
         let free = problem.free(&start.model);
+        let effort = bench.until_called_off(Effort::FULL);
         let fits = [start.minimum.values.clone(), shown].map(|values| {
             let (records, model) = (&bench.records, &start.model);
-            fit_windowed(records, model, values, &free, window_s, Effort::FULL)
+            fit_windowed(records, model, values, &free, window_s, effort)
         });
+        bench.check()?;
         let [windowed, from_samples] = fits;
         let windowed = if from_samples.cost < windowed.cost {
             from_samples

@@ -8,12 +8,13 @@ use crate::candidate::Candidate;
 use crate::thresholds::Thresholds;
 
 /// Whether a ripple takes most of what `best` misses without it, where driven logs are compared over short
-/// windows.
+/// windows. `effort` is that of the fits.
 pub fn shows_in_short_windows(
     cut: &FitProblem,
     best: &Candidate,
     suspects: &[EffectId],
     thresholds: &Thresholds,
+    effort: Effort,
 ) -> bool {
     let mut ripples: Vec<EffectId> = suspects.to_vec();
     ripples.extend(best.model.effects());
@@ -21,7 +22,7 @@ pub fn shows_in_short_windows(
     ripples.sort();
     ripples.dedup();
     let mut ripples = ripples.into_iter();
-    ripples.any(|ripple| takes_most(cut, best, ripple, thresholds))
+    ripples.any(|ripple| takes_most(cut, best, ripple, thresholds, effort))
 }
 
 fn takes_most(
@@ -29,6 +30,7 @@ fn takes_most(
     best: &Candidate,
     ripple: EffectId,
     thresholds: &Thresholds,
+    effort: Effort,
 ) -> bool {
     let records = cut.all_records();
     let plain = best.model.without(ripple);
@@ -36,15 +38,8 @@ fn takes_most(
     let values = carry_over(&best.model, &best.minimum.values, &plain, &start);
     let windows = joined(&records, &values, &best.minimum.windows);
     let free = cut.free(&plain);
-    let without = refit(&records, &plain, values, windows, &free, Effort::FULL);
-    let with = extend(
-        cut,
-        &records,
-        &plain,
-        &without,
-        &plain.with(ripple),
-        Effort::FULL,
-    );
+    let without = refit(&records, &plain, values, windows, &free, effort);
+    let with = extend(cut, &records, &plain, &without, &plain.with(ripple), effort);
     let observations: usize = records.iter().map(|record| record.observations()).sum();
     let missed = without.cost - observations as f64;
     let least = thresholds.least_gain.max(thresholds.cogging_share * missed);

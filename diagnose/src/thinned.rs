@@ -27,7 +27,12 @@ pub fn windows_at(
 }
 
 /// The fit of a candidate to all samples of the bench.
-pub fn whole_fit(problem: &FitProblem, thinning: &[usize], candidate: &Candidate) -> Minimum {
+pub fn whole_fit(
+    problem: &FitProblem,
+    thinning: &[usize],
+    candidate: &Candidate,
+    effort: Effort,
+) -> Minimum {
     let records = problem.all_records();
     let whole = |start: usize, step: usize| start * step;
     let before = windows_at(&candidate.minimum.windows, thinning, whole);
@@ -38,6 +43,6 @@ pub fn whole_fit(problem: &FitProblem, thinning: &[usize], candidate: &Candidate
         candidate.minimum.values.clone(),
         windows,
         &problem.free(&candidate.model),
-        Effort::FULL,
+        effort,
     )
 }

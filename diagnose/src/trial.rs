@@ -74,6 +74,7 @@ fn fit_roughly(
     } else {
         Effort::ROUGH
     };
+    let effort = bench.until_called_off(effort);
     let mut best: Option<Rough> = None;
     for start in starts.into_iter().take(MOST_STARTS) {
         // What has been reached already, or nearly, no other start is tried for.
@@ -92,6 +93,7 @@ fn fit_roughly(
             &bench.problem.free(&start.model),
             effort.towards(goal),
         );
+        bench.check()?;
         if best
             .as_ref()
             .is_none_or(|best| minimum.cost < best.minimum.cost)
@@ -160,20 +162,15 @@ fn fit_whole(
         start,
     } = rough;
     let free = problem.free(&start.model);
-    let effort = Effort::FULL.towards(goal.whole);
+    let full = bench.until_called_off(Effort::FULL);
+    let effort = full.towards(goal.whole);
     let (values, windows) = whole_start(bench, from, &rough, &start);
     let mut minimum = refit(records, &start.model, values, windows, &free, effort);
     // What brings much in short windows must bring something over the whole logs.
     let brings_much = point.cost - rough.cost > MUCH * point.cost;
     if minimum.cost > from.minimum.cost && brings_much && rough.cost <= goal.windows {
         bench.check()?;
-        let again = fit_from_scratch(
-            records,
-            &start.model,
-            rough.values.clone(),
-            &free,
-            Effort::FULL,
-        );
+        let again = fit_from_scratch(records, &start.model, rough.values.clone(), &free, full);
         if again.cost < minimum.cost {
             minimum = again;
         }
@@ -196,6 +193,7 @@ fn fit_whole(
             minimum = again;
         }
     }
+    bench.check()?;
     Ok(Candidate::new(
         problem,
         records,
@@ -344,14 +342,10 @@ pub fn without(
     let known = known(&set);
     let again = |values: &[f64], windows: Vec<Vec<Window>>| -> Result<Minimum, Cancelled> {
         bench.check()?;
-        Ok(refit(
-            records,
-            &model,
-            values.to_vec(),
-            windows,
-            &free,
-            Effort::FULL,
-        ))
+        let effort = bench.until_called_off(Effort::FULL);
+        let found = refit(records, &model, values.to_vec(), windows, &free, effort);
+        bench.check()?;
+        Ok(found)
     };
     let carried = |minimum: &Minimum| -> Vec<f64> {
         let start = vec![0.0; model.parameter_count()];

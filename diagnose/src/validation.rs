@@ -80,12 +80,13 @@ pub fn mean_fit_percent(series: &[HeldOut]) -> f64 {
     series.iter().map(|one| one.fit_percent).sum::<f64>() / series.len() as f64
 }
 
-/// A record's channels against given parameters; only its start is fitted.
+/// A record's channels against given parameters; only its start is fitted, with this effort.
 fn predicted(
     record: &Record,
     model: &Model,
     values: &[f64],
     windows: Vec<identify::Window>,
+    effort: Effort,
 ) -> Vec<HeldOut> {
     let unknowns = Unknowns::new(model, &[]);
     let minimum = minimise(
@@ -94,7 +95,7 @@ fn predicted(
         values.to_vec(),
         vec![windows],
         &unknowns,
-        Effort::ROUGH,
+        effort,
     );
     traces(record, &minimum.windows[0], model, values)
         .iter()
@@ -121,6 +122,7 @@ fn moves(channel: &identify::RecordedChannel) -> bool {
 }
 
 fn by_experiment(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
+    let effort = bench.until_called_off(Effort::ROUGH);
     let unknowns = Unknowns::new(model, &bench.problem.free(model));
     let whole = score_test(
         &bench.records,
@@ -164,6 +166,7 @@ fn by_experiment(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<H
             model,
             &values,
             minimum.windows[index].clone(),
+            effort,
         ));
     }
     series
@@ -188,6 +191,7 @@ fn by_halves(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldO
         .iter()
         .map(|record| final_windows(record, &minimum.values))
         .collect();
+    let effort = bench.until_called_off(Effort::ROUGH);
     let unknowns = Unknowns::new(model, &bench.problem.free(model));
     let fitted = minimise(
         &first,
@@ -195,11 +199,11 @@ fn by_halves(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldO
         minimum.values.clone(),
         windows,
         &unknowns,
-        Effort::ROUGH,
+        effort,
     );
     for (_, second) in &halves {
         let windows = final_windows(second, &fitted.values);
-        series.extend(predicted(second, model, &fitted.values, windows));
+        series.extend(predicted(second, model, &fitted.values, windows, effort));
     }
     series
 }

@@ -65,6 +65,9 @@ pub fn extend(
     let tries = tries.unwrap_or(1).max(1);
     let mut best: Option<Minimum> = None;
     for attempt in 0..tries {
+        if attempt > 0 && (effort.cancelled)() {
+            break;
+        }
         let mut start = vec![0.0; model.parameter_count()];
         for (effect, starts) in &starts {
             let at = model.position(*effect).unwrap_or(0);

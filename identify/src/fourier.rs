@@ -31,10 +31,12 @@ impl Fourier {
 
     /// The spectrum of a series, from frequency zero to half of the samples' own.
     pub(crate) fn spectrum(&self, series: &[f64]) -> Vec<Complex<f64>> {
-        let mut bins: Vec<Complex<f64>> = series.iter().map(Complex::from).collect();
+        let mut bins: Vec<Complex<f64>> = Vec::with_capacity(self.length);
+        bins.extend(series.iter().map(Complex::from));
         bins.resize(self.length, Complex::default());
         self.forward.process(&mut bins);
         bins.truncate(self.length / 2 + 1);
+        bins.shrink_to_fit();
         bins
     }
 

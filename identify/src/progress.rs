@@ -5,7 +5,7 @@
 pub struct Progress<'a> {
     /// Is told in words what comes next; from the thread that called, never from another one.
     pub say: &'a dyn Fn(&str),
-    /// Asked before every fit, from any thread: `true` ends the work with [`Cancelled`]. It must answer
+    /// Asked before every fit and within it, from any thread: `true` ends the work with [`Cancelled`]. It must answer
     /// at once, and after the first `true` it must not go back.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
 }

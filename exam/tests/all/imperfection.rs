@@ -2,7 +2,7 @@
 
 use diagnose::{Verdict, imperfection};
 use exam::{Answer, Mark, draw, fitted, mark};
-use identify::{Output, Progress, identify};
+use identify::{Effort, Output, Progress, identify};
 use plant::{EffectId, Kind, Model};
 
 /// Benches whose dry friction really sticks (the exam simulates it so), in a balance log that stops
@@ -16,7 +16,7 @@ fn the_misfit_of_a_smoothed_sign_is_predicted() {
         let base = identify(problem, &Model::base(), None).expect("a fit").fit;
         let records = problem.all_records();
         let truth = fitted(problem, &base.minimum, &answer.effects, &answer);
-        let found = imperfection(problem, &records, &truth);
+        let found = imperfection(problem, &records, &truth, Effort::ROUGH);
         let mut imperfection = found.rms_over_noise.iter();
         for (record, traces) in records.iter().zip(&truth.traces) {
             for (channel, trace) in record.channels.iter().zip(traces) {
@@ -55,7 +55,7 @@ fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
     let problem = &bench.problem;
     let base = identify(problem, &Model::base(), None).expect("a fit").fit;
     let truth = fitted(problem, &base.minimum, &answer.effects, &answer);
-    let without = imperfection(problem, &problem.all_records(), &truth).rmse_without;
+    let without = imperfection(problem, &problem.all_records(), &truth, Effort::ROUGH).rmse_without;
     let own = truth.rmse();
     assert_eq!(without.len(), own.len());
     assert!(
@@ -75,7 +75,8 @@ fn without_dry_friction_there_is_none() {
     let problem = &bench.problem;
     let base = identify(problem, &Model::base(), None).expect("a fit").fit;
     let truth = fitted(problem, &base.minimum, &answer.effects, &answer);
-    let imperfection = imperfection(problem, &problem.all_records(), &truth).rms_over_noise;
+    let imperfection =
+        imperfection(problem, &problem.all_records(), &truth, Effort::ROUGH).rms_over_noise;
     assert!(imperfection.iter().all(|&value| value == 0.0));
 }
 

@@ -28,7 +28,8 @@ use rayon::prelude::*;
 
 use super::spectral::correlated_sum;
 use crate::fit::{
-    Observation, Unknowns, Window, normal_observed, relevant, simulate_smoothed, transitions,
+    Observation, Unknowns, Window, normal_observed, relevant, simulate_smoothed,
+    transitions_backwards,
 };
 use crate::records::{Record, input_noise_std};
 
@@ -136,18 +137,19 @@ pub fn gradient_error(
     let mut sensitivities = vec![vec![vec![0.0; n]; p]; channels];
     let mut counts = vec![0usize; channels];
     let mut locals_total = 0;
-    let projected: Vec<Vec<Projected>> = windows
+    let projected: Vec<Projected> = windows
         .par_iter()
         .map(|window| project(record, window, model, values, unknowns, &globals))
         .collect();
-    for (window, observations) in windows.iter().zip(projected) {
+    for (window, projected) in windows.iter().zip(projected) {
         locals_total += window.nuisances.len();
-        for one in observations {
+        let rows = projected.sensitivities.chunks_exact(projected.width);
+        for (one, sensitivity) in projected.observed.iter().zip(rows) {
             counts[one.channel] += 1;
             let mut residual = one.residual;
             for (index, series) in sensitivities[one.channel].iter_mut().enumerate() {
-                series[one.sample] = one.sensitivity[index];
-                residual -= one.sensitivity[index] * own_step[index];
+                series[one.sample] = sensitivity[index];
+                residual -= sensitivity[index] * own_step[index];
             }
             residuals[one.channel][one.sample] = residual;
         }
@@ -195,13 +197,20 @@ pub fn gradient_error(
     }
 }
 
-/// An observation once the start of its window may adapt.
+/// The observations of a window once its start may adapt.
 struct Projected {
+    observed: Vec<Observed>,
+    /// For each of them a row of `width` numbers, of which the first are s̃ = s_g − Hgl Hll⁻¹ s_l for each parameter
+    /// that shows in the record.
+    sensitivities: Vec<f64>,
+    width: usize,
+}
+
+/// Where an observation stands, and what is left of it.
+struct Observed {
     sample: usize,
     channel: usize,
     residual: f64,
-    /// s̃ = s_g − Hgl Hll⁻¹ s_l, for each parameter that shows in the record.
-    sensitivity: Vec<f64>,
 }
 
 fn project(
@@ -211,16 +220,23 @@ fn project(
     values: &[f64],
     unknowns: &Unknowns,
     globals: &[usize],
-) -> Vec<Projected> {
+) -> Projected {
     let p = globals.len();
-    let mut observations: Vec<Projected> = vec![];
+    let most = window.samples.len() * record.channels.len();
+    let mut observed: Vec<Observed> = Vec::with_capacity(most);
+    let mut sensitivities: Vec<f64> = vec![];
+    let mut width = p;
     let keep = &mut |observation: Observation| {
         if observation.residual.is_finite() {
-            observations.push(Projected {
+            if observed.is_empty() {
+                width = observation.sensitivity.len();
+                sensitivities.reserve_exact(width * most);
+            }
+            sensitivities.extend_from_slice(observation.sensitivity);
+            observed.push(Observed {
                 sample: observation.sample,
                 channel: observation.channel,
                 residual: observation.residual,
-                sensitivity: observation.sensitivity.to_vec(),
             });
         }
     };
@@ -232,17 +248,21 @@ fn project(
     }
     let coupling = system.hessian.view((p, 0), (l, p)).into_owned();
     let projection = Cholesky::new(own).map(|cholesky| cholesky.solve(&coupling));
-    for observation in &mut observations {
-        let of_locals = observation.sensitivity.split_off(p);
-        if let Some(projection) = &projection {
-            for (index, sensitivity) in observation.sensitivity.iter_mut().enumerate() {
+    if let Some(projection) = &projection {
+        for row in sensitivities.chunks_exact_mut(width) {
+            let (of_globals, of_locals) = row.split_at_mut(p);
+            for (index, sensitivity) in of_globals.iter_mut().enumerate() {
                 let column = projection.column(index);
-                let taken_up: f64 = column.iter().zip(&of_locals).map(|(a, b)| a * b).sum();
-                *sensitivity -= taken_up;
+                let own = column.iter().zip(of_locals.iter());
+                *sensitivity -= own.map(|(a, b)| a * b).sum::<f64>();
             }
         }
     }
-    observations
+    Projected {
+        observed,
+        sensitivities,
+        width,
+    }
 }
 
 /// Whether a position of the parameter vector belongs to a dry friction whose sign is smoothed.
@@ -297,10 +317,9 @@ fn input_walk(
     if noise_a == 0.0 {
         return walk;
     }
-    let transitions = transitions(record, window, model, values);
     // Sum over all later samples of the sensitivity times what is left there of a change of the state.
     let mut later = Matrix6xX::<f64>::zeros(p);
-    for (k, transition) in window.samples.clone().zip(&transitions).rev() {
+    transitions_backwards(record, window, model, values, |k, transition| {
         for (channel, series) in record.channels.iter().zip(sensitivities) {
             let shows = &transition.shown[channel.output as usize];
             for (index, series) in series.iter().enumerate() {
@@ -313,6 +332,6 @@ fn input_walk(
         if transition.state.iter().all(|entry| entry.is_finite()) {
             later = transition.state.tr_mul(&later);
         }
-    }
+    });
     walk
 }

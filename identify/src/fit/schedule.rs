@@ -144,6 +144,9 @@ fn over_samples(
     unknowns: &Unknowns,
     effort: Effort,
 ) -> Minimum {
+    if found.outcome == Outcome::Cancelled {
+        return found;
+    }
     let delay = model.find(|info| info.timing == Some(Timing::Delay));
     let (Some((effect, at)), Some(sample_s)) = (
         delay.filter(|(_, at)| unknowns.free.contains(at)),
@@ -175,7 +178,7 @@ fn over_samples(
             }
             let windows = best.windows.clone();
             let next = minimise(records, model, values, windows, unknowns, look);
-            if next.cost > goal {
+            if next.cost > goal || next.outcome == Outcome::Cancelled {
                 break;
             }
             best = next;

@@ -63,17 +63,19 @@ fn gradient(number: Numbers) -> SVector<f64, STATES> {
 }
 
 /// The transitions between the samples of a window of a log with a recorded current, along the motion of the
-/// model; none for any other.
-pub fn transitions(
+/// model; none for any other. `each` is given the sample before each of them and the transition, the last one first:
+/// of a long log only the motion is kept, a tenth of what its transitions would take.
+pub fn transitions_backwards(
     record: &Record,
     window: &Window,
     model: &Model,
     values: &[f64],
-) -> Vec<Transition> {
+    mut each: impl FnMut(usize, &Transition),
+) {
     let RecordedCurrent::Known(input) = &record.current else {
-        return vec![];
+        return;
     };
-    let mut states: Vec<State<f64>> = vec![];
+    let mut states: Vec<State<f64>> = Vec::with_capacity(window.samples.len());
     simulate(record, window, model, values, |_, _, state| {
         states.push(*state);
     });
@@ -81,26 +83,22 @@ pub fn transitions(
     let plant = plant_of(record, model, &constants, Smoothing::SIMULATION);
     let before_a = input.first().map_or(0.0, |(_, first_a)| first_a);
     let before_a = Dual::constant(before_a);
-    window
-        .samples
-        .clone()
-        .zip(states.windows(2))
-        .map(|(k, pair)| {
-            let (from_s, to_s) = (record.time_s[k], record.time_s[k + 1]);
-            let command = plant.command(input, (from_s, to_s), before_a, k);
-            let drive = Drive {
-                current_a: Dual::variable(command.value(), CURRENT),
-                push: [0.0; 3],
-            };
-            let end = components(&plant.step(&variables(&pair[0]), &drive, to_s - from_s));
-            let reading = plant.read(&variables(&pair[1]));
-            Transition {
-                state: SMatrix::from_fn(|row, column| end[row].derivatives[column]),
-                input: SVector::from_fn(|row, _| end[row].derivatives[CURRENT]),
-                shown: Output::ALL.map(|output| gradient(output.of(&reading))),
-            }
-        })
-        .collect()
+    for (k, pair) in window.samples.clone().zip(states.windows(2)).rev() {
+        let (from_s, to_s) = (record.time_s[k], record.time_s[k + 1]);
+        let command = plant.command(input, (from_s, to_s), before_a, k);
+        let drive = Drive {
+            current_a: Dual::variable(command.value(), CURRENT),
+            push: [0.0; 3],
+        };
+        let end = components(&plant.step(&variables(&pair[0]), &drive, to_s - from_s));
+        let reading = plant.read(&variables(&pair[1]));
+        let transition = Transition {
+            state: SMatrix::from_fn(|row, column| end[row].derivatives[column]),
+            input: SVector::from_fn(|row, _| end[row].derivatives[CURRENT]),
+            shown: Output::ALL.map(|output| gradient(output.of(&reading))),
+        };
+        each(k, &transition);
+    }
 }
 
 #[cfg(test)]
@@ -182,7 +180,11 @@ mod tests {
             }
             let record_as_it_is = record(None);
             let window = window(&record_as_it_is);
-            let transitions = transitions(&record_as_it_is, &window, &model, &values);
+            let mut transitions: Vec<Transition> = vec![];
+            transitions_backwards(&record_as_it_is, &window, &model, &values, |_, one| {
+                transitions.push(one.clone());
+            });
+            transitions.reverse();
             for first in [20, 150, 331] {
                 let change_a = 1e-5;
                 let up = outputs(&record(Some((first, change_a))), &model, &values);
