@@ -65,7 +65,7 @@ pub fn torque_curve(figure: &TorqueCurve) -> String {
     // A band that is wide at the ends must not flatten the curve.
     let range = match (core, ends) {
         (Some((low, high)), Some((band_low, band_high))) => {
-            let room = high - low;
+            let room = 0.5 * (high - low);
             Some((
                 low.min(band_low.max(low - room)),
                 high.max(band_high.min(high + room)),

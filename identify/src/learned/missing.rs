@@ -5,6 +5,8 @@
 //! which bend in a fit that lacks something. The penalty on ∫f″² is the one that predicts held-out experiments best
 //! (Wahba, *Spline Models for Observational Data*, 1990, ch. 4).
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use plant::{Instant, LearnedCoordinate, Model, Role, Spline};
 use rayon::prelude::*;
@@ -45,8 +47,9 @@ pub struct MissingCurve {
     /// Share of the missing torque beyond the noise that the curve predicts in experiments that it was not made
     /// from.
     pub share: f64,
-    /// What it gains in the prediction of held-out torques, in units of their scatter squared.
-    pub gain: f64,
+    /// What it explains of the missing torque in all experiments, in units of the noise squared, less what its
+    /// degrees of freedom would explain of noise.
+    pub explained: f64,
     /// How the gain stands to what chance would give, in standard deviations.
     pub significance: f64,
     pub(super) spline: Spline,
@@ -135,23 +138,22 @@ pub fn missing_curve(
     if rows.is_empty() {
         return None;
     }
-    let mut parts: Vec<Part> = rows
+    let mut ranges: Vec<(&Rows, Range<usize>)> = rows
         .iter()
-        .map(|rows| part(rows, 0..rows.torque.len()))
+        .map(|rows| (rows, 0..rows.torque.len()))
         .collect();
+    let parts_of = |ranges: &[(&Rows, Range<usize>)]| -> Vec<Part> {
+        let parts = ranges.iter();
+        parts
+            .map(|(rows, range)| part(rows, range.clone()))
+            .collect()
+    };
+    let mut parts = parts_of(&ranges);
     let all = sum(&parts);
     let mut held = that_can_be_held_out(&parts);
     if held.len() < 2 {
-        parts = rows
-            .iter()
-            .flat_map(|rows| {
-                let series: Vec<f64> = rows.torque.iter().copied().collect();
-                let length = block_length(&series);
-                let starts = (0..series.len()).step_by(length);
-                let ends = starts.map(|start| start..(start + length).min(series.len()));
-                ends.map(|range| part(rows, range)).collect::<Vec<Part>>()
-            })
-            .collect();
+        ranges = rows.iter().flat_map(stretches).collect();
+        parts = parts_of(&ranges);
         held = (0..parts.len()).collect();
     }
     let terms = own_terms(model, values, free, coordinate, &spline, &samples);
@@ -176,8 +178,9 @@ pub fn missing_curve(
     // What the curve leaves is the yardstick: beside something else that is missing, little is certain.
     let scatter = (all.cost(&found) / bumps.max(1) as f64).max(1.0);
     let gain = (without - cost) / scatter;
-    let noise_square: f64 = held.iter().map(|&index| parts[index].square).sum();
-    let beyond = (noise_square.min(without) / scatter - held_bumps(&parts, &held, bumps)).max(gain);
+    let bumps_held: usize = held.iter().map(|&index| ranges[index].1.len()).sum();
+    let beyond = (without / scatter - bumps_held as f64).max(gain);
+    let in_all = all.cost(&solved(&all, &no_curve, &origin)?) - all.cost(&found);
     let covariance = covariance(&rows, &all, &penalty, count)? * scatter;
     // Of noise alone, twice the number of the curve's own degrees of freedom is the variance of a χ².
     let freedom = freedom(&all, &penalty, n)?;
@@ -186,7 +189,7 @@ pub fn missing_curve(
         on: rows[0].on,
         experiments: rows.iter().map(|rows| rows.name.clone()).collect(),
         share: (gain / beyond.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
-        gain,
+        explained: in_all - freedom * scatter,
         significance: gain / (2.0 * freedom.max(1.0)).sqrt(),
         torque_nm: found.rows(0, n).into_owned(),
         covariance: covariance.view((0, 0), (n, n)).into_owned(),
@@ -200,9 +203,14 @@ pub fn missing_curve(
     })
 }
 
-/// The number of bumps in the parts that are held out.
-fn held_bumps(parts: &[Part], held: &[usize], bumps: usize) -> f64 {
-    bumps as f64 * held.len() as f64 / parts.len().max(1) as f64
+/// A log in stretches of ten correlation times of its missing torque.
+fn stretches(rows: &Rows) -> Vec<(&Rows, Range<usize>)> {
+    let series: Vec<f64> = rows.torque.iter().copied().collect();
+    let length = block_length(&series);
+    let starts = (0..series.len()).step_by(length);
+    starts
+        .map(|start| (rows, start..(start + length).min(series.len())))
+        .collect()
 }
 
 /// The coordinate over which the missing torque stands best, with its curve; `None` where no curve predicts
@@ -227,10 +235,13 @@ pub fn best_missing_curve(
         .filter_map(|coordinate| missing_curve(records, windows, model, values, free, coordinate))
         .filter(|curve| curve.significance > SIGNIFICANT)
         .collect();
-    let best = found.iter().map(|curve| curve.gain).fold(0.0, f64::max);
+    let best = found
+        .iter()
+        .map(|curve| curve.explained)
+        .fold(0.0, f64::max);
     let chosen = found
         .iter()
-        .position(|curve| best > 0.0 && curve.gain >= AS_GOOD * best)?;
+        .position(|curve| best > 0.0 && curve.explained >= AS_GOOD * best)?;
     Some(found.swap_remove(chosen))
 }
 
@@ -313,7 +324,7 @@ fn rows(
     })
 }
 
-fn part(rows: &Rows, range: std::ops::Range<usize>) -> Part {
+fn part(rows: &Rows, range: Range<usize>) -> Part {
     let matrix = rows.matrix.rows(range.start, range.len());
     let torque = rows.torque.rows(range.start, range.len());
     Part {

@@ -25,9 +25,9 @@ kind = "free-swing"
 file = "swing-20.csv"
 
 [[experiment]]
-name = "swing 40 deg"
+name = "swing 52 deg"
 kind = "free-swing"
-file = "swing-40.csv"
+file = "swing-52.csv"
 "#;
 
 /// Its files.
@@ -35,11 +35,11 @@ pub fn files() -> Vec<(&'static str, String)> {
     vec![
         ("bench.toml", BENCH.to_owned()),
         ("swing-20.csv", swing(20.0, 1)),
-        ("swing-40.csv", swing(40.0, 2)),
+        ("swing-52.csv", swing(52.0, 2)),
     ]
 }
 
-/// A swing of 12 s, Runge–Kutta of order 4 with half a millisecond, and the noise of the thesis' sensors.
+/// A swing of 30 s, Runge–Kutta of order 4 with half a millisecond, and the noise of the thesis' sensors.
 fn swing(degrees: f64, seed: u64) -> String {
     let acceleration =
         |angle: f64, rate: f64| (torque(angle) - GRAVITY * angle.sin() - VISCOUS * rate) / TOTAL;
@@ -58,7 +58,7 @@ fn swing(degrees: f64, seed: u64) -> String {
     let (mut angle, mut rate) = (degrees.to_radians(), 0.0);
     let mut text = String::from("time_s,angle_rad,rate_rad_s\n");
     let h = 5e-4;
-    for sample in 0..3000 {
+    for sample in 0..7500 {
         let _ = writeln!(
             text,
             "{:.3},{:.6},{:.6}",
