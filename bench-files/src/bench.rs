@@ -10,6 +10,7 @@ use crate::csv_table::{self, OpenTable};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory, ReadingWatch};
 use crate::hardware::Hardware;
+use crate::keys;
 use crate::known::Known;
 use crate::log::{self, ColumnUse, LoadReport, Log, Note};
 use crate::own_effect::OwnEffect;
@@ -169,7 +170,7 @@ fn read_bench(
     root.allow_only(&SECTIONS)?;
     let mut name = None;
     if let Some(section) = root.section("bench")? {
-        section.allow_only(&["name"])?;
+        section.allow_only(&keys::names(keys::BENCH, "bench"))?;
         name = section.text("name")?.map(|name| name.value);
     }
     let (known, computed) = Known::read(root.section("known")?.as_ref())?;
@@ -235,7 +236,7 @@ fn folder_name(folder: &Path) -> String {
 }
 
 fn read_controller(section: &Section) -> Result<Controller, Error> {
-    section.allow_only(&["gains", "current_limit", "sample_time"])?;
+    section.allow_only(&keys::names(keys::BENCH, "controller"))?;
     Ok(Controller {
         gains: section
             .required_three_numbers("gains", "gains = [-24.27, -2.13, -0.0226]")?
@@ -302,22 +303,7 @@ fn motion_needed(kind: Kind) -> (&'static [Channel], &'static str) {
 
 impl Plan {
     fn read(section: &Section, folder: &Path) -> Result<Plan, Error> {
-        section.allow_only(&[
-            "name",
-            "kind",
-            "file",
-            "columns",
-            "units",
-            "scale",
-            "sign",
-            "offset",
-            "constants",
-            "current_meaning",
-            "from",
-            "until",
-            "time_step",
-            "accept",
-        ])?;
+        section.allow_only(&keys::names(keys::BENCH, "experiment"))?;
         let name = section.required_text("name", "name = \"free swing 20 deg\"")?;
         let kind_name = section.required_text(
             "kind",

@@ -37,6 +37,7 @@ use crate::csv_table;
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::hardware::Hardware;
+use crate::keys;
 use crate::known::Known;
 use crate::toml_source::{Located, Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
@@ -151,22 +152,7 @@ impl CalibrationRecordings {
                 "[calibration] with gyroscope = \"still.csv\"",
             ))
         })?;
-        section.allow_only(&[
-            "accelerometer",
-            "gyroscope",
-            "magnetometer",
-            "swing",
-            "hanging",
-            "wheel_speed",
-            "current",
-            "gyroscope_scale",
-            "sample_time",
-            "field",
-            "lever_arm",
-            "lever_arm_std",
-            "columns",
-            "plumb_lines",
-        ])?;
+        section.allow_only(&keys::names(keys::BENCH, "calibration"))?;
         let reader = Reader {
             files,
             source: &source,
@@ -398,7 +384,7 @@ fn plumb_lines(section: &Section) -> Result<Option<PlumbLines>, Error> {
     let Some(table) = section.section("plumb_lines")? else {
         return Ok(None);
     };
-    table.allow_only(&["pivot", "std", "lines"])?;
+    table.allow_only(&keys::names(keys::BENCH, "calibration.plumb_lines"))?;
     let pivot = "pivot = [0.0, 0.0]";
     let lines = "lines = [[[0.1, 0.0], [0.02, -0.13]], [[-0.1, 0.0], [-0.01, -0.13]]]";
     let pivot_m = table
@@ -521,15 +507,7 @@ pub struct Calibration {
 impl Calibration {
     /// Reads the section.
     pub(crate) fn read(section: &Section) -> Result<Calibration, Error> {
-        section.allow_only(&[
-            "accelerometer",
-            "gyroscope",
-            "magnetometer",
-            "mounting",
-            "lever_arm",
-            "wheel_speed",
-            "current",
-        ])?;
+        section.allow_only(&keys::names(keys::MODEL, "calibration"))?;
         let sensor = |key: &str| -> Result<Option<StoredSensorCalibration>, Error> {
             let Some(table) = section.section(key)? else {
                 return Ok(None);

@@ -71,7 +71,7 @@ impl Correlation {
 
     /// Reads the section; `with_std`: the parameters that have a standard error.
     pub(crate) fn read(section: &Section, with_std: &[&str]) -> Result<Correlation, Error> {
-        section.allow_only(&["parameters", "matrix"])?;
+        section.allow_only(&crate::keys::names(crate::keys::MODEL, "correlation"))?;
         let names = section.texts("parameters")?.unwrap_or_default();
         if names.is_empty() {
             let example = "parameters = [\"total_inertia\", \"gravity_torque\"]";

@@ -36,7 +36,7 @@ impl EffectsSection {
         own: &[OwnEffect],
         learned: &[EffectId],
     ) -> Result<EffectsSection, Error> {
-        section.allow_only(&["present", "provisional", "rivals", "unseen_upright"])?;
+        section.allow_only(&crate::keys::names(crate::keys::MODEL, "effects"))?;
         let own: Vec<EffectId> = own
             .iter()
             .map(|own| own.effect)

@@ -1,6 +1,7 @@
 //! What was measured directly and stands in `[known]`.
 
 use crate::error::{Error, Problem};
+use crate::keys;
 use crate::toml_source::Section;
 
 /// Quantities of a bench that were measured with ruler, balance and data sheet. All in SI; each
@@ -96,18 +97,7 @@ impl Known {
         let Some(section) = section else {
             return Ok((known, None));
         };
-        section.allow_only(&[
-            "gravity",
-            "torque_constant",
-            "body_mass",
-            "wheel_mass",
-            "pivot_to_wheel",
-            "pivot_to_com",
-            "gravity_torque",
-            "total_inertia",
-            "wheel_inertia",
-            "body_inertia",
-        ])?;
+        section.allow_only(&keys::names(keys::BENCH, "known"))?;
         let positive = |key| -> Result<Option<f64>, Error> {
             Ok(section.positive_number(key)?.map(|located| located.value))
         };

@@ -33,7 +33,7 @@ fn read_curve(
     coordinate: LearnedCoordinate,
     entry: &Section,
 ) -> Result<(EffectId, Vec<Parameter>), Error> {
-    entry.allow_only(&["knots", "torque", "std", "unit", "source"])?;
+    entry.allow_only(&crate::keys::names(crate::keys::MODEL, "learned"))?;
     let required = |key: &'static str, example: &'static str| {
         let found = entry.numbers(key, &[0], "a list of numbers")?;
         found.ok_or_else(|| entry.error(entry.missing(key, example)))

@@ -23,6 +23,7 @@ mod effects_section;
 mod error;
 mod files;
 mod hardware;
+pub mod keys;
 mod known;
 mod learned_section;
 mod log;
@@ -47,7 +48,7 @@ pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
 pub use files::{FilesInMemory, ReadingWatch, WATCHED_BYTES};
 pub use hardware::{
-    AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor,
+    AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor, known_parts,
 };
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};

@@ -15,6 +15,7 @@ use crate::effects_section::{self, EffectsSection, Tie};
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::hardware::Hardware;
+use crate::keys;
 use crate::learned_section;
 use crate::own_effect::OwnEffect;
 use crate::toml_source::{Section, TomlSource};
@@ -550,7 +551,7 @@ fn read_parameter(
     (si, (low, high)): (&'static str, (f64, f64)),
     entry: &Section,
 ) -> Result<Parameter, Error> {
-    entry.allow_only(&["value", "std", "unit", "source"])?;
+    entry.allow_only(&keys::names(keys::MODEL, "parameters"))?;
     let value = entry
         .number("value")?
         .ok_or_else(|| entry.error(entry.missing("value", "value = 2.3e-3")))?
@@ -603,14 +604,7 @@ fn plain_unit(unit: &str) -> String {
 }
 
 fn read_design(section: &Section) -> Result<DesignSection, Error> {
-    section.allow_only(&[
-        "sample_time",
-        "state_weights",
-        "current_weight",
-        "current_limit",
-        "friction_linearisation_speed",
-        "bias_time_constant",
-    ])?;
+    section.allow_only(&keys::names(keys::MODEL, "design"))?;
     let weights =
         section.required_three_numbers("state_weights", "state_weights = [25.0, 0.5, 5e-4]")?;
     if let Some(negative) = weights.value.iter().find(|weight| **weight < 0.0) {

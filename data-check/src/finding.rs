@@ -114,6 +114,79 @@ impl FindingId {
             FindingId::UnknownFinding => "unknown-finding",
         }
     }
+    /// What it means and what mends it, in one sentence; the sentence of a [`Finding`] has the numbers.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            FindingId::RateFactor => {
+                "The rate is not the derivative of the angle: -1 a sign, 57.3 degrees, 1000 milliseconds; state `units` or `sign` of one of them."
+            }
+            FindingId::SameColumn => {
+                "Two channels have the same samples: both are mapped to one column; mend `columns`."
+            }
+            FindingId::AngleFactor => {
+                "The angle's unit contradicts the motion of a pendulum, whose period grows with its amplitude; state `units`."
+            }
+            FindingId::TimeFactor => {
+                "The time's unit contradicts the period of the pendulum or the controller's sample time; state `units`."
+            }
+            FindingId::TimeStamps => {
+                "Time stamps vary, leave gaps or repeat: log the time of the measurement, or state `time_step`."
+            }
+            FindingId::CurrentSign => {
+                "The wheel speeds up against its current: `sign = { current = -1 }`, or the wheel's."
+            }
+            FindingId::CurrentFactor => {
+                "The current's unit contradicts what a motor can do, mostly by 1000: `units = { current = \"mA\" }`."
+            }
+            FindingId::WheelSpeedFactor => {
+                "The wheel's speed contradicts other logs, its inertia or what a motor can do, mostly by 9.55: `units = { wheel_speed = \"rpm\" }`."
+            }
+            FindingId::WheelSign => {
+                "Wheel and body do not exchange momentum: one of them has the wrong `sign`."
+            }
+            FindingId::WheelTurns => {
+                "The wheel turns in a swing in which it should be locked: the experiment is `driven`, with `constants = { current = 0.0 }`."
+            }
+            FindingId::BodyMoves => {
+                "The body moves in a spin-up in which it should be clamped: the experiment is `driven`."
+            }
+            FindingId::HeldStart => {
+                "The body is held still before its release; `from` cuts that off."
+            }
+            FindingId::Hand => {
+                "The swing gains energy: a hand is on the body; cut it off with `from` and `until`."
+            }
+            FindingId::SameData => {
+                "Two experiments have the same samples; one of them names the wrong `file`."
+            }
+            FindingId::Clipped => {
+                "A channel ends at a limit: the sensor was set to too small a range; repeat, or cut with `from` and `until`."
+            }
+            FindingId::Frozen => {
+                "A channel stands still while the motion goes on: the sensor or its bus had stopped."
+            }
+            FindingId::Wrapped => {
+                "A channel begins anew at a limit, as an angle at 360 degrees does; unwrap it before it is logged."
+            }
+            FindingId::Quantised => {
+                "A channel has few levels: its steps are larger than its noise."
+            }
+            FindingId::LateChannel => {
+                "A channel comes later than the others, by a filter or a delay on its way."
+            }
+            FindingId::Stale => "A channel repeats old samples: its sensor is slower than the log.",
+            FindingId::Gains => {
+                "The logged current is not that of the controller in `[controller]`: its gains have another unit or sign, or the log another current."
+            }
+            FindingId::KnownMissing => {
+                "Masses and lengths are given, but not what makes a torque of them; state what is named, mostly `gravity`."
+            }
+            FindingId::KnownRange => {
+                "A value of `[known]` that no such bench has, mostly by a unit."
+            }
+            FindingId::UnknownFinding => "`accept` names something that is no finding.",
+        }
+    }
 }
 
 /// What a finding means for the commands.

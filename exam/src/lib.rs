@@ -15,11 +15,12 @@
 //! | `marks` | the marks of many benches together |
 //! | `sitting` | an exam over seeds or over a folder of benches |
 //! | `report` | the marks as they are handed out |
-//! | `tables` | the marks as CSV |
+//! | `tables`, `drawings` | the marks as CSV and as figures |
 
 mod answer;
 mod bench_plan;
 mod draw;
+mod drawings;
 mod marking;
 mod marks;
 mod report;

@@ -8,6 +8,7 @@ pub mod design;
 pub mod design_change;
 pub mod diagnosis;
 pub mod effects;
+pub mod exam;
 pub mod findings;
 pub mod new_bench;
 pub mod proof;

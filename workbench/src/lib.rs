@@ -73,6 +73,7 @@ mod design_report;
 mod diagnosis;
 mod drawings;
 mod effect_library;
+mod effect_portrait;
 mod error;
 mod learned;
 mod loop_responses;
@@ -120,6 +121,7 @@ pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
+pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use learned::{MissingTorque, TorquePoint};

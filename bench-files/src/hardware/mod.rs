@@ -27,7 +27,7 @@ mod reading;
 
 use toml_edit::{Item, TableLike};
 
-pub use parts::Part;
+pub use parts::{Part, known_parts};
 
 /// What `[hardware]` states. Each part may be missing.
 #[derive(Clone, Debug)]

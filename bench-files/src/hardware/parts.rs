@@ -78,7 +78,7 @@ const fn inertial(
 
 /// Every preset. The drives' settings are those of a configuration tool, so only the number of bits
 /// and the duty's ends follow from the part.
-pub(super) const PARTS: [Part; 18] = [
+static PARTS: [Part; 18] = [
     Part {
         name: "FXAS21002",
         role: Role::Gyroscope,
@@ -224,6 +224,25 @@ pub(super) fn named(name: &str, roles: &[Role]) -> Option<&'static Part> {
     PARTS
         .iter()
         .find(|part| roles.contains(&part.role) && plain(part.name) == plain(name))
+}
+
+/// Every part with a preset, once for each of its roles.
+pub fn known_parts() -> &'static [Part] {
+    &PARTS
+}
+
+impl Part {
+    /// What it does.
+    pub fn role_name(&self) -> &'static str {
+        match self.role {
+            Role::Gyroscope => "gyroscope",
+            Role::Accelerometer => "accelerometer",
+            Role::Magnetometer => "magnetometer",
+            Role::Encoder => "encoder",
+            Role::CurrentDrive => "current drive",
+            Role::VoltageDrive => "voltage drive",
+        }
+    }
 }
 
 /// The parts that have a preset in one of these roles.

@@ -5,6 +5,7 @@ use toml_edit::Item;
 use super::parts::{Numbers, Part, Role, named, names};
 use super::{AngleSensor, Drive, DriveKind, Hardware, InertialSensor, WheelSpeedSensor};
 use crate::error::{Error, Names, Problem};
+use crate::keys;
 use crate::toml_source::{Section, TomlSource};
 
 type Rotation = [[f64; 3]; 3];
@@ -22,14 +23,7 @@ impl Hardware {
         let Some(section) = root.section("hardware")? else {
             return Ok(None);
         };
-        section.allow_only(&[
-            "gyroscope",
-            "accelerometer",
-            "magnetometer",
-            "wheel_speed",
-            "angle",
-            "drive",
-        ])?;
+        section.allow_only(&keys::names(keys::BENCH, "hardware"))?;
         let sensor = |key, role| match section.section(key)? {
             Some(table) => inertial(&table, role).map(Some),
             None => Ok(None),
@@ -98,20 +92,11 @@ fn preset(table: &Section, roles: &[Role]) -> Result<Option<&'static Part>, Erro
 }
 
 fn inertial(table: &Section, role: Role) -> Result<InertialSensor, Error> {
-    let mut known = vec![
-        "part",
-        "scale",
-        "bits",
-        "justified",
-        "clip",
-        "rate",
-        "axes",
-        "rotation",
-    ];
-    if role == Role::Accelerometer {
-        known.push("lever_arm");
-    }
-    table.allow_only(&known)?;
+    let section = match role {
+        Role::Accelerometer => "hardware.accelerometer",
+        _ => "hardware.gyroscope",
+    };
+    table.allow_only(&keys::names(keys::BENCH, section))?;
     let part = preset(table, &[role])?;
     let mut sensor = InertialSensor {
         part,
@@ -270,7 +255,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
     let kind = table.required_text("kind", "kind = \"converter\" (or encoder, driver)")?;
     match kind.value.as_str() {
         "converter" => {
-            table.allow_only(&["kind", "slope", "offset", "low", "high"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, converter"))?;
             let count = |key: &str| -> Result<u16, Error> {
                 match whole(table, key, 0, 65_535)? {
                     Some(count) => Ok(count as u16),
@@ -301,7 +286,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
             })
         }
         "encoder" => {
-            table.allow_only(&["kind", "part", "counts_per_turn", "bits", "window"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, encoder"))?;
             let (counts_per_turn, bits) = encoder(table)?;
             Ok(WheelSpeedSensor::Encoder {
                 counts_per_turn,
@@ -315,7 +300,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
             })
         }
         "driver" => {
-            table.allow_only(&["kind", "scale"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, driver"))?;
             let scale = table.required_number("scale")?;
             if scale == 0.0 {
                 return Err(out_of_range(table, "scale", 0.0, "other than zero"));
@@ -330,11 +315,11 @@ fn angle(table: &Section) -> Result<AngleSensor, Error> {
     let kind = table.required_text("kind", "kind = \"inertial\" (or encoder)")?;
     match kind.value.as_str() {
         "inertial" => {
-            table.allow_only(&["kind"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.angle, inertial"))?;
             Ok(AngleSensor::Inertial)
         }
         "encoder" => {
-            table.allow_only(&["kind", "part", "counts_per_turn", "bits", "zero"])?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.angle, encoder"))?;
             let (counts_per_turn, bits) = encoder(table)?;
             let largest = (1_i64 << bits) - 1;
             match whole(table, "zero", 0, largest)? {
@@ -391,24 +376,13 @@ fn drive(table: &Section) -> Result<Drive, Error> {
             }
         },
     };
-    let common = [
-        "kind",
-        "part",
-        "bits",
-        "duty_zero",
-        "duty_low",
-        "duty_high",
-        "amperes_per_count",
-    ];
     let kind = match kind.as_str() {
         "current" => {
-            table.allow_only(&common)?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.drive, current"))?;
             DriveKind::Current
         }
         "voltage" => {
-            let mut known = common.to_vec();
-            known.extend(["supply_voltage", "winding_resistance"]);
-            table.allow_only(&known)?;
+            table.allow_only(&keys::names(keys::BENCH, "hardware.drive, voltage"))?;
             DriveKind::Voltage {
                 supply_v: table
                     .required_positive_number("supply_voltage", "supply_voltage = 12.0 (V)")?,

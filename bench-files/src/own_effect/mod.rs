@@ -167,7 +167,7 @@ impl Parsed {
         let mut definitions: Vec<Located<String>> = vec![];
         let mut texts: Vec<(String, Located<String>)> = vec![];
         for key in section.keys() {
-            if ["role", "torque", "fingerprint", "parameters"].contains(&key.value.as_str()) {
+            if crate::keys::names(crate::keys::OWN_EFFECT, "own").contains(&key.value.as_str()) {
                 continue;
             }
             let is_taken = MOTION.contains(&key.value.as_str())
@@ -224,7 +224,10 @@ fn parameters(section: &Section) -> Result<Vec<ParameterText>, Error> {
         let Some(entry) = table.section(&key.value)? else {
             continue;
         };
-        entry.allow_only(&["unit", "start", "bounds"])?;
+        entry.allow_only(&crate::keys::names(
+            crate::keys::OWN_EFFECT,
+            "own.parameters",
+        ))?;
         let starts = match entry.numbers("start", &[0], "a number, or a list of numbers") {
             Ok(Some(list)) if !list.is_empty() => list,
             _ => vec![entry.required_number("start")?],

@@ -48,7 +48,8 @@ const TAIL: &str = r#"
 # justified = "right"
 # clip      = [32767, 32767, 32767]
 # rate      = 800.0            # fresh samples a second
-# axes      = ["x", "y", "z"]  # the body axis that each sensor axis shows, "-y" reversed
+# axes      = ["x", "y", "z"]  # the body axis that each sensor axis shows, "-y" reversed; or
+# rotation  = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]   # sensor to body
 # lever_arm = [0.0, 0.0]       # m, accelerometer, along body x and y
 # [hardware.wheel_speed]
 # kind      = "converter"      # slope, offset (rad/s), low, high (counts); "encoder": counts_per_turn, bits, window;
@@ -180,4 +181,24 @@ fn table(key: &str, entries: impl Iterator<Item = String>) -> String {
         return String::new();
     }
     format!("{key} = {{ {} }}\n", entries.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bench_files::keys::BENCH;
+
+    /// Every key of a bench.toml that begins a bench stands in the text, at least as a comment.
+    #[test]
+    fn every_key_stands_in_the_proposal() {
+        let text = bench_toml("bench", &[]) + "[[experiment]] name file";
+        for section in BENCH
+            .iter()
+            .filter(|section| !section.name.starts_with("calibration"))
+        {
+            for key in section.keys {
+                assert!(text.contains(key.name), "{}: {}", section.name, key.name);
+            }
+        }
+    }
 }

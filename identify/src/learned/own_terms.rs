@@ -23,6 +23,9 @@ pub(super) struct OwnTerm {
     pub is_free: bool,
 }
 
+/// A torque over a coordinate.
+type Term<'t> = dyn Fn(f64) -> f64 + 't;
+
 fn instant(coordinate: LearnedCoordinate, value: f64) -> Instant<f64> {
     let mut at = Instant {
         angle_rad: 0.0,
@@ -60,7 +63,7 @@ pub(super) fn own_terms(
     spline: &Spline,
     samples: &[f64],
 ) -> Vec<OwnTerm> {
-    let mut terms: Vec<(Box<dyn Fn(f64) -> f64 + '_>, bool)> = vec![];
+    let mut terms: Vec<(Box<Term>, bool)> = vec![];
     if coordinate == LearnedCoordinate::Angle {
         terms.push((Box::new(f64::sin), free.contains(&GRAVITY_TORQUE)));
     }
