@@ -3,8 +3,8 @@
 /// β of a gyroscope whose rate is wrong by at most `gyro_error_rad_s` on each axis
 /// (Madgwick 2010, eq. 50): β = √(3/4) ω̃.
 ///
-/// A constant error ω̃ on all three axes turns the estimate with |½ q ⊗ ω̃| = ½ √3 ω̃, and the
-/// correction moves it with β: this is the smallest gain that outruns the error. A larger one
+/// A constant error ω̃ on all three axes rotates the estimate with |½ q ⊗ ω̃| = ½ √3 ω̃, and the
+/// correction rotates it back with β: this is the smallest gain that compensates the error. A larger gain
 /// only lets more of the accelerometer's noise through.
 pub fn beta_from_gyro_error(gyro_error_rad_s: f64) -> f64 {
     0.75_f64.sqrt() * gyro_error_rad_s.abs()
@@ -13,8 +13,8 @@ pub fn beta_from_gyro_error(gyro_error_rad_s: f64) -> f64 {
 /// β of a gyroscope with white noise of density `noise_rad_s_rthz` (rad/s/√Hz) whose bias is
 /// known to a standard deviation `bias_std_rad_s` (rest bias and its drift together).
 ///
-/// Rule: ω̃ = 3 √(σ_bias² + n²/T), three standard deviations of the rate error that is left
-/// after the noise is averaged over T = 1 s, about the time in which the filter settles.
+/// Rule: ω̃ = 3 √(σ_bias² + n²/T), three standard deviations of the rate error that remains
+/// after the noise is averaged over T = 1 s, about the settling time of the filter.
 pub fn beta_from_gyro_noise(noise_rad_s_rthz: f64, bias_std_rad_s: f64) -> f64 {
     const AVERAGING_TIME_S: f64 = 1.0;
     let noise = noise_rad_s_rthz / AVERAGING_TIME_S.sqrt();

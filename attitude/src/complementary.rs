@@ -1,8 +1,8 @@
 //! Complementary filter about one axis.
 //!
-//! The rate's integral is trusted above, the accelerometer's angle below the frequency 1/τ:
-//! θ ← θ + ω T, then θ ← θ + (1 − e^(−T/τ)) (θ_a − θ), the difference taken on the circle.
-//! A rate bias b leaves a constant error b·τ instead of a drift.
+//! Above the frequency 1/τ, the integral of the rate is used; below, the accelerometer's angle:
+//! θ ← θ + ω T, then θ ← θ + (1 − e^(−T/τ)) (θ_a − θ), with the difference taken on the circle.
+//! A rate bias b causes a constant error b·τ instead of a drift.
 
 use crate::pivot_angle::wrap_angle;
 
@@ -24,7 +24,7 @@ impl Complementary {
         }
     }
 
-    /// Takes the rate (rad/s) and, where it can be used, the accelerometer's angle (rad);
+    /// Processes the rate (rad/s) and, if it can be used, the accelerometer's angle (rad);
     /// returns the angle (rad) in [−π, π).
     pub fn update(&mut self, rate_rad_s: f64, measured_angle_rad: Option<f64>) -> f64 {
         self.angle_rad += rate_rad_s * self.sample_time_s;

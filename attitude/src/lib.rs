@@ -1,7 +1,7 @@
 //! Attitude of the pendulum from an inertial sensor, in double precision.
 //!
-//! These filters are the reference for the fixed-point filters that are emitted: both are fed
-//! the same raw counts, both follow the same rules, and the difference is the rounding error.
+//! These filters are the reference for the emitted fixed-point filters: both receive
+//! the same raw counts and follow the same rules, so their difference is the rounding error.
 //!
 //! # Frames and signs
 //! The earth frame E has z upwards, the sensor frame S is that of the chip. A quaternion
@@ -11,12 +11,12 @@
 //! π upright). See [`pivot_angle`].
 //!
 //! # Files
-//! - `spec`: what the filters need to know about sensor and mounting, as plain data
+//! - `spec`: properties of sensor and mounting, as plain data
 //! - `measurement`: raw counts to SI, and the rule for measurements that cannot be used
 //! - `madgwick`: the gradient-descent filter, six and nine axes
-//! - `lever_arm`: what the pivot's motion adds to gravity at the accelerometer
+//! - `lever_arm`: the acceleration of the accelerometer's own motion
 //! - `pivot_angle`: the angle about the pivot axis
-//! - `raw_filter`: all of these joined, from raw counts to the angle
+//! - `raw_filter`: all of these combined, from raw counts to the angle
 //! - `beta`: the filter gain from the gyroscope's error
 //! - `complementary`, `low_pass`: the simpler filters, for comparison
 #![warn(missing_docs)]

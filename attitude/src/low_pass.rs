@@ -1,7 +1,7 @@
 //! First-order low-pass, and the thesis' first attempt: low-pass the rate, then integrate.
 //!
-//! The integral of a rate with a bias b drifts by b·t whatever the low-pass does (thesis,
-//! figure 3.3); it is here to be drawn beside the others.
+//! The integral of a rate with a bias b drifts by b·t with any low-pass (thesis,
+//! figure 3.3); it is included for comparison with the other filters.
 
 /// First-order low-pass with time constant τ, sampled every T: y ← y + (1 − e^(−T/τ))(x − y),
 /// the exact response to an input that is held over the step.

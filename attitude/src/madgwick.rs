@@ -34,9 +34,9 @@
 //! # Magnetic reference
 //! h = q ⊗ m ⊗ q* is the measured field in the estimated earth frame (eq. 45), and
 //! b = (√(h_x² + h_y²), 0, h_z) (eq. 46), so that the heading's error does not tilt the vertical.
-//! The widely copied C code computes 2b and uses it as b; here b is a part of a unit vector.
-//! Copies that return early at zero rate skip the correction of a resting sensor; here a zero
-//! rate is a rate like any other.
+//! The widely copied C code computes 2b and uses it as b; here, b is a part of a unit vector.
+//! Copies of that code that return early at zero rate skip the correction of a resting sensor; here, a zero
+//! rate is not a special case.
 
 use crate::pivot_angle::up_in_sensor;
 use nalgebra::{Quaternion, Vector3, Vector4};
@@ -102,7 +102,7 @@ impl Madgwick {
     }
 
     /// As [`Madgwick::step_imu`]; returns vec(q* ⊗ ∇/‖∇‖) before the step, half of Madgwick's ω_ε
-    /// (eq. 47), which is zero where no correction is made.
+    /// (eq. 47). It is zero if no correction is made.
     pub fn step_imu_with_error(
         &mut self,
         rate: &Vector3<f64>,

@@ -1,17 +1,17 @@
-//! When a measurement cannot be used.
+//! The rule for measurements that cannot be used.
 //!
-//! The rule, the same in f64 and in fixed point:
-//! - an accelerometer or magnetometer reading with any axis at or beyond a limit of its range
-//!   (counts that the sensor's part states) is not used: the true value is unknown;
-//! - an accelerometer vector shorter than g/8 (after the lever-arm correction) is not used:
-//!   near free fall its direction is that of bias and noise. The zero vector is a case of it;
-//! - a magnetometer vector shorter than the stated field is not used, nor one whose horizontal
-//!   part in the estimated frame is below [`crate::madgwick::HORIZONTAL_FIELD_MIN`] of it;
-//! - without a usable accelerometer the step is gyroscope integration alone; with it and
-//!   without a usable magnetometer it is the six-axis step;
-//! - a gyroscope at its limit is integrated as it stands: nothing better is known.
+//! The rule is the same in f64 and in fixed point:
+//! - An accelerometer or magnetometer reading with any axis at or beyond a limit of its range
+//!   (counts that the sensor's part states) is not used, because the true value is unknown.
+//! - An accelerometer vector shorter than g/8 (after the lever-arm correction) is not used:
+//!   near free fall, its direction is that of bias and noise. The zero vector is a case of this.
+//! - A magnetometer vector shorter than the stated field is not used, nor one whose horizontal
+//!   part in the estimated frame is below [`crate::madgwick::HORIZONTAL_FIELD_MIN`] of it.
+//! - Without a usable accelerometer reading, the step integrates the gyroscope only. With it, but
+//!   without a usable magnetometer reading, it is the six-axis step.
+//! - A gyroscope reading at its limit is integrated unchanged, since nothing better is known.
 
-/// Share of g below which the accelerometer's direction is not believed.
+/// Share of g below which the direction of the accelerometer's reading is not used.
 pub const GRAVITY_SHARE_MIN: f64 = 0.125;
 
 /// Whether any axis is at or beyond the limits ±`clip` of its range.

@@ -1,5 +1,5 @@
-//! From raw counts to the attitude: calibration, lever arm, rule for unusable measurements and
-//! Madgwick's step joined, as the emitted filter joins them.
+//! From raw counts to the attitude: calibration, lever arm, the rule for unusable measurements and
+//! Madgwick's step, combined as in the emitted filter.
 
 use crate::lever_arm::LeverArm;
 use crate::madgwick::Madgwick;
@@ -28,7 +28,7 @@ impl RawFilter {
         }
     }
 
-    /// Sets the attitude by the accelerometer alone, if its reading can be used; returns
+    /// Sets the attitude from the accelerometer alone, if its reading can be used; returns
     /// whether it could.
     pub fn align(&mut self, accel: [i16; 3]) -> bool {
         let up = self.spec.accel.apply(accel);
@@ -48,8 +48,8 @@ impl RawFilter {
         }
     }
 
-    /// As [`RawFilter::update_imu`], with the gyroscope's drift taken out and followed (Madgwick 2010,
-    /// eq. 47 to 49): b ← b + ζ T ω_ε with ζ = β over `drift_time_s`.
+    /// As [`RawFilter::update_imu`], with an estimate of the gyroscope's drift that is subtracted (Madgwick 2010,
+    /// eq. 47 to 49): b ← b + ζ T ω_ε with ζ = β divided by `drift_time_s`.
     pub fn update_imu_tracked(&mut self, gyro: [i16; 3], accel: [i16; 3]) {
         let rate = self.spec.gyro.apply(gyro) - self.drift_rad_s;
         let error = match self.gravity(accel, rate.z) {
@@ -65,7 +65,7 @@ impl RawFilter {
         self.drift_rad_s = next.map(|drift| drift.clamp(-limit, limit));
     }
 
-    /// What is taken for the gyroscope's drift, rad/s.
+    /// The estimate of the gyroscope's drift, rad/s.
     pub fn drift_rad_s(&self) -> Vector3<f64> {
         self.drift_rad_s
     }
@@ -93,7 +93,7 @@ impl RawFilter {
         pivot_angle(&self.filter.quaternion(), self.spec.mounting_angle_rad)
     }
 
-    /// Gravity's reaction at the sensor, or `None` by the rule of `measurement`.
+    /// The reaction to gravity at the sensor; `None` if the reading cannot be used (see `measurement`).
     fn gravity(&mut self, accel: [i16; 3], rate_rad_s: f64) -> Option<Vector3<f64>> {
         let reading = self.spec.accel.apply(accel);
         let up = self.lever_arm.correct(reading, rate_rad_s);

@@ -1,4 +1,4 @@
-//! What a filter must know about the sensor and how it is mounted, as plain data.
+//! The properties of the sensor and its mounting that a filter needs, as plain data.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -31,16 +31,16 @@ impl SensorLine {
     }
 }
 
-/// Everything that fixes the attitude filter, in f64 and in fixed point alike.
+/// All parameters of the attitude filter, in f64 and in fixed point alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AttitudeSpec {
     /// Time between two steps, s.
     pub sample_time_s: f64,
     /// Madgwick's β, rad/s (see [`crate::beta_from_gyro_noise`]).
     pub beta_rad_s: f64,
-    /// Time in which the gyroscope's drift is followed, s: β/ζ of Madgwick's equations 47 to 49.
+    /// Time constant with which the gyroscope's drift is tracked, s: β/ζ of Madgwick's equations 47 to 49.
     pub drift_time_s: f64,
-    /// Largest drift that is followed, rad/s.
+    /// Largest drift that is tracked, rad/s.
     pub drift_limit_rad_s: f64,
     /// Gyroscope, rad/s per count.
     pub gyro: SensorLine,
@@ -48,13 +48,13 @@ pub struct AttitudeSpec {
     pub accel: SensorLine,
     /// Magnetometer, µT per count.
     pub mag: SensorLine,
-    /// Counts of the gyroscope's axes at or beyond which (either way) the true rate is unknown.
+    /// Count of the gyroscope's axes at or beyond which (in either direction) the true rate is unknown.
     pub gyro_clip: [i32; 3],
-    /// The same of the accelerometer.
+    /// The same for the accelerometer.
     pub accel_clip: [i32; 3],
-    /// The same of the magnetometer.
+    /// The same for the magnetometer.
     pub mag_clip: [i32; 3],
-    /// Field below which the magnetometer is not believed, µT.
+    /// Field below which the magnetometer is not used, µT.
     pub field_min_ut: f64,
     /// Gravity at the bench, m/s².
     pub gravity_m_s2: f64,
@@ -76,7 +76,7 @@ impl AttitudeSpec {
             beta_rad_s: 0.033,
             // Long against a push (a second), short against warming up (minutes).
             drift_time_s: 60.0,
-            // What data sheets allow a bias that was never calibrated.
+            // The largest bias that data sheets allow without calibration.
             drift_limit_rad_s: 5_f64.to_radians(),
             gyro: SensorLine::ideal(62.5e-3_f64.to_radians()),
             accel: SensorLine::ideal(STANDARD_GRAVITY / 4096.0),

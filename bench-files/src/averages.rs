@@ -1,46 +1,46 @@
-//! Logs of more rows than a fit can use, as averages over blocks of equally many rows: taken while the file is
-//! read, so that no more than [`MOST_BLOCKS`] of them are in memory however long it is.
+//! Block averages for logs with more rows than a fit can use. They are computed while the file is
+//! read, so that at most [`MOST_BLOCKS`] blocks are in memory for a file of any length.
 //!
-//! A block is one row until there are too many; then pairs of blocks become one, as often as it takes. A sensor's
-//! average stands at the mean time of its rows. A command is held from row to row; between two such times it is
-//! what keeps its integral over time.
+//! A block holds one row until there are too many blocks; then every two blocks are joined, as often as necessary. A
+//! sensor's average belongs to the mean time of its rows. A command is held from row to row; the value of a block is the
+//! one that has the same integral over time up to the next block.
 
-/// Most blocks that are kept. A million samples are a quarter of an hour at 1 kHz; a fit of more learns nothing.
+/// Largest number of blocks. A million samples are a quarter of an hour at 1 kHz; more do not improve a fit.
 pub const MOST_BLOCKS: usize = 1 << 20;
 
-/// Averages over blocks of rows of some columns, time apart.
+/// Averages over blocks of rows, for some columns and the time.
 #[derive(Clone, Debug)]
 pub(crate) struct Averages {
-    /// Columns beside the time.
+    /// Number of columns beside the time.
     columns: usize,
-    /// Which of them is a command that is held.
+    /// Index of the column that holds a command, if there is one.
     command: Option<usize>,
-    /// Rows of a block.
+    /// Number of rows per block.
     rows: usize,
     most: usize,
     blocks: Vec<Block>,
-    /// Of every block and column, the sum of the samples that are there.
+    /// For every block and column, the sum of the finite samples.
     sums: Vec<f64>,
-    /// And their number.
+    /// For every block and column, the number of finite samples.
     counts: Vec<u32>,
-    /// Time and command of the last row, and the command's integral up to it.
+    /// Time and command of the last row, and the integral of the command up to it.
     last: Option<(f64, f64)>,
     charge: f64,
 }
 
-/// The rows of a block but for their samples.
+/// The data of a block apart from its samples.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     rows: usize,
     time_sum: f64,
-    /// Time of its first row, and the command's integral up to there.
+    /// Time of the first row, and the integral of the command up to it.
     first: (f64, f64),
-    /// The same of the first row of its second half.
+    /// The same for the first row of the second half of the block.
     half: (f64, f64),
 }
 
 impl Averages {
-    /// No row yet; `most` blocks are kept (an even number).
+    /// No rows yet; at most `most` blocks are kept (an even number).
     pub fn new(columns: usize, command: Option<usize>, most: usize) -> Averages {
         Averages {
             columns,
@@ -55,12 +55,12 @@ impl Averages {
         }
     }
 
-    /// Rows of a block.
+    /// Number of rows per block.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Takes a row; a sample that is not finite dropped out.
+    /// Adds a row; a sample that is not finite is missing.
     pub fn push(&mut self, time_s: f64, samples: impl Iterator<Item = f64> + Clone) {
         if let Some((last_s, command)) = self.last {
             self.charge += command * (time_s - last_s);
@@ -72,7 +72,7 @@ impl Averages {
             if self.blocks.len() == self.most {
                 self.halve();
             }
-            // After the halving the last block may have room again.
+            // After the blocks have been joined, the last one may have room again.
             let now = (time_s, self.charge);
             self.blocks.push(Block {
                 rows: 0,
@@ -101,7 +101,7 @@ impl Averages {
         }
     }
 
-    /// Makes one block of every two.
+    /// Joins every two blocks into one.
     fn halve(&mut self) {
         let columns = self.columns;
         let half = self.blocks.len() / 2;
@@ -125,8 +125,7 @@ impl Averages {
         self.rows *= 2;
     }
 
-    /// The time of every block, and its averages column by column; NaN where fewer than half of its samples are
-    /// there.
+    /// The time of every block, and its averages column by column; NaN where fewer than half of the samples are finite.
     pub fn series(mut self) -> (Vec<f64>, Vec<Vec<f64>>) {
         self.join_rest();
         let time_s: Vec<f64> = self
@@ -146,7 +145,7 @@ impl Averages {
         (time_s, series)
     }
 
-    /// A last block of less than half the rows of the others becomes a part of the one before.
+    /// Joins a last block with less than half the rows of the others to the block before it.
     fn join_rest(&mut self) {
         let is_short = |last: &mut Block| 2 * last.rows < self.rows;
         if self.blocks.len() < 2 {
@@ -175,7 +174,7 @@ impl Averages {
         }
     }
 
-    /// The command that, held from the time of each block to the next, has the integral of the one that was logged.
+    /// The command values that, held from each block's time to the next, have the integral of the logged command.
     fn commands(&self, column: usize, time_s: &[f64]) -> Vec<f64> {
         let charge = |at: usize| {
             let Block { first, half, .. } = self.blocks[at];

@@ -1,8 +1,8 @@
-//! The columns that a log can have: their names and their units.
+//! The channels that a log can have: their column names and units.
 
 use std::f64::consts::{PI, TAU};
 
-/// A column of a log.
+/// A channel of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     /// Time of the sample, s.
@@ -19,7 +19,7 @@ pub enum Channel {
     Current,
 }
 
-/// A unit's name and the factor that takes a number in it to SI.
+/// The name of a unit, and the factor that converts a number from it to SI.
 type Unit = (&'static str, f64);
 
 const SPEED_UNITS: &[Unit] = &[
@@ -30,7 +30,7 @@ const SPEED_UNITS: &[Unit] = &[
     ("rpm", TAU / 60.0),
 ];
 
-/// The unit of a command that is a pure number.
+/// The unit of a command that is a dimensionless number.
 pub(crate) const NORMALISED: &str = "1";
 
 impl Channel {
@@ -44,7 +44,7 @@ impl Channel {
         Channel::Current,
     ];
 
-    /// The key in `columns`, `units`, `scale`, `sign`, `offset` and `constants`; also the channel's part of
+    /// The key in `columns`, `units`, `scale`, `sign`, `offset` and `constants`; also the channel in
     /// "experiment/channel" in reports.
     pub fn key(self) -> &'static str {
         match self {
@@ -92,8 +92,8 @@ impl Channel {
         }
     }
 
-    /// Parts of column names under which this channel is often found, best first. Only used to
-    /// propose a mapping in an error message, never to take a column.
+    /// Parts of names under which this channel's column is often found, the best first. They are only used to
+    /// propose a mapping in an error message, never to choose a column.
     fn usual_names(self) -> &'static [&'static str] {
         match self {
             Channel::Time => &["time", "t_", "millis", "stamp", "t"],
@@ -107,8 +107,7 @@ impl Channel {
         }
     }
 
-    /// The column that a person would probably map to this channel, leaving out those that already
-    /// have a use.
+    /// The column that probably belongs to this channel; columns in `used` are left out.
     pub(crate) fn likely_column<'a>(self, columns: &'a [String], used: &[&str]) -> Option<&'a str> {
         let free = || columns.iter().filter(|name| !used.contains(&name.as_str()));
         self.usual_names().iter().find_map(|part| {

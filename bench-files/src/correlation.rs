@@ -1,7 +1,7 @@
-//! `[correlation]` of model.toml: how the errors of the parameters hang together.
+//! `[correlation]` of model.toml: the correlations between the errors of the parameters.
 //!
-//! A fit often knows a quotient of two parameters far better than each of them: the period of a
-//! swing fixes G/Θ. Their standard errors alone do not say so; with ρ between them they do, as
+//! A fit often determines the ratio of two parameters far better than each of them: the period of a
+//! swing determines G/Θ. Standard errors alone do not express this. The correlation ρ does, through
 //! cov(a, b) = ρ std(a) std(b).
 //!
 //! ```toml
@@ -13,7 +13,7 @@
 //! ]
 //! ```
 //!
-//! Parameters that are not named are correlated with none.
+//! A parameter that is not listed is not correlated with any other.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
@@ -23,12 +23,12 @@ use crate::error::{Error, Names, Problem};
 use crate::toml_source::{Located, Section};
 use crate::toml_writing::{number, set, table_in};
 
-/// By how much a matrix may miss its symmetry, its diagonal of ones and the sign of its eigenvalues:
-/// rounding of its computation, not of its digits.
+/// Tolerance for the symmetry, the unit diagonal and the signs of the eigenvalues of a matrix. It covers
+/// rounding errors of its computation, not a matrix written with few digits.
 const ROUNDING: f64 = 1e-9;
 const EXAMPLE: &str = "matrix = [[1.0, 0.98], [0.98, 1.0]]";
 
-/// Correlations of the errors of parameters; without a unit.
+/// Correlations of the errors of parameters; dimensionless.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Correlation {
     /// The parameters, each once and each with a standard error.
@@ -38,7 +38,7 @@ pub struct Correlation {
 }
 
 impl Correlation {
-    /// The correlation of two parameters: 1 of one with itself, 0 where the section does not say.
+    /// The correlation of two parameters: 1 for a parameter with itself, 0 for a pair that is not listed.
     pub fn between(&self, a: &str, b: &str) -> f64 {
         if a == b {
             return 1.0;
@@ -50,8 +50,7 @@ impl Correlation {
         }
     }
 
-    /// The part that concerns the parameters for which `keep` holds; `None` where none
-    /// remains.
+    /// The correlations of the parameters for which `keep` is true; `None` if none remains.
     pub(crate) fn among(&self, keep: impl Fn(&str) -> bool) -> Option<Correlation> {
         let kept: Vec<usize> = (0..self.parameters.len())
             .filter(|&index| keep(&self.parameters[index]))
@@ -69,7 +68,7 @@ impl Correlation {
         })
     }
 
-    /// Reads the section; `with_std`: the parameters that have a standard error.
+    /// Reads the section. `with_std` lists the parameters that have a standard error.
     pub(crate) fn read(section: &Section, with_std: &[&str]) -> Result<Correlation, Error> {
         section.allow_only(&crate::keys::names(crate::keys::MODEL, "correlation"))?;
         let names = section.texts("parameters")?.unwrap_or_default();
@@ -124,7 +123,7 @@ impl Correlation {
     }
 }
 
-/// Refuses a matrix that no errors can have; points at the entry where there is one to blame.
+/// Refuses a matrix that is not a correlation matrix. The error points to an entry if one entry is wrong.
 fn check(
     section: &Section,
     names: &[Located<String>],

@@ -1,6 +1,6 @@
-//! CSV files in the dialects that people have (`dialect`), streamed: no more of a file is in memory than
-//! what its reader keeps. Lines that begin with `#` and blank lines are passed over. Columns without a header
-//! line are named "1", "2", …. Columns that nobody asked for may hold anything.
+//! CSV files in the usual dialects (see `dialect`), read as a stream: only what the reader keeps is in
+//! memory. Lines that begin with `#` and blank lines are skipped. Without a header line, columns are
+//! named "1", "2", …. Columns that are not used may contain anything.
 
 use std::cell::Cell;
 use std::fmt;
@@ -18,16 +18,16 @@ use crate::error::{Error, Names, Place, Problem, shortened};
 use crate::files::Files;
 use crate::write::reason;
 
-/// Largest log that is read, in bytes.
+/// Largest size of a log, in bytes.
 pub const MAX_LOG_BYTES: u64 = 1 << 30;
-/// Most lines of a log that are read: two hours and three quarters at 1 kHz.
+/// Largest number of lines of a log: two hours and three quarters at 1 kHz.
 pub const MAX_LOG_ROWS: usize = 10_000_000;
-/// What some editors put in front of UTF-8 text.
+/// The byte order mark that some editors write before UTF-8 text.
 const UTF_8_MARK: &[u8] = b"\xef\xbb\xbf";
-/// Longest line that is read, in bytes.
+/// Largest length of a line, in bytes.
 const MAX_LINE_BYTES: usize = 1 << 20;
 
-/// A CSV file that was opened: the header is read, the rows are not.
+/// An open CSV file: its header has been read, its rows have not.
 pub(crate) struct OpenTable<'p> {
     source: Source<'p>,
     reader: csv::Reader<Bounded<'p>>,
@@ -39,22 +39,22 @@ pub(crate) struct OpenTable<'p> {
     decimal_comma: bool,
 }
 
-/// A file and where it is looked for.
+/// A file, and where to open it.
 #[derive(Clone, Copy)]
 struct Source<'p> {
     files: Files<'p>,
     path: &'p Path,
-    /// Lines and bytes that the CSV reader does not see.
+    /// Lines and bytes that are skipped before the CSV reader starts.
     lines_before: u64,
     bytes_before: u64,
-    /// The bytes that the CSV reader counts are those of the file.
+    /// Whether the bytes that the CSV reader counts are those of the file.
     is_utf_8: bool,
 }
 
 impl Source<'_> {
-    /// The line on which the record at this position begins. The CSV reader's own position lies before
-    /// the blank lines, comments and half line ends that it passes over ahead of a record, so the file
-    /// is looked at once more from there; this happens only on the way to an error.
+    /// The line on which the record at this position begins. The CSV reader's own position is before
+    /// the blank lines, comments and line ends that it skips before a record. The file
+    /// is therefore read once more from there; this happens only when an error is reported.
     fn line_of(self, position: Option<&csv::Position>) -> u64 {
         let Some(position) = position else {
             return self.lines_before + 1;
@@ -89,25 +89,25 @@ impl Source<'_> {
     }
 }
 
-/// One row of the columns that were asked for.
+/// One row, with the requested columns.
 pub(crate) struct Row<'r> {
     source: Source<'r>,
     record: &'r StringRecord,
     names: &'r [String],
     indices: &'r [usize],
     decimal_comma: bool,
-    /// Rows before this one.
+    /// Number of rows before this one.
     pub index: usize,
 }
 
 impl Row<'_> {
-    /// The number in the asked-for column `k`, as it stands.
+    /// The number in the requested column `k`, not converted.
     pub fn number(&self, k: usize) -> Result<f64, Error> {
         let text = self.record.get(self.indices[k]).unwrap_or("");
         number(text, self.decimal_comma).map_err(|problem| self.error(k, *problem))
     }
 
-    /// A problem with the cell of column `k`.
+    /// An error in the cell of column `k`.
     pub fn error(&self, k: usize, problem: Problem) -> Error {
         let line = self.source.line_of(self.record.position());
         Error::at(
@@ -201,7 +201,7 @@ pub(crate) fn open<'p>(files: Files<'p>, path: &'p Path) -> Result<OpenTable<'p>
     Ok(table)
 }
 
-/// The text of a file from the first line that counts, and how many bytes stand before it.
+/// The text of a file from the first relevant line on, and the number of bytes before it.
 fn text_of<'p>(
     mut start: Vec<u8>,
     rest: impl Read + 'p,
@@ -226,7 +226,7 @@ fn text_of<'p>(
     Ok((Box::new(lines), bytes_before))
 }
 
-/// Passes over lines, and returns how many bytes they have.
+/// Skips lines, and returns their number of bytes.
 fn skip_lines(lines: &mut impl BufRead, count: u64) -> io::Result<u64> {
     let mut bytes = 0;
     for _ in 0..count {
@@ -241,7 +241,7 @@ impl OpenTable<'_> {
         &self.columns
     }
 
-    /// The unit that the file's own line of units gives to this column, where it has one that is known.
+    /// The unit of this column from the file's own line of units, if it is a known one.
     pub fn unit(&self, column: &str) -> Option<&'static str> {
         let index = self.columns.iter().position(|name| name == column)?;
         self.units.get(index).copied().flatten()
@@ -267,13 +267,12 @@ impl OpenTable<'_> {
         self.source.path
     }
 
-    /// An error at the header line.
+    /// An error in the header line.
     pub fn header_error(&self, column: Option<&str>, problem: Problem) -> Error {
         Error::at(at_line(self.source.path, self.header_line, column), problem)
     }
 
-    /// Gives every row of these columns to `take`, in the order of the file, and returns how many
-    /// there were.
+    /// Passes every row of these columns to `take`, in the order of the file, and returns their number.
     pub fn read_rows(
         &mut self,
         names: &[String],
@@ -325,7 +324,7 @@ impl OpenTable<'_> {
             (Some(_), more) => {
                 Err(self.header_error(Some(name), Problem::DuplicateColumn { times: more + 1 }))
             }
-            // Whoever built the uses took the names from the header.
+            // The caller took the column names from the header.
             (None, _) => Err(self.header_error(
                 Some(name),
                 Problem::UnknownName {
@@ -426,8 +425,8 @@ impl fmt::Display for LineTooLong {
 
 impl std::error::Error for LineTooLong {}
 
-/// A reader that gives out at most `budget` bytes until the budget is filled up again, which
-/// happens after each line: a file without line ends does not fill the memory.
+/// A reader that returns at most `budget` bytes until the budget is refilled, which
+/// happens after each line: a file without line ends cannot fill the memory.
 struct Bounded<'p> {
     inner: Box<dyn Read + 'p>,
     budget: Rc<Cell<usize>>,
@@ -445,16 +444,16 @@ impl Read for Bounded<'_> {
     }
 }
 
-/// A whole CSV file as numbers, for those who have to find out what its columns are.
+/// A whole CSV file as numbers, for finding out what its columns are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Names of the columns; "1", "2", … where the file has no header line.
     pub names: Vec<String>,
-    /// Units that a line of units gives, as `units` in bench.toml writes them.
+    /// Units from the file's line of units, as `units` in bench.toml writes them.
     pub units: Vec<Option<&'static str>>,
     /// Whether the names are the file's own.
     pub has_header: bool,
-    /// The samples of each column; NaN where a cell is no number.
+    /// The samples of each column; NaN for a cell that is not a number.
     pub columns: Vec<Vec<f64>>,
 }
 
@@ -462,7 +461,7 @@ impl Table {
     /// Reads the first `most_rows` rows of a file.
     ///
     /// # Errors
-    /// A file that cannot be read or is no table; two columns with one name.
+    /// If the file cannot be read or is not a table, or two columns have the same name.
     pub fn read(path: &Path, most_rows: usize) -> Result<Table, Error> {
         let mut table = open(Files::Disk, path)?;
         let names = table.columns.clone();

@@ -1,27 +1,27 @@
-//! How a text file writes its table: encoding, separator, decimal mark, and which line is the header.
-//! Everything is found in the first 64 KiB, by what makes most cells numbers.
+//! The dialect of a text file with a table: encoding, separator, decimal mark, and which line is the header.
+//! It is found from the first 64 KiB: the dialect with which most cells are numbers.
 
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
-/// Bytes from the beginning of a file that are looked at.
+/// Number of bytes at the beginning of a file that are examined.
 pub(crate) const LOOKED_AT: usize = 64 << 10;
-/// Lines that are looked at.
+/// Number of lines that are examined.
 const LINES: usize = 400;
-/// What some editors put in front of UTF-8 text.
+/// The byte order mark that some editors write before UTF-8 text.
 const BYTE_ORDER_MARK: &str = "\u{feff}";
-/// Lines in a row that show where the samples begin.
+/// Number of consecutive lines that mark the beginning of the samples.
 const RUN: usize = 4;
-/// Longest cell of a row of units: more is text.
+/// Largest length of a cell in a line of units; a longer one is text.
 const LONGEST_UNIT: usize = 12;
 
-/// What the first bytes of a file say of all of it.
+/// The dialect of a file, from its first bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Dialect {
     pub encoding: &'static Encoding,
     pub separator: u8,
-    /// A comma stands before the decimals.
+    /// Whether the decimal mark is a comma.
     pub decimal_comma: bool,
-    /// Lines before the header line, or before the first sample where there is no header.
+    /// Number of lines before the header line, or before the first sample if there is no header.
     pub lines_before: u64,
     pub header: Header,
 }
@@ -29,9 +29,9 @@ pub(crate) struct Dialect {
 /// The names of the columns.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Header {
-    /// They stand in the first line that is read; below it there may be a line of units.
+    /// They are in the first line that is read; a line of units may follow.
     Line { units: bool },
-    /// There are none, but so many columns.
+    /// There are no names, but this many columns.
     None { columns: usize },
 }
 
@@ -46,8 +46,8 @@ pub(crate) struct TwoReadings {
     pub second: String,
 }
 
-/// The encoding of a file that begins like this: what its mark says; UTF-16 without one has every other byte
-/// zero; what is no UTF-8 is the code page of western Windows, unless it holds bytes of no text at all.
+/// The encoding of a file with these first bytes. A byte order mark decides. UTF-16 without a mark has a zero in every
+/// other byte. Anything that is not UTF-8 is the code page of western Windows, unless it has bytes that no text has.
 fn encoding(bytes: &[u8]) -> &'static Encoding {
     if let Some((encoding, _)) = Encoding::for_bom(bytes) {
         return encoding;
@@ -64,7 +64,7 @@ fn encoding(bytes: &[u8]) -> &'static Encoding {
     }
     let is_utf_8 = match std::str::from_utf8(bytes) {
         Ok(_) => true,
-        // A character that is cut at the end.
+        // The last character is incomplete.
         Err(error) => error.error_len().is_none(),
     };
     let is_text = |byte: &u8| *byte >= 0x20 || matches!(byte, b'\t' | b'\n' | b'\r');
@@ -74,12 +74,12 @@ fn encoding(bytes: &[u8]) -> &'static Encoding {
     UTF_8
 }
 
-/// Finds the dialect of a file that begins with these bytes.
+/// Finds the dialect from the first bytes of a file.
 pub(crate) fn dialect(bytes: &[u8]) -> Result<Dialect, Box<TwoReadings>> {
     let encoding = encoding(bytes);
     let (text, _, _) = encoding.decode(bytes);
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text);
-    // The last line may be cut.
+    // The last line may be incomplete.
     let whole = if bytes.len() < LOOKED_AT {
         text
     } else {
@@ -122,7 +122,7 @@ pub(crate) fn dialect(bytes: &[u8]) -> Result<Dialect, Box<TwoReadings>> {
     Ok(with_header(&lines, usual))
 }
 
-/// The separator that occurs most often in a line; a comma where there is none.
+/// The most frequent separator of a line; a comma if there is none.
 fn usual_separator(line: &str) -> u8 {
     let count = |separator: u8| line.bytes().filter(|byte| *byte == separator).count();
     [b',', b';', b'\t']
@@ -147,8 +147,8 @@ fn is_number(cell: &str, decimal_comma: bool) -> bool {
     }
 }
 
-/// Separator and decimal mark with which the most cells of the lines below the first are numbers. A tie goes
-/// to the separator of the first line, then to the point.
+/// The separator and decimal mark with which most cells below the first line are numbers. If several are equal, the
+/// separator of the first line and the decimal point are preferred.
 fn best_style(lines: &[(u64, &str)], stated: Option<u8>, usual: u8) -> Option<(u8, bool)> {
     let styles: [(u8, bool); 8] = [
         (usual, false),
@@ -161,14 +161,14 @@ fn best_style(lines: &[(u64, &str)], stated: Option<u8>, usual: u8) -> Option<(u
         (b' ', false),
     ];
     let below = lines.get(1..)?;
-    // The share of numbers in the lines that have any.
+    // The share of numbers, in the lines that contain any.
     let share = |(separator, decimal_comma): (u8, bool)| -> f64 {
         let (mut numbers, mut all) = (0, 0);
         for (_, line) in below {
             let cells = cells(line, separator);
             let good = cells.iter().filter(|cell| is_number(cell, decimal_comma));
             let good = good.count();
-            // A line in one piece says nothing of the separator.
+            // A line with a single cell does not show the separator.
             if cells.len() > 1 && good > 0 {
                 numbers += good;
                 all += cells.len();
@@ -182,7 +182,7 @@ fn best_style(lines: &[(u64, &str)], stated: Option<u8>, usual: u8) -> Option<(u
     let mut best: Option<((u8, bool), f64)> = None;
     for style in allowed {
         let share = share(style);
-        // Another style must be clearly better than the one before it.
+        // Another style must be clearly better than the previous one.
         if share > 0.0 && best.is_none_or(|(_, before)| share > before + 0.05) {
             best = Some((style, share));
         }
@@ -190,8 +190,8 @@ fn best_style(lines: &[(u64, &str)], stated: Option<u8>, usual: u8) -> Option<(u
     best.map(|(style, _)| style)
 }
 
-/// Refuses numbers like 1,234 where nothing tells decimals from thousands: thousands come in threes and begin
-/// with 1 to 9, so one other number is enough.
+/// Refuses numbers like 1,234 if nothing shows whether the comma is a decimal mark or separates thousands. Groups of
+/// thousands have three digits and begin with 1 to 9, so one number of another form is enough.
 fn thousands(lines: &[(u64, &str)], separator: u8) -> Result<(), Box<TwoReadings>> {
     let mut doubtful = None;
     for (index, line) in lines {
@@ -220,8 +220,8 @@ fn thousands(lines: &[(u64, &str)], separator: u8) -> Result<(), Box<TwoReadings
     }))
 }
 
-/// Finds the header: the text directly above the samples that is as wide as they are. A line of units belongs to
-/// the text above it.
+/// Finds the header: the text line directly above the samples with the same number of cells. A line of units may stand
+/// between them.
 fn with_header(lines: &[(u64, &str)], found: Dialect) -> Dialect {
     let width_of = |line: &str| cells(line, found.separator).len();
     let has_number = |line: &str| {
@@ -243,7 +243,7 @@ fn with_header(lines: &[(u64, &str)], found: Dialect) -> Dialect {
     };
     let is_wide = |index: usize| width_of(lines[index].1) == width;
     let holds_number = |index: usize| has_number(lines[index].1);
-    // The samples begin where several lines in a row are as wide as most and hold a number.
+    // The samples begin where several consecutive lines have the usual number of cells and contain a number.
     let begins = |index: &usize| {
         let run = *index..lines.len().min(index + RUN);
         run.into_iter()
@@ -266,7 +266,7 @@ fn with_header(lines: &[(u64, &str)], found: Dialect) -> Dialect {
                 _ => (above, Header::Line { units: false }),
             }
         }
-        // A header of another width directly above the samples: a table that is ragged, and said to be.
+        // A header with another number of cells, directly above the samples: the table is refused as ragged.
         Some(0) if width_of(lines[0].1) > 1 && !holds_number(0) => return found,
         _ => (first, Header::None { columns: width }),
     };
@@ -285,7 +285,7 @@ fn is_unit(cell: &str) -> bool {
             || cell.starts_with(['[', '(']))
 }
 
-/// A unit as `units` in bench.toml writes it, from how people write it: `[°/s]` is `deg/s`.
+/// A unit as `units` in bench.toml writes it, from other ways of writing it: `[°/s]` is `deg/s`.
 pub fn plain_unit(cell: &str) -> Option<&'static str> {
     let bare = cell.trim_matches(['[', ']', '(', ')', ' ']);
     Some(match bare {

@@ -1,38 +1,38 @@
-//! Drop-outs: samples that a sensor lost.
+//! Drop-outs: samples that were lost between sensor and log.
 //!
-//! A lost sample shows as a value that is there for a moment and gone again: a zero, a stuck
-//! number, a spike. Angle, rate and wheel speed are integrals of bounded torques, so the motion
-//! itself cannot leave and come back between neighbouring samples by many times what it otherwise
-//! varies. A run of up to [`LONGEST_DROP_OUT`] samples is a drop-out if all of this holds:
+//! A lost sample shows as a value that appears for a moment: a zero, a stuck
+//! number, a spike. Angle, rate and wheel speed are integrals of bounded torques. The motion
+//! itself therefore cannot change and return between neighbouring samples by many times its usual
+//! variation. A run of up to [`LONGEST_DROP_OUT`] samples is a drop-out if all of these hold:
 //!
-//! 1. **It leaves.** Every sample of the run differs from the cubic through two good samples on
-//!    either side, and from all that lies between the nearest two, by more than [`DEVIATIONS`] s,
-//!    all to the same side. s is the largest of three
-//!    scales of what is normal: the robust standard deviation (1.4826 × median absolute value,
-//!    Hampel's identifier) of this same difference over the whole log, the same over the samples
+//! 1. **It leaves.** Every sample of the run differs by more than [`DEVIATIONS`] s, all in the same direction, from two
+//!    references: from the cubic through two good samples on either side, and from every value
+//!    between the nearest two. s is the largest of three
+//!    scales of normal variation: the robust standard deviation (1.4826 × median absolute value,
+//!    Hampel's identifier) of this difference over the whole log, the same over the samples
 //!    nearby (fast motion), and the resolution of the column (the lower decile of its nonzero
 //!    steps).
 //! 2. **It comes back.** The two good neighbours differ from each other by less than half of that
-//!    difference. Without this, the kink at which a wheel starts to turn would count.
-//! 3. **It looks like a lost sample.** The run is at zero (to the accuracy s) or one constant
-//!    number where the samples around vary, or it lies outside everything else in the log by more
+//!    difference. Without this condition, the kink at which a wheel starts to turn would count.
+//! 3. **It looks like a lost sample.** The run is at zero (within s), or it is one constant
+//!    number while the samples around it vary, or it lies outside the range of the rest of the log by more
 //!    than [`DEVIATIONS`] s.
 //!
-//! For normal noise a single false alarm needs 8 standard deviations, 1 in 10¹⁵. The first and the
-//! last two samples are not judged. Source of the identifier: F. R. Hampel, "The influence curve
-//! and its role in robust estimation", J. Am. Stat. Assoc. 69 (1974); the rest is our own.
+//! With Gaussian noise, a false alarm needs 8 standard deviations, 1 in 10¹⁵. The first and the
+//! last two samples are not tested. Source of the identifier: F. R. Hampel, "The influence curve
+//! and its role in robust estimation", J. Am. Stat. Assoc. 69 (1974); the conditions are our own.
 
 /// Longest run of lost samples that is recognised as a drop-out.
 pub const LONGEST_DROP_OUT: usize = 3;
-/// How many robust standard deviations a lost sample must be away.
+/// Distance of a lost sample from normal values, in robust standard deviations.
 const DEVIATIONS: f64 = 8.0;
-/// 1 / Φ⁻¹(3/4): makes a median absolute value the standard deviation of normal noise.
+/// 1 / Φ⁻¹(3/4): converts the median absolute value of Gaussian noise to its standard deviation.
 const MEDIAN_TO_DEVIATION: f64 = 1.4826;
-/// Samples on either side that count as nearby.
+/// Number of samples on either side that count as nearby.
 const NEARBY: usize = 12;
 
-/// Indices of the samples that dropped out, rising. `values` is one sensor's column in SI, finite;
-/// `time_s` has the same length and rises strictly.
+/// Indices of the lost samples, in rising order. `values` is the column of one sensor in SI units, finite;
+/// `time_s` has the same length and is strictly increasing.
 pub fn drop_outs(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     let n = values.len().min(time_s.len());
     if n < 5 {
@@ -41,13 +41,13 @@ pub fn drop_outs(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     let differences = differences(time_s, values);
     let global = deviation(differences[2..n - 2].iter().copied());
     let floor = global.max(resolution(values));
-    // Nothing varies: there is no scale to judge by, and nothing to lose.
+    // If nothing varies, there is no scale for the test, and no drop-out.
     if floor <= 0.0 {
         return Vec::new();
     }
 
     let mut lost = vec![false; n];
-    // Extremes first: a lost sample disturbs the differences of its neighbours, not the other way.
+    // The largest differences come first: a lost sample disturbs the differences of its neighbours.
     let mut candidates: Vec<usize> = (2..n - 2)
         .filter(|&i| differences[i].abs() > DEVIATIONS * floor)
         .collect();
@@ -57,7 +57,7 @@ pub fn drop_outs(time_s: &[f64], values: &[f64]) -> Vec<usize> {
         if lost[i] {
             continue;
         }
-        // The shortest run around i that passes; i can be any sample of it.
+        // The shortest run with sample i that passes the test; i can be any sample of the run.
         let run = (1..=LONGEST_DROP_OUT)
             .flat_map(|length| (0..length).map(move |back| (length, back)))
             .filter_map(|(length, back)| {
@@ -85,7 +85,7 @@ pub fn drop_outs(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     (0..n).filter(|&i| lost[i]).collect()
 }
 
-/// What a run of samples is judged by.
+/// The data for the test of a run of samples.
 struct RunTest<'a> {
     time_s: &'a [f64],
     values: &'a [f64],
@@ -110,7 +110,7 @@ impl RunTest<'_> {
         let low = self.values[b1].min(self.values[a1]);
         let high = self.values[b1].max(self.values[a1]);
         // The smaller of two differences: from the cubic, which follows the motion but overshoots
-        // beside a kink, and from what lies between the neighbours, which does not.
+        // near a kink, and from the range between the neighbours, which does not overshoot.
         let leaves: Vec<f64> = run
             .clone()
             .map(|j| {
@@ -127,18 +127,18 @@ impl RunTest<'_> {
             })
             .collect();
 
-        // 1. It leaves.
+        // Condition 1: it leaves.
         let scale = self.scale(&run);
         let smallest = leaves.iter().fold(f64::INFINITY, |m, d| m.min(d.abs()));
         let one_side = leaves.iter().all(|d| *d > 0.0) || leaves.iter().all(|d| *d < 0.0);
         if !one_side || smallest <= DEVIATIONS * scale {
             return false;
         }
-        // 2. It comes back.
+        // Condition 2: it comes back.
         if (self.values[a1] - self.values[b1]).abs() >= 0.5 * smallest {
             return false;
         }
-        // 3. It looks like a lost sample.
+        // Condition 3: it looks like a lost sample.
         let samples = &self.values[run.clone()];
         let at_zero = samples.iter().all(|value| value.abs() <= scale);
         let stuck = samples.len() > 1
@@ -167,8 +167,8 @@ impl RunTest<'_> {
             .sum()
     }
 
-    /// What is normal here: the floor, or the deviation of the samples nearby whose cubic does not
-    /// touch the run.
+    /// The scale of normal variation here: the lower limit, or the deviation over those nearby samples whose cubic does
+    /// not use the run.
     fn scale(&self, run: &std::ops::Range<usize>) -> f64 {
         let n = self.values.len();
         let from = run.start.saturating_sub(NEARBY).max(2);

@@ -1,4 +1,4 @@
-//! The section `[effects]` of a model: which effects it has, and which of them only until an experiment has decided.
+//! The section `[effects]` of a model: its effects, and which of them are provisional until an experiment decides.
 
 use plant::{EffectId, LearnedCoordinate};
 use toml_edit::{Array, TableLike, Value};
@@ -8,20 +8,20 @@ use crate::own_effect::OwnEffect;
 use crate::toml_source::{Located, Section, TomlSource};
 use crate::toml_writing::set;
 
-/// Explanations that tie: one of them is in the model, the others could stand in its place.
+/// A tie between explanations: one of them is in the model, the others could replace it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tie {
-    /// The effects of the model that hold until an experiment has decided; not empty.
+    /// The provisional effects of the model; not empty.
     pub provisional: Vec<EffectId>,
-    /// Each set could stand in their place; none is empty.
+    /// The sets of effects that could replace them; no set is empty.
     pub rivals: Vec<Vec<EffectId>>,
 }
 
-/// What the section says.
+/// The content of the section.
 pub(crate) struct EffectsSection {
     /// The effects of the model.
     pub present: Vec<EffectId>,
-    /// The tie that is open, where one is.
+    /// The open tie, if there is one.
     pub tie: Option<Tie>,
     /// Those of them that no log has shown upright, so that the linear model does without them.
     pub unseen_upright: Vec<EffectId>,
@@ -169,7 +169,7 @@ fn known(source: &TomlSource, name: &Located<String>, own: &[EffectId]) -> Resul
         })
 }
 
-/// Whether a model cannot have both: they are the same, or one contains the other.
+/// Whether a model cannot have both effects: they are equal, or one contains the other.
 fn excludes(a: EffectId, b: EffectId) -> bool {
     a == b || a.info().replaces.contains(&b.name()) || b.info().replaces.contains(&a.name())
 }

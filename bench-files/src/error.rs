@@ -1,11 +1,11 @@
-//! What can be wrong with a file, where, and what would be right.
+//! The errors in files: what is wrong, where, and what would be right.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where in the files an [`Error`] is.
+/// The place of an [`Error`] in the files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file, as it was named or found.
@@ -83,19 +83,19 @@ pub enum Problem {
     UnknownKey {
         /// The key.
         key: String,
-        /// The section it stands in.
+        /// The section with the key.
         section: String,
-        /// The keys that are known there.
+        /// The known keys of that section.
         names: Names,
     },
-    /// A key that must be there.
+    /// A required key is missing.
     #[error("{section} lacks \"{key}\"; it needs for example {example}")]
     MissingKey {
         /// The section.
         section: String,
         /// The key.
         key: String,
-        /// A line that would be right.
+        /// A correct line as an example.
         example: &'static str,
     },
     /// A value of the wrong type.
@@ -123,24 +123,24 @@ pub enum Problem {
         "\"axes\" must name each of \"x\", \"y\", \"z\" once, \"-y\" for one that is reversed, for example [\"x\", \"-y\", \"-z\"]"
     )]
     NotAxes,
-    /// The sensor's place is stated twice.
+    /// The sensor's orientation is stated twice.
     #[error("\"axes\" and \"rotation\" state the same thing; leave one of them out")]
     AxesAndRotation,
     /// A matrix that stretches or shears.
-    #[error("\"rotation\" is no rotation: its rows must be perpendicular and of length one")]
+    #[error("\"rotation\" is not a rotation: its rows must be perpendicular and of length one")]
     NotARotation,
     /// A mirrored sensor.
     #[error(
-        "\"{key}\" is left-handed: no turn of a sensor gives a mirror image; reverse one more axis or one less"
+        "\"{key}\" is left-handed: no orientation of a sensor is a mirror image; reverse one more axis or one less"
     )]
     LeftHanded {
         /// The key.
         key: &'static str,
     },
-    /// A name that is none of a fixed list.
+    /// A name that is not in a fixed list.
     #[error("unknown {what} \"{name}\"; {}", .names.advice(.name))]
     UnknownName {
-        /// What is named: kind, unit of angle, effect, …
+        /// What is named: a kind, a unit of the angle, an effect, …
         what: String,
         /// The name.
         name: String,
@@ -152,7 +152,7 @@ pub enum Problem {
         "the bench has no experiment; add [[experiment]] with name, kind (free-swing, spin-up, balance or driven) and file"
     )]
     NoExperiment,
-    /// The file of an experiment is not there.
+    /// The file of an experiment does not exist.
     #[error("cannot read the log {path}: {reason}; file is named relative to the bench's folder")]
     NoLog {
         /// Where it was looked for.
@@ -160,9 +160,9 @@ pub enum Problem {
         /// Why it cannot be read.
         reason: String,
     },
-    /// Two experiments with one name.
+    /// Two experiments with the same name.
     #[error(
-        "the name \"{name}\" stands at another experiment already (line {first_line}); reports tell experiments apart by name, choose another"
+        "another experiment already has the name \"{name}\" (line {first_line}); reports distinguish experiments by name, choose another"
     )]
     DuplicateExperiment {
         /// The name.
@@ -170,9 +170,9 @@ pub enum Problem {
         /// Line of the first use.
         first_line: usize,
     },
-    /// Stated gravity torque against masses and lengths.
+    /// The stated gravity torque contradicts masses and lengths.
     #[error(
-        "gravity_torque = {stated_n_m} N m contradicts the masses and lengths, which give {computed_n_m:.6} N m; correct one or take one out"
+        "gravity_torque = {stated_n_m} N m contradicts the masses and lengths, which give {computed_n_m:.6} N m; correct one of them or leave one out"
     )]
     GravityTorqueContradiction {
         /// As stated, N m.
@@ -180,7 +180,7 @@ pub enum Problem {
         /// g (k m_w + l m_b), N m.
         computed_n_m: f64,
     },
-    /// Masses and lengths for which hanging down is not an equilibrium.
+    /// Masses and lengths with which the hanging position is not an equilibrium.
     #[error(
         "with these masses and lengths the gravity torque is {torque_n_m:.6} N m: the bench would not hang; pivot_to_com is positive towards the wheel"
     )]
@@ -196,7 +196,7 @@ pub enum Problem {
         /// End of the window, s.
         until_s: f64,
     },
-    /// A held value for a channel that is no input.
+    /// A held value for a channel that is not an input.
     #[error(
         "\"{key}\" cannot be held constant; only the input can: constants = {{ current = 0.6 }}"
     )]
@@ -218,7 +218,7 @@ pub enum Problem {
     },
     /// A time step beside a time column.
     #[error(
-        "time_step is for files without a time, but {file} has the column \"{column}\" for it; keep one of the two"
+        "time_step is for files without a time column, but {file} has the column \"{column}\"; keep one of the two"
     )]
     TimeStepAndColumn {
         /// The column.
@@ -227,7 +227,9 @@ pub enum Problem {
         file: String,
     },
     /// One column for two channels.
-    #[error("{second} is mapped to \"{column}\", and so is {first}; a column is one quantity")]
+    #[error(
+        "{second} is mapped to \"{column}\", and so is {first}; one column can be one channel only"
+    )]
     ColumnMappedTwice {
         /// The column.
         column: String,
@@ -254,7 +256,7 @@ pub enum Problem {
         present: Vec<String>,
     },
 
-    /// An entry of `[calibration]` that needs another.
+    /// An entry of `[calibration]` that needs another one.
     #[error("\"{key}\" needs \"{missing}\" beside it, for example {example}")]
     NeedsBeside {
         /// The entry.
@@ -264,7 +266,7 @@ pub enum Problem {
         /// A line that would be right.
         example: &'static str,
     },
-    /// A recording lacks a column.
+    /// A recording without a required column.
     #[error("there is no column \"{column}\" for {key}; {} (other names go to columns = {{ {key} = \"…\" }} under [calibration])", .names.advice(.column))]
     MissingRecordingColumn {
         /// What the column holds.
@@ -274,9 +276,9 @@ pub enum Problem {
         /// The columns of the file.
         names: Names,
     },
-    /// A raw count that no 16-bit register holds.
+    /// A raw count that does not fit into a 16-bit register.
     #[error(
-        "{value} is no raw count; whole numbers from -32768 to 32767 are needed, as the sensor's registers hold them"
+        "{value} is not a raw count; whole numbers from -32768 to 32767 are needed, as the sensor's registers hold them"
     )]
     NotACount {
         /// What stands there.
@@ -284,7 +286,7 @@ pub enum Problem {
     },
 
     // --- model.toml ---------------------------------------------------------------------------
-    /// A parameter that the model needs.
+    /// A parameter that the model needs is missing.
     #[error(
         "lacks [parameters.{name}], which {needed_by} needs: {meaning}; give it a value in {unit}"
     )]
@@ -295,7 +297,7 @@ pub enum Problem {
         unit: &'static str,
         /// What it is.
         meaning: &'static str,
-        /// Who needs it.
+        /// What needs it.
         needed_by: String,
     },
     /// A unit that is not the SI unit of the parameter.
@@ -311,7 +313,7 @@ pub enum Problem {
         si: &'static str,
     },
     /// One effect twice, or two of which one contains the other.
-    #[error("\"{effect}\" cannot stand beside \"{other}\": {}; take one out", if .effect == .other { "it is there already" } else { "one contains the other" })]
+    #[error("\"{effect}\" cannot be used together with \"{other}\": {}; remove one", if .effect == .other { "it is already listed" } else { "one contains the other" })]
     EffectTwice {
         /// The second.
         effect: &'static str,
@@ -319,23 +321,21 @@ pub enum Problem {
         other: &'static str,
     },
 
-    /// A provisional effect that the model does not have.
-    #[error(
-        "\"{effect}\" is provisional but not present; put it into `present`, or take it out here"
-    )]
+    /// A provisional effect that is not in the model.
+    #[error("\"{effect}\" is provisional but not present; add it to `present`, or remove it here")]
     ProvisionalAbsent {
         /// The effect.
         effect: &'static str,
     },
 
     /// A parameter that the correlations name twice.
-    #[error("\"{name}\" stands in this list already; name every parameter once")]
+    #[error("\"{name}\" is already in this list; list every parameter once")]
     CorrelatedTwice {
         /// The parameter.
         name: String,
     },
 
-    /// A formula of the user, or what stands beside it.
+    /// A user's formula, or its definition, is wrong.
     #[error("{0}")]
     Formula(String),
     /// A learned curve that is none.
@@ -343,12 +343,12 @@ pub enum Problem {
     Curve(String),
 
     // --- logs -------------------------------------------------------------------------------
-    /// Not a byte, or only blank lines and comments.
+    /// The file is empty, or has only blank lines and comments.
     #[error("the file is empty; a log is a CSV with a header line and one sample a line")]
     EmptyLog,
     /// A number that can be read in two ways.
     #[error(
-        "\"{cell}\" is {first} if the comma stands before the decimals, but {second} if it parts thousands; write it without a comma"
+        "\"{cell}\" is {first} if the comma is a decimal mark, but {second} if it separates thousands; write it without a comma"
     )]
     TwoReadings {
         /// The cell.
@@ -383,7 +383,7 @@ pub enum Problem {
         experiment: String,
         /// Its kind.
         kind: &'static str,
-        /// The need in words.
+        /// What the kind needs, in words.
         needs: &'static str,
         /// The columns of the file.
         present: Vec<String>,
@@ -396,8 +396,8 @@ pub enum Problem {
         /// What else would do.
         remark: &'static str,
     },
-    /// Two columns have the name that is looked for.
-    #[error("the header has this name {times} times; give every column a name of its own")]
+    /// Two columns have the requested name.
+    #[error("the header has this name {times} times; give every column its own name")]
     DuplicateColumn {
         /// How often.
         times: usize,
@@ -449,7 +449,7 @@ pub enum Problem {
         /// Lines in the window.
         rows: usize,
     },
-    /// More lines than this program keeps in memory.
+    /// The log has more lines than this program reads.
     #[error(
         "the log has more than {limit} samples; log at a lower rate or cut it into several files"
     )]
@@ -457,7 +457,7 @@ pub enum Problem {
         /// The limit.
         limit: usize,
     },
-    /// A line without an end.
+    /// A line is too long.
     #[error(
         "the line is longer than {limit} bytes; this is not a CSV log, or a quotation mark is not closed"
     )]
@@ -475,7 +475,7 @@ pub enum Problem {
         /// The times that the file covers.
         remark: String,
     },
-    /// The angle is not counted from hanging.
+    /// The angle is not counted from the hanging position.
     #[error(
         "in this {kind} log the angle stays about {median_rad:.2} rad; it must be counted so that hanging is 0 and upright is pi: set offset = {{ angle = {offset:.8} }} at the experiment"
     )]
@@ -487,7 +487,7 @@ pub enum Problem {
         /// The offset that would probably be right, rad.
         offset: f64,
     },
-    /// The angle turns over and over.
+    /// The angle covers several turns.
     #[error(
         "in this {kind} log the angle goes {farthest_rad:.1} rad away from its equilibrium, more than two turns; if the column is in degrees, set units = {{ angle = \"deg\" }} at the experiment"
     )]
@@ -499,7 +499,7 @@ pub enum Problem {
     },
 }
 
-/// A fixed list of names, for messages that propose the nearest.
+/// A fixed list of names, for messages that propose the nearest one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names(pub Vec<String>);
 
@@ -523,7 +523,7 @@ impl Names {
     }
 }
 
-/// The name that is nearest to `wrong`, if one is near enough to be a slip of the pen: at most a
+/// The name nearest to `wrong`, if it could be a typing error: at most a
 /// third of its letters differ (edit distance with transpositions), or one contains the other.
 pub(crate) fn nearest<'a>(wrong: &str, names: &'a [String]) -> Option<&'a str> {
     let wrong = wrong.to_lowercase();
@@ -542,7 +542,7 @@ pub(crate) fn nearest<'a>(wrong: &str, names: &'a [String]) -> Option<&'a str> {
         .map(|(_, name)| name.as_str())
 }
 
-/// Names in quotation marks, the first forty of them.
+/// Names in quotation marks, at most forty of them.
 fn list(names: &[String]) -> String {
     if names.is_empty() {
         return "none".to_string();
@@ -565,7 +565,7 @@ fn without_control_characters(text: &str) -> String {
         .collect()
 }
 
-/// A text from a file, cut so that it fits a message.
+/// A text from a file, shortened to fit into a message.
 pub(crate) fn shortened(text: &str) -> String {
     let mut short: String = text.chars().take(60).collect();
     if text.chars().count() > 60 {
@@ -574,7 +574,7 @@ pub(crate) fn shortened(text: &str) -> String {
     short
 }
 
-/// One thing that is wrong with one file. Its text is "place: problem"; [`Error::excerpt`] has the text of
+/// One error in one file. Its text is "place: problem". [`Error::excerpt`] returns the text of
 /// a TOML file with the place in it.
 #[derive(Clone, Debug)]
 pub struct Error(Box<Inner>);
@@ -582,7 +582,7 @@ pub struct Error(Box<Inner>);
 impl std::error::Error for Error {}
 
 impl fmt::Display for Error {
-    /// One line: names from a file may hold line breaks and terminal codes, a message must not.
+    /// One line: names from a file may contain line breaks and terminal codes, which a message must not.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = format!("{}: {}", self.0.place, self.0.problem);
         f.write_str(&without_control_characters(&text))
@@ -597,23 +597,23 @@ struct Inner {
 }
 
 impl Error {
-    /// Where it is.
+    /// Where the error is.
     pub fn place(&self) -> &Place {
         &self.0.place
     }
 
-    /// What it is.
+    /// What the error is.
     pub fn problem(&self) -> &Problem {
         &self.0.problem
     }
 
-    /// The text of the file and the bytes of it that are wrong, for a display with the line (TOML files).
+    /// The text of the file and the range of its wrong bytes, for a display of the line (TOML files).
     pub fn excerpt(&self) -> Option<(&str, Range<usize>)> {
         let (text, span) = self.0.excerpt.as_ref()?;
         Some((text, span.clone()))
     }
 
-    /// A problem of a file as a whole.
+    /// A problem with a whole file.
     pub(crate) fn in_file(file: &Path, problem: Problem) -> Error {
         Error::at(
             Place {
@@ -635,7 +635,7 @@ impl Error {
         }))
     }
 
-    /// A problem at a place of a TOML file whose text can be shown.
+    /// A problem at a place in a TOML file whose text can be shown.
     pub(crate) fn in_text(
         place: Place,
         problem: Problem,

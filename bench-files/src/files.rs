@@ -1,4 +1,4 @@
-//! Where the files of a bench are: on the disk, or in memory.
+//! The source of a bench's files: the disk, or memory.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Problem};
 use crate::write::reason;
 
-/// The files of a bench that is not on the disk: `bench.toml`, the logs that it names, and
-/// `model.toml` where there is one. Names are as bench.toml writes them.
+/// The files of a bench in memory: `bench.toml`, the logs that it lists, and
+/// `model.toml` if there is one. Names are as bench.toml writes them.
 ///
 /// ```
 /// let files: bench_files::FilesInMemory =
@@ -27,7 +27,7 @@ impl FilesInMemory {
         self.0.contains_key(name.as_ref())
     }
 
-    /// Puts in a file, in the place of one with the same name.
+    /// Adds a file; a file with the same name is replaced.
     pub fn insert(&mut self, name: impl Into<PathBuf>, content: impl Into<Vec<u8>>) {
         self.0.insert(name.into(), content.into());
     }
@@ -44,30 +44,30 @@ impl<N: Into<PathBuf>, C: Into<Vec<u8>>> FromIterator<(N, C)> for FilesInMemory 
     }
 }
 
-/// Is told how much of a file has been read, and can call the reading off.
+/// Receives the progress of reading a file, and can cancel it.
 #[derive(Clone, Copy)]
 pub struct ReadingWatch<'w> {
-    /// The file, the bytes of it that have been read, and how many it has; after every [`WATCHED_BYTES`].
+    /// Called with the file, the bytes read so far and its size in bytes, after every [`WATCHED_BYTES`].
     pub read: &'w dyn Fn(&Path, u64, u64),
-    /// Asked as often: `true` ends the reading with an error.
+    /// Called as often. If it returns `true`, the reading ends with an error.
     pub cancelled: &'w dyn Fn() -> bool,
 }
 
-/// Bytes between two reports of a [`ReadingWatch`]: some ten milliseconds of reading.
+/// Number of bytes between two calls of a [`ReadingWatch`]: some ten milliseconds of reading.
 pub const WATCHED_BYTES: u64 = 1 << 20;
 
-/// Where files are looked for.
+/// Where files are opened.
 #[derive(Clone, Copy)]
 pub(crate) enum Files<'f> {
     /// On the disk.
     Disk,
-    /// On the disk, with somebody who watches.
+    /// On the disk, with progress reports.
     Watched(ReadingWatch<'f>),
-    /// Among these and nowhere else.
+    /// In memory only.
     Memory(&'f FilesInMemory),
 }
 
-/// A file that was opened.
+/// An open file.
 pub(crate) enum Content<'f> {
     Disk(File),
     Watched(WatchedFile<'f>),
@@ -75,7 +75,7 @@ pub(crate) enum Content<'f> {
 }
 
 impl<'f> Files<'f> {
-    /// Opens a file; on the disk a folder, device or pipe (which may never end) is refused.
+    /// Opens a file. On the disk, a folder, a device or a pipe (which may never end) is refused.
     pub fn open(self, path: &Path) -> Result<Content<'f>, Error> {
         match self {
             Files::Memory(FilesInMemory(files)) => match files.get(path) {
@@ -99,7 +99,7 @@ impl<'f> Files<'f> {
 }
 
 impl Files<'_> {
-    /// The TOML files in a folder; none where there is no folder.
+    /// The TOML files in a folder; none if the folder does not exist.
     pub fn toml_files_in(self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         let is_toml = |path: &Path| path.extension().is_some_and(|ending| ending == "toml");
         match self {
@@ -156,7 +156,7 @@ impl Seek for Content<'_> {
     }
 }
 
-/// A file on the disk that somebody watches.
+/// A file on the disk whose reading is reported.
 pub(crate) struct WatchedFile<'w> {
     file: File,
     path: PathBuf,

@@ -1,10 +1,10 @@
-//! What was measured directly and stands in `[known]`.
+//! The values in `[known]`, which were measured directly.
 
 use crate::error::{Error, Problem};
 use crate::keys;
 use crate::toml_source::Section;
 
-/// Quantities of a bench that were measured with ruler, balance and data sheet. All in SI; each
+/// Values of a bench that were measured with ruler and balance, or come from a data sheet. All in SI; each
 /// may be missing.
 ///
 /// `total_inertia`, `wheel_inertia` and `body_inertia` go beyond the contract: an inertia that is
@@ -33,10 +33,10 @@ pub struct Known {
     pub body_inertia: Option<f64>,
 }
 
-/// The gravity torque does not follow from what is known.
+/// The error that the known values do not give the gravity torque.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the gravity torque is not known: [known] lacks {}; these, or gravity_torque, would give it",
+    "the gravity torque is not known: [known] lacks {}; these keys, or gravity_torque, would give it",
     .missing.join(", ")
 )]
 pub struct MissingKnowns {
@@ -44,18 +44,18 @@ pub struct MissingKnowns {
     pub missing: Vec<&'static str>,
 }
 
-/// Relative difference below which two statements of the gravity torque are the same number,
-/// rounded: the contract's own example gives 0.2451 beside masses and lengths worth 0.24516.
+/// Relative difference up to which two values of the gravity torque count as the same number,
+/// rounded: the example in the contract states 0.2451, while its masses and lengths give 0.24516.
 const ROUNDING: f64 = 1e-3;
-/// Relative difference above which one of two statements of the gravity torque is a slip (a unit,
+/// Relative difference above which one of two values of the gravity torque is a mistake (a unit,
 /// a digit) and not a measurement error: kitchen scale and ruler are good to a few percent.
 const SLIP: f64 = 0.1;
 
 impl Known {
-    /// Gravity torque G in N m: `gravity_torque` where it is given, else g (k m_w + l m_b).
+    /// Gravity torque G in N m: `gravity_torque` if it is given, otherwise g (k m_w + l m_b).
     ///
     /// # Errors
-    /// [`MissingKnowns`] names every key that is missing. Gravity is not assumed: it is one of them.
+    /// [`MissingKnowns`] lists every missing key. Gravity is one of them: it is not assumed.
     pub fn gravity_torque(&self) -> Result<f64, MissingKnowns> {
         match self.gravity_torque {
             Some(torque) => Ok(torque),
@@ -63,7 +63,7 @@ impl Known {
         }
     }
 
-    /// g (k m_w + l m_b) in N m, whatever `gravity_torque` says.
+    /// g (k m_w + l m_b) in N m, independent of `gravity_torque`.
     fn gravity_torque_of_masses(&self) -> Result<f64, MissingKnowns> {
         let parts = [
             ("gravity", self.gravity),
@@ -90,7 +90,7 @@ impl Known {
         })
     }
 
-    /// Reads `[known]`. The second value is the gravity torque that masses and lengths give, where
+    /// Reads `[known]`. The second value is the gravity torque from masses and lengths, if
     /// it differs from the stated `gravity_torque` by more than rounding.
     pub(crate) fn read(section: Option<&Section>) -> Result<(Known, Option<f64>), Error> {
         let mut known = Known::default();

@@ -1,9 +1,9 @@
-//! Everything that is read from disk or written to it: `bench.toml`, CSV logs, `model.toml`.
+//! All files that are read or written: `bench.toml`, CSV logs, `model.toml`.
 //!
 //! [`Bench::load`] turns a bench folder into plain data in SI units; [`ModelFile`] reads and
-//! writes the model that belongs to it. What leaves this crate has been checked: names, units and
-//! signs are resolved, times rise, numbers are finite (a drop-out is NaN, and counted in the
-//! [`LoadReport`]). What is wrong with a file is said by one [`Error`], which names the place and
+//! writes the model that belongs to it. The results of this crate have been checked: names, units and
+//! signs are resolved, times increase, numbers are finite (a drop-out is NaN, and counted in the
+//! [`LoadReport`]). An [`Error`] says what is wrong with a file, where, and
 //! what would be right.
 //!
 //! Coordinates are those of the whole project: body angle 0 hanging and π upright, wheel speed
@@ -21,6 +21,7 @@ mod dialect;
 mod drop_out;
 mod effects_section;
 mod error;
+mod experiment_plan;
 mod files;
 mod hardware;
 pub mod keys;
@@ -29,6 +30,7 @@ mod learned_section;
 mod log;
 mod long_log;
 mod model_file;
+mod outline;
 mod own_effect;
 mod toml_source;
 mod toml_writing;
@@ -53,5 +55,6 @@ pub use hardware::{
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};
+pub use outline::{BenchOutline, NewExperiment, file_name};
 pub use own_effect::{OWN_PREFIX, OwnEffect};
 pub use write::{can_write_into, write_atomically};

@@ -1,4 +1,4 @@
-//! Logs: CSV with a header line, one sample a line, times rising.
+//! Logs: CSV with a header line, one sample per line, increasing times.
 
 use std::fmt;
 
@@ -8,24 +8,24 @@ use crate::drop_out::drop_outs;
 use crate::error::{Error, Problem, shortened};
 use crate::long_log::{CHUNK_ROWS, LongLog};
 
-/// Fewest samples that a log must have in its window: a drop-out is judged by two samples on
-/// either side of it.
+/// Smallest number of samples of a log in its window: the test for drop-outs needs two samples on
+/// either side.
 pub const MIN_SAMPLES: usize = 5;
-/// The samples of one experiment in SI units. All vectors have the length of `time_s`; a sample
-/// that dropped out is NaN in its channel.
+/// The samples of one experiment in SI units. All vectors have the length of `time_s`; a lost sample
+/// is NaN in its channel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
-    /// Time of each sample, s, rising strictly; the zero is the file's.
+    /// Time of each sample, s, strictly increasing; the zero is that of the file.
     pub time_s: Vec<f64>,
-    /// Body angle α, rad, 0 hanging, as the sensor said it.
+    /// Body angle α, rad, 0 hanging, as measured.
     pub angle_rad: Option<Vec<f64>>,
-    /// Body rate α̇, rad/s, as the sensor said it.
+    /// Body rate α̇, rad/s, as measured.
     pub rate_rad_s: Option<Vec<f64>>,
-    /// Wheel speed φ̇ relative to the body, rad/s, as the sensor said it.
+    /// Wheel speed φ̇ relative to the body, rad/s, as measured.
     pub wheel_speed_rad_s: Option<Vec<f64>>,
-    /// Wheel angle φ relative to the body, rad, unwrapped, as the sensor said it.
+    /// Wheel angle φ relative to the body, rad, unwrapped, as measured.
     pub wheel_angle_rad: Option<Vec<f64>>,
-    /// Motor current, A: the command, or what flowed (see
+    /// Motor current, A: the command, or the measured current (see
     /// [`CurrentMeaning`](crate::CurrentMeaning)). Never NaN.
     pub current_a: Option<Vec<f64>>,
 }
@@ -36,8 +36,7 @@ impl Log {
         self.time_s.len()
     }
 
-    /// Whether there is no sample. Never so in a log that [`Bench::load`](crate::Bench::load)
-    /// returned.
+    /// Whether there is no sample. Never the case for a log from [`Bench::load`](crate::Bench::load).
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
     }
@@ -75,7 +74,7 @@ impl Log {
 }
 
 impl Log {
-    /// Puts the samples of a channel in their place.
+    /// Sets the samples of a channel.
     pub(crate) fn set(&mut self, channel: Channel, samples: Vec<f64>) {
         match channel {
             Channel::Time => self.time_s = samples,
@@ -88,11 +87,11 @@ impl Log {
     }
 }
 
-/// Something about a log that is no error but that its user should know.
+/// A note about a log: no error, but something that the user should know.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
-    /// Samples of a sensor dropped out; they are NaN in the [`Log`].
+    /// Samples of a sensor were lost; they are NaN in the [`Log`].
     DropOuts {
         /// The sensor.
         channel: Channel,
@@ -101,17 +100,17 @@ pub enum Note {
     },
     /// Lines that repeat the time of the line before were averaged with it.
     MergedRows {
-        /// How many lines vanished in this way.
+        /// Number of removed lines.
         count: usize,
     },
-    /// The angle's jumps by a full turn were taken out.
+    /// Jumps of the angle by a full turn were removed.
     AngleUnwrapped {
-        /// How many jumps.
+        /// Number of jumps.
         count: usize,
     },
-    /// The angle was moved by full turns so that it lies about its equilibrium.
+    /// The angle was shifted by full turns, so that it lies around its equilibrium.
     AngleTurned {
-        /// What was added, rad.
+        /// The added angle, rad.
         added_rad: f64,
     },
     /// A spin-up without a current column: the current was not recorded.
@@ -134,11 +133,11 @@ pub enum Note {
         /// The factor.
         factor: f64,
     },
-    /// The log has more rows than are kept: its samples are averages.
+    /// The log has more rows than are kept; its samples are averages.
     Averaged {
-        /// Rows that were read.
+        /// Number of rows read.
         rows: usize,
-        /// Rows in an average.
+        /// Number of rows in an average.
         block: usize,
     },
     /// A pause in the log, much longer than the usual time between two samples.
@@ -189,7 +188,7 @@ impl fmt::Display for Note {
             Note::UnitFromFile { channel, unit } => {
                 write!(
                     f,
-                    "{} is in {unit}, as the file's own line of units says",
+                    "{} is in {unit}, according to the file's own line of units",
                     channel.key()
                 )
             }
@@ -221,17 +220,17 @@ impl fmt::Display for Note {
     }
 }
 
-/// A time for a message: microseconds are enough.
+/// A time for a message, rounded to microseconds.
 fn rounded(time_s: f64) -> f64 {
     (time_s * 1e6).round() / 1e6
 }
 
-/// How a log was read.
+/// The report on the reading of a log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadReport {
     /// Samples in the file.
     pub rows_in_file: usize,
-    /// What its user should know.
+    /// Notes for the user.
     pub notes: Vec<Note>,
 }
 
@@ -248,30 +247,30 @@ impl LoadReport {
     }
 }
 
-/// Which column a channel comes from and how it becomes SI: scale · column + offset.
+/// The column of a channel, and its conversion to SI: scale · column + offset.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ColumnUse {
     pub channel: Channel,
     pub name: String,
-    /// Unit and sign together.
+    /// Factor of unit and sign together.
     pub scale: f64,
-    /// SI.
+    /// Offset in SI units.
     pub offset: f64,
-    /// The kind holds this channel still: it is read into [`SamplesOfLog::beside`], and a cell that is no
-    /// number is NaN there.
+    /// Whether this kind of experiment holds the channel still. It is then read into [`SamplesOfLog::beside`], and a cell
+    /// that is not a number is NaN there.
     pub is_beside: bool,
 }
 
-/// What of a file is used.
+/// The part of a file that is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Window {
     /// First time, s.
     pub from_s: Option<f64>,
     /// Last time, s.
     pub until_s: Option<f64>,
-    /// Time from row to row where there is no time column, s.
+    /// Time from row to row for a file without a time column, s.
     pub time_step_s: Option<f64>,
-    /// The current is what flowed, not a command that is held from row to row.
+    /// Whether the current is measured; otherwise it is a command that is held from row to row.
     pub measured_current: bool,
 }
 
@@ -280,13 +279,13 @@ pub(crate) struct Window {
 pub(crate) struct SamplesOfLog {
     /// The channels that the kind uses.
     pub log: Log,
-    /// The channels that it holds still.
+    /// The channels that the kind holds still.
     pub beside: Log,
     pub report: LoadReport,
 }
 
-/// Reads the samples of these columns in the window (both ends included). Time must be the first column
-/// in use, unless the window has a time step.
+/// Reads the samples of these columns in the window (both ends included). The time must be the first column,
+/// unless the window has a time step.
 pub(crate) fn read(
     mut table: OpenTable,
     uses: &[ColumnUse],
@@ -299,14 +298,14 @@ pub(crate) fn read(
         measured_current,
     } = window;
     let names: Vec<String> = uses.iter().map(|column| column.name.clone()).collect();
-    // With a time step the time comes before the columns, otherwise it is the first of them.
+    // With a time step, the time comes before the columns; otherwise it is the first of them.
     let ahead = usize::from(time_step_s.is_some());
     let mut series: Vec<Vec<f64>> = vec![Vec::new(); ahead + uses.len()];
     let mut values = vec![0.0; ahead + uses.len()];
     let mut long = LongLog::new(uses, ahead > 0, measured_current);
     let mut rows_in_window = 0_usize;
     let mut merged = 0_usize;
-    // How many lines the last sample is the mean of.
+    // Number of lines that were averaged into the last sample.
     let mut in_last = 1.0_f64;
     let mut first_s = f64::NAN;
     let mut before_s = f64::NEG_INFINITY;
@@ -422,7 +421,7 @@ pub(crate) fn read(
     })
 }
 
-/// The columns in their places: channels that the kind uses, and those that it holds still. With `time_is_ahead` the
+/// Assigns the columns to channels: those that the kind uses, and those that it holds still. With `time_is_ahead`, the
 /// time comes before the columns.
 pub(crate) fn by_channel(
     series: Vec<Vec<f64>>,
@@ -446,8 +445,8 @@ pub(crate) fn by_channel(
     (log, beside)
 }
 
-/// Makes angles go on over the end of a turn, finds the wheel's speed where only its angle is there, and takes out
-/// what dropped out. Says what it did.
+/// Unwraps angles, computes the wheel's speed if only its angle was logged, and removes lost samples. Returns notes on
+/// what was done.
 pub(crate) fn cleaned(log: &mut Log, beside: &mut Log) -> Vec<Note> {
     let mut notes = gaps(&log.time_s);
     if let Some(angle) = &mut beside.angle_rad {
@@ -466,7 +465,7 @@ pub(crate) fn cleaned(log: &mut Log, beside: &mut Log) -> Vec<Note> {
             notes.push(Note::AngleUnwrapped { count });
         }
     }
-    // The current is an input, not a state: it may really jump for one sample.
+    // The current is an input, not a state: it can really jump for one sample.
     for channel in [Channel::Angle, Channel::Rate, Channel::WheelSpeed] {
         let time_s = std::mem::take(&mut log.time_s);
         if let Some(samples) = log.channel_mut(channel) {
@@ -486,8 +485,8 @@ pub(crate) fn cleaned(log: &mut Log, beside: &mut Log) -> Vec<Note> {
     notes
 }
 
-/// The wheel's speed where only its angle was logged: differences over one sample either side (one sided
-/// at the ends), whose noise is that of the angle over the time between.
+/// Computes the wheel's speed if only its angle was logged: differences over one sample on either side (one-sided
+/// at the ends). Their noise is that of the angle divided by the time between.
 fn speed_from_angle(log: &mut Log, notes: &mut Vec<Note>) {
     if log.wheel_speed_rad_s.is_some() {
         return;
@@ -504,7 +503,7 @@ fn speed_from_angle(log: &mut Log, notes: &mut Vec<Note>) {
     notes.push(Note::SpeedFromAngle);
 }
 
-/// Pauses of more than twenty usual intervals: in an irregular log intervals vary, but not so far.
+/// Pauses of more than twenty usual intervals. In an irregular log, intervals vary, but not that much.
 fn gaps(time_s: &[f64]) -> Vec<Note> {
     let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = intervals.len() / 2;
@@ -524,8 +523,8 @@ fn gaps(time_s: &[f64]) -> Vec<Note> {
         .collect()
 }
 
-/// Whether a column stays within one turn (and a hundredth, for its noise), as that of a sensor that begins
-/// anew every turn does.
+/// Whether a column stays within one turn (and a hundredth for its noise), as the reading of a sensor with a range of one
+/// turn does.
 fn is_within_a_turn(angle_rad: &[f64]) -> bool {
     let finite = angle_rad.iter().copied().filter(|angle| angle.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| {
@@ -534,8 +533,7 @@ fn is_within_a_turn(angle_rad: &[f64]) -> bool {
     high - low <= 1.01 * std::f64::consts::TAU
 }
 
-/// Lets the angle of a wheel go on over the end of a turn: of the ways from one sample to the next it takes
-/// the shortest.
+/// Unwraps the angle of a wheel: between two samples, the shorter way is assumed.
 fn unwrap_wheel(angle_rad: &mut [f64]) {
     use std::f64::consts::TAU;
     if !is_within_a_turn(angle_rad) {
@@ -550,12 +548,12 @@ fn unwrap_wheel(angle_rad: &mut [f64]) {
     }
 }
 
-/// Takes out the jumps of a sensor that reports the angle within one turn, and counts them.
+/// Removes the jumps of a sensor with a range of one turn, and counts them.
 ///
-/// A jump of the column between two samples is a wrap if it is nearer to a full turn than to none
-/// and to two: half a turn within one sample is a speed that no pendulum reaches at a usable
-/// sampling rate, and a drop-out from upright to zero is a jump of half a turn. A column that covers more
-/// than a turn comes from no such sensor.
+/// A jump between two samples is a wrap if it is nearer to one full turn than to zero
+/// or two turns. Half a turn within one sample is faster than any pendulum at a usable
+/// sampling rate; a drop-out from upright to zero is a jump of half a turn. A column that covers more
+/// than one turn does not come from such a sensor.
 fn unwrap_turns(angle_rad: &mut [f64]) -> usize {
     use std::f64::consts::{PI, TAU};
     if !is_within_a_turn(angle_rad) {

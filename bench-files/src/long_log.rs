@@ -1,4 +1,4 @@
-//! A log that is too long to be kept as it is: cleaned in pieces while it is read, and kept as averages.
+//! A log that is too long to be kept in full: it is cleaned in pieces while it is read, and kept as averages.
 
 use std::f64::consts::TAU;
 
@@ -6,29 +6,29 @@ use crate::averages::{Averages, MOST_BLOCKS};
 use crate::channel::Channel;
 use crate::log::{ColumnUse, Log, Note, by_channel, cleaned};
 
-/// Rows that are cleaned together. A log of fewer is kept as it is.
+/// Number of rows in a piece. A log with fewer rows is kept in full.
 pub(crate) const CHUNK_ROWS: usize = 1 << 18;
-/// Rows that a piece has in common with the one before: a drop-out is judged by two rows on either side.
+/// Number of rows that consecutive pieces share: the test for drop-outs needs two rows on either side.
 const SHARED_ROWS: usize = 4;
-/// Most pauses that are reported.
+/// Largest number of pauses that are reported.
 const MOST_GAPS: usize = 8;
 
-/// The rows of a long log that have been read.
+/// The part of a long log that has been read.
 pub(crate) struct LongLog<'u> {
     uses: &'u [ColumnUse],
     time_is_ahead: bool,
     measured_current: bool,
     rows: usize,
-    /// The channels of the averages, those beside marked.
+    /// The channels of the averages; `true` marks those that the kind holds still.
     layout: Vec<(bool, Channel)>,
     averages: Option<Averages>,
-    /// Of every channel the last sample that was taken.
+    /// The last sample of every channel.
     last: Vec<f64>,
     notes: Vec<Note>,
 }
 
 impl<'u> LongLog<'u> {
-    /// Nothing yet.
+    /// Nothing read yet.
     pub fn new(uses: &'u [ColumnUse], time_is_ahead: bool, measured_current: bool) -> LongLog<'u> {
         LongLog {
             uses,
@@ -42,12 +42,12 @@ impl<'u> LongLog<'u> {
         }
     }
 
-    /// Whether there has been a piece.
+    /// Whether a piece has been added.
     pub fn has_begun(&self) -> bool {
         self.averages.is_some()
     }
 
-    /// Takes the rows of a piece, but for the last ones, which stay: the next piece begins with them.
+    /// Adds the rows of a piece, except the last ones, which remain in `series` as the beginning of the next piece.
     pub fn take(&mut self, series: &mut [Vec<f64>]) {
         self.piece(series.to_vec(), false);
         for samples in series {
@@ -55,7 +55,7 @@ impl<'u> LongLog<'u> {
         }
     }
 
-    /// Takes the last rows, and gives the averages of all; notes are added to `notes`.
+    /// Adds the last rows, and returns the averages of all. Notes are added to `notes`.
     pub fn finish(mut self, series: Vec<Vec<f64>>, notes: &mut Vec<Note>) -> (Log, Log) {
         self.piece(series, true);
         let (mut log, mut beside) = (Log::default(), Log::default());
@@ -100,7 +100,7 @@ impl<'u> LongLog<'u> {
         let half = SHARED_ROWS / 2;
         let from = if is_first { 0 } else { half };
         let to = if is_last { rows } else { rows - half };
-        // Each piece counts its turns anew.
+        // Each piece is unwrapped by itself; the pieces are joined here.
         for (at, &(is_beside, channel)) in self.layout.iter().enumerate() {
             let log = if is_beside { &mut beside } else { &mut log };
             if !matches!(channel, Channel::Angle | Channel::WheelAngle) || is_first {
@@ -130,7 +130,7 @@ impl<'u> LongLog<'u> {
         self.rows += to - from;
     }
 
-    /// Adds a note, to one of its kind where there is one.
+    /// Adds a note; it is merged with an earlier note of the same kind.
     fn note(&mut self, note: Note) {
         for known in &mut self.notes {
             match (known, &note) {

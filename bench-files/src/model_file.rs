@@ -1,7 +1,7 @@
-//! `model.toml`: the parameters of a bench, the effects that its model has, and the design's wishes.
+//! `model.toml`: the parameters of a bench, the effects of its model, and the requirements of the design.
 //!
 //! A file that is read, changed and written keeps its comments, its order and the sections of other
-//! tools. Numbers are written with as many digits as it takes to read the same number back.
+//! tools. Numbers are written with the fewest digits that give the same number when read again.
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
     ("pivot_to_com", "m", (-10.0, 10.0)),
 ];
 
-/// The sections of a model.toml; `tool` is that of other programs and kept as it stands.
+/// The sections of a model.toml; `tool` belongs to other programs and is kept unchanged.
 const SECTIONS: [&str; 9] = [
     "parameters",
     "correlation",
@@ -51,12 +51,11 @@ pub struct Parameter {
     pub name: String,
     /// Its value in `unit`.
     pub value: f64,
-    /// Its standard error in `unit`; `None` for a value that was written by hand or measured
-    /// directly.
+    /// Its standard error in `unit`; `None` for a value that was written by hand or measured directly.
     pub std: Option<f64>,
-    /// SI unit, for torques without a known scale "… per kg m2"; empty: the SI unit of the name.
+    /// SI unit; "… per kg m2" for a torque without a known scale. If empty, the SI unit of the parameter.
     pub unit: String,
-    /// Where the value comes from: experiments, `[known]`, a publication. May be empty.
+    /// The source of the value: experiments, `[known]`, a publication. May be empty.
     pub source: String,
 }
 
@@ -67,7 +66,7 @@ impl Parameter {
     }
 }
 
-/// What the controller is to be designed for.
+/// The requirements for the design of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DesignSection {
     /// Time between two commands, s.
@@ -76,12 +75,12 @@ pub struct DesignSection {
     pub state_weights: [f64; 3],
     /// R: weight of the current, 1/A².
     pub current_weight: f64,
-    /// Largest current either way, A.
+    /// Largest current in either direction, A.
     pub current_limit_a: f64,
-    /// ι in rad/s: Coulomb friction of the body enters the linear model as μ/ι. `None`: not at all.
+    /// ι in rad/s: Coulomb friction of the body enters the linear model as μ/ι; `None` to leave it out.
     pub friction_linearisation_speed_rad_s: Option<f64>,
-    /// Time constant in s of an observer that finds a constant bias of the measured angle, which
-    /// would keep the wheel turning (thesis 5.1); key `bias_time_constant`. `None`: no observer.
+    /// Time constant in s of an observer of a constant bias of the measured angle; such a bias
+    /// would keep the wheel turning (thesis 5.1). Key `bias_time_constant`; `None` for no observer.
     pub bias_time_constant_s: Option<f64>,
 }
 
@@ -90,25 +89,25 @@ pub struct DesignSection {
 pub struct ModelFile {
     /// The parameters, in the order of the file. Names are unique and known to the library.
     pub parameters: Vec<Parameter>,
-    /// How the errors of the parameters hang together; `None`: they are independent.
+    /// The correlations of the errors of the parameters; `None` if they are independent.
     pub correlation: Option<Correlation>,
     /// The effects of the model, in the order of the file.
     pub effects: Vec<EffectId>,
-    /// Which of them hold only until an experiment has decided, where explanations tie.
+    /// The provisional effects and their rivals, if there is a tie between explanations.
     pub tie: Option<Tie>,
-    /// The effects of users that the file defines itself; it is written with those that its model has.
+    /// Users' effects that the file itself defines; those of the model are written with it.
     pub own_effects: Vec<OwnEffect>,
     /// Those of the effects that no log has shown upright: the linear model does without them.
     pub unseen_upright: Vec<EffectId>,
     /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,
-    /// What calibration found, if the file has any.
+    /// The results of the calibration, if the file has them.
     pub calibration: Option<Calibration>,
     /// The bench's sensors and its drive, as bench.toml states them.
     pub hardware: Option<Hardware>,
     /// Where the file was read from.
     path: Option<PathBuf>,
-    /// The text as it was read, for everything that the fields above do not hold.
+    /// The text as it was read; it holds everything that the fields above do not.
     document: DocumentMut,
 }
 
@@ -118,7 +117,7 @@ impl Default for ModelFile {
     }
 }
 
-/// Two files are equal if they say the same; comments and other tools' sections do not count.
+/// Two files are equal if their content is equal; comments and sections of other tools do not count.
 impl PartialEq for ModelFile {
     fn eq(&self, other: &Self) -> bool {
         self.parameters == other.parameters
@@ -133,7 +132,7 @@ impl PartialEq for ModelFile {
 }
 
 impl ModelFile {
-    /// A file without parameters, with the effects of the base model and without design.
+    /// A file without parameters and without design, with the effects of the base model.
     pub fn new() -> ModelFile {
         ModelFile {
             parameters: Vec::new(),
@@ -153,7 +152,7 @@ impl ModelFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// The first thing that is wrong, see [`Problem`].
+    /// The first error, see [`Problem`].
     pub fn read(path: &Path) -> Result<ModelFile, Error> {
         ModelFile::from_source(&TomlSource::read(Files::Disk, path)?)
     }
@@ -169,7 +168,7 @@ impl ModelFile {
         )?)
     }
 
-    /// Reads a text; errors name it `path`.
+    /// Reads a text; `path` is the name of the file in errors.
     ///
     /// # Errors
     /// As for [`ModelFile::read`].
@@ -191,7 +190,7 @@ impl ModelFile {
             }
         }
 
-        // A file that holds a calibration only has none yet.
+        // A file that holds only a calibration has no effects yet.
         let section = root.section("parameters")?;
         let mut parameters = Vec::new();
         for (section, key) in section
@@ -267,8 +266,7 @@ impl ModelFile {
             .find(|parameter| parameter.name == name)
     }
 
-    /// Puts a parameter in, in the place of one with the same name. The correlations of that one go
-    /// with it.
+    /// Adds a parameter; a parameter with the same name is replaced, and its correlations are removed.
     pub fn set_parameter(&mut self, parameter: Parameter) {
         let others = self.correlation.take();
         self.correlation = others.and_then(|all| all.among(|name| name != parameter.name));
@@ -282,8 +280,8 @@ impl ModelFile {
         }
     }
 
-    /// Puts in the parameters of a model with the correlations of their errors, in place of those of
-    /// another; what stands beside the motion (a centre of mass from plumb lines, say) stays.
+    /// Replaces the parameters of the model and the correlations of their errors. Quantities that are not parameters of
+    /// the motion (such as a centre of mass from plumb lines) are kept.
     pub fn replace_model_parameters(
         &mut self,
         parameters: Vec<Parameter>,
@@ -322,11 +320,11 @@ impl ModelFile {
         provisional.fold(self.model(), |model, &effect| model.without(effect))
     }
 
-    /// The parameter vector that goes with [`ModelFile::model`], in SI units (or per unit of
+    /// The parameter vector of [`ModelFile::model`], in SI units (or per unit of
     /// inertia, see [`Parameter::is_per_inertia`]).
     ///
     /// # Errors
-    /// [`Problem::MissingParameter`] for the first parameter that the file does not give.
+    /// [`Problem::MissingParameter`] for the first parameter that the file does not contain.
     pub fn parameter_vector(&self) -> Result<Vec<f64>, Error> {
         self.model()
             .parameters()
@@ -357,10 +355,10 @@ impl ModelFile {
         )
     }
 
-    /// The design's wishes.
+    /// The requirements of the design.
     ///
     /// # Errors
-    /// [`Problem::MissingKey`] where the file has none.
+    /// [`Problem::MissingKey`] if the file has none.
     pub fn require_design(&self) -> Result<DesignSection, Error> {
         self.design.ok_or_else(|| {
             Error::in_file(
@@ -374,7 +372,7 @@ impl ModelFile {
         })
     }
 
-    /// The same file, named `path` in errors: where it is to be written.
+    /// The same file under the name `path`, where it is to be written; errors use this name.
     pub fn named(self, path: &Path) -> ModelFile {
         ModelFile {
             path: Some(path.to_path_buf()),
@@ -382,7 +380,7 @@ impl ModelFile {
         }
     }
 
-    /// Where the file was read from, or is to be written; `model.toml` where nobody has said.
+    /// Where the file was read from, or is to be written; `model.toml` if that is not known.
     pub fn path(&self) -> &Path {
         self.path.as_deref().unwrap_or(Path::new("model.toml"))
     }
@@ -493,7 +491,7 @@ impl ModelFile {
         document.to_string()
     }
 
-    /// Writes the file in one step; an interrupted write leaves the old file.
+    /// Writes the file in one step. If the write is interrupted, the old file is unchanged.
     ///
     /// # Errors
     /// [`Problem::Unwritable`].
@@ -526,7 +524,7 @@ fn unit_and_bounds(name: &str, own: &[OwnEffect]) -> Option<(&'static str, (f64,
         .map(|info| (info.unit, info.bounds))
 }
 
-/// The parameters of every model and of every effect.
+/// The base parameters, and the parameters of all effects.
 fn library_parameters() -> impl Iterator<Item = &'static ParameterInfo> {
     BASE_PARAMETERS.iter().chain(
         EffectId::ALL
@@ -596,7 +594,7 @@ fn read_parameter(
     })
 }
 
-/// A unit without the freedom of its spelling: `kg m2`, `kg·m²`, `kg*m^2` are one.
+/// A unit in one spelling: `kg m2`, `kg·m²` and `kg*m^2` are the same.
 fn plain_unit(unit: &str) -> String {
     unit.replace('²', "2")
         .replace('³', "3")

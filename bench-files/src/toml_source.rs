@@ -1,4 +1,4 @@
-//! Reading values out of a TOML text so that every error can point at its place.
+//! Values from a TOML text, with their places, so that every error can point to its cause.
 
 use std::io::Read;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use crate::error::{Error, Names, Place, Problem};
 use crate::files::Files;
 use crate::write::reason;
 
-/// Largest TOML file that is read, in bytes. A bench with a thousand experiments has a tenth of it.
+/// Largest size of a TOML file, in bytes. A bench with a thousand experiments has a tenth of it.
 const MAX_TOML_BYTES: u64 = 4 << 20;
 
 /// A TOML text with the path it came from.
@@ -21,7 +21,7 @@ pub(crate) struct TomlSource {
     text: Arc<str>,
 }
 
-/// A value and the bytes of the text where it stands.
+/// A value, with the range of its bytes in the text.
 #[derive(Clone, Debug)]
 pub(crate) struct Located<T> {
     pub value: T,
@@ -31,7 +31,7 @@ pub(crate) struct Located<T> {
 /// A table of a TOML text: a section, an inline table or the whole document.
 pub(crate) struct Section<'a> {
     source: &'a TomlSource,
-    /// How messages name it, for example `[known]`.
+    /// Its name in messages, for example `[known]`.
     name: String,
     table: &'a dyn TableLike,
     span: Range<usize>,
@@ -57,7 +57,7 @@ impl TomlSource {
         &self.path
     }
 
-    /// The text without the byte order mark that some editors put in front.
+    /// The text without a byte order mark, which some editors write.
     fn text(&self) -> &str {
         self.text.strip_prefix('\u{feff}').unwrap_or(&self.text)
     }
@@ -65,7 +65,7 @@ impl TomlSource {
     /// Parses the text.
     pub fn parse(&self) -> Result<Document<&str>, Error> {
         Document::parse(self.text()).map_err(|error| {
-            // The library separates its sentences by line breaks.
+            // The library separates its sentences with line breaks.
             let message = error.message().trim().replace('\n', ", ");
             self.error(error.span().unwrap_or(0..0), Problem::TomlSyntax(message))
         })
@@ -125,7 +125,7 @@ impl<'a> Section<'a> {
         self.source.error(self.span(), problem)
     }
 
-    /// An error at the value of a key, or at the section's head where the key is missing.
+    /// An error at the value of a key, or at the section's head if the key is missing.
     pub fn error_at(&self, key: &str, problem: Problem) -> Error {
         let span = match self.table.get_key_value(key) {
             Some((key, item)) => item_span(key, item),
@@ -134,7 +134,7 @@ impl<'a> Section<'a> {
         self.source.error(span, problem)
     }
 
-    /// An error at a part of a value, which stands at `span`.
+    /// An error at a part of a value, given by its range of bytes.
     pub fn error_in_value(&self, span: Range<usize>, problem: Problem) -> Error {
         self.source.error(span, problem)
     }
@@ -259,7 +259,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The text under a key that must be there and not be blank.
+    /// The text under a required key; it must not be blank.
     pub fn required_text(
         &self,
         key: &str,
@@ -271,7 +271,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The problem of a key that is not there.
+    /// The problem of a missing key.
     pub fn missing(&self, key: &str, example: &'static str) -> Problem {
         Problem::MissingKey {
             section: self.name.clone(),
@@ -305,7 +305,7 @@ impl<'a> Section<'a> {
         Ok(number)
     }
 
-    /// The number under a key that must be there and be above zero.
+    /// The positive number under a required key.
     pub fn required_positive_number(&self, key: &str, example: &'static str) -> Result<f64, Error> {
         match self.positive_number(key)? {
             Some(number) => Ok(number.value),
@@ -357,7 +357,7 @@ impl<'a> Section<'a> {
         Ok(Some(lists.ok_or_else(wrong)?))
     }
 
-    /// The number under a key that must be there.
+    /// The number under a required key.
     pub fn required_number(&self, key: &str) -> Result<f64, Error> {
         match self.number(key)? {
             Some(number) => Ok(number.value),
@@ -365,7 +365,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Finite numbers in nested lists of this shape, flattened; 0 in the shape allows any length.
+    /// Finite numbers in nested lists of this shape, flattened. A 0 in the shape allows any length.
     pub fn numbers(
         &self,
         key: &str,
@@ -444,7 +444,7 @@ impl<'a> Section<'a> {
         Ok(Some(Located { value, span }))
     }
 
-    /// Like [`Section::three_numbers`], for a key that must be there.
+    /// As [`Section::three_numbers`], for a required key.
     pub fn required_three_numbers(
         &self,
         key: &str,
@@ -468,7 +468,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// Collects the numbers of nested lists; false where they do not have the shape.
+/// Collects the numbers of nested lists. Returns `false` if they do not have the shape.
 fn flatten(value: &Value, shape: &[usize], numbers: &mut Vec<f64>) -> bool {
     match (shape, value.as_array()) {
         ([], None) => as_number(value)
@@ -482,7 +482,7 @@ fn flatten(value: &Value, shape: &[usize], numbers: &mut Vec<f64>) -> bool {
     }
 }
 
-/// The texts of a list, each with its place (`otherwise` where it has none); `None` where one is no text.
+/// The texts of a list, each with its place (`otherwise` if it has none); `None` if an element is not a text.
 fn texts_of(list: &Array, otherwise: &Range<usize>) -> Option<Vec<Located<String>>> {
     let texts = list.iter().map(|value| {
         Some(Located {
@@ -499,7 +499,7 @@ fn as_number(value: &Value) -> Option<f64> {
         .or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 
-/// What stands there, in words.
+/// A description of a value, in words.
 fn describe(item: &Item) -> String {
     match item {
         Item::Value(Value::Array(array)) => match array.len() {

@@ -1,15 +1,15 @@
-//! Changes to a TOML document that keep its comments and what says the same.
+//! Changes to a TOML document that keep its comments, and values that are equal to the new ones.
 
 use toml_edit::{Item, Table, TableLike, Value};
 
-/// The table under a key, made where there is none. `header_only` tables hold nothing but other
-/// tables and get no line of their own.
+/// The table under a key; it is created if it does not exist. `header_only` tables contain nothing but other
+/// tables, and get no line of their own.
 pub(crate) fn table_in<'a>(
     parent: &'a mut dyn TableLike,
     key: &str,
     header_only: bool,
 ) -> &'a mut dyn TableLike {
-    // What stands under these keys was read as a table, or there is nothing.
+    // The reader has checked that these keys hold a table or do not exist.
     if !parent.get(key).is_some_and(Item::is_table_like) {
         let mut table = Table::new();
         table.set_implicit(header_only);
@@ -21,7 +21,7 @@ pub(crate) fn table_in<'a>(
         .expect("a table was put there just now")
 }
 
-/// Sets a value, keeping the comment beside it; a value that says the same stays as it is written.
+/// Sets a value and keeps its comment. An equal value is not rewritten.
 pub(crate) fn set(table: &mut dyn TableLike, key: &str, value: Value) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) if same(old, &value) => {}
@@ -36,7 +36,7 @@ pub(crate) fn set(table: &mut dyn TableLike, key: &str, value: Value) {
     }
 }
 
-/// Whether two values say the same: equal numbers, texts, or lists of such.
+/// Whether two values are equal: numbers, texts, or lists of these.
 fn same(a: &Value, b: &Value) -> bool {
     let as_number = |value: &Value| {
         value
@@ -61,6 +61,6 @@ pub(crate) fn number(value: f64) -> Value {
     } else {
         format!("{value:e}")
     };
-    // `format!` of a finite float is always a TOML float; anything else falls back to the library.
+    // A finite float formatted by `format!` is always a TOML float; otherwise the library's form is used.
     text.parse().unwrap_or_else(|_| Value::from(value))
 }

@@ -1,11 +1,11 @@
-//! Writing files so that a reader never sees half of one.
+//! Writing files so that a reader never sees an incomplete one.
 
 use std::path::Path;
 
 use crate::error::{Error, Problem};
 
-/// Writes `content` to `path` in one step: into a new file beside it, then renamed over it.
-/// An interrupted write leaves the old file as it was. A symbolic link is followed, the old file's
+/// Writes `content` to `path` in one step: into a new file beside it, which is then renamed.
+/// If the write is interrupted, the old file is unchanged. A symbolic link is followed, and the old file's
 /// permissions are kept.
 ///
 /// # Errors
@@ -15,7 +15,7 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), Error> {
         .map_err(|error| Error::in_file(path, Problem::Unwritable(reason(&error))))
 }
 
-/// Whether files can be written into a folder that is there or can be made; nothing is left there.
+/// Whether files can be written into a folder that exists or can be created. No file is left there.
 ///
 /// # Errors
 /// [`Problem::Unwritable`] with the system's reason.
@@ -24,7 +24,7 @@ pub fn can_write_into(folder: &Path) -> Result<(), Error> {
         .map_err(|error| Error::in_file(folder, Problem::Unwritable(reason(&error))))
 }
 
-/// An input/output error without the code that only programmers read.
+/// An input/output error without its numerical code.
 pub(crate) fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();
     match text.find(" (os error") {

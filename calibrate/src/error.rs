@@ -1,16 +1,16 @@
-//! Recordings that cannot be calibrated from.
+//! Errors: recordings that do not allow a calibration.
 
-/// Why a recording yields no calibration.
+/// The reason why a recording gives no calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// Not enough data.
     #[error("{what}: {found} given, at least {needed} needed")]
     TooFew {
-        /// What there is too little of.
+        /// The kind of data that is missing.
         what: &'static str,
-        /// How much there is.
+        /// The number found.
         found: usize,
-        /// How much is needed.
+        /// The number needed.
         needed: usize,
     },
     /// A number is NaN or infinite, or not positive where it must be.
@@ -23,24 +23,24 @@ pub enum CalibrationError {
         /// Its value.
         value: f64,
     },
-    /// The sensor turned while it was to lie still.
+    /// The sensor turned although it should have been at rest.
     #[error(
-        "the sensor turned while it was to lie still: over parts of the recording its {axis} axis reads up to {wander:.1} counts ({rate_deg_s:.2} °/s) away from the rest, where its noise allows {noise:.2}; record it again on a firm table, with nobody touching it"
+        "the sensor turned although it should have been at rest: over parts of the recording, its {axis} axis reads up to {wander:.1} counts ({rate_deg_s:.2} °/s) away from its median, while its noise allows {noise:.2}; record it again on a firm table, without touching it"
     )]
     NotStill {
         /// x, y or z.
         axis: &'static str,
-        /// Farthest that the mean of a part is away, counts.
+        /// Largest distance of a part's mean from the median, counts.
         wander: f64,
         /// The same in °/s.
         rate_deg_s: f64,
-        /// Standard deviation that the noise gives such a mean, counts.
+        /// Standard deviation that noise alone gives such a mean, counts.
         noise: f64,
     },
-    /// The data leaves a direction open.
+    /// The data do not determine the result.
     #[error("{what}: {why}; {cure}")]
     NotDetermined {
-        /// What was to be found.
+        /// The result.
         what: &'static str,
         /// What is missing.
         why: &'static str,

@@ -23,14 +23,14 @@ pub struct GyroscopeRest {
     pub beta_rad_s: f64,
 }
 
-/// A batch's mean that is this many of its standard deviations away is not noise: one in 10¹⁵.
+/// A batch mean this many standard deviations away is not noise; Gaussian noise exceeds it once in 10¹⁵.
 const NOISE_DEVIATIONS: f64 = 8.0;
 
-/// Nor is a rate above this the wander of a bias within a recording, rad/s: 0.2 °/s, several times
-/// the in-run wander over minutes that data sheets of such sensors allow.
+/// Largest rate that counts as a wandering bias, rad/s: 0.2 °/s, several times
+/// the in-run bias instability over minutes in the data sheets of such sensors. A larger rate is a rotation.
 const BIAS_WANDER_RAD_S: f64 = 3.5e-3;
 
-/// Refuses a recording in which a rate shows.
+/// Refuses a recording that contains a rotation.
 fn require_still(rest: &Still, scale: f64) -> Result<(), CalibrationError> {
     for (index, axis) in ["x", "y", "z"].into_iter().enumerate() {
         let (wander, noise) = (rest.wander[index], rest.wander_of_noise[index]);

@@ -1,21 +1,21 @@
-//! Where the accelerometer sits: its position from the pivot axis, from a free swing.
+//! The position of the accelerometer relative to the pivot axis, from a free swing.
 //!
 //! At r = (x, y) the aligned accelerometer reads, across the pivot axis,
 //!
 //! a = g (cos β, −sin β) + α̈ (−y, x) − α̇² (x, y),   β = β₀ + ∫ α̇ dt,
 //!
-//! with g the length of gravity across the axis as it was read hanging at rest, and
-//! α̇ = (1 + s) ω + d from the gyroscope's ω. Gauss–Newton finds r together with β₀ and with what
-//! is left of the gyroscope's scale and bias, s and d: on a free swing α̈ goes with sin α, nearly
-//! as gravity does, so that a wrong scale would otherwise be taken for a lever arm.
+//! with g the length of gravity across the axis, as measured while hanging at rest, and
+//! α̇ = (1 + s) ω + d from the gyroscope's ω. Gauss–Newton finds r together with β₀ and with the
+//! remaining errors of the gyroscope's scale and bias, s and d. In a free swing, α̈ is proportional to sin α, nearly
+//! as gravity is, so a wrong scale would otherwise look like a lever arm.
 //!
-//! ω and its derivative are those of a cubic through ±[`WINDOW_S`] around each sample (Savitzky
-//! and Golay 1964). What noise is left in the derivative shrinks r by its share of the variance of
-//! α̈: with 10 mrad/s a sample at 1 kHz, 4e-5 on a swing of 60°.
+//! ω and its derivative come from a cubic fitted over ±[`WINDOW_S`] around each sample (Savitzky
+//! and Golay 1964). The noise that remains in the derivative shrinks r by its share of the variance of
+//! α̈: with 10 mrad/s per sample at 1 kHz, by 4e-5 for a swing of 60°.
 //!
-//! Standard errors come from the scores of [`BLOCKS`] stretches of the swing, so that slow residuals
-//! count as what they are, and from the standard errors of the accelerometer's calibration and of its
-//! mean at rest, each moved by itself.
+//! Standard errors have two sources: the scores of [`BLOCKS`] stretches of the swing, so that slow residuals
+//! are weighted correctly, and the standard errors of the accelerometer's calibration and of its
+//! mean at rest, each propagated separately.
 
 use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
@@ -24,35 +24,35 @@ use crate::sensor_calibration::SensorCalibration;
 use attitude::{SensorLine, WORD_CLIP, is_saturated};
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
-/// Half the window of the smoothing, s: a fifth of a radian of a pendulum at 10 rad/s, of which a
-/// cubic misses less than 1e-5.
+/// Half of the smoothing window, s: a fifth of a radian of a pendulum at 10 rad/s, for which the error of a
+/// cubic is below 1e-5.
 const WINDOW_S: f64 = 0.02;
 
-/// Stretches for the standard errors.
+/// Number of stretches for the standard errors.
 const BLOCKS: usize = 40;
 
 /// β₀, s, d, x, y.
 const UNKNOWNS: usize = 5;
 
-/// Steps after which the fit must have ended. It is nearly linear: four or five do.
+/// Largest number of steps. The problem is nearly linear; four or five are usual.
 const STEPS_MAX: usize = 30;
 
 type Unknowns = SVector<f64, UNKNOWNS>;
 type Moments = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// The accelerometer's place.
+/// The position of the accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeverArmEstimate {
-    /// From the pivot axis along x and y of the aligned sensor, m.
+    /// Position relative to the pivot axis, along x and y of the aligned sensor, m.
     pub position_m: [f64; 2],
     /// Standard errors, m.
     pub position_std_m: [f64; 2],
-    /// What the gyroscope's scale about the pivot axis lacks: the true rate is (1 + this) times
+    /// Scale error s of the gyroscope about the pivot axis: the true rate is (1 + s) times
     /// the calibrated one.
     pub gyro_scale_error: f64,
     /// Its standard error.
     pub gyro_scale_error_std: f64,
-    /// Standard deviation of what is left of the reading, m/s².
+    /// Standard deviation of the residual of the reading, m/s².
     pub residual_std_m_s2: f64,
 }
 
@@ -121,13 +121,13 @@ pub fn lever_arm(
     };
     let undetermined = CalibrationError::NotDetermined {
         what: "the lever arm",
-        why: "the swing does not tell it from gravity",
+        why: "the swing does not distinguish it from gravity",
         cure: "record a free swing from 45° or more, of 10 s or longer",
     };
     let Some(found) = fit_with(&accel.line, rest.mean) else {
         return Err(undetermined);
     };
-    // Each uncertain number of calibration and rest, moved by its standard error.
+    // Each uncertain number of calibration and rest is changed by its standard error.
     let mut moved = Vec::new();
     for axis in 0..3 {
         let mut line = accel.line;
@@ -162,7 +162,7 @@ pub fn lever_arm(
     })
 }
 
-/// The instants that have a whole window and an accelerometer within its range.
+/// The instants that have a complete window and an accelerometer reading within its range.
 fn instants(rates: &[f64], accel: &[[i16; 3]], half: usize, period: f64) -> Vec<Instant> {
     // Sums over the window of j², j⁴ and j⁶, j = −half … half.
     let sum = |power: i32| 2.0 * (1..=half).map(|j| (j as f64).powi(power)).sum::<f64>();
@@ -200,10 +200,10 @@ struct Fit {
     residual_std: f64,
 }
 
-/// Gauss–Newton from β₀ of the first readings; `None` where it does not end or leaves something
-/// open.
+/// Gauss–Newton from the β₀ of the first readings; `None` if it does not converge or the problem is
+/// singular.
 fn fit(instants: &[Instant], read: &[Vector2<f64>], gravity: f64) -> Option<Fit> {
-    // With no lever the reading points up, so that the mean of up turned back is β₀.
+    // Without a lever arm, the reading points up; β₀ is the mean of the upward directions, each rotated back.
     let back = |(instant, read): (&Instant, &Vector2<f64>)| {
         let (sin, cos) = instant.turned_rad.sin_cos();
         Vector2::new(cos * read.x - sin * read.y, sin * read.x + cos * read.y)
@@ -234,7 +234,7 @@ fn fit(instants: &[Instant], read: &[Vector2<f64>], gravity: f64) -> Option<Fit>
     None
 }
 
-/// Residual of one reading and the slopes of the model, one row an unknown.
+/// The residual of one reading and the derivatives of the model, one row per unknown.
 fn linearised(
     instant: &Instant,
     read: &Vector2<f64>,
@@ -267,7 +267,7 @@ fn linearised(
     (read - model, slopes)
 }
 
-/// Covariance from the scores of [`BLOCKS`] stretches between two inverse normal matrices.
+/// Covariance: the scores of [`BLOCKS`] stretches between two inverse normal matrices (sandwich estimator).
 fn finished(
     instants: &[Instant],
     read: &[Vector2<f64>],
@@ -288,7 +288,7 @@ fn finished(
         }
         scatter += score * score.transpose();
     }
-    // The scores of all stretches sum to zero along the unknowns.
+    // The scores of all stretches sum to zero for every unknown.
     let blocks = BLOCKS as f64;
     let enlarged = scatter * (blocks / (blocks - UNKNOWNS as f64));
     let variance = (inverse * enlarged * inverse).diagonal();

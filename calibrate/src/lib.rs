@@ -1,10 +1,10 @@
 //! Calibration from recordings: pure functions from data to numbers with standard errors.
 //!
-//! Every result says how well it is determined: standard errors, residuals, and a condition
-//! number or coverage where the data may not support the answer.
+//! Every result states how well it is determined: standard errors, residuals, and a condition
+//! number or coverage if the data may not be sufficient.
 //!
-//! The recordings are named in the section `[calibration]` of bench.toml and the results stand in
-//! that of model.toml; both are described in `bench-files/src/calibration.rs`.
+//! The section `[calibration]` of bench.toml lists the recordings, and that of model.toml holds the
+//! results; both are described in `bench-files/src/calibration.rs`.
 #![warn(missing_docs)]
 
 mod error;

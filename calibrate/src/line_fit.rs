@@ -6,7 +6,7 @@ use crate::error::at_least;
 /// y = `slope` x + `offset` by least squares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineFit {
-    /// Points that do not lie on it and were left out, and why; empty for a plain fit.
+    /// Points that were left out because they do not lie on the line; empty for a plain fit.
     pub left_out: Vec<LeftOut>,
     /// Unit of y per unit of x.
     pub slope: f64,
@@ -14,7 +14,7 @@ pub struct LineFit {
     pub slope_std: f64,
     /// y at x = 0.
     pub offset: f64,
-    /// Its standard error. It correlates with the slope's unless the x lie about zero.
+    /// Its standard error. It is correlated with that of the slope unless the mean of x is zero.
     pub offset_std: f64,
     /// Correlation of the errors of slope and offset.
     pub correlation: f64,
@@ -42,10 +42,10 @@ pub struct LeftOut {
     pub residual: f64,
 }
 
-/// A residual beyond this many robust standard deviations is no noise.
+/// A residual beyond this many robust standard deviations is not noise.
 const NOISE_DEVIATIONS: f64 = 6.0;
 
-/// Which of a line's quantities comes in whole counts.
+/// Which variable of a line is in whole counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counts {
     /// The abscissa: a converter's count.
@@ -54,23 +54,23 @@ pub enum Counts {
     Y,
 }
 
-/// Nor is one beyond this many counts, where rounding leaves half of one.
+/// A residual up to this many counts is accepted in any case: rounding causes up to half a count.
 const ROUNDING_COUNTS: f64 = 2.0;
 
-/// As [`fit_line`], but points that do not lie on the line of the others are left out, as those at
-/// the ends of a converter's range do not: there the count stands while the speed changes.
+/// As [`fit_line`], without points that do not lie on the line of the others. Such points occur at
+/// the ends of a converter's range, where the count stays constant while the speed changes.
 ///
-/// First the line of the median of all slopes (H. Theil, 1950; P. K. Sen, 1968), which up to a
-/// quarter of the points cannot move far, then that of least squares through the points near it.
+/// First, the line with the median of all slopes is computed (H. Theil, 1950; P. K. Sen, 1968); up to a
+/// quarter of wrong points hardly changes it. Then follows least squares through the points near that line.
 ///
 /// # Errors
-/// As for [`fit_line`], also where fewer than three points are left.
+/// As for [`fit_line`], also if fewer than three points are left.
 pub fn fit_line_within_range(
     points: &[(f64, f64)],
     counts: Counts,
 ) -> Result<LineFit, CalibrationError> {
     fit_line(points)?;
-    // Enough pairs of a long recording are those of every so many points.
+    // For a long recording, the pairs of every n-th point are enough.
     let few: Vec<_> = points
         .iter()
         .step_by(1 + points.len() / 400)
@@ -87,7 +87,7 @@ pub fn fit_line_within_range(
     let slope = middle(slopes);
     let offset = middle(points.iter().map(|(x, y)| y - slope * x).collect());
     let residual = |(x, y): &(f64, f64)| y - slope * x - offset;
-    // 1.4826 times the median deviation is the standard deviation of normal noise.
+    // 1.4826 times the median absolute deviation is the standard deviation of Gaussian noise.
     let noise = 1.4826 * middle(points.iter().map(|point| residual(point).abs()).collect());
     let count = match counts {
         Counts::X => slope.abs(),
@@ -115,10 +115,10 @@ fn middle(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The line through at least three points (x, y), the noise taken from the residuals.
+/// The line through at least three points (x, y); the noise is estimated from the residuals.
 ///
 /// # Errors
-/// Fewer than three points, numbers that are not finite, all x equal.
+/// If there are fewer than three points, numbers that are not finite, or only one value of x.
 pub fn fit_line(points: &[(f64, f64)]) -> Result<LineFit, CalibrationError> {
     at_least("points of a line", points.len(), 3)?;
     for &(x, y) in points {

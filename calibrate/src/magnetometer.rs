@@ -1,4 +1,4 @@
-//! Magnetometer: hard iron (bias) and soft iron (matrix) from readings all round.
+//! Magnetometer: hard-iron bias and soft-iron matrix from readings in all directions.
 
 use crate::error::{CalibrationError, positive};
 use crate::sensor_calibration::SensorCalibration;
@@ -6,7 +6,7 @@ use crate::sphere_fit::{Shape, fit_sphere};
 use attitude::{SensorLine, is_saturated};
 use nalgebra::{Matrix3, Vector3};
 
-/// The readings of a magnetometer that may be fitted, and what is wrong with the others.
+/// The readings of a magnetometer that can be used, and the reasons why others cannot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UsableReadings {
     /// Readings within the range of every axis.
@@ -14,21 +14,21 @@ pub struct UsableReadings {
     /// Readings at or beyond the stated limits, or far outside the sphere of the others: an
     /// overflow.
     pub overflowed: usize,
-    /// Axes that stop at a value: x, y or z with that value and how many readings have it.
+    /// Axes that stop at a value: x, y or z, with that value and the number of readings that have it.
     pub clipped: Vec<(&'static str, i16, usize)>,
 }
 
-/// A reading that is this many times farther from the middle than the middle one of the others is an
-/// overflow: on a sphere that is not covered evenly the farthest is some three times as far.
+/// A reading counts as an overflow if it is this many times farther from the middle than the median reading.
+/// On an unevenly covered sphere, the farthest reading is about three times as far.
 const OVERFLOW_DISTANCE: f64 = 5.0;
 
-/// Times that the end of an axis' readings occurs before it counts as an end of the range: on a
-/// sphere all values of an axis are equally frequent (Archimedes), so the end occurs once or twice.
+/// Number of times that the extreme value of an axis must occur to count as an end of the range. On a
+/// sphere, all values of an axis are equally frequent (Archimedes), so the extreme occurs once or twice.
 fn clip_occurrences(readings: usize, range: f64) -> f64 {
     6.0 + 10.0 * readings as f64 / range.max(1.0)
 }
 
-/// Leaves out readings at or beyond ±`clip`, overflows, and readings at a value at which an axis
+/// Leaves out readings at or beyond ±`clip`, overflows, and readings at a value where an axis
 /// stops.
 pub fn usable_readings(samples: &[[i16; 3]], clip: [i32; 3]) -> UsableReadings {
     let mut readings: Vec<[i16; 3]> = samples
@@ -73,9 +73,9 @@ pub fn usable_readings(samples: &[[i16; 3]], clip: [i32; 3]) -> UsableReadings {
     }
 }
 
-/// Share of the sphere that must be covered for the result to be trusted.
+/// Share of the sphere that must be covered for a reliable result.
 ///
-/// Half a sphere leaves bias and scale along its axis apart only by the curvature at its rim.
+/// With half a sphere, only the curvature at its rim separates bias and scale along its axis.
 pub const COVERAGE_MIN: f64 = 0.75;
 
 /// Largest share by which lengths may still vary after calibration: noise is 1 % of the earth's field
@@ -104,7 +104,7 @@ pub struct MagnetometerCalibration {
 }
 
 impl MagnetometerCalibration {
-    /// Whether the readings lie on an ellipsoid: what is left of their length varies by less than
+    /// Whether the readings lie on an ellipsoid: after calibration, their length varies by less than
     /// [`SPREAD_MAX`].
     pub fn fits(&self) -> bool {
         self.spread_after <= SPREAD_MAX
@@ -120,8 +120,8 @@ impl MagnetometerCalibration {
 /// field has the length `field_ut` (µT; the local field, or mean length times the data sheet's
 /// scale).
 ///
-/// The length of a reading with noise σ across the field is too long by σ²/R on average; this is
-/// taken out with σ from the residuals.
+/// A reading with noise σ across the field is too long by σ²/R on average; this is
+/// corrected, with σ from the residuals.
 ///
 /// # Errors
 /// Fewer than 50 readings; readings that lie on no ellipsoid.
@@ -157,7 +157,7 @@ pub fn magnetometer(
     })
 }
 
-/// The field in µT by a sensor with the data sheet's scale `ut_per_count`: mean length of the raw
+/// The field in µT from a sensor with the data sheet's scale `ut_per_count`: mean length of the raw
 /// counts about the fitted bias.
 ///
 /// # Errors
@@ -171,7 +171,7 @@ pub fn mean_field_ut(samples: &[[i16; 3]], ut_per_count: f64) -> Result<f64, Cal
     Ok(scale * lengths.sum::<f64>() / samples.len() as f64)
 }
 
-/// Standard deviation of the lengths over their mean.
+/// Standard deviation of the lengths, divided by their mean.
 fn spread(points: &[Vector3<f64>]) -> f64 {
     let count = points.len() as f64;
     let mean = points.iter().map(Vector3::norm).sum::<f64>() / count;

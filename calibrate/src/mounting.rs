@@ -1,4 +1,4 @@
-//! How the sensor sits on the body: the swing shows the axis, hanging at rest the angle.
+//! The orientation of the sensor on the body: the pivot axis from a swing, the angle from hanging at rest.
 //!
 //! While the body swings about the pivot, the rate's direction is that of the axis: the
 //! eigenvector of Σ ω ωᵀ with the largest eigenvalue λ₁. Noise of variance σ² across it tilts it
@@ -12,15 +12,15 @@ use crate::sensor_calibration::SensorCalibration;
 use attitude::{SensorLine, pivot_angle_of_gravity, wrap_angle};
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 
-/// The sensor's place on the body.
+/// The orientation of the sensor on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
-    /// Pivot axis in the sensor's frame, a unit vector; of the two the one nearer to the direction
-    /// that the caller expects: a swing and gravity do not show which.
+    /// Pivot axis in the sensor's frame, a unit vector. Of the two opposite ones, it is the one nearer to the direction
+    /// that the caller expects, since neither a swing nor gravity distinguishes them.
     pub axis: Vector3<f64>,
     /// Standard error of its direction, rad.
     pub axis_std_rad: f64,
-    /// The turn that takes the axis to z, to be put in front of every sensor's matrix.
+    /// The rotation that takes the axis to z; every sensor's matrix is multiplied by it from the left.
     pub alignment: Rotation3<f64>,
     /// Angle from the body's axis to the sensor's x axis after the alignment, rad in [−π, π).
     pub angle_rad: f64,
@@ -29,15 +29,15 @@ pub struct Mounting {
     pub angle_std_rad: f64,
 }
 
-/// The turn that takes the pivot `axis` (in the sensor's frame) to z: the smallest one; for an axis
-/// nearer to −z half a turn about the sensor's x axis, and then the smallest, so that it changes
-/// little where the axis does.
+/// The rotation that takes the pivot `axis` (in the sensor's frame) to z. It is the smallest one; for an axis
+/// nearer to −z, it is half a turn about the sensor's x axis, followed by the smallest one. It therefore changes
+/// little if the axis changes little.
 pub fn alignment(axis: &Vector3<f64>) -> Rotation3<f64> {
     let smallest =
         |axis: &Vector3<f64>| Rotation3::rotation_between(axis, &Vector3::z()).unwrap_or_default();
     if axis.z < 0.0 {
         let half_turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        // Its matrix to the last bit: no sine of π.
+        // Rounded, so that the matrix is exact: no sine of π.
         let half_turn = half_turn.matrix().map(f64::round);
         let half_turn = Rotation3::from_matrix_unchecked(half_turn);
         smallest(&(half_turn * axis)) * half_turn
@@ -47,12 +47,12 @@ pub fn alignment(axis: &Vector3<f64>) -> Rotation3<f64> {
 }
 
 /// Axis and angle from a swing (raw gyroscope counts) and from hanging at rest (raw
-/// accelerometer counts). Of the axis' two ends the one nearer to `nearer_to` (in the sensor's frame)
-/// is taken.
+/// accelerometer counts). Of the axis' two directions, the one nearer to `nearer_to` (in the sensor's frame)
+/// is used.
 ///
 /// # Errors
-/// Too few samples; a swing whose rate does not stand out from noise and other axes (λ₁ below a
-/// hundred times λ₂), or a pivot axis more than 45° from `nearer_to`.
+/// If there are too few samples, the rate of the swing does not stand out from noise and other axes (λ₁ below a
+/// hundred times λ₂), or the pivot axis is more than 45° from `nearer_to`.
 pub fn mounting(
     swing: &[[i16; 3]],
     gyro: &SensorLine,
@@ -108,7 +108,7 @@ pub fn mounting(
         });
     }
     let tangent = Vector3::new(-up.y, up.x, 0.0) / (across_axis * across_axis);
-    // What a change of the calibrated reading, and of a count on each axis, does to the angle.
+    // The change of the angle per change of the calibrated reading, and per count on each axis.
     let per_reading = alignment.inverse() * tangent;
     let per_count = line.matrix.transpose() * per_reading;
     let mut variance = per_count.component_mul(&rest.mean_std).norm_squared()

@@ -5,16 +5,16 @@
 //! marks p and q and its unit normal n, nᵀ c = nᵀ p; more than two lines are solved by weighted
 //! least squares.
 //!
-//! An error e of each mark (standard deviation σ each coordinate) moves the line at the centre
-//! of mass, which lies at the share s of the way from p to q, by (1 − s) e_p + s e_q: its
+//! An error e of each mark (standard deviation σ per coordinate) moves the line at the centre
+//! of mass, which lies at the fraction s of the way from p to q, by (1 − s) e_p + s e_q. Its
 //! standard deviation there is σ √((1 − s)² + s²). A centre far beyond the marks is therefore
-//! badly determined, and so is one from nearly parallel lines.
+//! poorly determined, and so is one from nearly parallel lines.
 
 use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
 use nalgebra::{Matrix2, Vector2};
 
-/// A plumb line by two marks on the body, m.
+/// A plumb line, given by two marks on the body, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlumbLine {
     /// One mark, such as the point of suspension.
@@ -30,7 +30,7 @@ pub struct CentreOfMass {
     pub position_m: Vector2<f64>,
     /// Covariance of the position, m².
     pub covariance_m2: Matrix2<f64>,
-    /// Distance from the pivot, m: the thesis' l.
+    /// Distance from the pivot, m: l in the thesis.
     pub pivot_to_com_m: f64,
     /// Its standard error, m.
     pub pivot_to_com_std_m: f64,
@@ -40,10 +40,10 @@ pub struct CentreOfMass {
     pub crossing_angle_rad: f64,
 }
 
-/// Least angle at which lines still cross: below, σ is enlarged more than sixfold.
+/// Smallest crossing angle, rad; below it, σ is enlarged more than sixfold.
 const CROSSING_MIN_RAD: f64 = 0.17;
 
-/// The crossing of at least two lines; `pivot` as accurately known as a mark, `mark_std_m` the
+/// The crossing of at least two lines. `pivot` is assumed as accurate as a mark; `mark_std_m` is the
 /// standard deviation of each coordinate of a mark.
 ///
 /// # Errors
@@ -74,7 +74,7 @@ pub fn centre_of_mass(
             cure: "hang the body from points whose lines cross at a large angle",
         });
     }
-    // The weights depend on where the centre lies on each line: start with equal ones.
+    // The weights depend on the position of the centre on each line; the first ones are equal.
     let mut weights = vec![1.0; lines.len()];
     let mut position = Vector2::zeros();
     let mut normal_matrix = Matrix2::zeros();

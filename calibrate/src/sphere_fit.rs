@@ -1,12 +1,12 @@
-//! The distortion that takes a sphere to the measured ellipsoid.
+//! The distortion that maps a sphere to the measured ellipsoid.
 //!
-//! A field of constant length R, measured as counts m with bias b and an upright (symmetric)
-//! distortion, satisfies |S (m − b)| = R. A rotation in front of S would not change the length,
-//! so only a symmetric S (6 numbers, or 3 on the diagonal) can be found from lengths; the
-//! rotation is the mounting's affair.
+//! A field of constant length R, measured as counts m with bias b and a symmetric
+//! distortion S, satisfies |S (m − b)| = R. A rotation in front of S would not change the length,
+//! so lengths determine only a symmetric S (6 numbers, or 3 on the diagonal); the
+//! rotation is part of the mounting.
 //!
-//! Start: the quadric through the points by linear least squares (m scaled to order one). Then
-//! Gauss–Newton on the geometric residuals |S (m − b)|/R − 1 in the noise's own unit.
+//! The start is the quadric through the points by linear least squares (m scaled to order one). Then
+//! Gauss–Newton minimises the geometric residuals |S (m − b)|/R − 1 in units of the noise.
 
 use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
@@ -22,7 +22,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Numbers to be found.
+    /// Number of unknowns.
     pub fn parameters(self) -> usize {
         match self {
             Shape::Diagonal => 6,
@@ -53,24 +53,24 @@ pub struct SphereFit {
     pub matrix_std: Matrix3<f64>,
     /// Root mean square of |S (m − b)| − 1.
     pub residual_rms: f64,
-    /// Condition number of the weighted Jacobian with columns of unit length; above about 1000
-    /// the points do not tell the numbers apart.
+    /// Condition number of the weighted Jacobian with columns of unit length. Above about 1000,
+    /// the points do not determine the unknowns separately.
     pub condition: f64,
 }
 
 /// Largest condition number that is accepted.
 pub const CONDITION_MAX: f64 = 1e3;
 
-/// Largest standard error of a scale (as a share of it) or a bias (as a share of the radius) that
-/// is accepted: beyond it the linearised standard errors mean nothing.
+/// Largest accepted standard error of a scale (relative to it) or of a bias (relative to the radius).
+/// Beyond it, linearised standard errors are meaningless.
 pub const LOOSE_MAX: f64 = 0.05;
 
 /// Fits `shape` to points (counts) whose lengths have the standard deviations `deviation`
-/// (counts). `known_noise` says whether these are known, or only their ratios, the size then
-/// coming from the residuals.
+/// (counts). `known_noise` says whether these are known; otherwise only their ratios are, and the size
+/// is estimated from the residuals.
 ///
 /// # Errors
-/// Too few points; points that lie on no ellipsoid or do not determine it.
+/// If there are too few points, or the points lie on no ellipsoid or do not determine it.
 pub fn fit_sphere(
     points: &[Vector3<f64>],
     deviation: &[f64],
@@ -136,7 +136,7 @@ pub fn fit_sphere(
     }
     let freedom = points.len() - parameters;
     let chi_squared = residuals.norm_squared();
-    // Known noise is still enlarged where the residuals contradict it.
+    // Even known noise is enlarged if the residuals contradict it.
     let variance = match (freedom, known_noise) {
         (0, _) => 1.0,
         (_, true) => (chi_squared / freedom as f64).max(1.0),

@@ -1,4 +1,4 @@
-//! Mean and its standard error of a sensor at rest.
+//! Mean of a sensor at rest, with its standard error.
 
 use crate::error::CalibrationError;
 use crate::error::at_least;
@@ -25,10 +25,10 @@ pub struct Still {
     pub mean_std: Vector3<f64>,
     /// Standard deviation of a sample.
     pub deviation: Vector3<f64>,
-    /// Farthest that the mean of one of 20 batches is from the middle one.
+    /// Largest distance of the mean of one of 20 batches from their median.
     pub wander: Vector3<f64>,
-    /// What white noise alone makes a batch's mean differ by: its standard deviation, from the
-    /// middle one of the variances within the batches.
+    /// Standard deviation that white noise alone gives a batch's mean, from the
+    /// median of the variances within the batches.
     pub wander_of_noise: Vector3<f64>,
     /// Number of samples.
     pub count: usize,
@@ -36,9 +36,9 @@ pub struct Still {
 
 /// Mean, noise and standard error from at least 40 samples of a resting sensor.
 ///
-/// The standard error comes from the means of 20 batches, so that slow noise counts as what it
-/// is (σ²/n would hold for white noise only). Where the noise is below half a count it does not
-/// average the rounding, so rounding's variance of 1/12 is added.
+/// The standard error comes from the means of 20 batches, so that slow noise is included
+/// (σ²/n holds for white noise only). If the noise is below half a count, it does not
+/// average out the rounding; the variance of rounding, 1/12, is therefore added.
 ///
 /// # Errors
 /// Fewer than 40 samples.

@@ -1,8 +1,8 @@
 //! Accelerometer from still poses (thesis 3.2.1: six poses of 2,000 samples).
 //!
-//! At rest the true vector has the length g in whatever pose, so bias and scales follow from
-//! lengths alone and no pose needs to be aligned. Six poses determine bias and three scales;
-//! cross-axis terms need nine poses that differ enough.
+//! At rest, the true vector has the length g in every pose. Bias and scales therefore follow from
+//! lengths alone, and no pose has to be aligned. Six poses determine the bias and three scales;
+//! cross-axis terms need nine sufficiently different poses.
 
 use crate::error::CalibrationError;
 use crate::error::positive;
@@ -17,12 +17,12 @@ use nalgebra::Vector3;
 pub struct AccelerometerCalibration {
     /// Line in m/s² per count.
     pub sensor: SensorCalibration,
-    /// What was fitted: with cross-axis terms where the poses support them.
+    /// The fitted shape: with cross-axis terms if the poses determine them.
     pub shape: Shape,
     /// Mean, noise and standard error in each pose, counts.
     pub poses: Vec<Still>,
-    /// Length minus g in each pose after calibration, m/s². Zero for six poses, which are just
-    /// enough.
+    /// Length minus g in each pose after calibration, m/s². Zero for six poses, which determine six
+    /// unknowns exactly.
     pub residuals_m_s2: Vec<f64>,
     /// Condition number of the fit.
     pub condition: f64,
@@ -31,7 +31,7 @@ pub struct AccelerometerCalibration {
 /// Calibrates from the raw counts of at least six still poses; `gravity_m_s2` is the local g.
 ///
 /// # Errors
-/// Fewer than six poses or 40 samples in one; poses that do not determine the answer.
+/// If there are fewer than six poses, or fewer than 40 samples in one; if the poses do not determine the result.
 pub fn accelerometer(
     poses: &[Vec<[i16; 3]>],
     gravity_m_s2: f64,
@@ -44,7 +44,7 @@ pub fn accelerometer(
         .collect::<Result<Vec<_>, _>>()?;
     let points: Vec<Vector3<f64>> = poses.iter().map(|pose| pose.mean).collect();
     let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-    // The error of a length is the mean's error along the field. A noiseless sensor still has
+    // The error of a length is the component of the mean's error along the field. For a sensor without noise, it is
     // the rounding that `still` adds.
     let deviation: Vec<f64> = poses
         .iter()

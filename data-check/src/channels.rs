@@ -1,4 +1,4 @@
-//! Each channel by itself: limits, standstills, jumps, levels, repeated samples; and the time stamps.
+//! Checks of each channel alone (limits, standstills, jumps, levels, repeated samples), and of the time stamps.
 
 use bench_files::{Channel, Note};
 use identify::{noise_std, resolution};
@@ -7,23 +7,23 @@ use crate::finding::{Finding, FindingId};
 use crate::slips::{DEGREES, short};
 use crate::view::{View, largest, median, range};
 
-/// Fewest equal samples at a limit.
+/// Smallest number of equal samples that counts as a stop at a limit.
 const AT_LIMIT: usize = 4;
-/// How far the motion would have gone beyond the limit, in standard deviations of the noise and in steps of
-/// the column: less is a turning point.
+/// Least excursion beyond a limit, extrapolated from the slopes on both sides: in standard deviations of the noise, and
+/// in steps of the column. A smaller one is a turning point.
 const BEYOND_NOISE: f64 = 8.0;
 const BEYOND_STEPS: f64 = 3.0;
-/// Share of samples at a limit from which nothing that follows from them can be right.
+/// Share of samples at a limit above which results from the channel are wrong.
 const CLIPPED_SHARE: f64 = 0.02;
-/// Fewest equal samples of a channel that is called frozen.
+/// Smallest number of equal samples of a frozen channel.
 const FROZEN: usize = 5;
-/// Levels below which a channel hardly shows a motion.
+/// Number of levels below which a channel hardly resolves a motion.
 const FEW_LEVELS: f64 = 12.0;
-/// Share of equal neighbours from which a channel is taken to repeat samples.
+/// Share of equal neighbouring samples above which a channel repeats samples.
 const REPEATED: f64 = 0.4;
-/// Share of the usual step by which the steps of a clock may vary (fifth to ninety-fifth percentile).
+/// Allowed variation of the sampling interval (fifth to ninety-fifth percentile), as a share of its usual value.
 const JITTER: f64 = 1.0;
-/// Share of lines that may repeat the time of the line before.
+/// Allowed share of lines that repeat the time of the line before.
 const REPEATED_TIMES: f64 = 0.02;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
@@ -61,7 +61,7 @@ struct Series<'s> {
     high: f64,
 }
 
-/// Samples `from..until` that are equal.
+/// A run of equal samples, `from..until`.
 struct Run {
     from: usize,
     until: usize,
@@ -100,8 +100,8 @@ impl<'s> Series<'s> {
         runs
     }
 
-    /// Change a sample over the samples before a run, and over those after sample `k`: as many as half of the
-    /// run, so that noise matters as little as in the run, but no part of a motion's way.
+    /// Mean change per sample before a run (here) and after sample `k` (below). The span is half of the
+    /// run: long enough to average the noise, and short against the motion.
     fn slope_before(&self, run: &Run) -> Option<f64> {
         let span = run.span();
         let first = run.from.checked_sub(span)?;
@@ -135,7 +135,7 @@ impl<'s> Series<'s> {
                 continue;
             };
             let (before, after) = (up * before, -up * after);
-            // A parabola with these slopes at its ends rises by a quarter of slope times length.
+            // A parabola with these slopes at its ends rises by an eighth of the slopes' sum times its length.
             let beyond = 0.125 * (before + after) * (run.until - run.from) as f64;
             if before > 0.0 && after > 0.0 && self.visible(beyond) {
                 at_limit += run.until - run.from;
@@ -146,7 +146,7 @@ impl<'s> Series<'s> {
         }
         let share = at_limit as f64 / self.samples.len() as f64;
         let sentence = format!(
-            "{at_limit} samples of the {} stand at its limit ({} to {}) while the motion goes on beyond it",
+            "{at_limit} samples of the {} stand at its limit ({} to {}), but the motion goes beyond it",
             spoken(channel),
             short(self.low),
             short(self.high)
@@ -156,7 +156,11 @@ impl<'s> Series<'s> {
         } else {
             Finding::warning(FindingId::Clipped, sentence)
         };
-        Some(finding.with_fix("from and until around it, or a larger range of the sensor"))
+        Some(
+            finding.with_fix(
+                "exclude that part with from and until, or use a larger range of the sensor",
+            ),
+        )
     }
 
     fn frozen(&self, channel: Channel) -> Option<Finding> {
@@ -172,7 +176,7 @@ impl<'s> Series<'s> {
                 Some(next) => next - self.samples[run.from],
                 None => return false,
             };
-            // The motion went on in one sense, and the sensor caught up with it at once.
+            // The motion continued in the same direction, and the sensor then caught up in one step.
             before * after > 0.0
                 && jump * missed > 0.0
                 && jump.abs() > 0.5 * missed.abs()
@@ -186,7 +190,7 @@ impl<'s> Series<'s> {
         );
         Some(
             Finding::warning(FindingId::Frozen, sentence)
-                .with_fix("from and until around it, or a look at the bus of the sensor"),
+                .with_fix("exclude that part with from and until, or check the bus of the sensor"),
         )
     }
 
@@ -206,12 +210,12 @@ impl<'s> Series<'s> {
         )?;
         let size = median(jumps.clone())?;
         let alike = jumps.iter().all(|jump| (jump / size - 1.0).abs() < 0.1);
-        // A motion that crosses most of its range from sample to sample is sampled too slowly to say more.
+        // A motion that crosses most of its range between two samples is sampled too slowly for this check.
         if jumps.len() < 2 || !alike || usual > 0.1 * size || channel == Channel::Rate {
             return None;
         }
         let sentence = format!(
-            "the {} jumps {} times by {} within one sample: the sensor begins anew there",
+            "the {} jumps {} times by {} within one sample: the sensor starts again from the other end of its range",
             spoken(channel),
             jumps.len(),
             short(size)
@@ -226,8 +230,9 @@ impl<'s> Series<'s> {
                 .with_factor(DEGREES)
                 .with_fix("units = { angle = \"deg\" }")
             } else {
-                Finding::warning(FindingId::Wrapped, sentence)
-                    .with_fix("log more turns, or use a unit in which a turn is 2π rad")
+                Finding::warning(FindingId::Wrapped, sentence).with_fix(
+                    "log several turns without a jump, or use a unit in which a turn is 2π rad",
+                )
             },
         )
     }
@@ -241,7 +246,7 @@ impl<'s> Series<'s> {
             Finding::warning(
                 FindingId::Quantised,
                 format!(
-                    "the {} has {} levels only, steps of {}",
+                    "the {} has only {} levels, in steps of {}",
                     spoken(channel),
                     short(levels.round() + 1.0),
                     short(self.step)
@@ -260,7 +265,7 @@ impl<'s> Series<'s> {
         if self.high <= self.low {
             return None;
         }
-        // Steps of many counts: beside them it is neither rounding nor rest that makes neighbours equal.
+        // With steps of many counts, equal neighbours come neither from rounding nor from rest.
         let is_large = |k: usize| steps.get(k).is_some_and(|step| *step >= 10.0 * self.step);
         let moved = (0..steps.len()).filter(|k| is_large(*k)).count();
         let repeats = (0..steps.len())
@@ -275,7 +280,7 @@ impl<'s> Series<'s> {
             Finding::warning(
                 FindingId::Stale,
                 format!(
-                    "the {} repeats its samples: it shows a new one in every {} lines at most",
+                    "the {} repeats its samples: it has a new value in every {} lines at most",
                     spoken(channel),
                     short(every)
                 ),
@@ -286,7 +291,7 @@ impl<'s> Series<'s> {
     }
 }
 
-/// Share of a turn from sample to sample from which the sense of a wheel is in doubt: half a turn has none.
+/// Share of a turn between two samples above which the direction of a wheel is uncertain; at half a turn it is unknown.
 const DOUBTFUL_TURN: f64 = 0.4;
 
 fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
@@ -297,7 +302,7 @@ fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
     let most = largest(&steps) / std::f64::consts::TAU;
     if most > DOUBTFUL_TURN {
         let sentence = format!(
-            "the wheel turns by {} of a turn from sample to sample, so that its sense is in doubt",
+            "the wheel turns by {} of a turn from sample to sample, so its direction is uncertain",
             short(most)
         );
         out.push(
@@ -342,9 +347,9 @@ fn time_stamps(view: &View, out: &mut Vec<Finding>) {
         };
         say(
             format!(
-                "the times have {gaps} of more than twenty usual steps: the motion there is unknown, or the clock jumped"
+                "the times have {gaps} of more than twenty usual intervals: the motion there is unknown, or the clock jumped"
             ),
-            "from and until on one side of it",
+            "keep one side of the gap with from and until",
         );
     }
     let mut steps: Vec<f64> = view
@@ -366,7 +371,7 @@ fn time_stamps(view: &View, out: &mut Vec<Finding>) {
                 short(at(0.05)),
                 short(at(0.95))
             ),
-            "take the time of the sample, not that of the writing; time_step where samples come evenly",
+            "log the time at which the sample was taken, not written; or use time_step if the samples are evenly spaced",
         );
     }
 }

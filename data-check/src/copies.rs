@@ -1,12 +1,12 @@
-//! Two experiments with the same samples: a held-out prediction of one by the other proves nothing, and
-//! standard errors count the same noise twice.
+//! Two experiments with the same samples. A held-out prediction of one by the other proves nothing, and
+//! the standard errors count the same noise twice.
 
 use bench_files::Channel;
 
 use crate::finding::{Finding, FindingId};
 use crate::view::{View, range};
 
-/// Samples in a row that two recordings do not share by chance.
+/// Number of consecutive equal samples that two recordings cannot share by chance.
 const IN_A_ROW: usize = 32;
 
 pub(crate) fn check(views: &[View], out: &mut Vec<Finding>) {
@@ -17,20 +17,20 @@ pub(crate) fn check(views: &[View], out: &mut Vec<Finding>) {
                     Finding::warning(
                         FindingId::SameData,
                         format!(
-                            "it has the same samples as \"{}\": one recording counts twice, and what is held \
-                             out is not unseen",
+                            "it has the same samples as \"{}\": one recording counts twice, and a held-out \
+                             prediction is not independent",
                             first.name()
                         ),
                     )
                     .in_experiment(second.name())
-                    .with_fix("take one of the two out, or use from and until so that they do not overlap"),
+                    .with_fix("remove one of the two, or use from and until so that they do not overlap"),
                 );
             }
         }
     }
 }
 
-/// Whether the second log contains a stretch from the middle of the first, or the other way round.
+/// Whether one log contains a stretch from the middle of the other.
 fn shared(first: &View, second: &View) -> bool {
     [Channel::Angle, Channel::Rate, Channel::WheelSpeed]
         .into_iter()
@@ -39,7 +39,7 @@ fn shared(first: &View, second: &View) -> bool {
 }
 
 fn contains(whole: &[f64], part: &[f64]) -> bool {
-    // The stretch of the part in which most happens: where nothing does, all logs are alike.
+    // The stretch with the most activity is compared: logs at rest are all alike.
     let Some(stretch) = part.chunks_exact(IN_A_ROW).max_by(|a, b| {
         let distinct = |chunk: &[f64]| chunk.windows(2).filter(|pair| pair[0] != pair[1]).count();
         distinct(a).cmp(&distinct(b))

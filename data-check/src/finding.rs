@@ -1,8 +1,8 @@
-//! What a check says.
+//! The result of a check: findings.
 
 use serde::{Deserialize, Serialize};
 
-/// What is wrong, by the name that `accept` and the JSON use.
+/// The kind of finding, by the name that `accept` and the JSON use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingId {
@@ -12,7 +12,7 @@ pub enum FindingId {
     SameColumn,
     /// The angle's unit contradicts the motion of a pendulum.
     AngleFactor,
-    /// The time's unit contradicts the period of a pendulum or the controller's own.
+    /// The unit of the time contradicts the period of a pendulum, or the sample time of the controller.
     TimeFactor,
     /// Time stamps vary, leave gaps or repeat.
     TimeStamps,
@@ -30,7 +30,7 @@ pub enum FindingId {
     BodyMoves,
     /// The body is held still before its release.
     HeldStart,
-    /// The swing gains energy: a hand is on it.
+    /// The swing gains energy: a hand moves the body.
     Hand,
     /// Two experiments have the same samples.
     SameData,
@@ -38,26 +38,26 @@ pub enum FindingId {
     Clipped,
     /// A channel stands still while the motion goes on.
     Frozen,
-    /// A channel begins anew at a limit.
+    /// A channel starts again from the other end of its range.
     Wrapped,
-    /// A channel has few levels.
+    /// A channel has only a few levels.
     Quantised,
-    /// A channel comes late.
+    /// A channel is delayed against another.
     LateChannel,
     /// A channel repeats old samples.
     Stale,
     /// The logged current is not that of the controller.
     Gains,
-    /// Masses and lengths without what makes a torque of them.
+    /// Masses and lengths are given without the values that turn them into a torque.
     KnownMissing,
-    /// A value of `[known]` that no such bench has.
+    /// A value of `[known]` is not possible for such a bench.
     KnownRange,
-    /// `accept` names something that is no finding.
+    /// `accept` contains a name that is not a finding.
     UnknownFinding,
 }
 
 impl FindingId {
-    /// All of them.
+    /// All findings.
     pub const ALL: [FindingId; 24] = [
         FindingId::RateFactor,
         FindingId::SameColumn,
@@ -189,38 +189,38 @@ impl FindingId {
     }
 }
 
-/// What a finding means for the commands.
+/// The consequence of a finding for the commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// The model would be wrong, and the data leave no doubt: nothing is computed from them.
+    /// The model would be wrong, and the data leave no doubt: the commands compute nothing from them.
     Refuse,
-    /// The user should know.
+    /// A warning; the commands go on.
     Warn,
 }
 
-/// One thing that is wrong with the data of a bench.
+/// One fault of the data of a bench.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// The experiment; `None` for what concerns the whole bench.
+    /// The experiment; `None` if the finding concerns the whole bench.
     pub experiment: Option<String>,
-    /// The channel; `None` for what concerns all.
+    /// The channel; `None` if the finding concerns all channels.
     pub channel: Option<String>,
-    /// What is wrong.
+    /// The kind of finding.
     pub finding: FindingId,
-    /// What the samples are too large by, where that is a number: 57.3 for degrees that are read as
+    /// The factor by which the samples are too large, if there is one: 57.3 for degrees that are read as
     /// radians, −1 for a wrong sign.
     pub factor: Option<f64>,
-    /// Whether commands go on.
+    /// Whether the commands go on.
     pub severity: Severity,
-    /// What was found, in one sentence.
+    /// The finding in one sentence.
     pub sentence: String,
-    /// What would mend it: the words for bench.toml where there are any.
+    /// The remedy; if possible, the text for bench.toml.
     pub fix: String,
 }
 
 impl Finding {
-    /// A warning of a whole bench without channel, factor or fix; the `with_` functions add them.
+    /// A warning for the whole bench without channel, factor or remedy; the `with_` functions add them.
     pub(crate) fn warning(finding: FindingId, sentence: impl Into<String>) -> Finding {
         Finding {
             experiment: None,
@@ -233,7 +233,7 @@ impl Finding {
         }
     }
 
-    /// As [`Finding::warning`], but no command goes on.
+    /// As [`Finding::warning`], but the commands do not go on.
     pub(crate) fn refusal(finding: FindingId, sentence: impl Into<String>) -> Finding {
         Finding {
             severity: Severity::Refuse,

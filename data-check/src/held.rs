@@ -1,4 +1,4 @@
-//! What an experiment of this kind holds still, where the file shows it all the same.
+//! Motion of a joint that this kind of experiment holds still.
 
 use bench_files::Channel;
 use plant::Kind;
@@ -7,15 +7,15 @@ use crate::finding::{Finding, FindingId};
 use crate::slips::short;
 use crate::view::{View, median, range};
 
-/// Share of the body's speeds that a locked wheel may show: the coupling of two sensors, no motion. A free
-/// wheel keeps still in space and shows all of the body's speed.
+/// Share of the body's speed that the sensor of a locked wheel may show through cross-coupling. A free
+/// wheel keeps its speed in space, and so shows the whole speed of the body.
 const LOCKED: f64 = 0.2;
-/// Share of the wheel's speeds from which a body that moves changes what the wheel does: j_w (α̈ + φ̈) = τ u
-/// is then wrong by as much.
+/// Acceleration of the body, as a share of the wheel's, above which the body counts as moving. The equation of a
+/// spin-up, j_w (α̈ + φ̈) = τ u, is then wrong by this share.
 const CLAMPED: f64 = 0.01;
-/// Way of the body in rad from which it is not clamped,
+/// Range of the body's angle in rad above which it is not clamped.
 const CLAMPED_RAD: f64 = 0.1;
-/// and below which it is the play of a vice.
+/// Range of the body's angle in rad below which the motion is the play of a vice.
 const PLAY_RAD: f64 = 0.02;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
@@ -26,7 +26,7 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     }
 }
 
-/// Range of a series without its fast part: of medians over blocks of a fiftieth of the log.
+/// Range of a series without its fast part: range of the medians over blocks of a fiftieth of the log.
 fn slow_range(samples: &[f64]) -> Option<f64> {
     let means: Vec<f64> = samples
         .chunks((samples.len() / 50).max(1))
@@ -46,7 +46,7 @@ fn usual_range(samples: &[f64]) -> Option<f64> {
     Some(at(0.95) - at(0.05))
 }
 
-/// Differences over the time between samples.
+/// Differences of the angle divided by the sampling interval, rad/s.
 fn speeds(view: &View, angle: &[f64]) -> Vec<f64> {
     let time_s = &view.experiment.log.time_s;
     let pairs = angle.windows(2).zip(time_s.windows(2));

@@ -1,5 +1,5 @@
-//! The rate against the angle's derivative: no torque enters, so no effect that a model lacks can pass for
-//! a slip here.
+//! The rate compared with the derivative of the angle. No torque enters, so an effect that a model lacks cannot look
+//! like a wrong unit or sign here.
 
 use bench_files::Channel;
 use identify::Output;
@@ -9,24 +9,24 @@ use crate::finding::{Finding, FindingId};
 use crate::slips::{DEGREES, RPM, short, slip};
 use crate::view::{View, largest, median, range};
 
-/// Correlation of rate and derivative from which their ratio is known within 5 % (Frisch's bounds, see
+/// Correlation of rate and derivative above which their ratio is known within 5 % (Frisch's bounds, see
 /// [`crate::regression::Ratio`]).
 const CLEAR: f64 = 0.95;
-/// Correlation below which a rate that moves well above its noise is no derivative of the angle.
+/// Correlation below which a rate that moves well above its noise cannot be the derivative of the angle.
 const UNRELATED: f64 = 0.5;
-/// How far above its noise a channel must move for [`UNRELATED`] to be said.
+/// Motion of a channel, in units of its noise, from which [`UNRELATED`] is applied.
 const OVER_NOISE: f64 = 30.0;
-/// Largest scale error of a gyroscope that is taken for one: data sheets allow 3 % (1 + s in the effect
-/// `gyro-scale`); five times that is a warning.
+/// Largest factor error, as a share, that counts as a scale error of the gyroscope. Data sheets allow 3 % (effect
+/// `gyro-scale`); a warning comes at five times that.
 const SCALE_ERROR: f64 = 0.15;
-/// Share of the correlation's shortfall that must vanish by shifting the rate before it is called late.
+/// A rate counts as delayed if a shift in time removes this share of the correlation's distance from 1.
 const SHORTFALL: f64 = 0.5;
-/// Samples by which a channel may come late without a word: a hold and a computation.
+/// Delay in samples up to which nothing is reported: one hold and one computation.
 const USUAL_DELAY: usize = 2;
-/// Most samples by which a channel is looked for late.
+/// Largest delay, in samples, that is tried.
 const MOST_LATE: isize = 20;
 
-/// Everything that angle and rate say of each other.
+/// All checks of angle and rate against each other.
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     if same_columns(view, out) || view.kind() == Kind::SpinUp {
         return;
@@ -52,7 +52,7 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
             out.push(
                 Finding::warning(
                     FindingId::RateFactor,
-                    "the rate does not follow the derivative of the angle at all",
+                    "the rate is not correlated with the derivative of the angle",
                 )
                 .in_experiment(view.name())
                 .with_channel("rate")
@@ -88,7 +88,7 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
             );
         }
         None if (found.factor - 1.0).abs() > SCALE_ERROR => out.push(
-            finding(false, format!("{stated}, which no unit explains"))
+            finding(false, format!("{stated}, and no unit explains that factor"))
                 .with_factor(found.factor)
                 .with_fix(format!(
                     "scale = {{ rate = {} }} if the sensor's scale is wrong",
@@ -99,7 +99,7 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     }
 }
 
-/// What a factor between rate and derivative comes from, and what mends it.
+/// The cause of a factor between rate and derivative, and its remedy.
 fn reading(factor: f64, angle: &[f64]) -> (String, String) {
     let near = |size: f64| (factor.abs() / size).ln().abs() < 0.01;
     let sign = if factor < 0.0 && factor != -1.0 {
@@ -152,7 +152,7 @@ fn reading(factor: f64, angle: &[f64]) -> (String, String) {
     (likely.to_owned(), format!("{fix}{sign}"))
 }
 
-/// Whether the rate is the angle's derivative, but at another time.
+/// Checks whether the rate is the derivative of the angle, but delayed or advanced.
 fn late(
     view: &View,
     angle: &[f64],
@@ -160,7 +160,7 @@ fn late(
     (at_once, length_s): (f64, f64),
     out: &mut Vec<Finding>,
 ) -> bool {
-    // Rates that are taken `shift` samples later or earlier.
+    // The rate is taken `shift` samples later or earlier.
     let correlation = |shift: isize| -> f64 {
         let at = |k: usize| k.checked_add_signed(shift).and_then(|k| rate.get(k));
         let moved = (0..rate.len()).map(|k| at(k).copied().unwrap_or(f64::NAN));
@@ -189,17 +189,20 @@ fn late(
         out.push(
             Finding::warning(
                 FindingId::LateChannel,
-                format!("the {late} comes {} s after the {early}", short(delay_s)),
+                format!(
+                    "the {late} is delayed by {} s against the {early}",
+                    short(delay_s)
+                ),
             )
             .in_experiment(view.name())
             .with_channel(late)
-            .with_fix(format!("the effect {late}-delay stands for it")),
+            .with_fix(format!("add the effect {late}-delay to the model")),
         );
     }
     is_late
 }
 
-/// Two channels that are one and the same series, perhaps in other units.
+/// Checks whether two channels are the same series, perhaps in different units.
 fn same_columns(view: &View, out: &mut Vec<Finding>) -> bool {
     let channels = [Channel::Angle, Channel::Rate, Channel::WheelSpeed];
     let mut found = false;
@@ -224,7 +227,7 @@ fn same_columns(view: &View, out: &mut Vec<Finding>) -> bool {
                 .in_experiment(view.name())
                 .with_channel(second.key())
                 .with_fix(format!(
-                    "columns = {{ {} = … }}: name its own column",
+                    "columns = {{ {} = … }}: name the column of this channel",
                     second.key()
                 )),
             );
@@ -233,7 +236,7 @@ fn same_columns(view: &View, out: &mut Vec<Finding>) -> bool {
     found
 }
 
-/// Whether b is a multiple of a, sample by sample, to the last digits: two sensors never are.
+/// Whether b is a multiple of a, sample by sample, to the last digit. Two different sensors never are.
 fn is_multiple(a: &[f64], b: &[f64]) -> bool {
     let middle = |values: &[f64]| median(values.to_vec()).unwrap_or(0.0);
     let (mid_a, mid_b) = (middle(a), middle(b));
@@ -250,7 +253,7 @@ fn is_multiple(a: &[f64], b: &[f64]) -> bool {
         return false;
     };
     let factor = largest.1 / largest.0;
-    // Twenty levels: a few equal ones may come by chance, as where neither sensor moves.
+    // At least twenty levels: a few equal values may be accidental, as where neither sensor moves.
     distinct.len() >= 20
         && factor.is_finite()
         && factor != 0.0

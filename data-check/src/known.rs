@@ -1,4 +1,4 @@
-//! `[known]` by itself.
+//! Checks of the values in `[known]`.
 
 use bench_files::Bench;
 
@@ -7,12 +7,12 @@ use crate::slips::short;
 
 /// Gravity on Earth's surface lies between 9.76 and 9.84 m/s²; rounded values are usual.
 const GRAVITY: std::ops::Range<f64> = 9.7..9.9;
-/// What stands on a bench, between the smallest that can be built by hand and the largest that one person
+/// Ranges for a bench, from the smallest that can be built by hand to the largest that one person
 /// can lift: masses in kg, lengths in m, torque constants in N m/A (from a toy motor to a servo of 1 kW).
 const MASS_KG: std::ops::Range<f64> = 1e-3..30.0;
 const LENGTH_M: std::ops::Range<f64> = 2e-3..3.0;
 const TORQUE_CONSTANT: std::ops::Range<f64> = 2e-4..2.0;
-/// Beyond three times the limit a value is no rare bench but a slip.
+/// Beyond the range by this factor, a value is not an unusual bench but a mistake.
 const SURELY: f64 = 3.0;
 
 pub(crate) fn check(bench: &Bench, out: &mut Vec<Finding>) {
@@ -25,7 +25,7 @@ pub(crate) fn check(bench: &Bench, out: &mut Vec<Finding>) {
             Finding::warning(
                 FindingId::KnownRange,
                 format!(
-                    "gravity = {} m/s² is not that of Earth's surface",
+                    "gravity = {} m/s² is not the gravity of Earth's surface",
                     short(gravity)
                 ),
             )
@@ -80,7 +80,7 @@ pub(crate) fn check(bench: &Bench, out: &mut Vec<Finding>) {
     }
 }
 
-/// Masses and lengths that make no torque because something beside them is missing.
+/// Checks for masses and lengths that give no torque because another value is missing.
 fn missing(bench: &Bench, out: &mut Vec<Finding>) {
     let known = &bench.known;
     let parts = [
@@ -93,7 +93,7 @@ fn missing(bench: &Bench, out: &mut Vec<Finding>) {
     let Err(lacking) = known.gravity_torque() else {
         return;
     };
-    // One of the four alone may be known for its own sake.
+    // One of the four alone may be given for another purpose.
     if given < 2 {
         return;
     }
@@ -109,7 +109,7 @@ fn missing(bench: &Bench, out: &mut Vec<Finding>) {
         Finding::warning(
             FindingId::KnownMissing,
             format!(
-                "masses and lengths give no torque without {names}: torques are found per unit of inertia only"
+                "masses and lengths give no torque without {names}: torques are identified per unit of inertia only"
             ),
         )
         .with_fix(fix),

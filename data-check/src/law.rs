@@ -1,4 +1,4 @@
-//! The current of a balance log against the law that `[controller]` states, u = −K (α − π, α̇, φ̇).
+//! The current of a balance log compared with the law stated in `[controller]`, u = −K (α − π, α̇, φ̇).
 
 use std::f64::consts::PI;
 
@@ -11,16 +11,16 @@ use crate::slips::{short, slip};
 use crate::view::View;
 
 /// Share of the current's variance that a linear law of the logged states must explain before it is
-/// compared with the stated one: noise of the states and a delay of a step leave more.
+/// compared with the stated law. Noise of the states and a delay of one step leave a larger share.
 const EXPLAINED: f64 = 0.9;
-/// Standard errors by which a gain must stand out from 0.
+/// Standard errors by which a gain must differ from 0.
 const STANDARD_ERRORS: f64 = 10.0;
-/// Ratio of a gain to the stated one, either way, that the noise of the states may make (it draws the gains
-/// of a regression towards 0).
+/// Ratio of a gain to the stated one, in either direction, that noise of the states may cause (it draws the
+/// coefficients of a regression towards 0).
 const RATIO: f64 = 1.5;
-/// Share of the limit from which a current counts as clipped.
+/// Share of the limit above which a current counts as clipped.
 const CLIPPED: f64 = 0.98;
-/// Most samples by which the logged command comes after the states.
+/// Largest delay, in samples, of the logged command against the states.
 const LATEST: usize = 2;
 
 const NAMES: [(&str, Channel); 3] = [
@@ -74,7 +74,7 @@ pub(crate) fn check(bench: &Bench, view: &View, out: &mut Vec<Finding>) {
         make(FindingId::Gains, sentence).in_experiment(view.name())
     };
     let slips: Vec<Option<f64>> = ratios.iter().map(|ratio| ratio.and_then(slip)).collect();
-    // All gains off by one factor: it is the current's.
+    // If all gains are wrong by the same factor, the current is.
     if let Some(factor) = slips[0]
         && slips.iter().all(|slip| *slip == Some(factor))
     {
@@ -106,7 +106,7 @@ pub(crate) fn check(bench: &Bench, view: &View, out: &mut Vec<Finding>) {
     for (k, (channel, _)) in NAMES.iter().enumerate() {
         let Some(ratio) = ratios[k] else { continue };
         if let Some(factor) = slips[k] {
-            // A state that is read too large has a gain that is too small.
+            // If a state is read too large, its gain comes out too small.
             let (sentence, column_factor) = (
                 format!(
                     "the logged current follows the {} with {} times the stated gain {}: the gain or the column \
@@ -136,7 +136,7 @@ pub(crate) fn check(bench: &Bench, view: &View, out: &mut Vec<Finding>) {
                 )
                 .with_channel(channel)
                 .with_factor(ratio)
-                .with_fix("gains under [controller]: those that ran while the log was taken"),
+                .with_fix("state the gains under [controller] that ran while the log was taken"),
             );
         }
     }
@@ -159,11 +159,11 @@ fn fix_of(channel: &str, factor: f64, gains: &[f64; 3], k: usize, ratio: f64) ->
     format!("{column} if the column is wrong, or the gain {gain} in SI if the gain is")
 }
 
-/// A log has as many samples as the controller makes, or a part of them; a time that is read a thousand times
-/// too large has a step in which a body falls over many times.
+/// Checks the sampling interval. A log has every sample of the controller or every n-th. If the time is read a thousand
+/// times too large, the interval is long enough for a body to fall over many times.
 fn sample_time(view: &View, sample_time_s: f64, out: &mut Vec<Finding>) {
     let ratio = view.step_s / sample_time_s;
-    // Nobody logs every hundredth sample of a loop and balances in steps of half a second.
+    // Nobody logs only every hundredth sample of a controller, and no bench balances with steps of half a second.
     if view.step_s < 0.5 || ratio < 100.0 {
         return;
     }

@@ -1,5 +1,5 @@
-//! What is wrong with the data of a bench, found before anything is fitted: columns are compared with each
-//! other, with the kind of their experiment and with what pendula, wheels and motors can do.
+//! Checks of the data of a bench, before anything is fitted: columns are compared with each
+//! other, with the kind of their experiment, and with what pendulums, wheels and motors can do.
 //!
 //! ```
 //! let files: bench_files::FilesInMemory = demo::FILES.into_iter().collect();
@@ -7,20 +7,20 @@
 //! assert_eq!(data_check::check(&bench), []);
 //! ```
 //!
-//! | room | what it compares |
+//! | module | what it compares |
 //! |---|---|
-//! | `kinematics` | the rate with the derivative of the angle, columns with each other |
+//! | `kinematics` | the rate with the derivative of the angle; columns with each other |
 //! | `swing` | a free swing with a pendulum: period, amplitude, standstill, energy |
 //! | `wheel` | the wheel with its current, with other logs, with what motors can do |
 //! | `momentum` | the wheel with the body |
 //! | `law` | the current of a balance log with the stated gains |
-//! | `held` | what should stand still |
-//! | `propose` | (for files without a bench.toml) columns, units, signs, kinds and windows |
+//! | `held` | joints that the experiment holds still |
+//! | `propose` | (for files without a bench.toml) proposes columns, units, signs, kinds and windows |
 //! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
 //!
-//! A finding refuses only where a wrong model would follow and the data leave no other reading: a factor
-//! that is a known ratio of two units, or a sign. `accept` at the experiment makes a refusal a warning, and
-//! takes a warning away.
+//! A finding refuses the data only if they would give a wrong model and have no other explanation: a factor
+//! that is the known ratio of two units, or a sign. `accept` at the experiment turns a refusal into a warning, and
+//! removes a warning.
 
 #![warn(missing_docs)]
 
@@ -42,11 +42,14 @@ mod wheel;
 use bench_files::Bench;
 
 pub use finding::{Finding, FindingId, Severity};
-pub use propose::{Proposal, ProposedExperiment, propose};
+pub use propose::{
+    Choices, ColumnChoice, Corrections, Proposal, ProposedExperiment, propose, propose_with,
+    units_of,
+};
 
 use view::{Facts, View};
 
-/// Everything that is wrong with the data of a bench, refusals first, then in the order of its experiments.
+/// All findings for the data of a bench: refusals first, then in the order of its experiments.
 pub fn check(bench: &Bench) -> Vec<Finding> {
     let views: Vec<View> = bench.experiments.iter().map(View::new).collect();
     let facts = Facts::of(bench, &views);
@@ -67,8 +70,8 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
     found
 }
 
-/// The findings that are left after what the experiments accept. One that concerns the whole bench is
-/// accepted where any experiment does.
+/// The findings that remain after those that the experiments accept. A finding that concerns the whole bench is
+/// accepted if any experiment accepts it.
 fn accepted(bench: &Bench, found: Vec<Finding>) -> Vec<Finding> {
     let names = FindingId::ALL.map(FindingId::name);
     let mut left: Vec<Finding> = found
@@ -106,7 +109,7 @@ fn accepted(bench: &Bench, found: Vec<Finding>) -> Vec<Finding> {
                 Finding::refusal(
                     FindingId::UnknownFinding,
                     format!(
-                        "accept names \"{name}\", which is no finding; known are {}",
+                        "accept contains \"{name}\", which is not a finding; the findings are {}",
                         names.join(", ")
                     ),
                 )

@@ -1,5 +1,5 @@
-//! Where everything is free, wheel and body exchange momentum: Θ α̈ + j_w φ̈ + G sin α = 0 but for the
-//! friction of the pivot. The current does not enter, and neither does any effect of the motor.
+//! With everything free, wheel and body exchange momentum: Θ α̈ + j_w φ̈ + G sin α = 0, apart from the
+//! friction of the pivot. Neither the current nor any effect of the motor enters.
 
 use bench_files::Channel;
 use identify::bumps;
@@ -11,15 +11,15 @@ use crate::slips::{DEGREES, RPM, short};
 use crate::view::View;
 use crate::wheel::SHARE_OF_INERTIA;
 
-/// Standard errors by which the exchange must stand out before its sign is believed.
+/// Standard errors by which the exchange of momentum must show before its sign is reported.
 const STANDARD_ERRORS: f64 = 8.0;
-/// Fewest rows for two coefficients: with fewer a fit explains much by chance.
+/// Smallest number of rows for two coefficients; with fewer, a fit explains much by chance.
 const FEWEST_ROWS: usize = 20;
-/// Share of the body's acceleration that wheel and gravity must explain for the same.
+/// Share of the body's acceleration that wheel and gravity must explain before the sign is reported.
 const EXPLAINED: f64 = 0.8;
-/// Partial share of the wheel from which its coefficient is not much drawn towards 0 by noise.
+/// Partial share of the wheel above which noise hardly draws its coefficient towards 0.
 const CLEAR: f64 = 0.9;
-/// What another unit of the angle may leave of what the stated one leaves to be the right one.
+/// Another unit of the angle is right if it leaves less than this share of what the stated unit leaves.
 const LEFT_OVER: f64 = 0.1;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
@@ -33,7 +33,7 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         return;
     };
     let rate = view.samples(Channel::Rate);
-    // The angle as it is read, and as it would be if its column were in degrees.
+    // The angle as read, and as it would be if its column were in degrees.
     let [as_read, in_degrees] = [1.0, DEGREES].map(|scale| {
         let fits = view.bump_lengths_s().filter_map(|length_s| {
             let mut rows = vec![];
@@ -52,14 +52,14 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         let fits = fits.filter(|fit| fit.rows >= FEWEST_ROWS);
         fits.max_by(|a, b| a.explained.total_cmp(&b.explained))
     });
-    // Far from its equilibrium a body obeys the sine of its angle, and of no other.
+    // Far from its equilibrium, the torque on a body follows the sine of its true angle only.
     if let (Some(as_read), Some(in_degrees)) = (&as_read, &in_degrees)
         && in_degrees.explained > EXPLAINED
         && 1.0 - in_degrees.explained < LEFT_OVER * (1.0 - as_read.explained)
     {
         out.push(degrees(
             view,
-            "gravity does not act as the sine of the angle, but of a 57.3rd of it",
+                "gravity does not act as the sine of the angle, but as the sine of the angle divided by 57.3",
         ));
         return;
     }

@@ -7,15 +7,15 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) struct Ratio {
     /// The factor: the geometric mean of the two regressions, with the sign of the correlation.
     pub factor: f64,
-    /// The correlation of x and y. The two regressions are factor · |correlation| and factor / |correlation|;
-    /// whatever the noise of x and of y, the truth lies between (Frisch, *Statistical Confluence Analysis*,
+    /// The correlation of x and y. The two regressions are factor · |correlation| and factor / |correlation|. For any
+    /// noise of x and of y, the true factor lies between them (Frisch, *Statistical Confluence Analysis*,
     /// 1934).
     pub correlation: f64,
     /// Number of points.
     pub points: usize,
 }
 
-/// The ratio of two series; `None` for fewer than `fewest` finite points or where one of them is constant.
+/// The ratio of two series; `None` for fewer than `fewest` finite points, or if one of the series is constant.
 pub(crate) fn ratio(points: &[(f64, f64)], fewest: usize) -> Option<Ratio> {
     let finite: Vec<(f64, f64)> = points
         .iter()
@@ -44,21 +44,21 @@ pub(crate) fn ratio(points: &[(f64, f64)], fewest: usize) -> Option<Ratio> {
     })
 }
 
-/// Least squares: coefficients with their standard errors, and the share of the left side's variance that
-/// they explain.
+/// The result of least squares: coefficients with their standard errors, and the share of the right-hand side's
+/// variance that they explain.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LeastSquares {
     pub coefficients: Vec<f64>,
     pub std: Vec<f64>,
     pub explained: f64,
-    /// Rows that counted.
+    /// Number of rows used.
     pub rows: usize,
-    /// How many rows share one sample.
+    /// Number of rows that share one sample.
     overlap: f64,
 }
 
 impl LeastSquares {
-    /// Share of what the other columns leave that this column explains. Noise in the column draws its
+    /// Share of the variance left by the other columns that this column explains. Noise in the column draws its
     /// coefficient towards 0, but by no more than this factor (Frisch's bounds, as in [`Ratio`]).
     pub fn partial(&self, column: usize) -> f64 {
         let sharpness = (self.coefficients[column] / self.std[column]).powi(2) * self.overlap;
@@ -66,9 +66,9 @@ impl LeastSquares {
     }
 }
 
-/// Solves rows · coefficients = right. `overlap` is how many rows share one sample: the standard errors are
-/// those of so many times fewer rows. Rows with anything that is not finite are left out; `None` where too
-/// few rows are left or the columns are not independent.
+/// Solves rows · coefficients = right. `overlap` is the number of rows that share one sample; the standard errors are
+/// those of so many times fewer rows. Rows with values that are not finite are left out. `None` if too
+/// few rows are left or the columns are linearly dependent.
 pub(crate) fn least_squares<const N: usize>(
     rows: &[([f64; N], f64)],
     overlap: f64,
@@ -81,7 +81,7 @@ pub(crate) fn least_squares<const N: usize>(
     if count < 3 * N {
         return None;
     }
-    // Columns of one size: else what is dependent cannot be told from what is small.
+    // Columns are scaled to equal size, so that a dependent column can be distinguished from a small one.
     let mut scale = [0.0_f64; N];
     for (row, _) in &finite {
         for (size, x) in scale.iter_mut().zip(row) {
@@ -97,7 +97,7 @@ pub(crate) fn least_squares<const N: usize>(
     });
     let right = DVector::from_fn(count, |row, _| finite[row].1);
     let normal = matrix.transpose() * &matrix;
-    // Correlations beyond 1 − 1e-9 are rounding.
+    // A correlation beyond 1 − 1e-9 is a rounding error.
     if normal.clone().symmetric_eigenvalues().min() < 1e-9 {
         return None;
     }

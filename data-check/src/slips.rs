@@ -1,4 +1,4 @@
-//! The slips that people make with units and signs, as factors.
+//! The usual mistakes with units and signs, as factors.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,16 +7,16 @@ pub(crate) const DEGREES: f64 = 180.0 / PI;
 /// rad/s in revolutions a minute.
 pub(crate) const RPM: f64 = 60.0 / TAU;
 
-/// How far a found factor may lie from the one it is taken for, as a logarithm: the scale errors of
-/// gyroscopes, the lags of filters and what friction does to an acceleration stay below 15 %, and the
-/// nearest two factors of the list, 6.28 and 9.55, lie 42 % apart.
+/// Largest distance of a measured factor from a known one, as a logarithm. Scale errors of
+/// gyroscopes, lags of filters and the influence of friction on an acceleration stay below 15 %. The
+/// nearest two factors of the list, 6.28 and 9.55, differ by 42 %.
 const NEAR: f64 = 0.15;
 
-/// Sizes of the factors that two units of one quantity differ by.
+/// Ratios between two units of the same quantity.
 const SIZES: [f64; 6] = [DEGREES, RPM, TAU, 1e3, 1e6, 1e9];
 
-/// The slip that this factor stands for: a size of the list or its inverse, or 1 with a negative sign.
-/// `None` for a factor near 1, and for one that is no known ratio.
+/// The known factor that this one stands for: a ratio of the list, its inverse, or either with a negative sign; or −1.
+/// `None` for a factor near 1, and for one that is not near a known ratio.
 pub(crate) fn slip(factor: f64) -> Option<f64> {
     let near = |size: f64| (factor.abs() / size).ln().abs() < NEAR;
     if near(1.0) {
@@ -30,7 +30,7 @@ pub(crate) fn slip(factor: f64) -> Option<f64> {
     Some(found.copysign(factor))
 }
 
-/// A number with at most three significant digits, as sentences use it.
+/// A number with at most three significant digits, for sentences.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

@@ -1,5 +1,5 @@
-//! A free swing against the motion of a pendulum: its period, how the period depends on the amplitude, and
-//! whether it swings by itself from the first sample on.
+//! A free swing compared with the motion of a pendulum: its period, the dependence of the period on the amplitude, and
+//! whether the body swings freely from the first sample on.
 
 use bench_files::Channel;
 use identify::{AtAmplitude, Output, resolution};
@@ -11,18 +11,18 @@ use crate::view::{PERIODS_S, View, median, range, scaled_decay};
 
 use std::f64::consts::{PI, TAU};
 
-/// Change of the period over the log, relative, from which its cause is asked for: presliding and springs
-/// change it by up to 4 % (the thesis' own bench), a pendulum of 1 rad by 6.6 %.
+/// Relative change of the period over the log above which its cause is searched for. Presliding and springs
+/// change it by up to 4 % (the thesis' own bench), a pendulum with an amplitude of 1 rad by 6.6 %.
 const CHANGE: f64 = 0.05;
-/// How much of that change the other unit must take away.
+/// Share of that change that the right unit may leave.
 const LEFT_OVER: f64 = 0.25;
-/// Standard errors of the period by which the change must stand out.
+/// Standard errors of the period by which the change must show.
 const STANDARD_ERRORS: f64 = 8.0;
-/// Periods at either end of those that are compared which are averaged.
+/// Number of periods averaged at each end of the compared range.
 const AT_EITHER_END: usize = 5;
-/// Smallest amplitude that is compared, in units of the largest: the period of a pendulum changes with the square
-/// of the amplitude, so that eight ninths of the change lie above it, while the last swings before a stop by dry
-/// friction have periods of their own.
+/// Smallest amplitude that is compared, as a share of the largest. The period of a pendulum changes with the square
+/// of the amplitude, so eight ninths of the change lie above it. The last swings before dry friction stops the body
+/// have periods of their own.
 const LEAST_AMPLITUDE: f64 = 1.0 / 3.0;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
@@ -44,7 +44,7 @@ fn period(view: &View, period_s: f64, out: &mut Vec<Finding>) {
     if PERIODS_S.contains(&period_s) {
         return;
     }
-    // Of the units of time the one that makes the period nearest to a second.
+    // The unit of time that gives a period nearest to one second.
     let factors = [1e-3, 1e3, 1e6, 1e9];
     let off = |factor: f64| (period_s / factor).ln().abs();
     let Some(factor) = factors
@@ -66,7 +66,7 @@ fn period(view: &View, period_s: f64, out: &mut Vec<Finding>) {
         Finding::refusal(
             FindingId::TimeFactor,
             format!(
-                "a period is {} s, that of a pendulum of {} m: the time is {} times too large",
+                "a period is {} s, as of a pendulum of {} m: the time is {} times too large",
                 short(period_s),
                 short(9.81 * (period_s / TAU).powi(2)),
                 short(factor)
@@ -88,7 +88,7 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
 }
 
 /// Relative change of the period of small swings from the smallest amplitudes to the largest, if the
-/// angle's true scale is `scale` times the one of the points; `None` where the body would go over the top.
+/// true angle is `scale` times that of the points; `None` if the body would go over the top.
 fn change_of_period(periods: &[AtAmplitude], scale: f64) -> Option<f64> {
     let count = AT_EITHER_END.min(periods.len() / 2);
     let mean = |part: &[AtAmplitude]| -> Option<f64> {
@@ -104,7 +104,7 @@ fn change_of_period(periods: &[AtAmplitude], scale: f64) -> Option<f64> {
     Some((mean(&periods[..count])? / mean(&periods[periods.len() - count..])?).ln())
 }
 
-/// The largest amplitude, and the periods that are compared.
+/// The largest amplitude, and the periods that are compared with each other.
 fn large_swings(periods: &[AtAmplitude]) -> (f64, Vec<AtAmplitude>) {
     let largest = periods
         .iter()
@@ -122,7 +122,7 @@ fn angle_unit(view: &View, periods: &[AtAmplitude], scale: f64, out: &mut Vec<Fi
     let amplitude = scale * largest;
     let periods = periods.as_slice();
     let as_mapped = change_of_period(periods, scale);
-    // The other readings of the column, and what they leave of the change.
+    // The other possible units of the column, and the change that each leaves.
     let others = [DEGREES, 1e3];
     let left = others
         .into_iter()
@@ -165,14 +165,14 @@ fn angle_unit(view: &View, periods: &[AtAmplitude], scale: f64, out: &mut Vec<Fi
     }
 }
 
-/// Accuracy to which a body that stands still is seen to do so, in standard deviations of the noise.
+/// Range within which a body counts as still, in standard deviations of the noise.
 const STILL: f64 = 4.0;
-/// Share of a period that a body may stand still beyond its turning point: a release by hand takes it.
+/// Share of a period for which the body may stand still at its first turning point: a release by hand takes that long.
 const RELEASE: f64 = 0.25;
-/// Gain of a same-sided turning point, relative to the amplitude, beyond which it was not by itself.
+/// Growth of the turning points on one side, relative to the amplitude, above which a hand moved the body.
 const GAIN: f64 = 0.03;
 
-/// A body that is held first, or that gains energy, does not swing by itself.
+/// Checks for a body that is held first, or that gains energy: neither swings freely.
 fn by_itself(view: &View, out: &mut Vec<Finding>) {
     let Some(angle) = view.samples(Channel::Angle) else {
         return;
@@ -200,7 +200,7 @@ fn by_itself(view: &View, out: &mut Vec<Finding>) {
         return;
     };
 
-    // The longest beginning in which the angle stays within ± still.
+    // The longest beginning during which the angle stays within a band.
     let mut bounds = (f64::INFINITY, f64::NEG_INFINITY);
     let held = angle
         .iter()
@@ -215,14 +215,14 @@ fn by_itself(view: &View, out: &mut Vec<Finding>) {
     let held_at = (0.5 * (bounds.0 + bounds.1) - zero_rad).abs();
     let near_turning_s = period_s / TAU * 2.0 * (1.0 - 2.0 * still / half_range).acos();
     if held < angle.len() && held_s > near_turning_s + RELEASE * period_s {
-        // Held away from hanging it is let go; held hanging it is lifted first.
+        // A body held away from the hanging position is released; one held in the hanging position is lifted first.
         let from_s = if held_at > 0.5 * half_range {
             time_s[held.saturating_sub(1)]
         } else {
             largest_s
         };
         let sentence = format!(
-            "the body stands still for {} s before it swings: it was held, which the model does not know",
+            "the body stands still for {} s before it swings: it was held, which is not part of the model",
             short(held_s)
         );
         let finding = if held_s > 0.5 * period_s {
@@ -238,7 +238,7 @@ fn by_itself(view: &View, out: &mut Vec<Finding>) {
         );
         return;
     }
-    // The first stretch may begin anywhere in a swing: it has no turning point of its own.
+    // The first stretch can begin in the middle of a swing, and so has no turning point.
     let size = |point: &(f64, f64)| (point.1 - zero_rad).abs();
     let least_gain = (GAIN * half_range).max(1.5 * still);
     let gain = extremes
@@ -268,15 +268,15 @@ fn by_itself(view: &View, out: &mut Vec<Finding>) {
     }
 }
 
-/// A time that can be typed, not before the one that is meant.
+/// A time rounded up to a few digits.
 fn rounded_up(time_s: f64) -> f64 {
     (time_s * 1e3).ceil() / 1e3
 }
 
-/// The farthest point between every two crossings of the middle, as time and angle, and the middle.
+/// The farthest point between every two crossings of the middle (time and angle), and the middle.
 fn turning_points(view: &View, angle: &[f64], clear: f64) -> (Vec<(f64, f64)>, f64) {
     let time_s = &view.experiment.log.time_s;
-    // Late in the log the swing is small, so that the median is the rest position.
+    // Late in the log, the swing is small, so the median is the rest position.
     let zero = median(angle.to_vec()).unwrap_or(0.0);
     let mut points: Vec<(f64, f64)> = vec![];
     let mut side = 0.0;

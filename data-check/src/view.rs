@@ -1,4 +1,4 @@
-//! What the checks look at: an experiment with its record, and what a bench says of itself.
+//! The inputs of the checks: an experiment with its record, and the stated values of the bench.
 
 use bench_files::{Bench, Channel, Experiment};
 use identify::{FreeDecay, Output, Record, bumps};
@@ -6,20 +6,20 @@ use plant::Kind;
 
 use crate::regression::{Ratio, ratio};
 
-/// An experiment and its samples as fits see them.
+/// An experiment and its samples as fits use them.
 pub(crate) struct View<'b> {
     pub experiment: &'b Experiment,
     pub record: Record,
-    /// Usual time between two samples, s.
+    /// Usual sampling interval, s.
     pub step_s: f64,
 }
 
-/// Periods of a pendulum that stands on a bench, s: g T²/4π² is its equivalent length, from 2.5 mm to 60 m. A
-/// counterweight can make the latter of an arm of 0.3 m; no arm makes a thousandth or the thousandfold.
+/// Range of the period of a pendulum on a bench, s. The equivalent length g T²/4π² goes from 2.5 mm to 60 m. With a
+/// counterweight, an arm of 0.3 m can have the latter; no arm has a thousandth or a thousand times these lengths.
 pub(crate) const PERIODS_S: std::ops::Range<f64> = 0.1..16.0;
-/// Fewest points of a line through two series.
+/// Smallest number of points for a line through two series.
 const FEWEST_POINTS: usize = 8;
-/// Samples under the shortest bump, below which `identify` makes none.
+/// Smallest number of samples under a bump; `identify` uses no shorter ones.
 const SHORTEST_BUMP: usize = 12;
 
 impl<'b> View<'b> {
@@ -41,7 +41,7 @@ impl<'b> View<'b> {
         self.experiment.kind
     }
 
-    /// The samples of a channel that the kind uses.
+    /// The samples of a channel that this kind of experiment uses.
     pub fn samples(&self, channel: Channel) -> Option<&'b [f64]> {
         self.experiment.log.channel(channel)
     }
@@ -52,7 +52,7 @@ impl<'b> View<'b> {
         channel.map_or(0.0, |channel| channel.noise_std)
     }
 
-    /// Lengths of bumps in s: from the shortest on, each twice the one before, as long as enough of them
+    /// Lengths of bumps in s, from the shortest, each twice the previous one, as long as enough of them
     /// fit into the log.
     pub fn bump_lengths_s(&self) -> impl Iterator<Item = f64> {
         let n = self.record.len();
@@ -62,8 +62,8 @@ impl<'b> View<'b> {
             .map(move |samples| samples as f64 * mean_step_s)
     }
 
-    /// The ratio of `samples` to the derivative of `of`, by bumps of the length at which the two go
-    /// together best, and that length in s: short ones are lost in noise, long ones average the motion away.
+    /// The ratio of `samples` to the derivative of `of`, and the bump length in s with which their correlation is
+    /// highest. Shorter bumps leave too much noise, longer ones average the motion away.
     pub fn ratio_to_derivative(&self, of: &[f64], samples: &[f64]) -> Option<(Ratio, f64)> {
         let ratios = self
             .bump_lengths_s()
@@ -71,7 +71,7 @@ impl<'b> View<'b> {
         ratios.max_by(|(a, _), (b, _)| a.correlation.abs().total_cmp(&b.correlation.abs()))
     }
 
-    /// As [`View::ratio_to_derivative`], by bumps of this length.
+    /// As [`View::ratio_to_derivative`], with bumps of this length.
     pub fn ratio_by_bumps(&self, of: &[f64], samples: &[f64], length_s: f64) -> Option<Ratio> {
         let mut points = vec![];
         bumps(&self.record, length_s, |integral| {
@@ -83,16 +83,16 @@ impl<'b> View<'b> {
     }
 }
 
-/// What a bench says of itself, as far as it does.
+/// The values that a bench states or that its periods give, if they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Facts {
     /// Gravity torque G, N m.
     pub gravity_torque_n_m: Option<f64>,
     /// Torque constant τ, N m/A.
     pub torque_constant: Option<f64>,
-    /// Square of the frequency of small locked swings ω₀² = G/Θ, 1/s²: scale-free, from periods alone.
+    /// Square of the frequency of small swings with the wheel locked, ω₀² = G/Θ, 1/s²; from periods alone.
     pub gravity_over_inertia: Option<f64>,
-    /// k² m_w + l² m_b, kg m²: what masses and lengths alone give to the inertia.
+    /// k² m_w + l² m_b, kg m²: the part of the inertia that masses and lengths give.
     pub steiner_kg_m2: Option<f64>,
 }
 
@@ -123,8 +123,8 @@ impl Facts {
     }
 }
 
-/// How a free swing dies out, its angle brought to at most 1 (the analysis of half cycles counts in
-/// radians), and the factor that was taken out of the angle.
+/// The decay of a free swing, with its angle divided by a factor so that it is at most 1 (the analysis of half cycles
+/// works in radians), and that factor.
 pub(crate) fn scaled_decay(view: &View) -> Option<(FreeDecay, f64)> {
     if view.kind() != Kind::FreeSwing {
         return None;
@@ -150,14 +150,14 @@ pub(crate) fn scaled_decay(view: &View) -> Option<(FreeDecay, f64)> {
     Some((identify::decay(&record)?, scale))
 }
 
-/// The period of the swings of a free swing, s, where it is one that a bench can have.
+/// The period of a free swing, s, if a bench can have such a period.
 fn period_s(view: &View) -> Option<f64> {
     let (decay, _) = scaled_decay(view)?;
     let periods = decay.periods.iter().map(|period| period.value).collect();
     median(periods).filter(|period| PERIODS_S.contains(period))
 }
 
-/// The middle one of the finite values; `None` where there is none.
+/// The median of the finite values; `None` if there is none.
 pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.retain(|value| value.is_finite());
     if values.is_empty() {

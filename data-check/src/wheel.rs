@@ -1,4 +1,4 @@
-//! The wheel against its current, against the body, and against what a wheel and a motor can do.
+//! The wheel compared with its current, with the body, and with what a wheel and a motor can do.
 
 use bench_files::{Bench, Channel};
 use identify::{Output, bumps};
@@ -9,34 +9,34 @@ use crate::regression::{LeastSquares, least_squares};
 use crate::slips::{DEGREES, RPM, short, slip};
 use crate::view::{Facts, View, largest, median, range};
 
-/// Standard errors by which an acceleration per ampere must stand out before anything is said of it.
+/// Standard errors by which an acceleration per ampere must show before anything is reported.
 const STANDARD_ERRORS: f64 = 8.0;
-/// Share of a wheel's changes of speed that current and friction must explain for the same.
+/// Share of a wheel's changes of speed that current and friction must explain before anything is reported.
 const EXPLAINED: f64 = 0.8;
-/// Largest voltage of a bench supply, V: beyond 60 V direct voltage is no longer safe to touch (IEC 61140).
-/// A motor whose back-EMF is higher cannot have been driven there.
+/// Largest voltage of a bench supply, V: above 60 V, direct voltage is no longer safe to touch (IEC 61140).
+/// A motor with a higher back-EMF cannot have been driven to that speed.
 const SAFE_VOLTAGE_V: f64 = 60.0;
-/// Largest voltage that bench supplies usually have, V.
+/// Largest voltage of usual bench supplies, V.
 const USUAL_VOLTAGE_V: f64 = 48.0;
 /// Largest mechanical power of a bench motor, W: five times what 60 V and 3 A give.
 const BENCH_POWER_W: f64 = 1000.0;
 /// Largest current of a bench drive, A.
 const BENCH_CURRENT_A: f64 = 100.0;
-/// Speed of the fastest motors that carry a flywheel, rad/s: 15000 rpm.
+/// Speed of the fastest motors with a flywheel, rad/s: 15000 rpm.
 const FASTEST_RAD_S: f64 = 1570.0;
-/// The wheel's share of the total inertia, j_w/Θ. The rim does not reach the pivot, so that j_w < k² m_w and
-/// j_w/Θ < 1/2; a wheel with a radius of gyration below a seventh of its distance from the pivot would have
+/// The wheel's share of the total inertia, j_w/Θ. The rim does not reach the pivot, so j_w < k² m_w and
+/// j_w/Θ < 1/2. A wheel whose radius of gyration is below a seventh of its distance from the pivot would have
 /// less than 1/49 of k² m_w, which is at least a quarter of Θ.
 pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.005..0.5;
-/// Where the shares of wheels that were built for the purpose lie; only to choose between two readings.
+/// Typical share for wheels that were built for the purpose; used only to choose between two possible units.
 const USUAL_SHARE: f64 = 0.06;
 
-/// How a wheel answers its current: acceleration per ampere, 1/s² A⁻¹, and its standard error.
+/// The response of a wheel to its current: acceleration per ampere, 1/s² A⁻¹, and its standard error.
 pub(crate) struct Answer {
     per_ampere: f64,
 }
 
-/// The answer in one log; `None` where the log does not show it.
+/// The response in one log; `None` if the log does not show it.
 fn answer(view: &View) -> Option<(Answer, LeastSquares)> {
     if view.kind() == Kind::FreeSwing {
         return None;
@@ -70,7 +70,7 @@ pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<
         .iter()
         .filter_map(|view| answer(view).map(|(answer, fit)| (view, answer, fit)))
         .collect();
-    // A sensor without a sign is wrong where the current is negative, and there alone.
+    // A sensor without a sign is wrong only where the current is negative.
     let mut against = answers
         .iter()
         .filter(|(_, answer, _)| answer.per_ampere < 0.0);
@@ -78,7 +78,7 @@ pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<
     for (view, answer, fit) in &answers {
         sign(view, answer, fit, is_unsigned, out);
     }
-    // Spin-ups alone have no part of the body in them.
+    // Only spin-ups are free of the body's motion.
     let spin_ups: Vec<(&View, f64)> = answers
         .iter()
         .filter(|(view, _, _)| view.kind() == Kind::SpinUp)
@@ -94,7 +94,7 @@ pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<
     }
 }
 
-/// A wheel that is driven speeds up in the sense of its current: else the friction would drive it.
+/// Checks the sign: a driven wheel accelerates in the direction of its current. Otherwise friction would drive it.
 fn sign(
     view: &View,
     answer: &Answer,
@@ -105,7 +105,7 @@ fn sign(
     if answer.per_ampere >= 0.0 || fit.explained < EXPLAINED {
         return;
     }
-    // A tachometer that counts pulses knows no sense.
+    // A tachometer that counts pulses does not know the direction.
     let unsigned = if is_unsigned {
         "; or the sensor of the wheel shows no sign: then sign = { wheel_speed = -1 } is right for this log \
          alone"
@@ -133,13 +133,13 @@ fn is_backwards(view: &View) -> bool {
     median(current.to_vec()).is_some_and(|usual| usual < 0.0)
 }
 
-/// Whether the wheel's speed stays above 0, but for its noise.
+/// Whether the wheel's speed never falls below 0 by more than its noise.
 fn is_never_negative(view: &View) -> bool {
     let speed = view.samples(Channel::WheelSpeed).unwrap_or_default();
     range(speed).is_some_and(|(low, _)| low >= -10.0 * view.noise(Output::WheelSpeed))
 }
 
-/// Spin-ups of one wheel have one acceleration per ampere.
+/// Checks that all spin-ups of one wheel have the same acceleration per ampere.
 fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
     if spin_ups.len() < 2 {
         return;
@@ -175,7 +175,7 @@ fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
     }
 }
 
-/// What the samples of the channel are too large by, where the acceleration per ampere is by `factor`.
+/// The factor by which the samples of the channel are too large if the acceleration per ampere is too large by `factor`.
 fn too_large(channel: &str, factor: f64) -> f64 {
     if channel == "current" {
         1.0 / factor
@@ -184,7 +184,7 @@ fn too_large(channel: &str, factor: f64) -> f64 {
     }
 }
 
-/// What a factor of the acceleration per ampere comes from: channel, words, and what mends it.
+/// The cause of a factor of the acceleration per ampere: channel, sentence, remedy.
 fn reading(factor: f64) -> (&'static str, String, String) {
     let near = |size: f64| (factor / size).ln().abs() < 0.01;
     if near(RPM) {
@@ -214,13 +214,13 @@ fn reading(factor: f64) -> (&'static str, String, String) {
     } else {
         (
             "wheel_speed",
-            format!("its unit is another one ({} times)", short(factor)),
+            format!("it has another unit (factor {})", short(factor)),
             "units = { wheel_speed = … }".to_owned(),
         )
     }
 }
 
-/// What the wheel of all spin-ups must be, against what it can be.
+/// Checks the wheel inertia from all spin-ups against its possible range.
 fn all_together(
     bench: &Bench,
     views: &[View],
@@ -248,7 +248,7 @@ fn all_together(
             Finding::refusal(
                 FindingId::WheelSpeedFactor,
                 format!(
-                    "the spin-ups say a wheel inertia of {} kg m2, [known] says {}: {likely}",
+                    "the spin-ups give a wheel inertia of {} kg m2, [known] says {}: {likely}",
                     short(found),
                     short(known)
                 ),
@@ -262,12 +262,12 @@ fn all_together(
         .filter_map(|view| Some((view, largest(view.samples(Channel::WheelSpeed)?))))
         .max_by(|a, b| a.1.total_cmp(&b.1));
     let share = inertia.and_then(|inertia| Some(inertia / facts.total_inertia()?));
-    // A wheel of less than half the inertia that masses and lengths leave for body and wheel.
+    // The wheel has less than half of the inertia that masses and lengths leave for body and wheel.
     let room = match (facts.total_inertia(), facts.steiner_kg_m2) {
         (Some(total), Some(steiner)) if total > steiner => Some(total - steiner),
         (total, _) => total,
     };
-    // Which of two readings of the speed makes a usual wheel of it.
+    // The unit of the speed with which the wheel has a typical share.
     let by_share = |readings: [f64; 2]| match share {
         Some(share) => readings
             .into_iter()
@@ -303,11 +303,11 @@ fn all_together(
         && inertia > room
     {
         let sentence = format!(
-            "the spin-ups say a wheel inertia of {} kg m2, but the swings leave {} for it",
+            "the spin-ups give a wheel inertia of {} kg m2, but the swings leave {} for it",
             short(inertia),
             short(room)
         );
-        // No part weighs more than the whole; what the other parts weigh is less certain.
+        // No part can have more inertia than the whole; the inertia of the other parts is less certain.
         let make = if share.is_some_and(|share| share > 1.0) {
             Finding::refusal
         } else {
@@ -378,7 +378,7 @@ fn all_together(
     }
 }
 
-/// A current that no bench motor takes.
+/// Checks for a current that no bench motor takes.
 fn size_of_current(bench: &Bench, view: &View, facts: &Facts, out: &mut Vec<Finding>) {
     let Some(current) = view.samples(Channel::Current) else {
         return;

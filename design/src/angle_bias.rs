@@ -1,6 +1,6 @@
-//! What a bias of the measured angle costs: a wheel that never stops.
+//! The effect of a bias of the measured angle: a wheel that never stops.
 //!
-//! With measured = true + b the law sees K₁ b where there is nothing, and the loop comes to rest
+//! With measured = true + b, the law responds with K₁ b to an angle that is not there. The loop comes to rest
 //! where the body leans just enough to keep the wheel turning against its friction:
 //!
 //! ```text
@@ -13,7 +13,7 @@ use crate::zero_order_hold::zero_order_hold;
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};
 use plant::LinearModel;
 
-/// The state (angle, rate, wheel speed) at which the continuous loop u = −K x rests, per rad of
+/// The state (angle, rate, wheel speed) in which the continuous loop u = −K x comes to rest, per rad of
 /// angle bias.
 ///
 /// # Errors
@@ -27,8 +27,8 @@ pub fn rest_per_angle_bias(
     solve(a - &b * gain, b.column(0) * gains[0])
 }
 
-/// As [`rest_per_angle_bias`] for the loop sampled at `sample_time_s`. It differs from the
-/// continuous one only through the gains: at rest a held input is a constant input.
+/// As [`rest_per_angle_bias`], for the loop sampled at `sample_time_s`. It differs from the
+/// continuous loop only through the gains: at rest, a held input is a constant input.
 ///
 /// # Errors
 /// A singular loop; entries that are not finite; a sample time that is not positive.

@@ -1,4 +1,4 @@
-//! An observer that finds a constant bias of the measured angle, so that the wheel comes to rest.
+//! An observer that estimates a constant bias of the measured angle, so that the wheel comes to rest.
 //!
 //! The measured state is y = x + b e₁ with an unknown constant b (rad). With x⁺ = Ad x + Bd u,
 //!
@@ -6,21 +6,21 @@
 //! y⁺ − Ad y − Bd u = c b,   c = (I − Ad) e₁
 //! ```
 //!
-//! so every step shows b through c: a body that is measured to lean but does not fall. A reduced
-//! (one state) Luenberger observer averages that, b̂⁺ = b̂ + ℓᵀ(y⁺ − Ad y − Bd u − c b̂), and its
-//! error decays as λ = 1 − ℓᵀc. In the form without a look into the future, z = b̂ − ℓᵀy,
+//! so every step shows b through c: the body is measured to lean, but does not fall. A reduced
+//! Luenberger observer (with one state) averages this, b̂⁺ = b̂ + ℓᵀ(y⁺ − Ad y − Bd u − c b̂), and its
+//! error decays with λ = 1 − ℓᵀc. In causal form, with z = b̂ − ℓᵀy,
 //!
 //! ```text
 //! b̂ = z + ℓᵀ y,   u = −K (y − b̂ e₁),   z⁺ = λ z + (λ ℓᵀ − ℓᵀ Ad) y − ℓᵀ Bd u
 //! ```
 //!
 //! (D. Luenberger, "Observers for multivariable systems", IEEE TAC 11(2), 1966). The poles are
-//! those of the regulator and λ. Where u is the current after saturation the observer does not
-//! wind up. Two more properties follow from the equation of rest: at rest with b̂ = b the wheel
-//! stands still *whatever* the true parameters, and a constant torque on the body d is the bias
-//! −d/G, so it stops the wheel as well.
+//! those of the regulator, and λ. If u is the current after saturation, the observer does not
+//! wind up. Two more properties follow from the equation of rest. At rest with b̂ = b, the wheel
+//! stands still for *any* true parameters. A constant torque d on the body acts like the bias
+//! −d/G, so the observer stops the wheel in that case, too.
 //!
-//! ℓ is the direction that passes least sensor noise: with noise covariance R of y, ℓ ∝ R⁻¹c.
+//! ℓ is the direction with the least sensor noise: with noise covariance R of y, ℓ ∝ R⁻¹c.
 
 use crate::controller::LinearController;
 use crate::error::DesignError;
@@ -29,12 +29,12 @@ use crate::zero_order_hold::zero_order_hold;
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};
 use plant::LinearModel;
 
-/// The observer in the form that a controller runs.
+/// The observer in the form that the controller executes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasObserver {
-    /// λ, without unit.
+    /// λ, dimensionless.
     pub decay: f64,
-    /// ℓᵀ: from the measured state to the estimate at once; rad per unit of each state.
+    /// ℓᵀ: direct feedthrough from the measured state to the estimate; rad per unit of each state.
     pub direct: RowVector3<f64>,
     /// λ ℓᵀ − ℓᵀ Ad: from the measured state into z; rad per unit of each state.
     pub from_measurement: RowVector3<f64>,
@@ -45,13 +45,13 @@ pub struct BiasObserver {
 }
 
 impl BiasObserver {
-    /// The observer for `model` sampled at `sample_time_s`, whose error decays with
-    /// `time_constant_s`; `noise` is the standard deviation of each measured state (angle in rad,
-    /// rate in rad/s, wheel speed in rad/s), of which only the ratios count.
+    /// The observer for `model` sampled at `sample_time_s`, whose error decays with the time constant
+    /// `time_constant_s`. `noise` is the standard deviation of each measured state (angle in rad,
+    /// rate in rad/s, wheel speed in rad/s); only the ratios matter.
     ///
     /// # Errors
     /// Quantities that are not positive, entries that are not finite;
-    /// [`DesignError::NotAPendulum`] where a bias leaves no trace (no gravity).
+    /// [`DesignError::NotAPendulum`] if a bias has no effect (no gravity).
     pub fn new(
         model: &LinearModel,
         sample_time_s: f64,
@@ -75,7 +75,7 @@ impl BiasObserver {
         if seen == 0.0 {
             return Err(DesignError::NotAPendulum {
                 what: "the bias observer",
-                why: "without gravity a wrong angle has no effect that could be seen",
+                why: "without gravity, a bias of the angle has no effect that could be observed",
             });
         }
         let decay = (-sample_time_s / time_constant_s).exp();
@@ -95,13 +95,13 @@ impl BiasObserver {
         state + (self.direct * measured)[0]
     }
 
-    /// The next z from z, the measured state and the current that was sent, in A.
+    /// The next z, from z, the measured state and the commanded current in A.
     pub fn advance(&self, state: f64, measured: &Vector3<f64>, current_a: f64) -> f64 {
         self.decay * state + (self.from_measurement * measured)[0] + self.from_current * current_a
     }
 
-    /// Regulator and observer as one controller from measured state to current, for margins:
-    /// u = −K (y − b̂ e₁) put into the observer's equations.
+    /// Regulator and observer as one controller from measured state to current, for the margins:
+    /// u = −K (y − b̂ e₁) inserted into the observer's equations.
     pub fn controller(&self, gains: &RowVector3<f64>) -> LinearController {
         let output = gains[0];
         let feedthrough = self.direct * gains[0] - gains;

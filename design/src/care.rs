@@ -7,35 +7,35 @@
 //! The stable subspace of the Hamiltonian H = [[A, −BR⁻¹Bᵀ], [−Q, −Aᵀ]] is the kernel of
 //! sign(H) + I and spanned by [I; X]. sign(H) is the limit of Newton's Zₖ₊₁ = (cZₖ + (cZₖ)⁻¹)/2
 //! with c = |det Zₖ|^(−1/2n) (J. Roberts, Int. J. Control 32(4), 1980; R. Byers, Linear Algebra
-//! Appl. 85, 1987). The loop of the bench is sampled; this serves to compare with continuous
+//! Appl. 85, 1987). The loop of the bench is sampled; this solution is for comparison with continuous
 //! designs.
 
 use crate::error::DesignError;
 use crate::matrix::{check_finite, check_shape, smallest_scaled_eigenvalue, symmetric};
 use nalgebra::DMatrix;
 
-/// Largest relative residual that a solution may have, as for the discrete equation.
+/// Largest relative residual that is accepted, as for the discrete equation.
 const ALLOWED_RESIDUAL: f64 = 1e-9;
 
 const MOST_STEPS: usize = 100;
 
-/// A solution of the equation and how good it is.
+/// A solution of the equation, with its residual.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CareSolution {
-    /// X (n×n), symmetric.
+    /// X (n×n), symmetric; the matrix of the cost to go.
     pub cost_to_go: DMatrix<f64>,
     /// K (m×n), the law u = −K x.
     pub gain: DMatrix<f64>,
-    /// Frobenius norm of the equation's residual over that of its largest term.
+    /// Frobenius norm of the equation's residual, divided by that of its largest term.
     pub residual: f64,
 }
 
 /// The stabilising solution for ẋ = A x + B u (A n×n, B n×m), weights Q (n×n) and R (m×m).
 ///
 /// # Errors
-/// [`DesignError::IndefiniteWeights`]; [`DesignError::NoConvergence`] where the Hamiltonian has
-/// eigenvalues on the imaginary axis (not stabilisable, or a mode that the cost does not see);
-/// [`DesignError::InaccurateSolution`]; shapes and entries that are not finite.
+/// [`DesignError::IndefiniteWeights`]; [`DesignError::NoConvergence`] if the Hamiltonian has
+/// eigenvalues on the imaginary axis (not stabilisable, or a mode that does not enter the cost);
+/// [`DesignError::InaccurateSolution`]; wrong shapes, and entries that are not finite.
 pub fn solve_care(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -78,7 +78,7 @@ pub fn solve_care(
     let reach = symmetric(&(b * &weighted));
 
     let sign = sign_of_hamiltonian(a, &reach, q)?;
-    // [W₁₂; W₂₂ + I] X = −[W₁₁ + I; W₂₁], a consistent system of 2n rows.
+    // [W₁₂; W₂₂ + I] X = −[W₁₁ + I; W₂₁] is a consistent system of 2n rows.
     let identity = DMatrix::<f64>::identity(n, n);
     let mut left = DMatrix::zeros(2 * n, n);
     left.view_mut((0, 0), (n, n))
@@ -129,7 +129,7 @@ fn no_convergence(change: f64) -> DesignError {
         method: "the sign iteration",
         iterations: MOST_STEPS,
         change,
-        cure: "the motor does not reach an unstable mode, or a state weight of zero hides one",
+        cure: "the motor does not reach an unstable mode, or a state weight of zero excludes one from the cost",
     }
 }
 
@@ -155,7 +155,7 @@ fn sign_of_hamiltonian(
         if !determinant.is_normal() {
             break;
         }
-        // Scaling speeds up the start and would disturb the end.
+        // Scaling speeds up the first steps, and would disturb the last ones.
         let scale = if change > 1e-2 {
             determinant.powf(-0.5 / n as f64)
         } else {

@@ -5,7 +5,7 @@ use crate::matrix::check_shape;
 use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};
 use nalgebra::{DMatrix, RowVector3};
 
-/// A discrete linear controller c⁺ = Ac c + Bc y, u = Cc c + Dc y; y is the measured state, u the
+/// A discrete linear controller c⁺ = Ac c + Bc y, u = Cc c + Dc y, with y the measured state and u the
 /// current in A.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearController {
@@ -48,7 +48,7 @@ impl LinearController {
         check_shape("Dc of the controller", &self.feedthrough, 1, plant_states)
     }
 
-    /// The state matrix of the loop around x⁺ = Ad x + Bd u, states (x, c).
+    /// The state matrix of the loop with x⁺ = Ad x + Bd u; its states are (x, c).
     ///
     /// # Errors
     /// Wrong shapes.
@@ -77,8 +77,8 @@ impl LinearController {
         Ok(closed)
     }
 
-    /// The state matrix of the loop around ẋ = A x + B u sampled at `sample_time_s`, with the
-    /// current reaching the plant `delay_s` late; any delay, not only whole samples. States
+    /// The state matrix of the loop with ẋ = A x + B u, sampled at `sample_time_s`, if the
+    /// current reaches the plant with the delay `delay_s` (any delay, not only whole samples). Its states are
     /// (x, c, u₋₁, u₋₂, …).
     ///
     /// # Errors
@@ -133,7 +133,7 @@ impl LinearController {
     }
 }
 
-/// A delay as whole samples and a part of one.
+/// A delay, divided into whole samples and a fraction.
 pub(crate) struct Delay {
     pub(crate) whole: usize,
     pub(crate) part_s: f64,

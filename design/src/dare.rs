@@ -5,7 +5,7 @@
 //! X = AᵀXA − (AᵀXB + N)(R + BᵀXB)⁻¹(BᵀXA + Nᵀ) + Q,   K = (R + BᵀXB)⁻¹(BᵀXA + Nᵀ)
 //! ```
 //!
-//! The cross term goes first: with u = v − R⁻¹Nᵀx the equation has the same X for
+//! The cross term is removed first: with u = v − R⁻¹Nᵀx, the equation has the same X for
 //! Â = A − B R⁻¹Nᵀ, Q̂ = Q − N R⁻¹Nᵀ and no cross term. Then, from A₀ = Â, G₀ = B R⁻¹Bᵀ, H₀ = Q̂,
 //!
 //! ```text
@@ -25,24 +25,24 @@ use crate::sampled_cost::QuadraticCost;
 use crate::structural::reach;
 use nalgebra::DMatrix;
 
-/// Largest relative residual that a solution may have. Doubling reaches 1e-13 or so on problems
-/// that are not near the edge of stabilisability; at 1e-9 the gains are still good to far more
+/// Largest relative residual that is accepted. Doubling reaches about 1e-13 on problems
+/// that are far from the limit of stabilisability. At 1e-9, the gains still have many more correct
 /// digits than any identified parameter.
 const ALLOWED_RESIDUAL: f64 = 1e-9;
 
 /// 2⁶⁰ steps: a loop that has not settled by then has a pole on the unit circle.
 const MOST_DOUBLINGS: usize = 60;
 
-/// A solution of the equation and how good it is.
+/// A solution of the equation, with its residual.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DareSolution {
-    /// X (n×n), symmetric: xᵀXx is the cost still to come from state x.
+    /// X (n×n), symmetric: xᵀXx is the cost to go from state x.
     pub cost_to_go: DMatrix<f64>,
     /// K (m×n), the law u = −K x.
     pub gain: DMatrix<f64>,
-    /// Frobenius norm of the equation's residual over that of its largest term.
+    /// Frobenius norm of the equation's residual, divided by that of its largest term.
     pub residual: f64,
-    /// Doublings made.
+    /// Number of doublings.
     pub doublings: usize,
 }
 
@@ -50,9 +50,8 @@ pub struct DareSolution {
 ///
 /// # Errors
 /// [`DesignError::IndefiniteWeights`] unless R is positive definite and the joint weight positive
-/// semidefinite; [`DesignError::NotStabilisable`]; [`DesignError::WeightsHideUnstableMode`] where
-/// the minimum of the cost does not stabilise; [`DesignError::NoConvergence`];
-/// [`DesignError::InaccurateSolution`]; shapes and entries that are not finite.
+/// if the minimum of the cost does not stabilise the loop; [`DesignError::NoConvergence`];
+/// [`DesignError::InaccurateSolution`]; wrong shapes, and entries that are not finite.
 pub fn solve_dare(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -68,7 +67,7 @@ pub fn solve_dare(
     check_finite("the input matrix B", b)?;
     check_weights(cost)?;
     for mode in eigenvalues(a)? {
-        // Modes inside the circle decay without help.
+        // Modes inside the unit circle decay without control.
         if mode.norm() >= 1.0 {
             let reach = reach(a, b, mode)?;
             if reach < f64::EPSILON * 10.0 * n as f64 {
@@ -117,7 +116,7 @@ fn check_weights(cost: &QuadraticCost) -> Result<(), DesignError> {
     let smallest = smallest_scaled_eigenvalue(&joint);
     if smallest < -rounding {
         return Err(DesignError::IndefiniteWeights {
-            what: "the weight on state and current together must not be negative",
+            what: "the joint weight of state and current must not be negative",
             smallest_eigenvalue: smallest,
         });
     }

@@ -1,4 +1,4 @@
-//! The whole design in one call.
+//! The complete design in one call.
 
 use crate::angle_bias::sampled_rest_per_angle_bias;
 use crate::bias_observer::BiasObserver;
@@ -16,7 +16,7 @@ use crate::zero_order_hold::Discrete;
 use nalgebra::{Complex, DMatrix, RowVector3, Vector3};
 use plant::LinearModel;
 
-/// What a design is asked for; the table `[design]` of model.toml.
+/// The requirements for a design; the section `[design]` of model.toml.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Sample time in s.
@@ -25,7 +25,7 @@ pub struct Settings {
     pub weights: Weights,
     /// Largest current in A.
     pub current_limit_a: f64,
-    /// The bench with none and with all of its Coulomb friction, where it has any: the design
+    /// The bench with none and with all of its Coulomb friction, if it has any. The design
     /// must be stable without it.
     pub friction_extremes: Option<FrictionExtremes>,
 }
@@ -36,8 +36,8 @@ const SAMPLE_TIME_OF_THE_THESIS_S: f64 = 0.001;
 const CURRENT_LIMIT_OF_THE_THESIS_A: f64 = 2.0;
 
 impl Settings {
-    /// What a controller is designed for where nothing is said: weights and sample time of the
-    /// thesis, and its current limit unless the bench's own is known.
+    /// The usual requirements, if none are stated: weights and sample time of the
+    /// thesis, and its current limit unless that of the bench is known.
     pub fn usual(current_limit_a: Option<f64>) -> Settings {
         Settings {
             sample_time_s: SAMPLE_TIME_OF_THE_THESIS_S,
@@ -48,11 +48,11 @@ impl Settings {
     }
 }
 
-/// A controller and what can be expected of it. States are (angle from upright in rad, rate in
+/// A controller, with the properties of its loop. The states are (angle from upright in rad, rate in
 /// rad/s, wheel speed in rad/s), the law is u = −K x.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// What was asked for.
+    /// The requirements.
     pub settings: Settings,
     /// A (3×3) and B (3×1).
     pub model: LinearModel,
@@ -66,19 +66,19 @@ pub struct Design {
     pub open_loop_poles: Vec<Pole>,
     /// Eigenvalues of Ad − Bd K.
     pub closed_loop_poles: Vec<Pole>,
-    /// Can the current reach every state, and how well?
+    /// Whether the current can reach every state, and how well.
     pub controllability: StructuralRank,
-    /// Do angle, rate and wheel speed together show every state, and how well?
+    /// Whether angle, rate and wheel speed together show every state, and how well.
     pub observability: StructuralRank,
-    /// The same for each sensor alone, by name.
+    /// The same for each sensor alone, with its name.
     pub observability_of_sensor: [(&'static str, StructuralRank); 3],
-    /// asin(τ u_max/G) in rad.
+    /// The largest angle from which the motor can bring the body back, asin(τ u_max/G), in rad.
     pub recovery_angle_rad: f64,
-    /// What the loop bears.
+    /// Gain, phase, delay and modulus margins of the loop.
     pub margins: Margins,
-    /// Steady wheel speed per rad of angle bias, in rad/s per rad.
+    /// Steady wheel speed per rad of bias of the measured angle, in rad/s per rad.
     pub wheel_speed_per_angle_bias: f64,
-    /// The loop at both extremes of Coulomb friction, where they were given.
+    /// The loop at both extremes of Coulomb friction, if they were given.
     pub friction: Option<FrictionCheck>,
 }
 
@@ -86,10 +86,10 @@ impl Design {
     /// Designs the controller of `model` for `settings` and checks the loop.
     ///
     /// # Errors
-    /// Those of [`discrete_regulator`]; [`DesignError::CostBlind`] where the cost does not see a mode
-    /// that does not decay by itself; [`DesignError::SampleTimeTooLong`] where the loop would
-    /// not bear the delay of one sample that computing may take;
-    /// [`DesignError::UnstableLoop`] where it is unstable without Coulomb friction;
+    /// Those of [`discrete_regulator`]; [`DesignError::CostBlind`] if a mode that does not decay by itself does
+    /// not enter the cost; [`DesignError::SampleTimeTooLong`] if the loop would become unstable with
+    /// the delay of one sample that the computation may take;
+    /// [`DesignError::UnstableLoop`] if it is unstable without Coulomb friction;
     /// [`DesignError::NotAPendulum`].
     pub fn new(model: &LinearModel, settings: &Settings) -> Result<Design, DesignError> {
         let (a, b) = of_model(model)?;
@@ -150,11 +150,11 @@ impl Design {
             .collect()
     }
 
-    /// An observer that finds a constant angle bias five times more slowly than the slowest motion
-    /// of the loop, so that the two do not interfere; `noise` as in [`BiasObserver::new`].
+    /// An observer of a constant angle bias. It is five times slower than the slowest motion
+    /// of the loop, so that the two do not interact; `noise` as in [`BiasObserver::new`].
     ///
     /// # Errors
-    /// Those of [`BiasObserver::new`]; [`DesignError::UnstableLoop`] where regulator and observer
+    /// Those of [`BiasObserver::new`]; [`DesignError::UnstableLoop`] if regulator and observer
     /// together are unstable.
     pub fn bias_observer(&self, noise: &Vector3<f64>) -> Result<BiasObserver, DesignError> {
         let slowest_per_s = self
@@ -179,20 +179,20 @@ impl Design {
     }
 }
 
-/// A loop whose slowest motion decays with a longer time constant than this stands by no measure of
-/// a bench, s: its wheel would run off while everything else is balanced.
+/// Longest time constant of the slowest motion of a loop, s. A slower loop does not stabilise a bench in
+/// practice: the wheel would run away while everything else is balanced.
 const SLOWEST_DECAY_S: f64 = 3600.0;
 
-/// Where the relative distance of the cost to not seeing a mode is below this, rounding decides.
+/// Below this relative distance between the cost and one without the mode, rounding decides.
 const SEES_MIN: f64 = 1e-12;
 
-/// What the modes are called that may not decay by themselves.
+/// Names of the states whose modes may not decay by themselves.
 const STATE_NAMES: [&str; 2] = ["angle", "wheel"];
 
-/// Refuses weights of zero on a mode that does not decay by itself.
+/// Refuses zero weights on a mode that does not decay by itself.
 ///
 /// # Errors
-/// [`DesignError::CostBlind`] with the state that most of the mode is.
+/// [`DesignError::CostBlind`] with the state that dominates the mode.
 fn require_that_the_cost_sees(model: &LinearModel, weights: &Weights) -> Result<(), DesignError> {
     let (a, _) = of_model(model)?;
     let (q, _) = weights.matrices()?;
@@ -204,14 +204,14 @@ fn require_that_the_cost_sees(model: &LinearModel, weights: &Weights) -> Result<
         if reach(&a.transpose(), &seen.transpose(), mode)? < SEES_MIN {
             return Err(DesignError::CostBlind {
                 state: state_of(mode),
-                how: "its weight is zero, and left to itself it does not come to rest".to_owned(),
+                how: "its weight is zero, and without control it does not come to rest".to_owned(),
             });
         }
     }
     Ok(())
 }
 
-/// The state that a mode of A is made of: the angle of one that falls, the wheel of one that stays.
+/// The state that dominates a mode of A: the angle for a mode that falls, the wheel for one that stays.
 fn state_of(mode: Complex<f64>) -> &'static str {
     if mode.re > 1.0 / SLOWEST_DECAY_S {
         STATE_NAMES[0]
@@ -247,8 +247,8 @@ fn regulator_at(
     Ok((regulator, margins))
 }
 
-/// The regulator at the sample time asked for, with margins; an error with a shorter sample time
-/// where that one is too long.
+/// The regulator at the required sample time, with its margins. If that sample time is too long, the error contains
+/// a shorter one that works.
 fn regulator_with_margins(
     model: &LinearModel,
     settings: &Settings,
@@ -258,12 +258,12 @@ fn regulator_with_margins(
             return Ok((regulator, margins));
         }
         Ok((_, margins)) => (margins.delay_margin_s, None),
-        // What is wrong with the weights no sample time cures.
+        // Wrong weights are wrong at every sample time.
         Err(error @ DesignError::CostBlind { .. }) => return Err(error),
         Err(error) => (0.0, Some(error)),
     };
-    // Where a shorter sample time works, the sample time was what was wrong. Tried as it will be
-    // typed: with two digits.
+    // If a shorter sample time works, the sample time was the cause. It is rounded to two digits, as it will
+    // be typed, before it is tried.
     let mut shorter_s = settings.sample_time_s;
     for _ in 0..60 {
         shorter_s = two_digits(0.5 * shorter_s);
@@ -281,7 +281,7 @@ fn regulator_with_margins(
     Err(error.unwrap_or(DesignError::UnstableLoop {
         loop_name: "with a delay of one sample",
         spectral_radius: 1.0,
-        cure: "no sample time bears it with these weights; raise the current weight",
+            cure: "no sample time gives enough delay margin with these weights; raise the current weight",
     }))
 }
 
@@ -297,7 +297,7 @@ fn is_accepted(model: &LinearModel, settings: &Settings, sample_time_s: f64) -> 
         && settings.friction_extremes.as_ref().is_none_or(friction)
 }
 
-/// The number of two digits at or below a positive one, as it reads back from its decimal.
+/// The largest number of two digits that does not exceed a positive one, as read from its decimal form.
 fn two_digits(value: f64) -> f64 {
     if !(value.is_finite() && value > 0.0) {
         return 0.0;
@@ -307,7 +307,7 @@ fn two_digits(value: f64) -> f64 {
     format!("{digits:.0}e{exponent}").parse().unwrap_or(0.0)
 }
 
-/// The check, as an error where the bench would fall: without the friction that the design counted
+/// The friction check; an error if the bench would fall without the friction that the design counted
 /// on. Instability with all of it is hunting, which the check reports.
 fn stable_friction_check(
     extremes: &FrictionExtremes,

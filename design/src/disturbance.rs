@@ -1,9 +1,9 @@
-//! What a disturbing torque does to the closed loop.
+//! The response of the closed loop to a disturbing torque.
 //!
-//! With x⁺ = (Ad − Bd K) x + Ed d, and d held over a sample, the answer of the angle to a torque d of frequency ω
-//! is |c (e^{jωT} I − Ad + Bd K)⁻¹ Ed| |d|, and that of the current has −K in the place of c. The largest value over all
-//! frequencies is the H∞ norm (Zhou, Doyle & Glover, "Robust and Optimal Control", 1996, section 4.3): the angle of
-//! any torque whose mean square is d² has a mean square of at most that.
+//! With x⁺ = (Ad − Bd K) x + Ed d, and d held over a sample, the response of the angle to a torque d of frequency ω
+//! is |c (e^{jωT} I − Ad + Bd K)⁻¹ Ed| |d|; for the current, −K replaces c. The largest gain over all
+//! frequencies is the H∞ norm (Zhou, Doyle & Glover, "Robust and Optimal Control", 1996, section 4.3). For any torque
+//! with mean square d², the root mean square of the angle is at most the norm times d.
 
 use std::f64::consts::PI;
 
@@ -14,23 +14,23 @@ use crate::design::Design;
 use crate::error::DesignError;
 use crate::zero_order_hold::zero_order_hold;
 
-/// Frequencies that are looked at, evenly over the logarithm: a loop of three states has no peak so narrow that it
-/// stands between two of them.
+/// Number of frequencies, evenly spaced on a logarithmic scale. A loop with three states has no peak so narrow that it
+/// lies between two of them.
 const FREQUENCIES: usize = 600;
-/// The lowest of them, in units of the highest, half of the sampling frequency.
+/// Lowest frequency, as a share of the highest, which is half the sampling frequency.
 const LOWEST: f64 = 1e-6;
 
-/// The largest answers of a closed loop to a torque.
+/// The largest gains of a closed loop from a torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueResponse {
-    /// Of the angle, rad/(N m).
+    /// To the angle, rad/(N m).
     pub angle_rad_per_nm: f64,
-    /// Of the current, A/(N m).
+    /// To the current, A/(N m).
     pub current_a_per_nm: f64,
 }
 
-/// The largest answers over all frequencies of the loop of `design` to a torque that enters ẋ = A x + B u + E d
-/// by `torque_input` E, units of row per N m and second.
+/// The largest gains over all frequencies of the loop of `design`, from a torque that enters ẋ = A x + B u + E d
+/// through `torque_input` E, in units of row per N m and second.
 ///
 /// # Errors
 /// Entries that are not finite.

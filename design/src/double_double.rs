@@ -1,19 +1,19 @@
-//! Numbers of about 106 bits as unevaluated sums of two doubles, and small matrices of them.
+//! Numbers with about 106 bits as unevaluated sums of two doubles, and small matrices of them.
 //!
 //! Sums after D. Knuth, products by a fused multiply-add (T. J. Dekker, "A floating-point technique
-//! for extending the available precision", Numer. Math. 18, 1971): a relative error of some 2⁻¹⁰⁴ an
-//! operation.
+//! for extending the available precision", Numer. Math. 18, 1971). The relative error of an
+//! operation is about 2⁻¹⁰⁴.
 
 use nalgebra::DMatrix;
 
-/// hi + lo, |lo| at most half a unit of hi.
+/// hi + lo, with |lo| at most half a unit in the last place of hi.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DoubleDouble {
     hi: f64,
     lo: f64,
 }
 
-/// a + b and what rounding lost of it.
+/// a + b, and its rounding error.
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;
@@ -116,7 +116,7 @@ impl Wide {
         self.entries[row * self.columns + column] = value;
     }
 
-    /// Puts `block` in with its first entry at `row`, `column`.
+    /// Inserts `block` with its first entry at `row`, `column`.
     pub(crate) fn put(&mut self, row: usize, column: usize, block: &Wide) {
         for i in 0..block.rows {
             for j in 0..block.columns {
@@ -191,7 +191,7 @@ impl Wide {
         self.plus(&self.transposed()).scaled(DoubleDouble::of(0.5))
     }
 
-    /// The largest entry's magnitude; NaN where an entry is not finite.
+    /// The largest magnitude of an entry; NaN if an entry is not finite.
     pub(crate) fn largest(&self) -> f64 {
         self.entries.iter().fold(0.0, |most: f64, entry| {
             let size = entry.hi.abs();
@@ -203,7 +203,7 @@ impl Wide {
         })
     }
 
-    /// X with M X = `right`, by elimination with row pivots; `None` where M is singular.
+    /// X with M X = `right`, by elimination with row pivoting; `None` if M is singular.
     pub(crate) fn solve(&self, right: &Wide) -> Option<Wide> {
         let size = self.rows;
         let (mut m, mut x) = (self.clone(), right.clone());

@@ -1,6 +1,6 @@
-//! What can go wrong in a design, each with its cure.
+//! The errors of a design, each with its remedy.
 
-/// Why no controller could be designed.
+/// The reason why no controller could be designed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// A matrix or a number is NaN or infinite.
@@ -31,7 +31,7 @@ pub enum DesignError {
         /// Its value.
         value: f64,
     },
-    /// The cost could be driven to minus infinity, or moves the current for free.
+    /// The cost has no minimum, or a current costs nothing.
     #[error(
         "the weights are indefinite ({what}, smallest eigenvalue {smallest_eigenvalue:.3e}); \
          use state weights of zero or more and a current weight greater than zero"
@@ -42,7 +42,7 @@ pub enum DesignError {
         /// Its smallest eigenvalue.
         smallest_eigenvalue: f64,
     },
-    /// An unstable mode cannot be reached by the input.
+    /// The input cannot reach an unstable mode.
     #[error(
         "the motor cannot stabilise this model: it does not reach the mode at {re:.6}{im:+.6}j \
          (relative reach {reach:.1e}); check the torque constant and the inertias"
@@ -55,7 +55,7 @@ pub enum DesignError {
         /// Smallest singular value of [A − λI, B] over the norm of A.
         reach: f64,
     },
-    /// The cost does not see an unstable mode, so its minimum leaves the mode alone.
+    /// An unstable mode does not enter the cost, so the minimum leaves the mode uncontrolled.
     #[error(
         "the gains that minimise this cost leave the loop unstable (largest pole modulus \
          {spectral_radius:.6}): a state weight of zero hides an unstable mode; give every state \
@@ -65,16 +65,16 @@ pub enum DesignError {
         /// Largest modulus of the closed-loop poles.
         spectral_radius: f64,
     },
-    /// The cost does not see a mode that does not decay by itself, or so weakly that the loop takes
-    /// for ever.
+    /// A mode that does not decay by itself does not enter the cost, or so weakly that the loop would take
+    /// forever.
     #[error(
         "the cost does not see the {state}: {how}; give it a state weight that counts (the thesis has \
          25, 0.5 and 5e-4 for angle, rate and wheel speed)"
     )]
     CostBlind {
-        /// The state that most of the mode is.
+        /// The state that dominates the mode.
         state: &'static str,
-        /// What would become of the mode.
+        /// What the mode would do.
         how: String,
     },
     /// Double and extended precision give different gains.
@@ -83,24 +83,24 @@ pub enum DesignError {
          {difference:.1e}); the model or the weights span too many orders of magnitude"
     )]
     GainsUncertain {
-        /// Norm of the difference over that of the gains.
+        /// Norm of the difference, divided by that of the gains.
         difference: f64,
     },
-    /// An iteration did not settle.
+    /// An iteration did not converge.
     #[error(
         "{method} did not converge after {iterations} steps (last change {change:.1e}); {cure}"
     )]
     NoConvergence {
         /// The algorithm.
         method: &'static str,
-        /// Steps made.
+        /// Number of steps made.
         iterations: usize,
         /// Relative size of the last change.
         change: f64,
         /// What to do about it.
         cure: &'static str,
     },
-    /// A Riccati equation was solved, but not well enough to be trusted.
+    /// A Riccati equation was solved, but not accurately enough.
     #[error(
         "the {equation} is solved only to a relative residual of {residual:.1e} (allowed \
          {allowed:.1e}); the model or the weights span too many orders of magnitude"
@@ -108,7 +108,7 @@ pub enum DesignError {
     InaccurateSolution {
         /// Which equation.
         equation: &'static str,
-        /// Its residual over the size of its terms.
+        /// Its residual, divided by the size of its terms.
         residual: f64,
         /// The largest residual that is accepted.
         allowed: f64,
@@ -121,7 +121,7 @@ pub enum DesignError {
         /// What to do about it.
         cure: &'static str,
     },
-    /// A loop that must be stable is not.
+    /// A loop that must be stable is unstable.
     #[error("the loop {loop_name} is unstable (largest pole modulus {spectral_radius:.6}); {cure}")]
     UnstableLoop {
         /// Which loop, in words.
@@ -131,21 +131,21 @@ pub enum DesignError {
         /// What to do about it.
         cure: &'static str,
     },
-    /// The loop could not bear the delay that sampling at this rate brings with it.
+    /// The loop has less delay margin than sampling at this rate requires.
     #[error(
         "a sample time of {sample_time_s} s is too long: the loop tolerates {delay_margin_s:.2e} s \
          of delay, less than the one sample that computing may take; sample at \
          {longest_s} s, or raise the current weight so that the loop asks less"
     )]
     SampleTimeTooLong {
-        /// The sample time asked for, in s.
+        /// The required sample time, s.
         sample_time_s: f64,
         /// The delay margin of the design at that sample time, in s.
         delay_margin_s: f64,
         /// A sample time of two digits that works, in s.
         longest_s: f64,
     },
-    /// A model that is not an inverted pendulum, so the quantity asked for has no meaning.
+    /// The model is not an inverted pendulum, so the requested quantity has no meaning.
     #[error("{what} needs an upright pendulum: {why}")]
     NotAPendulum {
         /// The quantity, in words.
@@ -153,10 +153,10 @@ pub enum DesignError {
         /// What is missing.
         why: &'static str,
     },
-    /// The model could not be built from a set of parameters.
+    /// The parameters give no linear model.
     #[error("no linear model from these parameters: {message}")]
     Model {
-        /// What the model said.
+        /// The message of the model.
         message: String,
     },
 }

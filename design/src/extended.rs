@@ -1,8 +1,8 @@
-//! The regulator's gains in arithmetic of 106 bits, so that what the controller is built from is
-//! right to the last digit that a double has, or refused.
+//! The regulator's gains in 106-bit arithmetic, so that the gains in the controller are either
+//! correct to the last digit of a double, or refused.
 //!
-//! The same steps as in [`crate::zero_order_hold`], [`crate::sampled_cost`] and [`crate::dare`], from
-//! A, B and the weights on: rounding of any of them moves the gains where the model or the weights
+//! The steps are those of [`crate::zero_order_hold`], [`crate::sampled_cost`] and [`crate::dare`], beginning with
+//! A, B and the weights. In double precision, rounding in any of them changes the gains if the model or the weights
 //! span many orders of magnitude.
 
 use crate::double_double::{DoubleDouble, Wide};
@@ -12,20 +12,20 @@ use nalgebra::DMatrix;
 /// 2⁶⁰ steps: a loop that has not settled by then has a pole on the unit circle.
 const MOST_DOUBLINGS: usize = 60;
 
-/// Relative change at which the iteration stands: some units of the last place of 106 bits.
+/// Relative change at which the iteration has converged: some units in the last place of 106 bits.
 const SETTLED: f64 = 1e-28;
 
-/// Gains in double precision that are further than this share from those in extended precision mean
-/// that the problem eats half of the digits of a double: then a quarter of those of 106 bits may be
-/// gone too, and still eight and more digits are right. Beyond it nothing is promised.
+/// Largest relative difference between the gains in double and in extended precision. A larger one means that
+/// the problem loses most digits of a double. With the same loss, the result in 106 bits still has more than eight
+/// correct digits; beyond this difference, that is no longer certain.
 const LOST_MAX: f64 = 0.1;
 
-/// K (1×n) for ẋ = A x + B u under the continuous cost with weights Q and R, the current held for
+/// K (1×n) for ẋ = A x + B u under the continuous cost with weights Q and R, with the current held for
 /// `sample_time_s`; `rough` is K in double precision.
 ///
 /// # Errors
-/// [`DesignError::GainsUncertain`] where both differ so much that neither can be trusted;
-/// [`DesignError::NotFinite`] or [`DesignError::NoConvergence`] as in double precision.
+/// [`DesignError::GainsUncertain`] if the two results differ so much that neither can be trusted;
+/// [`DesignError::NotFinite`] or [`DesignError::NoConvergence`], as in double precision.
 pub(crate) fn gains(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,

@@ -1,16 +1,16 @@
-//! Coulomb friction at both extremes.
+//! The loop at both extremes of Coulomb friction.
 //!
-//! A design may take Coulomb friction into the linear model as a viscous term μ/ι, with a
-//! smoothing speed ι. That is a choice, not physics: at speeds well above ι the damping is not
-//! there, and where the pivot sticks there is more. So a design is checked against both extremes:
-//! all of μ/ι, and none of it.
+//! A design may include Coulomb friction in the linear model as a viscous term μ/ι, with a
+//! smoothing speed ι. That is a choice, not physics: at speeds well above ι, the damping is
+//! smaller, and where the pivot sticks, it is larger. A design is therefore checked at both extremes:
+//! with all of μ/ι, and with none of it.
 //!
-//! The two are not alike. Without the damping that it believed in, a loop that is unstable falls.
-//! With too much damping near rest it cannot fall, as the faster it moves the less the friction
-//! damps; it *hunts*: it swings slowly with an amplitude that stays. On a swing with rate amplitude
+//! The two extremes have different consequences. Without the damping that it counted on, an unstable loop falls.
+//! With too much damping near rest, it cannot fall, because friction damps a faster motion less.
+//! Instead it *hunts*: a slow oscillation with constant amplitude. For an oscillation with rate amplitude
 //! V, dry friction of torque μ acts like the viscous friction 4μ/(πV) (its describing function;
-//! A. Gelb and W. Vander Velde, "Multiple-Input Describing Functions", 1968, table B.1), so the
-//! loop hunts at the V whose equivalent friction makes it marginal.
+//! A. Gelb and W. Vander Velde, "Multiple-Input Describing Functions", 1968, table B.1). The
+//! loop therefore hunts with the V whose equivalent friction makes it marginally stable.
 
 use crate::controller::LinearController;
 use crate::error::DesignError;
@@ -21,7 +21,7 @@ use crate::zero_order_hold::zero_order_hold;
 use nalgebra::{Complex, RowVector3};
 use plant::LinearModel;
 
-/// The same bench linearised with none and with all of its Coulomb friction as damping.
+/// The same bench, linearised with none and with all of its Coulomb friction as damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionExtremes {
     /// No Coulomb friction at all.
@@ -42,7 +42,7 @@ impl FrictionExtremes {
     }
 }
 
-/// A swing that dry friction keeps up around upright.
+/// An oscillation around upright that dry friction maintains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hunting {
     /// Amplitude of the body rate in rad/s.
@@ -53,19 +53,19 @@ pub struct Hunting {
     pub frequency_rad_s: f64,
 }
 
-/// The designed loop around one of the extremes.
+/// The designed loop at one of the extremes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExtremeCheck {
     /// Continuous equivalents of the closed loop's poles, in 1/s.
     pub closed_loop_poles_per_s: Vec<Complex<f64>>,
     /// Largest modulus of the discrete poles.
     pub spectral_radius: f64,
-    /// Margins of the loop; none where it is unstable.
+    /// Margins of the loop; `None` if it is unstable.
     pub margins: Option<Margins>,
 }
 
 impl ExtremeCheck {
-    /// Whether the loop is stable there.
+    /// Whether the loop is stable at this extreme.
     pub fn is_stable(&self) -> bool {
         self.spectral_radius < 1.0
     }
@@ -78,12 +78,12 @@ pub struct FrictionCheck {
     pub none: ExtremeCheck,
     /// With all of it as damping.
     pub all: ExtremeCheck,
-    /// The swing that friction without any smoothing keeps up; none where no amount of damping
+    /// The oscillation that unsmoothed friction maintains; `None` if no amount of damping
     /// makes the loop unstable.
     pub hunting: Option<Hunting>,
 }
 
-/// The loop that `gains` close at `sample_time_s` around both extremes.
+/// The loop of `gains` sampled at `sample_time_s`, at both extremes.
 ///
 /// # Errors
 /// Entries that are not finite, a sample time that is not positive. An unstable loop is a result,
@@ -100,7 +100,7 @@ pub fn friction_check(
     })
 }
 
-/// The smallest friction that makes the loop marginal, as the swing that it belongs to.
+/// The smallest friction that makes the loop marginally stable, as the oscillation with that equivalent friction.
 fn hunting(
     extremes: &FrictionExtremes,
     gains: &RowVector3<f64>,
@@ -122,7 +122,7 @@ fn hunting(
     if !is_stable(0.0)? {
         return Ok(None);
     }
-    // In steps of ten per cent from friction that hardly matters, down to swings whose rate is a
+    // In steps of 10 %, from friction that hardly matters to oscillations whose rate is a
     // millionth of ι.
     let (mut stable, mut unstable) = (0.0, 1e-3);
     while is_stable(unstable)? {
@@ -143,7 +143,7 @@ fn hunting(
     let marginal = poles_at(unstable)?
         .into_iter()
         .max_by(|left, right| left.norm().total_cmp(&right.norm()));
-    // A real pole at one is no swing.
+    // A real pole at 1 is no oscillation.
     Ok(marginal
         .map(|pole| pole.arg().abs() / sample_time_s)
         .filter(|frequency| *frequency > 0.0)

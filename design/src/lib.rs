@@ -1,14 +1,18 @@
-//! From the linear model of the bench to a controller and what can be expected of it.
+//! From the linear model of the bench to a controller, and the properties of its loop.
 //!
-//! [`Design::new`] is the entry: it samples the model, solves for the gains and checks the loop.
-//! Below it, one file per job:
+//! [`Design::new`] is the entry point: it samples the model, solves for the gains and checks the loop.
+//! The other files:
 //!
 //! | file | job |
 //! |---|---|
-//! | [`zero_order_hold`], [`sampled_cost`] | the continuous model and cost as a sampled loop sees them |
+//! | [`zero_order_hold`], [`sampled_cost`] | the discretisation of model and cost |
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
 //! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
 //! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
+//! | [`excursions`] | weights from allowed excursions (Bryson's rule), and back |
+//! | [`frequency_response`] | the open loop over frequency: Bode and Nyquist |
+//! | [`linear_response`] | the loop's answer to a torque that stays and to a push, with bands from the parameters |
+//! | [`sensor_noise`] | what the noise of the sensors does to angle and current |
 //! | [`disturbance`] | what a disturbing torque does to the loop |
 //! | [`friction`], [`uncertainty`] | the loop around benches that differ from the model |
 //! | [`recovery`], [`wheel_sizing`] | what current and wheel speed allow |
@@ -28,14 +32,18 @@ mod design;
 pub mod disturbance;
 mod double_double;
 mod error;
+pub mod excursions;
 mod extended;
+pub mod frequency_response;
 pub mod friction;
+pub mod linear_response;
 pub mod lqr;
 pub mod margins;
 mod matrix;
 pub mod poles;
 pub mod recovery;
 pub mod sampled_cost;
+pub mod sensor_noise;
 pub mod singular_values;
 pub mod structural;
 #[cfg(test)]
@@ -52,14 +60,21 @@ pub use dare::{DareSolution, solve_dare};
 pub use design::{Design, Settings};
 pub use disturbance::{TorqueResponse, torque_response};
 pub use error::DesignError;
+pub use excursions::Excursions;
+pub use frequency_response::{LoopFrequency, frequency_response};
 pub use friction::{ExtremeCheck, FrictionCheck, FrictionExtremes, Hunting, friction_check};
+pub use linear_response::{
+    Band, BandedResponse, DisturbanceTorque, LinearResponse, ResponseSettings, UncertainLoop,
+    banded_response, drawn_plants, linear_response,
+};
 pub use lqr::{
     ContinuousRegulator, DiscreteRegulator, Weights, continuous_regulator, discrete_regulator,
 };
-pub use margins::Margins;
+pub use margins::{Margins, margins, margins_with_delay};
 pub use poles::{Pole, eigenvalues, spectral_radius};
 pub use recovery::recovery_angle_rad;
 pub use sampled_cost::QuadraticCost;
+pub use sensor_noise::{NoiseInLoop, SensorNoise, noise_in_loop};
 pub use structural::{StructuralRank, controllability, observability};
 pub use uncertainty::{PoleUncertainty, UncertainParameters, UncertainPole, pole_uncertainty};
 pub use wheel_sizing::{ChartPoint, Sizing, SizingPush, wheel_energy_j};

@@ -12,7 +12,7 @@ use crate::zero_order_hold::{Discrete, zero_order_hold};
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};
 use plant::LinearModel;
 
-/// What the regulator minimises: ∫ (xᵀ diag(state) x + current·u²) dt.
+/// The weights of the cost that the regulator minimises: ∫ (xᵀ diag(state) x + current·u²) dt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Weights of (angle, rate, wheel speed), in 1/s per rad², (rad/s)², (rad/s)².
@@ -22,8 +22,8 @@ pub struct Weights {
 }
 
 impl Weights {
-    /// The weights of the thesis: it prints the gains that they give, (−24.4786, −2.14922, −0.0228898),
-    /// and no weights; these were found from them.
+    /// The weights of the thesis. It prints their gains, (−24.4786, −2.14922, −0.0228898), but not
+    /// the weights; these were found from the gains.
     pub const OF_THE_THESIS: Weights = Weights {
         state: Vector3::new(25.0, 0.5, 5e-4),
         current: 1.0,
@@ -69,8 +69,8 @@ fn row(gain: &DMatrix<f64>) -> RowVector3<f64> {
     RowVector3::new(gain[0], gain[1], gain[2])
 }
 
-/// The regulator that minimises the *continuous* cost with a current that is held for
-/// `sample_time_s` (see [`crate::sampled_cost`]). Its gains are computed in extended precision.
+/// The regulator that minimises the *continuous* cost, with a current that is held for
+/// `sample_time_s` (see [`crate::sampled_cost`]). The gains are computed in extended precision.
 ///
 /// # Errors
 /// [`DesignError::GainsUncertain`]; those of [`solve_dare`], [`zero_order_hold`] and [`sampled_cost`].
@@ -92,7 +92,7 @@ pub fn discrete_regulator(
     })
 }
 
-/// The regulator for a current that can change at any time.
+/// The regulator for a current that can change at any time (no sampling).
 ///
 /// # Errors
 /// Those of [`solve_care`].

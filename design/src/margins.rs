@@ -1,82 +1,88 @@
-//! How much the loop bears: gain, phase, delay, and the distance to instability at any frequency.
+//! The robustness of the loop: gain, phase, delay and modulus margins.
 //!
-//! The loop is broken at the plant's input and seen at the samples, z = e^{jωT}:
+//! The loop is opened at the plant's input, and considered at the samples, z = e^{jωT}:
 //!
 //! ```text
 //! L(z) = −(Cc (zI − Ac)⁻¹ Bc + Dc) (zI − Ad)⁻¹ Bd
 //! ```
 //!
 //! *Gain margin*: the factors g for which 1 + g L has no zero on the circle, i.e. −1/g lies between
-//! the neighbouring crossings of L with the negative real axis. *Phase margin*: the least turn of
-//! L that carries it through −1 where |L| = 1. *Modulus margin*: min |1 + L| = 1/max |S|.
-//! *Delay margin*: a delay that is not a whole number of samples is no mere turn of L, because the
-//! hold then switches between samples; so the turn divided by ω only starts Newton's method on the
-//! exact condition 1 + L_δ(e^{jωT}) = 0 for δ and ω, with L_δ of the plant sampled with its delay
+//! the neighbouring crossings of L with the negative real axis. *Phase margin*: the smallest rotation of
+//! L that moves it onto −1 where |L| = 1. *Modulus margin*: min |1 + L| = 1/max |S|.
+//! *Delay margin*: a delay by a fraction of a sample is no mere rotation of L, because the
+//! hold then switches between samples. The rotation divided by ω therefore only starts Newton's method on the
+//! exact condition 1 + L_δ(e^{jωT}) = 0 for δ and ω. L_δ is the loop with the plant sampled with its delay
 //! ([`crate::zero_order_hold::zero_order_hold_delayed`]).
 
 use crate::controller::{Delay, LinearController};
 use crate::error::DesignError;
 use crate::matrix::check_positive;
 use crate::poles::{eigenvalues, spectral_radius};
-use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};
+use crate::zero_order_hold::{DelayedDiscrete, zero_order_hold_delayed};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 
-/// Frequencies looked at before refining. Loops of a few states cross an axis a few times; between
-/// neighbours the frequency grows by about one per cent.
+/// Number of frequencies before refinement. Loops with few states cross an axis a few times. Neighbouring
+/// frequencies differ by about 1 %.
 const GRID: usize = 1200;
 
-/// What the loop bears before it becomes unstable.
+/// The margins within which the loop stays stable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margins {
-    /// Smallest factor on the gains that keeps the loop stable; below one, as an inverted pendulum
-    /// needs feedback. Zero where none is needed.
+    /// Smallest factor on the gains with which the loop is stable. It is below one, and above zero if the
+    /// pendulum needs feedback.
     pub least_gain_factor: f64,
-    /// Largest factor on the gains that keeps the loop stable.
+    /// Largest factor on the gains with which the loop is stable.
     pub largest_gain_factor: f64,
-    /// Phase margin in rad; infinite where |L| never is one.
+    /// Phase margin in rad; infinite if |L| is never 1.
     pub phase_margin_rad: f64,
-    /// Where |L| = 1 with that phase margin, in rad/s.
+    /// Frequency in rad/s at which |L| = 1 with that phase margin.
     pub crossover_rad_s: f64,
-    /// Delay on top of the hold that the loop bears, in s.
+    /// Largest delay in s, in addition to the hold, with which the loop is stable.
     pub delay_margin_s: f64,
-    /// Frequency of the oscillation that sets in at that delay, in rad/s.
+    /// Frequency in rad/s of the oscillation that begins at that delay.
     pub delay_frequency_rad_s: f64,
-    /// min |1 + L|: one over the peak of the sensitivity.
+    /// min |1 + L|: the reciprocal of the peak of the sensitivity.
     pub modulus_margin: f64,
-    /// Where it is least, in rad/s.
+    /// Frequency in rad/s of that minimum.
     pub modulus_frequency_rad_s: f64,
 }
 
 /// The margins of `controller` around ẋ = A x + B u (A n×n, B n×1) sampled at `sample_time_s`.
 ///
 /// # Errors
-/// [`DesignError::UnstableLoop`] where the loop is unstable to begin with; wrong shapes.
+/// [`DesignError::UnstableLoop`] if the loop is unstable; wrong shapes.
 pub fn margins(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
     controller: &LinearController,
     sample_time_s: f64,
 ) -> Result<Margins, DesignError> {
-    check_positive("the sample time in s", sample_time_s)?;
-    let hold = zero_order_hold(a, b, sample_time_s)?;
-    let radius = spectral_radius(&controller.closed_loop(&hold.state, &hold.input)?)?;
+    margins_with_delay(a, b, controller, sample_time_s, 0.0)
+}
+
+/// As [`margins`], of the loop whose current reaches the plant `delay_s` late: the delay margin is what it bears
+/// beyond that.
+///
+/// # Errors
+/// As for [`margins`]; a negative delay.
+pub fn margins_with_delay(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    controller: &LinearController,
+    sample_time_s: f64,
+    delay_s: f64,
+) -> Result<Margins, DesignError> {
+    let open = OpenLoop::new(a, b, controller, sample_time_s, delay_s)?;
+    let closed = controller.closed_loop_with_delay(a, b, sample_time_s, delay_s)?;
+    let radius = spectral_radius(&closed)?;
     if radius >= 1.0 {
         return Err(DesignError::UnstableLoop {
-            loop_name: "whose margins are wanted",
+            loop_name: "for which margins were requested",
             spectral_radius: radius,
             cure: "design gains for this model",
         });
     }
-    let open = OpenLoop {
-        a,
-        b,
-        ad: &hold.state,
-        bd: &hold.input,
-        controller,
-        sample_time_s,
-    };
-
     let nyquist = PI / sample_time_s;
     // From well below the slowest motion up to half the sampling rate.
     let slowest = eigenvalues(a)?
@@ -92,7 +98,7 @@ pub fn margins(
         .filter_map(|frequency| Some((frequency, open.at(frequency)?)))
         .collect();
 
-    // L is real at both ends of the circle.
+    // L is real at both ends of the half circle.
     let mut negative_crossings: Vec<f64> = [0.0, nyquist]
         .into_iter()
         .filter_map(|frequency| open.at(frequency))
@@ -123,16 +129,16 @@ pub fn margins(
         let Some(value) = open.at(frequency) else {
             continue;
         };
-        // How far −L is turned ahead of 1; a lag of that size brings L onto −1.
+        // The phase lead of −L relative to 1; a lag of that size moves L onto −1.
         let lead = (-value).arg();
         if lead.abs() < phase_margin_rad {
             phase_margin_rad = lead.abs();
             crossover_rad_s = frequency;
         }
-        let guess = lead.rem_euclid(TAU) / frequency;
+        let guess = delay_s + lead.rem_euclid(TAU) / frequency;
         let (delay, oscillation) = open.critical_delay(guess, frequency);
-        if delay < delay_margin_s {
-            delay_margin_s = delay;
+        if delay - delay_s < delay_margin_s {
+            delay_margin_s = delay - delay_s;
             delay_frequency_rad_s = oscillation;
         }
     }
@@ -151,25 +157,65 @@ pub fn margins(
 }
 
 /// L(z) and the loop with a delay.
-struct OpenLoop<'a> {
+pub(crate) struct OpenLoop<'a> {
     a: &'a DMatrix<f64>,
     b: &'a DMatrix<f64>,
-    ad: &'a DMatrix<f64>,
-    bd: &'a DMatrix<f64>,
+    /// The plant with the loop's own delay.
+    plant: DelayedDiscrete,
+    /// Whole samples of that delay.
+    whole: usize,
     controller: &'a LinearController,
     sample_time_s: f64,
 }
 
-impl OpenLoop<'_> {
+impl<'a> OpenLoop<'a> {
+    /// The loop whose current reaches the plant `delay_s` late.
+    pub(crate) fn new(
+        a: &'a DMatrix<f64>,
+        b: &'a DMatrix<f64>,
+        controller: &'a LinearController,
+        sample_time_s: f64,
+        delay_s: f64,
+    ) -> Result<OpenLoop<'a>, DesignError> {
+        check_positive("the sample time in s", sample_time_s)?;
+        if !(delay_s >= 0.0 && delay_s.is_finite()) {
+            return Err(DesignError::NotPositive {
+                what: "the delay in s (zero is allowed too)",
+                value: delay_s,
+            });
+        }
+        let delay = Delay::new(delay_s, sample_time_s);
+        Ok(OpenLoop {
+            a,
+            b,
+            plant: zero_order_hold_delayed(a, b, sample_time_s, delay.part_s)?,
+            whole: delay.whole,
+            controller,
+            sample_time_s,
+        })
+    }
+
     /// L at a frequency in rad/s; none at a pole.
-    fn at(&self, frequency: f64) -> Option<Complex<f64>> {
+    pub(crate) fn at(&self, frequency: f64) -> Option<Complex<f64>> {
+        self.through_plant(&self.plant, self.whole, frequency)
+    }
+
+    fn through_plant(
+        &self,
+        plant: &DelayedDiscrete,
+        whole: usize,
+        frequency: f64,
+    ) -> Option<Complex<f64>> {
         let z = Complex::from_polar(1.0, frequency * self.sample_time_s);
-        self.through(z, &self.bd.map(Complex::from))
+        let input =
+            plant.new_input.map(Complex::from) + plant.previous_input.map(Complex::from) / z;
+        let power = u32::try_from(whole).ok()?;
+        Some(self.through(z, &input)? / z.powu(power))
     }
 
     /// −(Cc (zI − Ac)⁻¹ Bc + Dc) (zI − Ad)⁻¹ input.
     fn through(&self, z: Complex<f64>, input: &DMatrix<Complex<f64>>) -> Option<Complex<f64>> {
-        let state = resolvent(self.ad, z, input)?;
+        let state = resolvent(&self.plant.state, z, input)?;
         let measured = self.controller.measurement.map(Complex::from) * &state;
         let inner = resolvent(&self.controller.state, z, &measured)?;
         let output = self.controller.output.map(Complex::from) * inner
@@ -183,14 +229,10 @@ impl OpenLoop<'_> {
         let delay = Delay::new(delay_s, self.sample_time_s);
         let plant =
             zero_order_hold_delayed(self.a, self.b, self.sample_time_s, delay.part_s).ok()?;
-        let z = Complex::from_polar(1.0, frequency * self.sample_time_s);
-        let input =
-            plant.new_input.map(Complex::from) + plant.previous_input.map(Complex::from) / z;
-        let value = self.through(z, &input)? / z.powu(delay.whole as u32);
-        Some(value + 1.0)
+        Some(self.through_plant(&plant, delay.whole, frequency)? + 1.0)
     }
 
-    /// Newton's method on 1 + L_δ(e^{jωT}) = 0 from a guess of (δ, ω); the guess where it fails.
+    /// Newton's method on 1 + L_δ(e^{jωT}) = 0 from a guess of (δ, ω); returns the guess if it fails.
     fn critical_delay(&self, delay_s: f64, frequency: f64) -> (f64, f64) {
         let (mut delay, mut omega) = (delay_s, frequency);
         for _ in 0..50 {
@@ -210,7 +252,7 @@ impl OpenLoop<'_> {
             }
             let change_delay = (here.re * by_omega.im - here.im * by_omega.re) / determinant;
             let change_omega = (by_delay.re * here.im - by_delay.im * here.re) / determinant;
-            // Steps are kept short, so that the root near the guess is found and no other.
+            // Steps are limited, so that the method finds the root near the guess and no other.
             delay -= change_delay.clamp(-0.2 * delay, 0.2 * delay);
             omega -= change_omega.clamp(-0.2 * omega, 0.2 * omega);
             if change_delay.abs() < 1e-12 * delay && change_omega.abs() < 1e-12 * omega {
@@ -223,7 +265,7 @@ impl OpenLoop<'_> {
         }
     }
 
-    /// The frequencies where `measure` of L changes sign along the grid, refined by bisection.
+    /// The frequencies at which `measure` of L changes its sign along the grid, refined by bisection.
     fn roots(
         &self,
         grid: &[(f64, Complex<f64>)],
@@ -249,7 +291,7 @@ impl OpenLoop<'_> {
         roots
     }
 
-    /// (frequency, |1 + L|) where |1 + L| is least: the best of the grid, then golden sections.
+    /// (frequency, |1 + L|) at the minimum of |1 + L|: the best point of the grid, refined by golden-section search.
     fn smallest_return_difference(&self, grid: &[(f64, Complex<f64>)]) -> (f64, f64) {
         let size = |value: Complex<f64>| (value + 1.0).norm();
         let Some(best) = (0..grid.len())
@@ -305,6 +347,7 @@ mod tests {
     use crate::lqr::{Weights, discrete_regulator};
     use crate::matrix::of_model;
     use crate::thesis;
+    use crate::zero_order_hold::zero_order_hold;
     use nalgebra::{RowVector3, Vector3};
     use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Small helpers on matrices that the standard algorithms here share.
+//! Small matrix helpers that the algorithms here share.
 
 use crate::error::DesignError;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
@@ -67,9 +67,9 @@ pub(crate) fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     (matrix + matrix.transpose()) * 0.5
 }
 
-/// Smallest eigenvalue of a symmetric matrix after its rows and columns are scaled to a unit
-/// diagonal, which changes no sign of an eigenvalue (Sylvester's law of inertia) but removes the
-/// units: weights of 25 and 5e-4 are then judged alike.
+/// Smallest eigenvalue of a symmetric matrix after scaling its rows and columns to a unit
+/// diagonal. The scaling keeps the signs of the eigenvalues (Sylvester's law of inertia) and removes the
+/// units, so that weights of 25 and 5e-4 are treated alike.
 pub(crate) fn smallest_scaled_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
     let scale = matrix.diagonal().map(|entry| {
         if entry == 0.0 {

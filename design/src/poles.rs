@@ -1,4 +1,4 @@
-//! Eigenvalues, how sharply they are defined, and how they move when the matrix does.
+//! Eigenvalues, their conditioning, and their sensitivity to the matrix.
 //!
 //! For a simple eigenvalue λ with right and left eigenvectors v, w (A v = λ v, wᴴA = λ wᴴ)
 //!
@@ -7,7 +7,7 @@
 //! ```
 //!
 //! (J. Wilkinson, "The Algebraic Eigenvalue Problem", 1965, chapter 2). The condition number
-//! depends on the units of the states, so it is taken in balanced coordinates (diagonal scaling by
+//! depends on the units of the states. It is therefore computed in balanced coordinates (diagonal scaling by
 //! powers of two after Parlett and Reinsch, 1969): angles in degrees give the same number.
 
 use crate::error::DesignError;
@@ -18,12 +18,12 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 /// One eigenvalue of a state matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pole {
-    /// λ: in 1/s for a continuous matrix, without unit for a discrete one.
+    /// λ: in 1/s for a continuous matrix, dimensionless for a discrete one.
     pub value: Complex<f64>,
     /// 1/|wᴴv| in balanced coordinates, 1 at best: a relative disturbance ε of the matrix moves λ
     /// by at most this times ε‖A‖. Infinite for a defective eigenvalue.
     pub condition: f64,
-    /// ∂λ/∂A (n×n): an entry says how far λ moves per unit of that entry of A.
+    /// ∂λ/∂A (n×n): an entry is the change of λ per unit of that entry of A.
     pub sensitivity: DMatrix<Complex<f64>>,
 }
 
@@ -33,7 +33,7 @@ impl Pole {
         self.value.ln() / sample_time_s
     }
 
-    /// First-order movement of λ when the matrix changes by `change` (n×n).
+    /// First-order change of λ if the matrix changes by `change` (n×n).
     pub fn movement(&self, change: &DMatrix<f64>) -> Complex<f64> {
         self.sensitivity
             .iter()
@@ -57,7 +57,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, DesignErr
             method: "the QR iteration for eigenvalues",
             iterations: MOST_STEPS,
             change: f64::NAN,
-            cure: "check the model for numbers of absurd size",
+            cure: "check the model for numbers of unreasonable size",
         })?;
     let mut values: Vec<_> = schur.complex_eigenvalues().iter().copied().collect();
     values.sort_by(|left, right| {
@@ -115,8 +115,8 @@ fn pole(
     })
 }
 
-/// A unit eigenvector by inverse iteration: with λ a rounding error off, one solve with A − λI
-/// already points along it; three settle it from any start.
+/// A unit eigenvector by inverse iteration. With λ known up to rounding, one solve with A − λI
+/// already gives its direction; three are enough from any start.
 fn eigenvector(
     matrix: &DMatrix<f64>,
     value: Complex<f64>,
@@ -126,9 +126,9 @@ fn eigenvector(
         0.0 => 1.0,
         norm => norm,
     };
-    // No symmetry that an eigenvector could be orthogonal to.
+    // A start without symmetry, so that it is not orthogonal to an eigenvector.
     let start = DVector::from_fn(n, |row, _| Complex::new(1.0, 0.3 + 0.1 * row as f64));
-    // Where λ is exact, the shift must be large enough that the solve does not meet a zero pivot.
+    // If λ is exact, the shift must be large enough to avoid a zero pivot.
     for shift in [1.0, 4.0, 16.0, 64.0, 256.0] {
         let shifted = DMatrix::from_fn(n, n, |row, column| {
             let entry = Complex::from(matrix[(row, column)]);
@@ -149,7 +149,7 @@ fn eigenvector(
     }
     Err(DesignError::Singular {
         what: "a matrix shifted off its eigenvalue",
-        cure: "check the model for numbers of absurd size",
+        cure: "check the model for numbers of unreasonable size",
     })
 }
 

@@ -1,22 +1,22 @@
-//! From which angle the motor can still bring the body back.
+//! The largest angle from which the motor can bring the body back.
 //!
-//! Two limits, and both are physics, not control. The **current limit**: at angle θ from upright
-//! gravity pulls with G sin θ and the motor pushes with at most τ u_max, so a body at rest beyond
-//! asin(τ u_max / G) falls whatever the law. The **speed limit**: while gravity pulls, the wheel
-//! must take up momentum, and it can take only j_w (φ̇_max − φ̇); [`crate::wheel_sizing`] computes
-//! what that allows.
+//! Two limits come from physics, not from control. The **current limit**: at the angle θ from upright,
+//! gravity acts with G sin θ and the motor with at most τ u_max. A body at rest beyond
+//! asin(τ u_max / G) therefore falls with any law. The **speed limit**: while gravity acts, the wheel
+//! must take up momentum, and it can take up only j_w (φ̇_max − φ̇); [`crate::wheel_sizing`] computes
+//! the angle that this allows.
 
 use crate::error::DesignError;
 use crate::matrix::{check_positive, of_model};
 use plant::LinearModel;
 
-/// The static torque balance at the current limit: θ = asin(τ u_max / G), in rad; π/2 where the
-/// motor beats gravity at every angle.
+/// The static torque balance at the current limit: θ = asin(τ u_max / G), in rad; π/2 if the
+/// motor is stronger than gravity at every angle.
 ///
-/// τ/G is read off the linear model: B₂ = −τ/D and A₂₁ = G/D.
+/// τ/G follows from the linear model: B₂ = −τ/D and A₂₁ = G/D.
 ///
 /// # Errors
-/// A current limit that is not positive; [`DesignError::NotAPendulum`] without gravity or motor.
+/// If the current limit is not positive; [`DesignError::NotAPendulum`] without gravity or motor.
 pub fn recovery_angle_rad(model: &LinearModel, current_limit_a: f64) -> Result<f64, DesignError> {
     of_model(model)?;
     check_positive("the current limit in A", current_limit_a)?;

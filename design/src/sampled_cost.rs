@@ -1,12 +1,12 @@
-//! The cost of a sampled loop: what ∫ (xᵀQx + uᵀRu) dt amounts to between two samples while u is
-//! held, so that the discrete design minimises the continuous cost and not a copy of its weights.
+//! The cost of a sampled loop: ∫ (xᵀQx + uᵀRu) dt between two samples while u is
+//! held. With it, the discrete design minimises the continuous cost, not a sum with the same weights.
 //!
 //! ```text
 //! ∫₀ᵀ (xᵀQx + uᵀRu) dt = x₀ᵀ Qd x₀ + 2 x₀ᵀ Nd u + uᵀ Rd u
 //! ```
 //!
-//! With F = [[A, B], [0, 0]] and W = diag(Q, R), Van Loan (IEEE TAC 23(3), 1978, theorem 1) reads
-//! the integral off one exponential:
+//! With F = [[A, B], [0, 0]] and W = diag(Q, R), Van Loan (IEEE TAC 23(3), 1978, theorem 1) obtains
+//! the integral from one matrix exponential:
 //!
 //! ```text
 //! exp([[−Fᵀ, W], [0, F]] T) = [[·, Φ₁₂], [0, Φ₂₂]],   [[Qd, Nd], [Ndᵀ, Rd]] = Φ₂₂ᵀ Φ₁₂

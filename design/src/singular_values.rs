@@ -1,15 +1,15 @@
 //! Singular values by one-sided Jacobi rotations.
 //!
 //! Pairs of columns are rotated until all are orthogonal; their norms are then the singular values
-//! (M. Hestenes, J. SIAM 6(1), 1958). The method finds small singular values to full relative
-//! accuracy (J. Demmel, K. Veselić, SIAM J. Matrix Anal. Appl. 13(4), 1992), which decides ranks.
-//! nalgebra's own decomposition is not used because it occasionally returns factors that do not
-//! multiply to the matrix (dimforge/nalgebra issue 1172), most often for singular matrices, and
-//! those are the ones that matter here.
+//! (M. Hestenes, J. SIAM 6(1), 1958). The method computes small singular values with full relative
+//! accuracy (J. Demmel, K. Veselić, SIAM J. Matrix Anal. Appl. 13(4), 1992), which matters for ranks.
+//! nalgebra's own decomposition is not used: it occasionally returns factors whose product is not
+//! the matrix (dimforge/nalgebra issue 1172), most often for singular matrices, which
+//! matter most here.
 
 use nalgebra::{Complex, DMatrix};
 
-/// The singular values of any matrix, largest first; as many as its smaller dimension.
+/// The singular values of any matrix, the largest first; their number is its smaller dimension.
 pub fn singular_values(matrix: &DMatrix<f64>) -> Vec<f64> {
     let mut work = if matrix.nrows() < matrix.ncols() {
         matrix.transpose()
@@ -17,7 +17,7 @@ pub fn singular_values(matrix: &DMatrix<f64>) -> Vec<f64> {
         matrix.clone()
     };
     let columns = work.ncols();
-    // Convergence is quadratic; ten sweeps or so are the rule.
+    // Convergence is quadratic; usually, about ten sweeps are enough.
     const MOST_SWEEPS: usize = 60;
     for _ in 0..MOST_SWEEPS {
         let mut rotated = false;

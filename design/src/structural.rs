@@ -1,14 +1,14 @@
-//! Controllability and observability: not only whether, but how well.
+//! Controllability and observability, with a measure of how well they hold.
 //!
 //! ```text
 //! C = [B, AB, …, Aⁿ⁻¹B],   O = [C; CA; …; CAⁿ⁻¹]
 //! ```
 //!
-//! The ranks must not depend on the units, while the singular values do. So the states are first
+//! The ranks must not depend on the units, but the singular values do. The states are therefore first
 //! scaled to comparable size (Parlett and Reinsch's balancing of A), time is measured in units of
-//! 1/‖A‖, and every input and output is scaled to norm one. Rank is the number of singular values
-//! above n·ε·σ₁. Beside it stands, for every mode, the relative distance to losing it
-//! σ_min([A − λI, B])/‖A‖ (Popov, Belevitch, Hautus), which says *which* mode is hard to reach.
+//! 1/‖A‖, and every input and output is scaled to norm one. The rank is the number of singular values
+//! above n·ε·σ₁. In addition, every mode has a relative distance to losing it,
+//! σ_min([A − λI, B])/‖A‖ (Popov, Belevitch, Hautus), which shows *which* mode is hard to reach.
 
 use crate::error::DesignError;
 use crate::matrix::{check_finite, check_shape};
@@ -17,23 +17,23 @@ use crate::singular_values::{singular_values, smallest_of_complex};
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix};
 
-/// The rank of a controllability or observability matrix and how far it is from the next lower.
+/// The rank of a controllability or observability matrix, and its distance to the next lower rank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StructuralRank {
-    /// Number of singular values above rounding.
+    /// Number of singular values above rounding errors.
     pub rank: usize,
-    /// Number of states; the rank that would be full.
+    /// Number of states; the full rank.
     pub states: usize,
-    /// Singular values of the scaled matrix, largest first, relative to nothing.
+    /// Singular values of the scaled matrix, the largest first, not normalised.
     pub singular_values: Vec<f64>,
-    /// Largest over smallest singular value; infinite where the rank is not full.
+    /// Ratio of the largest to the smallest singular value; infinite if the rank is not full.
     pub condition: f64,
-    /// For every eigenvalue of A, its relative distance to being out of reach (or out of sight).
+    /// For every eigenvalue of A: its relative distance to being uncontrollable (or unobservable).
     pub modes: Vec<(Complex<f64>, f64)>,
 }
 
 impl StructuralRank {
-    /// Whether every state can be reached (or seen).
+    /// Whether every state is controllable (or observable).
     pub fn is_full(&self) -> bool {
         self.rank == self.states
     }
@@ -97,8 +97,8 @@ pub fn observability(a: &DMatrix<f64>, c: &DMatrix<f64>) -> Result<StructuralRan
     controllability(&a.transpose(), &c.transpose())
 }
 
-/// How well the input reaches the mode λ: σ_min([A − λI, B])/‖A‖ in scaled coordinates. Zero: not
-/// at all.
+/// How well the input reaches the mode λ: σ_min([A − λI, B])/‖A‖ in scaled coordinates; 0 if it does
+/// not reach it.
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite.
@@ -106,13 +106,13 @@ pub fn reach(a: &DMatrix<f64>, b: &DMatrix<f64>, mode: Complex<f64>) -> Result<f
     Ok(Scaled::new(a, b)?.distance(mode))
 }
 
-/// A and B in coordinates that have no units.
+/// A and B in dimensionless coordinates.
 struct Scaled {
     /// Balanced, of Frobenius norm one.
     a: DMatrix<f64>,
     /// In the coordinates of `a`, each column of norm one (or zero).
     b: DMatrix<f64>,
-    /// What A was divided by, in 1/s for a continuous model.
+    /// The factor by which A was divided, in 1/s for a continuous model.
     unit: f64,
 }
 

@@ -1,11 +1,11 @@
-//! What the uncertainty of the identified parameters does to the poles.
+//! The effect of the parameters' uncertainty on the poles.
 //!
 //! First order: with J = ∂λ/∂p from the pole's sensitivity ([`crate::poles`]) and the parameters'
 //! covariance C, the covariance of (Re λ, Im λ) is J C Jᵀ. Sampled: parameters are drawn from the
-//! normal distribution with that covariance and every loop is computed anew, so that also
-//! curvature, merging poles and lost stability show. The gains stay those of the nominal design.
+//! normal distribution with that covariance, and every loop is computed again. This also shows
+//! curvature, merging poles and loss of stability. The gains are always those of the nominal design.
 //!
-//! Discrete poles are given as their continuous equivalents ln(λ)/T in 1/s, as only those can be
+//! Discrete poles are given as their continuous equivalents ln(λ)/T in 1/s, which can be
 //! compared with the bench.
 
 use crate::error::DesignError;
@@ -91,6 +91,24 @@ impl UncertainParameters {
         self.covariance[(index, index)].sqrt()
     }
 
+    /// Parameter sets drawn from the normal distribution with these values and this covariance.
+    ///
+    /// # Errors
+    /// A covariance of the wrong shape, with a negative variance or an entry that is not finite.
+    pub fn draws(&self, samples: usize, seed: u64) -> Result<Vec<Vec<f64>>, DesignError> {
+        self.check()?;
+        let root = self.square_root();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let count = self.values.len();
+        let draw = |_| {
+            let standard = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
+            let change: DVector<f64> = &root * standard;
+            let pairs = self.values.iter().zip(change.iter());
+            pairs.map(|(value, change)| value + change).collect()
+        };
+        Ok((0..samples).map(draw).collect())
+    }
+
     /// A matrix S with S Sᵀ = C, also for a semidefinite C. The correlations are decomposed, not
     /// the covariance, whose rounding would drown parameters with small numbers.
     fn square_root(&self) -> DMatrix<f64> {
@@ -114,7 +132,7 @@ impl UncertainParameters {
     }
 }
 
-/// One pole and how far the parameters leave it uncertain. All in 1/s.
+/// One pole with its uncertainty. All in 1/s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UncertainPole {
     /// The pole of the nominal model.
@@ -123,7 +141,7 @@ pub struct UncertainPole {
     pub std_re: f64,
     /// Standard deviation of the imaginary part, first order.
     pub std_im: f64,
-    /// For every parameter, how far one standard deviation of it alone moves the pole.
+    /// For every parameter: the change of the pole if that parameter alone changes by one standard deviation.
     pub per_parameter: Vec<(String, Complex<f64>)>,
     /// Standard deviation of the real part over the drawn parameters.
     pub sampled_std_re: f64,
@@ -131,32 +149,32 @@ pub struct UncertainPole {
     pub sampled_std_im: f64,
 }
 
-/// The poles under uncertainty.
+/// The poles with their uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoleUncertainty {
     /// Poles of A.
     pub open_loop: Vec<UncertainPole>,
     /// Continuous equivalents of the poles of the sampled loop.
     pub closed_loop: Vec<UncertainPole>,
-    /// Poles of A of every drawn set that gives a model.
+    /// Poles of A for every drawn set that gives a model.
     pub open_loop_drawn: Vec<Complex<f64>>,
-    /// Continuous equivalents of the sampled loop's poles of the same sets.
+    /// Continuous equivalents of the sampled loop's poles for the same sets.
     pub closed_loop_drawn: Vec<Complex<f64>>,
-    /// Parameter sets drawn.
+    /// Number of drawn parameter sets.
     pub samples: usize,
-    /// Sets that give no model (a negative inertia, say).
+    /// Number of sets that give no model (for example, with a negative inertia).
     pub impossible: usize,
-    /// Sets for which the loop is unstable.
+    /// Number of sets for which the loop is unstable.
     pub unstable: usize,
     /// Largest pole modulus of the sampled loop over all sets.
     pub worst_spectral_radius: f64,
 }
 
-/// Poles of the open loop and of the loop that `gains` close at `sample_time_s`, with `samples`
+/// Poles of the open loop, and of the loop with `gains` sampled at `sample_time_s`, with `samples`
 /// parameter sets drawn from `seed`.
 ///
 /// # Errors
-/// [`DesignError::Model`] where the nominal parameters give no model; a covariance of the wrong
+/// [`DesignError::Model`] if the nominal parameters give no model; a covariance of the wrong
 /// shape or with a negative variance; entries that are not finite.
 pub fn pole_uncertainty(
     parameters: &UncertainParameters,
@@ -208,20 +226,10 @@ pub fn pole_uncertainty(
     let closed_values: Vec<_> = nominal_closed.iter().map(|pole| pole.value).collect();
     let mut open_spread = Spread::new(open_values.len());
     let mut closed_spread = Spread::new(closed_values.len());
-    let root = parameters.square_root();
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut impossible, mut unstable) = (0, 0);
     let mut worst_spectral_radius = 0.0_f64;
     let (mut open_loop_drawn, mut closed_loop_drawn) = (Vec::new(), Vec::new());
-    for _ in 0..samples {
-        let standard = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
-        let change: DVector<f64> = &root * standard;
-        let values: Vec<f64> = parameters
-            .values
-            .iter()
-            .zip(change.iter())
-            .map(|(value, change)| value + change)
-            .collect();
+    for values in parameters.draws(samples, seed)? {
         let Ok((a, closed)) = build(&values) else {
             impossible += 1;
             continue;

@@ -1,11 +1,11 @@
-//! How large a wheel must be: energy, momentum and the two limits of the drive.
+//! The required size of the wheel: energy, momentum, and the two limits of the drive.
 //!
-//! A body at rest at angle θ from upright lacks the energy E = G (1 − cos θ). The motor can supply
-//! it only while its torque T = τ u_max beats gravity, θ < asin(T/G) (*current limit*), and only
-//! until the wheel runs at its top speed (*speed limit*).
+//! A body at rest at the angle θ from upright lacks the energy E = G (1 − cos θ). The motor can supply
+//! it only while its torque T = τ u_max exceeds that of gravity, θ < asin(T/G) (*current limit*), and only
+//! until the wheel reaches its top speed (*speed limit*).
 //!
-//! The least wheel speed that any control needs is that of a full push followed by coasting, since
-//! every moment longer lets gravity add momentum. With D = Θ − j_w, δ the angle from upright and no
+//! The smallest wheel speed that any control needs is that of a full push followed by coasting, since
+//! gravity adds momentum during every further moment. With D = Θ − j_w, δ the angle from upright and no
 //! friction, D δ̈ = G sin δ − T during the push. It may end at
 //!
 //! ```text
@@ -13,15 +13,15 @@
 //! ```
 //!
 //! and takes t = ∫ dδ/√((2/D)(G (cos θ − cos δ) + T (θ − δ))) from δ_s to θ. The wheel's speed
-//! relative to the body then has changed by T t/j_w from the torque and by |δ̇_s| from the body's
-//! own turn, D δ̇_s²/2 = G (1 − cos δ_s). No law with feedback reaches this bound: it is what the
-//! hardware must at least be able to do. Figure 2.2 of the thesis shows energy over inertia and
+//! relative to the body has then changed by T t/j_w from the torque and by |δ̇_s| from the body's
+//! own rotation, D δ̇_s²/2 = G (1 − cos δ_s). No law with feedback reaches this bound: it is the
+//! minimum that the hardware must allow. Figure 2.2 of the thesis shows energy over inertia and
 //! speed; [`chart`] gives that and the angle.
 
 use crate::error::DesignError;
 use crate::matrix::check_positive;
 
-/// What the sizing needs to know of a bench; SI units.
+/// The data of a bench for the sizing; SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizing {
     /// Θ, total moment of inertia about the pivot with the wheel, in kg m².
@@ -34,16 +34,16 @@ pub struct Sizing {
     pub largest_torque: f64,
 }
 
-/// The least that the wheel must do to bring the body up from rest.
+/// The smallest push that brings the body up from rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizingPush {
     /// Energy that the body lacks, in J.
     pub energy_j: f64,
-    /// How long the motor pushes, in s.
+    /// Duration of the push, s.
     pub duration_s: f64,
-    /// Angle from upright where the push ends, in rad.
+    /// Angle from upright at the end of the push, rad.
     pub release_angle_rad: f64,
-    /// Body rate towards upright there, in rad/s.
+    /// Body rate towards upright at the end of the push, rad/s.
     pub release_rate_rad_s: f64,
     /// Change of the wheel's speed relative to the body, in rad/s.
     pub wheel_speed_rad_s: f64,
@@ -58,7 +58,7 @@ pub struct ChartPoint {
     pub wheel_speed_rad_s: f64,
     /// Energy in the wheel at top speed, in J.
     pub wheel_energy_j: f64,
-    /// Largest angle from which both limits let the body recover, in rad.
+    /// Largest angle from which the body can recover within both limits, rad.
     pub recoverable_angle_rad: f64,
     /// Energy that the body lacks at that angle, in J.
     pub recovered_energy_j: f64,
@@ -82,7 +82,7 @@ impl Sizing {
 
     /// Energy in J that the body lacks at rest at `angle_rad` from upright.
     pub fn energy_to_recover_j(&self, angle_rad: f64) -> f64 {
-        // 1 − cos θ = 2 sin²(θ/2) keeps its digits at small angles.
+        // 1 − cos θ = 2 sin²(θ/2) keeps its accuracy at small angles.
         2.0 * self.gravity_torque * (0.5 * angle_rad).sin().powi(2)
     }
 
@@ -95,8 +95,8 @@ impl Sizing {
         Ok((self.largest_torque / self.gravity_torque).min(1.0).asin())
     }
 
-    /// The least push that recovers from rest at `angle_rad` from upright, 0 < θ < π/2; none where
-    /// the motor cannot beat gravity.
+    /// The smallest push that brings the body from rest at `angle_rad` (0 < θ < π/2) to upright; `None` if
+    /// the motor is weaker than gravity there.
     ///
     /// # Errors
     /// Quantities that are not positive.
@@ -109,7 +109,7 @@ impl Sizing {
         let turned = energy_j / self.largest_torque;
         let release_angle_rad = angle_rad - turned;
         let inertia = self.carried_inertia();
-        // With δ = θ − s² the slow start is no singularity: dt = 2 s ds/δ̇(s²).
+        // With δ = θ − s², the slow start is no singularity: dt = 2 s ds/δ̇(s²).
         let end = turned.sqrt();
         let mut duration_s = 0.0;
         const PANELS: usize = 64;
@@ -118,7 +118,7 @@ impl Sizing {
             for (node, weight) in [(-0.6_f64.sqrt(), 5.0), (0.0, 8.0), (0.6_f64.sqrt(), 5.0)] {
                 let s = half * ((2 * panel + 1) as f64 + node);
                 let way = s * s;
-                // (cos θ − cos(θ − x))/x, written without a difference of near numbers.
+                // (cos θ − cos(θ − x))/x, written without a difference of nearly equal numbers.
                 let lifted = -2.0 * (angle_rad - 0.5 * way).sin() * (0.5 * way).sin() / way;
                 let mean_torque = self.largest_torque + self.gravity_torque * lifted;
                 duration_s += half * weight / 9.0 * 2.0 / (2.0 * mean_torque / inertia).sqrt();
@@ -137,14 +137,14 @@ impl Sizing {
     }
 
     /// The largest angle in rad from which a wheel that may change its speed by
-    /// `wheel_speed_rad_s` recovers, and no more than the current limit allows.
+    /// `wheel_speed_rad_s` can recover; at most the angle of the current limit.
     ///
     /// # Errors
     /// Quantities that are not positive.
     pub fn recoverable_angle_rad(&self, wheel_speed_rad_s: f64) -> Result<f64, DesignError> {
         check_positive("the top speed of the wheel in rad/s", wheel_speed_rad_s)?;
         let limit = self.angle_at_current_limit_rad()?;
-        // The speed grows with the angle, beyond all bounds towards the current limit.
+        // The speed grows with the angle, without bound towards the current limit.
         let (mut low, mut high) = (0.0, limit);
         for _ in 0..80 {
             let middle = 0.5 * (low + high);
@@ -165,8 +165,8 @@ pub fn wheel_energy_j(wheel_inertia: f64, wheel_speed_rad_s: f64) -> f64 {
     0.5 * wheel_inertia * wheel_speed_rad_s * wheel_speed_rad_s
 }
 
-/// Every wheel inertia (kg m²) with every top speed (rad/s), on a bench that is otherwise `bench`:
-/// the wheel's mass stays and only its shape changes, so that D and G stay and Θ grows with j_w.
+/// Every combination of wheel inertia (kg m²) and top speed (rad/s), on a bench that is otherwise `bench`.
+/// The wheel's mass is constant and only its shape changes, so D and G are constant and Θ grows with j_w.
 ///
 /// # Errors
 /// Quantities that are not positive.

@@ -1,5 +1,5 @@
-//! Sampling with a zero-order hold: the exact difference equation of ẋ = A x + B u when u is
-//! constant from one sample to the next, also when u reaches the plant late.
+//! Discretisation with a zero-order hold: the exact difference equation of ẋ = A x + B u if u is
+//! constant from one sample to the next, also if u reaches the plant with a delay.
 //!
 //! Both matrices come from one matrix exponential (C. Van Loan, "Computing integrals involving
 //! the matrix exponential", IEEE TAC 23(3), 1978, eq. 1.2):
@@ -21,26 +21,26 @@ pub struct Discrete {
     pub input: DMatrix<f64>,
 }
 
-/// The difference equation x⁺ = Ad x + Bp u₋ + Bn u of an input that reaches the plant late by a
-/// part of the sample time; u₋ is the input of the sample before.
+/// The difference equation x⁺ = Ad x + Bp u₋ + Bn u for an input that reaches the plant with a delay of
+/// a fraction of the sample time; u₋ is the previous input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DelayedDiscrete {
     /// Ad (n×n).
     pub state: DMatrix<f64>,
-    /// Bp (n×m), what still comes from the previous input.
+    /// Bp (n×m), the part of the previous input.
     pub previous_input: DMatrix<f64>,
-    /// Bn (n×m), what comes from the new one.
+    /// Bn (n×m), the part of the new input.
     pub new_input: DMatrix<f64>,
 }
 
 /// exp(`matrix`) by scaling, Taylor series and squaring.
 ///
-/// The plain series, not Padé's quotient: without a linear solve every entry is accurate by
-/// itself, also one that is nine orders of magnitude smaller than its neighbours (the wheel's
-/// friction in the angle's row).
+/// The plain series is used, not a Padé approximation: without a linear solve, every entry is accurate by
+/// itself, even one that is nine orders of magnitude smaller than its neighbours (the wheel's
+/// friction in the row of the angle).
 ///
 /// # Errors
-/// [`DesignError::NotFinite`] where an entry is not finite or the exponential overflows.
+/// [`DesignError::NotFinite`] if an entry is not finite or the exponential overflows.
 pub fn exponential(matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, DesignError> {
     check_finite("the exponent of a matrix exponential", matrix)?;
     // The largest column sum; below 1/2, 20 terms leave less than 2^-20/20! ≈ 4e-25.
@@ -88,7 +88,7 @@ pub fn zero_order_hold(
     held_for(a, b, sample_time_s)
 }
 
-/// The zero-order hold over a time that may be zero.
+/// The zero-order hold over a time in s, which may be zero.
 fn held_for(a: &DMatrix<f64>, b: &DMatrix<f64>, time_s: f64) -> Result<Discrete, DesignError> {
     let (states, inputs) = (a.nrows(), b.ncols());
     check_shape("the state matrix A", a, states, states)?;
@@ -107,7 +107,7 @@ fn held_for(a: &DMatrix<f64>, b: &DMatrix<f64>, time_s: f64) -> Result<Discrete,
 
 /// The zero-order hold of an input that arrives `delay_s` after the sample, 0 ≤ delay ≤ T.
 ///
-/// The old input acts for the first `delay_s` of the interval, the new one for the rest:
+/// The previous input acts during the first `delay_s` of the interval, the new one during the rest:
 /// Bp = exp(A (T − δ)) Γ(δ), Bn = Γ(T − δ), with Γ the input matrix of a hold of that length
 /// (Åström and Wittenmark, "Computer-Controlled Systems", 3rd ed., section 2.3).
 ///

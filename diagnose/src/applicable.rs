@@ -1,9 +1,9 @@
-//! Which effects of the library are suspects at all, before anything is fitted.
+//! Which effects of the library can be suspects for this bench, before anything is fitted.
 
 use identify::{FitProblem, Record, RecordedCurrent, rate_against_angle};
 use plant::{EffectId, Kind, Model, RateFault, Role};
 
-/// Whether any record of the bench can show the effect at all.
+/// Whether at least one record of the bench can show the effect.
 pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
     let info = effect.info();
     problem.records.iter().any(|record| {
@@ -25,9 +25,10 @@ pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
     })
 }
 
-/// Whether the measured angle itself, without any model of the motion, speaks against this fault of the
-/// gyroscope: what the model lacks would only be laid at its door. `plain_fault` is the number of standard
-/// errors by which a fault must show.
+/// Whether the measured angle clears the gyroscope of this fault. The gyroscope's reading is compared with the
+/// derivative of the angle, without any model of the motion. A fault that does not show there would, in a fit,
+/// only absorb what the model lacks. `plain_fault` is the number of standard errors at which a fault counts
+/// as shown. Returns `false` for other effects, and where the comparison is not possible.
 pub fn is_cleared(records: &[&Record], effect: EffectId, plain_fault: f64) -> bool {
     let Some(found) = rate_against_angle(records) else {
         return false;
@@ -40,12 +41,12 @@ pub fn is_cleared(records: &[&Record], effect: EffectId, plain_fault: f64) -> bo
     fault.abs() < plain_fault * std
 }
 
-/// The powers of the angle whose terms (a constant, a linear and a cubic torque) together fit any smooth torque
-/// that depends on the angle, whatever it comes from (a stop, a magnet); that is a curve through the
-/// measurements and no explanation of them.
+/// Powers of the angle whose torque terms (constant, linear, cubic) together can fit any smooth torque that
+/// depends on the angle, whatever its cause (a stop, a magnet). All three together fit a curve and
+/// explain nothing.
 const POWER_SERIES: [u32; 3] = [0, 1, 3];
 
-/// Whether an effect would complete the series in a model, whatever of it stood there before.
+/// Whether adding the effect would complete [`POWER_SERIES`], whichever of its terms the model has.
 pub fn completes_series(model: &Model, effect: EffectId) -> bool {
     let with = model.with(effect);
     let has = |power: &u32| {
@@ -56,7 +57,7 @@ pub fn completes_series(model: &Model, effect: EffectId) -> bool {
     own.is_some_and(|own| POWER_SERIES.contains(&own)) && POWER_SERIES.iter().all(has)
 }
 
-/// Whether an effect takes the place of one that the model has.
+/// Whether an effect replaces one that the model has.
 pub fn refines(effect: EffectId, model: &Model) -> bool {
     let present = model.effects().iter();
     let names = effect.info().replaces;

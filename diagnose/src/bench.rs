@@ -1,4 +1,4 @@
-//! What a search works on, and what it keeps of it.
+//! The inputs of a search: records, suspects, thresholds, cancellation.
 
 use std::sync::Arc;
 
@@ -9,30 +9,31 @@ use crate::candidate::Candidate;
 use crate::imperfection::{Imperfection, Imperfections};
 use crate::thresholds::Thresholds;
 
-/// Whether the work has been called off, asked from any thread.
+/// Returns whether the work has been cancelled. Any thread may call it.
 pub type IsCancelled<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// What a search works on.
+/// The inputs of a search.
 #[derive(Clone)]
 pub struct SearchBench<'a> {
-    /// The bench with what is known of it.
+    /// The bench: its records, and what is known about its parameters.
     pub problem: &'a FitProblem,
-    /// Its records.
+    /// The records that are searched.
     pub records: Vec<&'a Record>,
-    /// Length of the short windows in s, where the model as it was drifts away from the logs.
+    /// Length in s of the short windows, if the starting model drifts away from the logs; `None` if the logs
+    /// are read in one piece.
     pub window_s: Option<f64>,
     /// The effects that are tried.
     pub suspects: &'a [EffectId],
-    /// Least gain in χ² for which one of them is fitted.
+    /// Least gain in χ² for which a suspect is fitted.
     pub least_gain: f64,
-    /// The numbers that decide.
+    /// The numbers that decide verdicts.
     pub thresholds: &'a Thresholds,
     is_cancelled: IsCancelled<'a>,
     imperfections: Arc<Imperfections>,
 }
 
 impl<'a> SearchBench<'a> {
-    /// A bench whose logs are read in one piece. What is known of `imperfections` must be of these very logs.
+    /// A search that reads the logs in one piece. `imperfections` may hold only results for these same logs.
     pub fn whole(
         problem: &'a FitProblem,
         suspects: &'a [EffectId],
@@ -52,7 +53,10 @@ impl<'a> SearchBench<'a> {
         }
     }
 
-    /// Goes on unless the work has been called off: asked before every fit and after it.
+    /// Returns [`Cancelled`] if the work has been cancelled. Called before and after every fit.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
     pub fn check(&self) -> Result<(), Cancelled> {
         if (self.is_cancelled)() {
             Err(Cancelled)
@@ -61,30 +65,30 @@ impl<'a> SearchBench<'a> {
         }
     }
 
-    /// An effort that ends when the work is called off: within one evaluation of the normal equations. What such a
-    /// fit has come to is no minimum, so that every fit is followed by a [`SearchBench::check`].
+    /// As `effort`, for a fit that also ends when the work is cancelled, within one evaluation of the normal equations.
+    /// The result of a cancelled fit is not a minimum; every fit is therefore followed by a [`SearchBench::check`].
     pub fn until_called_off(&self, effort: Effort<'static>) -> Effort<'a> {
         let effort: Effort<'a> = effort;
         effort.until(self.is_cancelled)
     }
 
-    /// Number of samples over all channels, which is the cost that is expected of noise alone.
+    /// Number of samples over all channels: the cost (χ²) that is expected of noise alone.
     pub fn noise_cost(&self) -> f64 {
         let observed = self.records.iter().map(|record| record.observations());
         observed.sum::<usize>() as f64
     }
 
-    /// χ² of a candidate beyond what the noise of the sensors makes.
+    /// The χ² of a candidate beyond what is expected of sensor noise alone; never negative.
     pub fn excess(&self, candidate: &Candidate) -> f64 {
         (candidate.minimum.cost - self.noise_cost()).max(0.0)
     }
 
-    /// Whether a candidate leaves no structure that a sensor would show.
+    /// Whether the candidate's structured remainder is below `least_trace` in every series.
     pub fn leaves_nothing(&self, candidate: &Candidate) -> bool {
         candidate.largest_remainder() < self.thresholds.least_trace
     }
 
-    /// What the smoothed sign of dry friction alone leaves of a candidate.
+    /// The misfit that the smoothed sign of dry friction alone leaves in this candidate's fit.
     pub fn imperfection(&self, candidate: &Candidate) -> Arc<Imperfection> {
         self.imperfections.of(
             self.problem,
@@ -94,8 +98,9 @@ impl<'a> SearchBench<'a> {
         )
     }
 
-    /// The largest structured remainder over all series that is not what a smoothed sign of dry friction
-    /// leaves, in units of noise: of a small one that makes no difference.
+    /// The largest structured remainder over all series, in units of noise, without the part that the smoothed
+    /// sign of dry friction leaves. A remainder of at most `remains` is returned as it is, since the correction
+    /// needs another fit and would not change any decision.
     pub fn unexplained_remainder(&self, candidate: &Candidate) -> f64 {
         let plain = candidate.largest_remainder();
         if plain <= self.thresholds.remains {

@@ -1,32 +1,33 @@
-//! A model that was tried: which effects it adds, how it was fitted, what it leaves. Plain data.
+//! A candidate: a model that was tried, with its added effects, its fit and its residuals. Plain data.
 
 use identify::{FitProblem, Minimum, PredictedSeries, Record, traces};
 use plant::{EffectId, Model};
 
 use crate::remainder::remainders;
 
-/// A fitted model with what is left of every series.
+/// A fitted model with its residuals.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The effects beyond the model that was diagnosed, in the order in which they were found.
+    /// The effects added to the model from which the search started, in the order in which they were found.
     pub added: Vec<EffectId>,
-    /// The model.
+    /// That model with these effects.
     pub model: Model,
     /// Its fit to all records.
     pub minimum: Minimum,
-    /// For every record and channel, model against measurement.
+    /// For every record and channel: the predicted series, compared with the measurement.
     pub traces: Vec<Vec<PredictedSeries>>,
-    /// For every record and channel, the structured remainder in units of its noise (0 where not significant).
+    /// For every record and channel: the structured remainder in units of noise (0 where not significant).
     pub remainders: Vec<Vec<f64>>,
-    /// The same model fitted in windows of a few periods, each with a start of its own, where the
-    /// free run drifts away from the logs: what the model lacks cannot add up there.
+    /// The same model fitted in windows of a few periods, each with its own start of the motion. Present where
+    /// the free run drifts away from the logs: within a short window the error of an incomplete model cannot
+    /// accumulate.
     pub windowed: Option<Minimum>,
     /// Number of free parameters that do not lie on a bound.
     pub parameters: usize,
 }
 
 impl Candidate {
-    /// Describes a finished fit.
+    /// Builds the candidate from a finished fit.
     pub fn new(
         problem: &FitProblem,
         records: &[&Record],
@@ -55,12 +56,13 @@ impl Candidate {
         }
     }
 
-    /// The fit on which further effects are scored: in short windows where there is one.
+    /// The fit on which further effects are scored: the one in short windows if there is one, else the whole one.
     pub fn point(&self) -> &Minimum {
         self.windowed.as_ref().unwrap_or(&self.minimum)
     }
 
-    /// Root mean square errors of all series, record by record and channel by channel.
+    /// Root mean square error of every series, each in the unit of its channel; record by record, channel by
+    /// channel.
     pub fn rmse(&self) -> Vec<f64> {
         self.traces
             .iter()
@@ -85,8 +87,8 @@ impl Candidate {
         set
     }
 
-    /// Whether this candidate contains `other` as a special case: it has all of its effects, or
-    /// effects that contain them, and is not the same.
+    /// Whether this candidate contains `other` as a special case: it has all effects of `other`, or effects
+    /// that replace them, and the two sets differ.
     pub fn strictly_contains(&self, other: &Candidate) -> bool {
         self.set() != other.set()
             && other
@@ -96,7 +98,7 @@ impl Candidate {
     }
 }
 
-/// Whether an effect of the model contains this one.
+/// Whether the model has an effect that replaces this one.
 fn replaced(effect: EffectId, model: &Model) -> bool {
     model
         .effects()
@@ -104,7 +106,7 @@ fn replaced(effect: EffectId, model: &Model) -> bool {
         .any(|present| present.info().replaces.contains(&effect.name()))
 }
 
-/// The effects in words.
+/// The names of the effects for a report, such as "drag + offset".
 pub fn names(effects: &[EffectId]) -> String {
     if effects.is_empty() {
         return "the model as it is".to_owned();

@@ -1,4 +1,4 @@
-//! What a search comes to: what is certain, what is taken provisionally, and the verdict.
+//! The decision after a search: which effects are certain, which are provisional, and the verdict.
 
 use plant::Model;
 
@@ -8,30 +8,31 @@ use crate::pool::{Search, common};
 use crate::thresholds::Thresholds;
 use crate::verdict::{Findings, Verdict, verdict};
 
-/// What a search comes to.
+/// The decision after a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
-    /// Index of the candidate with everything that is certain.
+    /// Index of the candidate with all effects that are certain.
     pub certain: usize,
-    /// Index of the candidate that is taken until an experiment has decided: the most usual of those that tie.
+    /// Index of the candidate that is used until an experiment decides between explanations that tie: the one
+    /// whose effects are the most common on real benches.
     pub provisional: Option<usize>,
-    /// The candidates that tie and are worth a choice; empty where none are.
+    /// Indices of the candidates that tie and are offered as alternatives; empty if there are none.
     pub ties: Vec<usize>,
     /// The verdict.
     pub verdict: Verdict,
-    /// What the last model leaves, the largest structured remainder in units of noise.
+    /// The largest structured remainder of the last model, in units of noise.
     pub remainder: f64,
 }
 
 impl Decision {
-    /// The model that predicts from now on.
+    /// Index of the model to be used for predictions: the provisional one if there is one, else the certain one.
     pub fn last(&self) -> usize {
         self.provisional.unwrap_or(self.certain)
     }
 }
 
-/// Decides. For every candidate of the pool `left` is its largest structured remainder in units of noise, and
-/// `excess` is its χ² beyond the noise.
+/// Makes the decision. For every candidate of the pool, `left` is its largest structured remainder in units of
+/// noise, and `excess` is its χ² beyond the noise.
 pub fn decide(
     found: &Search,
     left: impl Fn(usize) -> f64,
@@ -71,7 +72,7 @@ pub fn decide(
         },
         (Verdict::Ambiguous | Verdict::Unexplained, usual) => {
             let excess: Vec<f64> = (0..found.pool.len()).map(excess).collect();
-            // What ties and takes more than it leaves is a choice, whatever else remains.
+            // Ties that explain more than they leave are offered as alternatives, even if something else remains.
             if let Some(usual) =
                 usual.filter(|&usual| without_absorbers(found, usual, &excess) == usual)
             {
@@ -87,8 +88,8 @@ pub fn decide(
     }
 }
 
-/// Of the candidates that tie, the one whose effects beyond what all `share` are the most usual on real benches;
-/// of equals that with fewer parameters, and then that which comes first in the order of the library.
+/// Of the candidates that tie, the one whose effects beyond those that all ties `share` are the most common on real
+/// benches. Among equals, the one with fewer parameters; then the first in the order of the library.
 fn most_usual(found: &Search, shared: usize) -> Option<usize> {
     let shared = &found.pool[shared].model;
     found.ties.iter().copied().min_by(|&a, &b| {
@@ -100,7 +101,7 @@ fn most_usual(found: &Search, shared: usize) -> Option<usize> {
     })
 }
 
-/// Logarithm of the odds that a bench has everything which the candidate adds to a model.
+/// Logarithm of the prior odds that a bench has all effects that the candidate adds to the `shared` model.
 fn log_odds(candidate: &Candidate, shared: &Model) -> f64 {
     let effects = candidate.model.effects().iter();
     effects

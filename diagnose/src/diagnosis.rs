@@ -32,17 +32,17 @@ use crate::thresholds::Thresholds;
 use crate::validation::is_worse;
 use crate::verdict::Verdict;
 
-/// What may be asked of a diagnosis beside the model.
+/// The settings of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Options<'a> {
     /// The effects that are suspects.
     pub suspects: &'a [EffectId],
-    /// The numbers that decide.
+    /// The numbers that decide verdicts.
     pub thresholds: Thresholds,
 }
 
 impl Default for Options<'_> {
-    /// The whole library.
+    /// All effects of the library, with the default thresholds.
     fn default() -> Self {
         Options {
             suspects: EffectId::ALL,
@@ -51,8 +51,8 @@ impl Default for Options<'_> {
     }
 }
 
-/// Diagnoses a fitted model. The search starts from the base model with those effects of the model that are no
-/// suspects, so that its end does not depend on the suspects with which the model starts.
+/// Diagnoses a fitted model. The search starts from the base model with those effects of `model` that are not
+/// suspects (the "starting model"). Its result therefore does not depend on which suspects `model` has.
 ///
 /// # Errors
 /// [`Cancelled`] soon after `progress` answers that the work is called off.
@@ -92,7 +92,7 @@ pub fn diagnose_with(
         ))
     };
     let mut start = begin(&problem, is_fitted)?;
-    // What is plain at once need not be found by a search over logs in one piece.
+    // What the starting model shows already need not be found by a search over logs in one piece.
     if let Some(cut) = start.in_windows(&start.candidate, &problem) {
         problem = cut;
         start = begin(&problem, false)?;
@@ -109,7 +109,7 @@ pub fn diagnose_with(
     searched.diagnosis(&problem, given, progress)
 }
 
-/// The base model with those effects of a model that are no suspects.
+/// The starting model of the search: the base model with those effects of `model` that are not suspects.
 fn ground_of(model: &Model, suspects: &[EffectId]) -> Model {
     let base = Model::base();
     let kept = model.effects().iter().copied();
@@ -119,8 +119,8 @@ fn ground_of(model: &Model, suspects: &[EffectId]) -> Model {
     Model::with_effects(&kept)
 }
 
-/// The fit of the ground: what anyone would have who begins with it, so that a diagnosis does not depend on the
-/// model that is `given`. Where that fit fails, the given one is carried over.
+/// Fits the starting model from the logs alone, so that the diagnosis does not depend on the model that is
+/// `given`. If that fit fails, the given fit is carried over and refined.
 fn ground_fit(
     problem: &FitProblem,
     ground: &Model,
@@ -143,24 +143,24 @@ fn ground_fit(
     }
 }
 
-/// What a search starts from.
+/// The starting point of a search.
 struct Start<'a> {
-    /// The bench with its logs thinned.
+    /// The bench with thinned logs.
     thin: FitProblem,
-    /// For every record the step by which.
+    /// For every record, the thinning step: every how many samples one is read.
     thinning: Vec<usize>,
     suspects: Vec<EffectId>,
-    /// The model as it was, fitted to it.
+    /// The starting model, fitted to the thinned logs.
     candidate: Candidate,
-    /// The same fitted to all samples, where that was done before.
+    /// The fit of the starting model to all samples, if it exists already.
     whole: Option<Minimum>,
     thresholds: &'a Thresholds,
     is_cancelled: IsCancelled<'a>,
-    /// What has been worked out on these logs.
+    /// Results on these same logs that are computed at most once.
     imperfections: Arc<Imperfections>,
 }
 
-/// The fit of a model to thinned logs, from where it was fitted to all samples.
+/// Fits a model to thinned logs, starting from its fit to all samples.
 fn thin_fit(
     thin: &FitProblem,
     thinning: &[usize],
@@ -178,7 +178,7 @@ fn thin_fit(
     refit(&records, model, values, windows, &free, effort)
 }
 
-/// A search over the logs of a bench, and what it comes to.
+/// A finished search, with its decision.
 struct Searched<'a> {
     start: Start<'a>,
     found: Search,
@@ -186,7 +186,7 @@ struct Searched<'a> {
 }
 
 impl<'a> Start<'a> {
-    /// `is_fitted`: the minimum is that of this very setup.
+    /// `is_fitted` says that `given` is a fit of this model to these logs as they are.
     fn new(
         problem: &FitProblem,
         model: &Model,
@@ -218,12 +218,12 @@ impl<'a> Start<'a> {
         }
     }
 
-    /// The fit of a model to the thinned logs, from where it was fitted to the logs before.
+    /// Fits a model to the thinned logs, starting from its fit to the logs before thinning.
     fn fit(&self, model: &Model, before: &Minimum) -> Minimum {
         thin_fit(&self.thin, &self.thinning, model, before, self.is_cancelled)
     }
 
-    /// A step as it is reported, fitted to all samples of the bench; `known`: such a fit, where it was made before.
+    /// A step for the report, fitted to all samples of the bench. `known` is such a fit, if it exists already.
     fn step(
         &self,
         problem: &FitProblem,
@@ -245,7 +245,7 @@ impl<'a> Start<'a> {
         Step::whole(problem, planned, look, candidate, minimum)
     }
 
-    /// What the search works on.
+    /// The inputs of the search.
     fn bench(&self) -> SearchBench<'_> {
         SearchBench::whole(
             &self.thin,
@@ -256,8 +256,8 @@ impl<'a> Start<'a> {
         )
     }
 
-    /// The bench with driven logs in short windows, where an effect that makes them unpredictable in one piece
-    /// asks for it beside what a candidate has.
+    /// The bench with driven logs cut into short windows; `None` if that is not needed. It is needed where the
+    /// candidate leaves a remainder and, in short windows, cogging explains most of the misfit.
     fn in_windows(&self, candidate: &Candidate, problem: &FitProblem) -> Option<FitProblem> {
         let cut = self.thin.in_windows()?;
         let effort = Effort::FULL.until(self.is_cancelled);
@@ -282,8 +282,8 @@ impl<'a> Searched<'a> {
         })
     }
 
-    /// The bench as it must be read with what was found, where that is not enough and the logs themselves
-    /// look different with it: pushes that the first model hid, or driven logs that cogging has made
+    /// The bench with its logs read as the result of this search suggests; `None` if the result is sufficient or
+    /// suggests nothing. There are two cases: pushes that the starting model hid, and driven logs that cogging makes
     /// unpredictable in one piece.
     fn revised(&self, problem: &FitProblem) -> Option<FitProblem> {
         if matches!(
@@ -298,7 +298,7 @@ impl<'a> Searched<'a> {
             .or_else(|| self.start.in_windows(best, problem))
     }
 
-    /// `given`: the model that was diagnosed, as it was fitted before.
+    /// `given` is the model that was diagnosed, with its fit.
     fn diagnosis(
         self,
         problem: &FitProblem,
@@ -360,15 +360,17 @@ impl<'a> Searched<'a> {
             .iter()
             .map(|&index| found.pool[index].set())
             .collect();
+        let tied = decision.ties.iter().map(|&index| &found.pool[index]);
+        let settling = propose(problem, &tied.collect::<Vec<&Candidate>>());
         let next_experiment = match (decision.ties.as_slice(), verdict) {
-            ([a, b, ..], _) => propose(problem, &found.pool[*a], &found.pool[*b]),
+            ([_, _, ..], _) => settling.sentence,
             (_, Verdict::Unexplained) if !plain.is_empty() => {
-                "Measure again what contradicts itself: the value, or the experiment.".to_owned()
+                "Two results contradict each other: measure the stated value again, or repeat the experiment."
+                    .to_owned()
             }
             (_, Verdict::Unexplained) => {
-                "Repeat the experiment in which the error is largest: what \
-             comes back at the same place is physics that the library lacks, what does not is a \
-             disturbance."
+                "Repeat the experiment with the largest error. A misfit that returns at the same \
+             place comes from physics that the library lacks; one that does not is a disturbance."
                     .to_owned()
             }
             _ => String::new(),
@@ -380,6 +382,7 @@ impl<'a> Searched<'a> {
             suspects,
             ambiguous_between,
             next_experiment,
+            recipe: settling.recipe,
             remainder: decision.remainder,
             remains: remains(&bench.records, last),
             contradictions: plain,
@@ -387,7 +390,7 @@ impl<'a> Searched<'a> {
     }
 }
 
-/// Where the model of a step stands in the pool; it is fitted and put there if it is not.
+/// Index in the pool of the model of a step. If the pool does not have it, it is fitted and added.
 fn place_of(
     bench: &SearchBench,
     found: &mut Search,
@@ -399,7 +402,7 @@ fn place_of(
         .pool
         .iter()
         .position(|candidate| candidate.model == step.model);
-    // The model as it was is also fitted from where it was.
+    // The diagnosed model is also fitted from its own earlier fit.
     let is_given = step.model == *model && *model != start.candidate.model;
     if let (Some(known), false) = (known, is_given) {
         return Ok(known);
@@ -436,10 +439,10 @@ fn place_of(
     }
 }
 
-/// The effects that are reported as suspects.
+/// The effects that the report lists as suspects, most probable first.
 fn most_probable(bench: &SearchBench, found: &Search, decision: &Decision) -> Vec<Ranked> {
     let (base, best) = (&found.pool[0], &found.pool[found.best]);
-    // Sets that add to the best one what no sensor would show do not vote.
+    // A set that adds to the best one something that no sensor would show has no vote.
     let is_needless: Vec<bool> = found
         .pool
         .iter()
@@ -450,7 +453,7 @@ fn most_probable(bench: &SearchBench, found: &Search, decision: &Decision) -> Ve
                     || evidence - found.evidence[found.best] < bench.thresholds.tie)
         })
         .collect();
-    // Where something remains, what the best set takes of the misfit need not be its own.
+    // Where a remainder is left, the best set may have absorbed misfit of an unknown cause.
     let share = if decision.verdict == Verdict::Unexplained && bench.excess(base) > 0.0 {
         genuine(
             1.0 - bench.excess(best) / bench.excess(base),
@@ -459,7 +462,8 @@ fn most_probable(bench: &SearchBench, found: &Search, decision: &Decision) -> Ve
     } else {
         1.0
     };
-    // What was added, or ties with it, has taken more than what remains: its rivals are the other effects.
+    // Effects that were added, or that tie with those, have explained more than what remains. The discount for an
+    // unknown cause applies to the other effects only.
     let is_taken: BTreeSet<EffectId> = decision
         .ties
         .iter()

@@ -1,45 +1,48 @@
-//! The numbers that only save time, or bound the length of a list: with more patience in each of them the
-//! search would do the same work more slowly. What decides a verdict stands in `thresholds.rs`.
+//! The numbers that only save computing time or limit the length of a list. A more patient choice of any of
+//! them would make the search slower without changing how it decides. The numbers that decide a verdict stand
+//! in `thresholds.rs`.
 
-/// Samples in a period of the pendulum with which effects are searched for: a tenth of a radian of its
-/// oscillation, about one step of the integration, lies between two of them.
+/// Samples per period of the pendulum at which the search reads the logs. One sample every tenth of a radian of
+/// phase is about one integration step.
 pub const SAMPLES_PER_PERIOD: f64 = 63.0;
-/// Most times that a search is repeated because its result shows the logs in another light.
+/// Largest number of times that a search is repeated because its result changes how the logs should be read.
 pub const MOST_REVISIONS: usize = 2;
-/// Most effects that are added in one diagnosis.
+/// Largest number of effects that one diagnosis adds.
 pub const MOST_EFFECTS: usize = 4;
-/// How many sets are extended further in each round: the best first step need not belong to the
-/// best pair.
+/// Number of candidates that each round extends further. More than one, because the best single effect need not
+/// be part of the best pair.
 pub const BEAM: usize = 2;
-/// How many of the best candidates must have reached their minimum before they are compared.
+/// Number of best candidates whose fits must have converged before they are compared.
 pub const FINISHED: usize = 3;
-/// Most suspects that are fitted in one round; the score test has sorted out the others.
+/// Largest number of suspects that are fitted in one round. The score test ranks them first.
 pub const MOST_FITS: usize = 8;
-/// Most suspects that are reported.
+/// Largest number of suspects in the report.
 pub const MOST_SUSPECTS: usize = 6;
 
-/// Structured remainder, in units of noise, up to which a free run is close enough to the
-/// measurement for its sensitivities to mean something.
+/// Structured remainder, in units of the sensor's noise, up to which a free-running simulation is close enough
+/// to the measurement for its sensitivities to be used.
 pub const NEAR: f64 = 5.0;
-/// Periods in the short windows in which effects are scored where the free run has drifted away.
+/// Length, in periods, of the short windows in which effects are scored where the free run drifts away from
+/// the log.
 pub const WINDOW_PERIODS: f64 = 3.0;
 
-/// Most unknowns that a window has of its own.
+/// Largest number of nuisance parameters (such as the start of the motion) of one window.
 pub const MOST_LOCALS: usize = 6;
-/// Most starts of one suspect that are fitted.
+/// Largest number of starting points from which one suspect is fitted.
 pub const MOST_STARTS: usize = 2;
-/// A shifted zero of the angle beyond which a fit that does not know of it tells nothing: to first
-/// order sin(α + b) is then wrong by half a percent.
+/// Zero offset b of the angle, in rad, above which a fit that assumes no offset is useless as a starting point.
+/// At 0.1 rad, the first-order expansion of sin(α + b) in b is wrong by half a percent.
 pub const LARGE_ZERO_RAD: f64 = 0.1;
-/// A suspect that promises less than this share of the best one's gain is not fitted.
+/// A suspect is not fitted if its promised gain is less than this share of the best suspect's.
 pub const LEAST_SHARE: f64 = 0.1;
-/// An effect goes before one that contains it if it promises at least this share of its gain.
+/// Where one effect contains another, the simpler one is tried first if it promises at least this share of the
+/// larger one's gain.
 pub const SIMPLER_SHARE: f64 = 0.9;
 
-/// Share of the cost in short windows whose gain makes a fit over the whole logs that brings nothing
-/// worth a second schedule from short windows to long ones.
+/// If the fit in short windows lowers the cost by more than this share, and the fit over the whole logs does not
+/// lower it at all, the whole logs are fitted again from scratch.
 pub const MUCH: f64 = 0.1;
-/// A fit that brings this share of what another start promises makes that start needless.
+/// Once a fit has reached this share of the gain that another start promises, that start is not fitted.
 pub const KEPT_SHARE: f64 = 0.9;
-/// Cost, in that of the noise alone, above which a fit plainly misses something.
+/// A fit plainly misses something if its cost exceeds the cost expected of noise alone by this factor.
 pub const STILL_MISSES: f64 = 2.0;

@@ -1,14 +1,14 @@
 //! How strongly the measurements speak for one model against another.
 //!
-//! For a series of n independent Gaussian errors with unknown variance the logarithm of the
-//! likelihood at its maximum is −(n/2) ln(rms²) and a constant. The errors of a model that lacks
-//! something are correlated over hundreds of samples; n is then the effective sample size, taken
-//! from what the best model of all leaves (its residual is the closest there is to the errors that
-//! no model explains). Each free parameter costs (1/2) ln n (Schwarz, Ann. Stat. 6 (1978)), with
-//! the same effective n. A set of k effects is one of C(p, k) that p suspects offer; all of them
-//! together are as probable beforehand as those of any other size, which costs ln C(p, k) (the extended
-//! criterion of Chen & Chen, Biometrika 95 (2008)). Without it, the best of many pairs would beat the
-//! one true effect by luck.
+//! For a series of n independent Gaussian errors with unknown variance, the logarithm of the maximum
+//! likelihood is −(n/2) ln(rms²) plus a constant. The errors of an incomplete model are correlated
+//! over hundreds of samples. Therefore n is the effective sample size, taken from the residual of the
+//! best candidate: that residual comes closest to the errors that no model explains.
+//!
+//! Each free parameter costs (1/2) ln n with the same n (Schwarz, Ann. Stat. 6 (1978)). A set of k effects is one of
+//! C(p, k) sets that p suspects offer. Every size k has the same prior probability, which costs a set ln C(p, k)
+//! (the extended criterion of Chen & Chen, Biometrika 95 (2008)). Without this term, the best of many pairs
+//! would beat the one true effect by luck.
 
 use identify::{Record, effective_samples};
 use plant::{Kind, period_s};
@@ -18,9 +18,9 @@ use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::remainder::{noise, residual};
 
-/// The effective sample size of every series, in the order of [`Candidate::rmse`]: from the
-/// autocorrelation of what the best model leaves, but not below one value
-/// for so many periods of an oscillation (see [`crate::Thresholds::periods_per_value`]).
+/// The effective sample size of every series, in the order of [`Candidate::rmse`]: from the autocorrelation of
+/// the residual of the best candidate, with a lower limit from the number of periods (see
+/// [`crate::Thresholds::periods_per_value`]).
 fn effective(records: &[&Record], best: &Candidate, periods_per_value: f64) -> Vec<f64> {
     let period_s = period_s(&best.minimum.values);
     records
@@ -46,16 +46,17 @@ fn effective(records: &[&Record], best: &Candidate, periods_per_value: f64) -> V
         .collect()
 }
 
-/// Logarithm of the evidence for a model, up to a constant that all models of the same records
-/// share. `noise` is the standard deviation of each series' sensor: errors below it are not
-/// rewarded. `suspects` is the number of effects from which the candidate's were chosen.
+/// Logarithm of the evidence for a candidate, up to a constant that is the same for all candidates of the same
+/// records. `noise` is the noise's standard deviation in every series: an error below half of it gains
+/// nothing. `suspects` is the number of effects from which the candidate's were chosen.
 fn log_evidence(candidate: &Candidate, effective: &[f64], noise: &[f64], suspects: usize) -> f64 {
     let rmse = candidate.rmse();
     log_evidence_of(&rmse, candidate, effective, noise, suspects)
 }
 
-/// As [`log_evidence`], with `rmse` in the place of the candidate's own errors where they are smaller: they lack
-/// what is known not to be the fault of its effects. Without that no series is better than with `best`.
+/// As [`log_evidence`], with corrected errors. In every series, `rmse` replaces the candidate's own error where it
+/// is smaller: it excludes misfit that is known not to come from the candidate's effects. No series is taken
+/// below the error of `best`, however.
 fn log_evidence_beyond(
     candidate: &Candidate,
     rmse: &[f64],
@@ -86,7 +87,7 @@ fn log_evidence_of(
         .zip(effective)
         .zip(noise)
         .map(|((rmse, n), noise)| {
-            // A noise-free log has a floor too: half of the noise estimate.
+            // Also a noise-free log needs a lower limit of the error: half of the noise estimate.
             -0.5 * n * rmse.max(0.5 * noise).powi(2).ln()
         })
         .sum();
@@ -96,19 +97,19 @@ fn log_evidence_of(
         - log_choices(suspects, candidate.added.len())
 }
 
-/// ln C(p, k): the number of ways to choose k of p suspects.
+/// ln C(p, k): logarithm of the number of ways to choose k of p suspects.
 fn log_choices(suspects: usize, chosen: usize) -> f64 {
     (0..chosen.min(suspects))
         .map(|index| ((suspects - index) as f64 / (index + 1) as f64).ln())
         .sum()
 }
 
-/// The evidence for every candidate, with the effective sample sizes that the best of them leaves.
+/// The log evidence of every candidate, with effective sample sizes from the candidate of lowest cost.
 pub fn evidences(bench: &SearchBench, pool: &[Candidate]) -> Vec<f64> {
     evidences_beyond(bench, pool, &|_| None)
 }
 
-/// As [`evidences`], with errors from which is taken what is `excused`.
+/// As [`evidences`]. Where `excused` returns errors for a candidate, they replace its own where they are smaller.
 pub fn evidences_beyond(
     bench: &SearchBench,
     pool: &[Candidate],

@@ -1,17 +1,20 @@
-//! How probable an effect is beside something that no effect accounts for.
+//! The probability that an effect is real beside an unknown cause.
 
 use crate::thresholds::Thresholds;
 
-/// The probability that effects which take the share `s` of the misfit, while something that no effect
-/// accounts for remains, are really there.
+/// The probability that effects are really present which explain the share `s` of the misfit, while a remainder is
+/// left that no effect explains.
 ///
-/// Either an unknown cause acts alone, looks a little like everything, and lends them any share; or they
-/// act beside it. Two independent traces that are log-uniform from the noise to [`Thresholds::largest_trace`] times
-/// the noise have a logit ln(s/(1 − s)) = 2 (ln a − ln b) whose density is nearly 1/(2 L) about zero,
-/// L its logarithm, so that s has the density 1/(2 L s (1 − s)). Beforehand the odds are
-/// [`Thresholds::alone_to_beside`]. The result is lowered by the factor s, which
-/// is caution and no part of this: the density rises towards s = 0 as well, and what takes next to nothing
-/// has no claim to being there.
+/// There are two hypotheses. Either an unknown cause acts alone; the effects then imitate a part of it, and `s`
+/// has a uniform density. Or the effects act beside the unknown cause. Both then leave independent traces a and
+/// b, each log-uniform from the noise to [`Thresholds::largest_trace`] times the noise. The logit
+/// ln(s/(1 − s)) = 2 (ln a − ln b) has nearly the constant density 1/(2 L) around zero, with
+/// L = ln(largest trace), so `s` has the density 1/(2 L s (1 − s)). The prior odds of the first hypothesis are
+/// [`Thresholds::alone_to_beside`].
+///
+/// The posterior probability is finally multiplied by `s`. This factor is caution, not statistics: the second
+/// density also rises towards s = 0, but effects that explain next to nothing should not be reported as
+/// probable.
 pub fn genuine(s: f64, thresholds: &Thresholds) -> f64 {
     let s = s.clamp(1e-9, 1.0 - 1e-9);
     let density = 1.0 / (2.0 * thresholds.largest_trace.ln() * s * (1.0 - s));

@@ -1,9 +1,9 @@
-//! What the imperfection of a model's own terms leaves in every series.
+//! The misfit that comes from the imperfection of the model's own dry friction.
 //!
-//! Dry friction changes its sign over a small speed in every simulation; a real joint sticks. The
-//! difference is a misfit that no missing effect causes, and that a further effect may take up. Its
-//! size is what would remain if the measurements were those of this very model with a joint that
-//! sticks: they are computed, the model is fitted to them, and the error of the fit is taken.
+//! Every simulation lets dry friction change its sign over a small range of speeds; a real joint sticks. The
+//! difference leaves a misfit that no missing effect causes, and that a wrongly added effect may absorb. To
+//! find its size, measurements of the same model with a sticking joint are computed, the model is
+//! fitted to them, and the error of that fit is the size.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,24 +15,24 @@ use plant::EffectId;
 use crate::candidate::Candidate;
 use crate::remainder::{remainder, residual};
 
-/// What the smoothed sign of dry friction alone would leave.
+/// The misfit that the smoothed sign of dry friction alone would leave.
 #[derive(Clone, Debug)]
 pub struct Imperfection {
-    /// The error of every series, in units of its noise and in the order of [`Candidate::rmse`]; zeros for
-    /// a model without dry friction.
+    /// Root mean square misfit of every series, in units of the series' noise and in the order of
+    /// [`Candidate::rmse`]. Zero for a model without dry friction.
     pub rms_over_noise: Vec<f64>,
-    /// Root mean square errors of the candidate itself, in the unit of each series, without what the smoothed
-    /// sign leaves in them: sample by sample, so that they are larger than its own errors where that is not
-    /// what they are made of.
+    /// Root mean square error of the candidate in every series, in the unit of the series, after the
+    /// misfit of the smoothed sign has been added to the prediction, sample by sample. It grows where the smoothed
+    /// sign is not the cause of the error, because the prediction is then moved the wrong way.
     pub rmse_without: Vec<f64>,
-    /// The structured remainder of every record and channel in units of noise, likewise.
+    /// The structured remainder of every record and channel, in units of noise, with the same correction.
     pub remainders_without: Vec<Vec<f64>>,
 }
 
-/// A fit among all that a search makes of one bench: its set of effects, and its cost to the last bit.
+/// Identifies one fit of a search: its set of effects, and the bits of its cost.
 type Key = (Vec<EffectId>, u64);
 
-/// The imperfections that a search has worked out: each takes a fit, and is asked for several times.
+/// The imperfections that a search has computed. Each one takes a fit and is needed several times.
 #[derive(Debug, Default)]
 pub struct Imperfections {
     found: Mutex<HashMap<Key, Arc<Imperfection>>>,
@@ -48,18 +48,19 @@ impl Imperfections {
         effort: Effort,
     ) -> Arc<Imperfection> {
         let key = (candidate.set(), candidate.minimum.cost.to_bits());
-        // What a thread that panicked has left is whole: entries are put in at once.
+        // A thread that panicked leaves no half-written entry: each entry is inserted in one step.
         let found = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = found().get(&key) {
             return known.clone();
         }
-        // Not under the lock: two threads at worst work out the same.
+        // The lock is not held during the fit. Two threads may compute the same entry; the results are equal.
         let new = Arc::new(imperfection(problem, records, candidate, effort));
         found().entry(key).or_insert(new).clone()
     }
 }
 
-/// What the smoothed sign of dry friction alone would leave of a candidate; `effort` is that of the fit.
+/// Computes the misfit that the smoothed sign of dry friction alone would leave in a candidate's fit. `effort` limits
+/// the fit.
 pub fn imperfection(
     problem: &FitProblem,
     records: &[&Record],
@@ -91,7 +92,7 @@ pub fn imperfection(
                     .zip(&trace.predicted)
                     .zip(changes)
                 {
-                    // What was not measured stays unmeasured.
+                    // A missing sample stays missing.
                     if sample.is_finite() {
                         *sample = predicted + change * channel.noise_std;
                     }

@@ -1,35 +1,35 @@
 //! Which physical effect does a model lack?
 //!
-//! A file imports only from those above it.
+//! Each file imports only from files above it in this table.
 //!
 //! | file | job |
 //! |---|---|
 //! | `thresholds` | the numbers that decide verdicts, and where each comes from |
 //! | `economy` | the numbers that only save time |
-//! | `remainder` | what a model leaves of every series, in units of its noise |
+//! | `remainder` | the structured residual of every series, in units of the series' noise |
 //! | `candidate` | a model that was tried: plain data |
-//! | `remains` | how large that is against noise and signal, and as a torque |
-//! | `imperfection` | what the smoothed sign of dry friction alone leaves |
-//! | `bench` | what a search works on, and what it keeps of it |
-//! | `shown` | whether a sensor would show what one candidate adds to another |
-//! | `applicable` | which effects are suspects at all |
+//! | `remains` | how large the residual is: against the noise, against the signal, and as a torque |
+//! | `imperfection` | the misfit that the smoothed sign of dry friction alone leaves |
+//! | `bench` | the inputs of a search: records, suspects, thresholds |
+//! | `shown` | whether the measurements would show what one candidate adds to another |
+//! | `applicable` | which effects are suspects for this bench |
 //! | `evidence` | how strongly the measurements speak for one model against another |
-//! | `score` | the score test: what every suspect promises, and from where it may be fitted |
+//! | `score` | the score test: the gain that every suspect promises, and the starting points for its fit |
 //! | `trial` | the fits of single effects on top of a candidate |
 //! | `round` | one round of trials |
-//! | `pool` | what was tried, and what follows from it without another fit: merging, ties, the simplest |
+//! | `pool` | all candidates, and what follows from them without another fit: merging, ties, the simplest one |
 //! | `search` | the search for the set of effects that explains the measurements |
 //! | `short_windows` | whether driven logs must be read in short windows |
 //! | `thinned` | logs that are read more sparsely than they were recorded |
 //! | `path` | the way to the chosen candidate, one effect a step |
-//! | `verdict` | the verdict that the findings come to |
-//! | `decision` | what is certain, what is taken provisionally, and the verdict |
-//! | `steps` | the steps from the model as it was to the last one |
+//! | `verdict` | the possible verdicts, and their wording |
+//! | `decision` | which effects are certain, which are provisional, and which verdict follows |
+//! | `steps` | the steps from the diagnosed model to the final one |
 //! | `ranking` | the effects that could be missing, by probability |
-//! | `genuine` | how probable an effect is beside something unknown |
+//! | `genuine` | the probability that a library effect is real beside an unknown one |
 //! | `validation` | how well a model predicts an experiment that its fit has not seen |
-//! | `next_experiment` | the experiment that would separate explanations which tie |
-//! | `report` | steps and suspects, as they are reported |
+//! | `next_experiment` | the experiment that would separate explanations that tie |
+//! | `report` | steps and suspects as the report shows them |
 //! | `diagnosis` | from the logs to the verdict |
 
 mod applicable;
@@ -67,7 +67,7 @@ pub use bench::{IsCancelled, SearchBench};
 pub use candidate::{Candidate, names};
 pub use diagnosis::{Options, diagnose_with};
 pub use imperfection::{Imperfection, Imperfections, imperfection};
-pub use next_experiment::propose;
+pub use next_experiment::{NextExperiment, Recipe, propose};
 pub use pool::Search;
 pub use remains::{RemainingTorque, Remains};
 pub use report::{Diagnosis, Step, Suspect};

@@ -1,15 +1,15 @@
-//! The way from the model as it was to the chosen candidate, one effect a step.
+//! The path from the starting model to the chosen candidate, one effect per step.
 
 use plant::EffectId;
 
 use crate::pool::{Search, argmax};
 
-/// A step of the way: the effect that it adds (`None`: the model as it was) and the candidate where it ends.
+/// A step of the path: the effect that it adds (`None` for the starting model), and the index of the candidate.
 pub type PathStep = (Option<EffectId>, usize);
 
-/// The way from the model as it was to the chosen candidate, one effect a step: each time over the
-/// candidate with the highest evidence of those that contain no other one on the way (dry friction
-/// comes before the presliding that refines it).
+/// The path from the starting model to the chosen candidate, one effect per step. Each step takes, of the candidates
+/// on the way that contain no other candidate on the way, the one with the highest evidence. Dry friction therefore
+/// comes before the presliding that refines it.
 pub fn path(found: &Search, chosen: usize) -> Vec<PathStep> {
     let mut path = vec![(None, 0)];
     let mut current = 0;
@@ -51,9 +51,9 @@ fn new_effects(found: &Search, from: usize, to: usize) -> Vec<EffectId> {
         .collect()
 }
 
-/// The chosen candidate, or one before it on the way where the last additions took less than what remains
-/// in the end: an unknown cause looks a little like everything, and what an effect takes of it is then not
-/// its own. `excess` is what each candidate of the pool leaves, χ² beyond the noise.
+/// The chosen candidate, or an earlier one on its path if the last additions explained less than what remains in the
+/// end. Every effect can imitate a part of an unknown cause, so such an addition is not trusted. `excess` is
+/// the χ² beyond the noise that each candidate of the pool leaves.
 pub fn without_absorbers(found: &Search, chosen: usize, excess: &[f64]) -> usize {
     let remains = excess[chosen];
     let mut chosen = chosen;

@@ -1,35 +1,35 @@
-//! What a search has tried, as plain data, and what can be said of it without another fit.
+//! All candidates of a search as plain data, and what follows from them without another fit.
 
 use plant::EffectId;
 
 use crate::candidate::Candidate;
 
-/// Everything that was tried, with the evidence for it.
+/// All candidates of a search, with the evidence for each.
 #[derive(Clone, Debug)]
 pub struct Search {
-    /// The candidates; the first is the model as it was.
+    /// The candidates. The first is the starting model of the search.
     pub pool: Vec<Candidate>,
-    /// Logarithm of the evidence of each.
+    /// Logarithm of the evidence for each candidate, up to a common constant.
     pub evidence: Vec<f64>,
-    /// Index of the chosen one.
+    /// Index of the chosen candidate.
     pub best: usize,
-    /// Indices of candidates that tie with the chosen one, itself among them where there are any.
+    /// Indices of the candidates that tie, the chosen one included; empty if no other candidate ties with it.
     pub ties: Vec<usize>,
 }
 
-/// Index of the largest value among these.
+/// The index in `among` with the largest value; `None` if `among` is empty.
 pub fn argmax(values: &[f64], among: impl Iterator<Item = usize>) -> Option<usize> {
     among.max_by(|&a, &b| values[a].total_cmp(&values[b]))
 }
 
-/// Whether the pool has this set of effects (in the order of the library), fitted to its minimum.
+/// Whether the pool has this set of effects (in the order of the library) with a converged fit.
 pub fn is_fitted(pool: &[Candidate], set: &[EffectId]) -> bool {
     pool.iter()
         .any(|candidate| candidate.set() == set && candidate.minimum.outcome.was_successful())
 }
 
-/// Adds candidates whose set of effects the pool does not have yet, or has with a higher cost.
-/// Returns where they are now, each place once: two ways may lead to the same set.
+/// Adds candidates with a new set of effects, and replaces those whose fit has a higher cost. Returns the index
+/// of each found set in the pool, without repetition: two candidates can have the same set.
 pub fn merge(pool: &mut Vec<Candidate>, found: Vec<Candidate>) -> Vec<usize> {
     let mut places = vec![];
     for candidate in found {
@@ -51,9 +51,9 @@ pub fn merge(pool: &mut Vec<Candidate>, found: Vec<Candidate>) -> Vec<usize> {
     places
 }
 
-/// The simplest candidate that `top` contains and that explains the measurements as well: its
-/// evidence is lower by less than `tie`, or no sensor would show the difference. `shows` is asked whether
-/// one would show what the second of two candidates adds to the first.
+/// The simplest candidate that `top` contains and that explains the measurements as well: its evidence is lower
+/// by less than `tie`, or `shows(smaller, top)` answers that no sensor would show the difference. `top` itself if
+/// there is none.
 pub fn simplest(
     pool: &[Candidate],
     evidence: &[f64],
@@ -70,10 +70,9 @@ pub fn simplest(
         .unwrap_or(top)
 }
 
-/// Whether a candidate refines another one of these (presliding for dry friction) and leaves something
-/// plain all the same, more than `remains`: the refinement may then be taking up what something else
-/// causes, and the search goes on from the simpler one. What is refined is tried again on top of what
-/// that finds.
+/// Whether a refinement (such as presliding for dry friction) may be absorbing another cause: it refines another
+/// candidate of `among` and still leaves a structured remainder above `remains` (in units of noise). The search
+/// then goes on from the simpler candidate, and the refinement is tried again on top of what that finds.
 pub fn takes_up(pool: &[Candidate], index: usize, among: &[usize], remains: f64) -> bool {
     let candidate = &pool[index];
     let refines = |&other: &usize| {
@@ -83,8 +82,8 @@ pub fn takes_up(pool: &[Candidate], index: usize, among: &[usize], remains: f64)
     among.iter().any(refines) && candidate.largest_remainder() > remains
 }
 
-/// Candidates whose evidence is lower by less than `tie` than that of the chosen one, and that neither
-/// contain it nor are contained in it; itself among them. None where no other does.
+/// The candidates that tie with the chosen one, the chosen one included: their evidence is lower by less than `tie`,
+/// and they neither contain it nor are contained in it. Empty if no other candidate ties.
 pub fn ties(pool: &[Candidate], evidence: &[f64], best: usize, tie: f64) -> Vec<usize> {
     if pool[best].added.is_empty() {
         return vec![];
@@ -98,7 +97,7 @@ pub fn ties(pool: &[Candidate], evidence: &[f64], best: usize, tie: f64) -> Vec<
                     && !pool[best].strictly_contains(&pool[index]))
         })
         .collect();
-    // Of two tying sets of which one contains the other, the smaller one speaks for both.
+    // Of two tying sets, one of which contains the other, only the smaller is kept.
     let all = ties.clone();
     ties.retain(|&index| {
         !all.iter()
@@ -108,7 +107,7 @@ pub fn ties(pool: &[Candidate], evidence: &[f64], best: usize, tie: f64) -> Vec<
     if ties.len() < 2 { vec![] } else { ties }
 }
 
-/// The largest candidate that every tying one contains: what they agree on.
+/// Index of the largest candidate that every tying candidate contains: the effects on which they agree.
 pub fn common(found: &Search) -> Option<usize> {
     (0..found.pool.len())
         .filter(|&index| {

@@ -1,17 +1,16 @@
-//! The effects that could be missing, by probability.
+//! The effects that could be missing, ordered by probability.
 
 use plant::EffectId;
 
 use crate::pool::{Search, argmax};
 
-/// Probabilities are told apart by this: evidences are known to a small part of their unit, and what all but
-/// surely lacks, or all but surely does not, would be ordered by that. Within a bin the gain of each effect alone
-/// decides.
+/// Width of the bins in which probabilities are compared. Evidence is known only to a small part of its unit, so
+/// smaller differences would order effects arbitrarily. Within a bin, the gain of each effect alone decides.
 const RESOLUTION: f64 = 0.02;
-/// A probability up to this is none.
+/// A probability up to this value counts as zero.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// The bin of a probability: its nearest multiple of [`RESOLUTION`], and one below all for what is none.
+/// The bin of a probability: its nearest multiple of [`RESOLUTION`], or −1 for a negligible one.
 fn bin(probability: f64) -> i64 {
     if probability <= NEGLIGIBLE {
         -1
@@ -20,20 +19,20 @@ fn bin(probability: f64) -> i64 {
     }
 }
 
-/// An effect with its probability and the best candidate that has it.
+/// An effect with its probability, and the best candidate that has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ranked {
     /// The effect.
     pub effect: EffectId,
-    /// Probability that the model lacks it.
+    /// Probability, from 0 to 1, that the model lacks the effect.
     pub probability: f64,
-    /// Index of the candidate with the highest evidence that has it.
+    /// Index of the candidate of highest evidence among those with the effect.
     pub index: usize,
 }
 
-/// The effects that could be missing, most probable first. `is_needless` says which candidates add to the best
-/// one what no sensor would show: they have no vote. The probability of an effect is lowered by the factor
-/// `is_genuine` of it.
+/// The effects that could be missing, most probable first. A candidate with `is_needless` set adds to the best one
+/// something that no sensor would show; it has no vote. The probability of each effect is multiplied by
+/// `is_genuine` of that effect.
 pub fn ranked(
     found: &Search,
     is_needless: &[bool],
@@ -85,7 +84,7 @@ pub fn ranked(
             Some((ranked, alone))
         })
         .collect();
-    // A total order: by bins, within a bin by the gain alone, and then in the order of the library.
+    // A total order: by bin, then by the gain of the effect alone, then by the order of the library.
     ranked.sort_by(|(a, a_alone), (b, b_alone)| {
         bin(b.probability)
             .cmp(&bin(a.probability))

@@ -1,8 +1,8 @@
-//! What a model leaves of every series, in units of the series' noise.
+//! The structured residual of every series, in units of the series' noise.
 
 use identify::{PredictedSeries, Record, RecordedChannel, structure, without_rounding};
 
-/// The noise of every series, record by record and channel by channel.
+/// Noise standard deviation of every series, each in the unit of its channel; record by record, channel by channel.
 pub fn noise(records: &[&Record]) -> Vec<f64> {
     records
         .iter()
@@ -10,7 +10,7 @@ pub fn noise(records: &[&Record]) -> Vec<f64> {
         .collect()
 }
 
-/// Measured minus predicted, NaN where either is missing.
+/// Measured minus predicted, sample by sample; NaN where either is missing.
 pub fn residual(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
     measured
         .iter()
@@ -19,8 +19,8 @@ pub fn residual(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The structured remainder of a channel beside what is predicted, in units of its noise (0 where not
-/// significant).
+/// The structured remainder of a channel: the root mean square of the structured part of its residual, in units of
+/// the channel's noise; 0 where it is not significant.
 pub fn remainder(channel: &RecordedChannel, predicted: &[f64], weight: &[f64]) -> f64 {
     let left = match channel.quantum {
         Some(quantum) => without_rounding(&channel.samples, predicted, channel.noise_std, quantum),

@@ -1,33 +1,34 @@
-//! How large what a model leaves is: against the noise, against the signal, and as a torque.
+//! How large the residual of a model is: against the noise, against the signal, and as a torque.
 
 use identify::{Record, TorqueOn, residual_torques};
 
 use crate::candidate::Candidate;
 
-/// What a model leaves in the measurements.
+/// The size of the residual.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remains {
     /// The largest structured remainder over all series, in units of its sensor's noise.
     pub over_noise: f64,
-    /// The same remainder in units of what the series itself does (its standard deviation).
+    /// The same remainder relative to the standard deviation of the measured series.
     pub over_signal: f64,
-    /// The torque that the model lacks, where the logs show one.
+    /// The largest torque that the model lacks; `None` if the logs show none.
     pub torque: Option<RemainingTorque>,
 }
 
 /// A torque that a model lacks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemainingTorque {
-    /// On what it acts.
+    /// The body on which it acts.
     pub on: TorqueOn,
     /// The experiment in which it is largest.
     pub experiment: String,
-    /// Its root mean square there beyond what the noise of the sensors makes, N m (per kg m² where the scale of
-    /// the torques is not known). It is averaged over a sixteenth of a period to either side.
+    /// Its root mean square in that experiment, after the part that comes from sensor noise has been subtracted, in
+    /// N m (in N m per kg m² if the scale of the torques is unknown). The torque is averaged over a sixteenth of a
+    /// period to either side.
     pub rms_nm: f64,
 }
 
-/// What a candidate leaves of these records.
+/// Computes the size of a candidate's residual over these records.
 pub fn remains(records: &[&Record], candidate: &Candidate) -> Remains {
     let (mut over_noise, mut over_signal) = (0.0, 0.0);
     for (record, left) in records.iter().zip(&candidate.remainders) {

@@ -1,5 +1,6 @@
-//! What a diagnosis reports: steps, suspects, and a closer look at each.
+//! The contents of the report of a diagnosis: steps, suspects, and the details of each.
 
+use crate::next_experiment::Recipe;
 use std::collections::{BTreeMap, BTreeSet};
 
 use identify::{Cancelled, Contradiction, Fit, FitProblem, Minimum, finish};
@@ -17,31 +18,31 @@ use crate::trial::without;
 use crate::validation::{HeldOut, Unseen, held_out, mean_fit_percent};
 use crate::verdict::Verdict;
 
-/// The model as it was, or after one effect more.
+/// A step of the report: the diagnosed model, or the model after one more effect.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// The effect that was added; `None` for the model as it was, and for a step that only takes out.
+    /// The effect that was added; `None` for the diagnosed model and for a step that only removes effects.
     pub effect: Option<EffectId>,
-    /// The effects of the model before that are no longer there.
+    /// The effects of the previous model that the step removed.
     pub replaces: Vec<EffectId>,
-    /// Whether it holds until an experiment has decided between explanations that tie.
+    /// Whether the step is provisional: an experiment must decide between explanations that tie.
     pub is_provisional: bool,
     /// The fit with standard errors.
     pub fit: Fit,
-    /// The candidate that it came from; its added effects are those beyond the base model.
+    /// The candidate of this step; its added effects are those beyond the starting model of the search.
     pub candidate: Candidate,
-    /// Mean fit percent on what the fit has not seen; NaN if there is none.
+    /// Mean fit in percent on held-out data; NaN if there are none.
     pub validation_fit_percent: f64,
-    /// The same series by series, with the errors.
+    /// Every held-out series, with its prediction error.
     pub held_out: Vec<HeldOut>,
-    /// What that is.
+    /// Which data were held out.
     pub unseen: Unseen,
-    /// Whether the step before predicts it plainly better.
+    /// Whether the previous step predicts the held-out data plainly better.
     pub is_held_out_worse: bool,
 }
 
 impl Step {
-    /// A step with this fit.
+    /// Builds a step with this fit.
     pub fn new(planned: Planned, look: &Look, candidate: Candidate, fit: Fit) -> Step {
         Step {
             effect: planned.effect,
@@ -56,8 +57,7 @@ impl Step {
         }
     }
 
-    /// A step whose fit is made with all samples of the bench; what the fit has not seen is predicted
-    /// with the thinned ones.
+    /// Builds a step whose fit uses all samples of the bench. The held-out predictions come from the thinned logs.
     pub fn whole(
         problem: &FitProblem,
         planned: Planned,
@@ -80,18 +80,18 @@ pub struct Suspect {
     pub effect: EffectId,
     /// Probability that the model lacks it.
     pub probability: f64,
-    /// The best model that has it: everything else here belongs to it.
+    /// The best model that has the effect. All other fields belong to this model.
     pub model: Model,
     /// Its fit.
     pub fit: Fit,
-    /// Root mean square errors of all series with it, record by record.
+    /// Root mean square errors of all series, each in the unit of its channel; record by record.
     pub rmse: Vec<f64>,
-    /// For every series the share of the error that the effect alone takes away: 1 − with/without, where "without"
-    /// is the same model without the effect, fitted anew. Negative where the error grows.
+    /// For every series, the share of the error that the effect removes: 1 − with/without. "Without" is the same model,
+    /// fitted again without the effect. Negative where the error grows.
     pub takes_away: Vec<f64>,
-    /// Mean fit percent on what the fit has not seen; NaN if there is none.
+    /// Mean fit in percent on held-out data; NaN if there are none.
     pub validation_fit_percent: f64,
-    /// One sentence: what to look for, and what the fit gains by it.
+    /// One sentence: what the effect looks like in the data, and how far the error falls with it.
     pub fingerprint: String,
 }
 
@@ -100,32 +100,34 @@ pub struct Suspect {
 pub struct Diagnosis {
     /// The verdict.
     pub verdict: Verdict,
-    /// The model with everything that is certain.
+    /// The model with all effects that are certain.
     pub certain: Model,
-    /// The model as it was, then each effect added.
+    /// The diagnosed model, then one step for each change.
     pub steps: Vec<Step>,
     /// The effects that could be missing, most probable first.
     pub suspects: Vec<Suspect>,
-    /// The sets of effects that tie; empty where none do.
+    /// The sets of effects that tie; empty if none do.
     pub ambiguous_between: Vec<Vec<EffectId>>,
-    /// The experiment that would settle what is open, in one sentence; empty where nothing is.
+    /// The experiment that would settle an open question, in one sentence; empty if no question is open.
     pub next_experiment: String,
+    /// The same as a recipe, where it tells the first two sets that tie apart.
+    pub recipe: Option<Recipe>,
     /// The structured remainder of the last step in units of the noise of its worst series.
     pub remainder: f64,
-    /// The same against the signal and as a torque.
+    /// The size of the residual: against noise, against signal, and as a torque.
     pub remains: Remains,
-    /// Where the last step explains all logs by themselves: knowns and experiments that contradict each other all
-    /// the same, plainly.
+    /// If the last step explains every log by itself: the plain contradictions that are left between experiments, or
+    /// between an experiment and a stated value.
     pub contradictions: Vec<Contradiction>,
 }
 
 impl Diagnosis {
-    /// The last step: the model that predicts from now on.
+    /// The last step: its model is the one to be used for predictions.
     pub fn last(&self) -> Option<&Step> {
         self.steps.last()
     }
 
-    /// The effects beyond the base model that are certain, in the order of the library.
+    /// The certain effects beyond the base model, in the order of the library.
     pub fn certain_effects(&self) -> Vec<EffectId> {
         let base = Model::base();
         let effects = self.certain.effects().iter().copied();
@@ -133,17 +135,17 @@ impl Diagnosis {
     }
 }
 
-/// A closer look at a candidate: its standard errors, and how it predicts what it has not seen.
+/// Details of a candidate: standard errors, and held-out prediction.
 pub struct Look {
     /// The fit with standard errors.
     pub fit: Fit,
-    /// Every series, predicted by parameters that have not seen it.
+    /// Every held-out series, with its prediction error.
     pub held_out: Vec<HeldOut>,
-    /// What they have not seen.
+    /// Which data were held out.
     pub unseen: Unseen,
 }
 
-/// A look at each of these candidates of the pool, once.
+/// Computes the details of these candidates of the pool, each one once.
 pub fn looks(
     bench: &SearchBench,
     found: &Search,
@@ -169,7 +171,7 @@ pub fn looks(
         .collect()
 }
 
-/// The suspects as they are reported.
+/// Builds the suspects of the report.
 pub fn suspects(
     bench: &SearchBench,
     found: &Search,
@@ -217,7 +219,7 @@ fn suspect(
     })
 }
 
-/// What a person would look for, and the series in which the effect helps most.
+/// What the effect looks like in the data, and the series in which it helps most.
 fn fingerprint(
     bench: &SearchBench,
     effect: EffectId,

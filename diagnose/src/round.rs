@@ -1,4 +1,4 @@
-//! One round of trials: a score test for every suspect, and a fit of those that promise something.
+//! One round of trials: a score test of every suspect, then a fit of the most promising ones.
 
 use identify::{Cancelled, KnownScore, Unknowns, acts, ratios, score_test};
 use plant::{EffectId, StartFrom};
@@ -11,20 +11,20 @@ use crate::economy::{LARGE_ZERO_RAD, LEAST_SHARE, MOST_FITS, SIMPLER_SHARE};
 use crate::score::{Start, absent_starts, is_scored_where_absent, starts, zero_start};
 use crate::trial::{Goal, added, fit_all_roughly, fit_all_wholly, is_refinement};
 
-/// How a round of trials is carried out.
+/// The settings of a round of trials.
 pub struct Round<'a> {
-    /// Most suspects that are fitted.
+    /// Largest number of suspects that are fitted.
     pub most: usize,
-    /// Sets of effects that need no fit any more.
+    /// Whether a set of effects has a converged fit already and needs no other.
     pub is_fitted: &'a (dyn Fn(&[EffectId]) -> bool + Sync),
-    /// A candidate that leaves nothing, where there is one: what is found competes with it.
+    /// The candidate that leaves no remainder, if there is one. A new fit is pursued only if it can compete with it.
     pub leader: Option<&'a Candidate>,
-    /// Only effects that act in experiments in which something remains.
+    /// Whether to try only effects that act in an experiment with a remainder.
     pub only_where_something_remains: bool,
 }
 
-/// Tries every applicable effect on top of `from`: a score test for all, a full refit for those
-/// that promise something and whose set of effects is not fitted yet.
+/// Tries every applicable effect on top of `from`: a score test for each, and a full fit for those that promise
+/// enough and whose set of effects is not fitted yet.
 ///
 /// # Errors
 /// [`Cancelled`] if the work is called off.
@@ -62,7 +62,8 @@ pub fn try_all(
         set.sort();
         (round.is_fitted)(&set)
     };
-    // What refines another suspect is tried on top of that one's fit, far from which it says nothing.
+    // A refinement is tried on top of the fit of the suspect that it refines: far from that fit its score says
+    // nothing.
     let (refinements, suspects): (Vec<EffectId>, Vec<EffectId>) =
         suspects.iter().partition(|&&effect| {
             let replaces = effect.info().replaces;
@@ -74,7 +75,8 @@ pub fn try_all(
         });
     let point = from.point();
     let angle_zero_rad = ratios(&bench.records).angle_zero_rad.unwrap_or(0.0);
-    // A cable is moved along with the effect, so that every effect needs a simulation of its own.
+    // A cable's parameters change together with those of the effect, so that every effect then needs its own
+    // simulation.
     let has_product = |one: &EffectId| one.info().product.is_some();
     let has_cable = from.model.effects().iter().any(has_product);
     let (absent, others): (Vec<EffectId>, Vec<EffectId>) = suspects
@@ -121,8 +123,8 @@ pub fn try_all(
             (point.cost - best, starts)
         })
         .collect();
-    // Where an effect and one that contains it are both suspects and promise about the same, the
-    // simpler one goes first: the larger one is tried on top of it in the next round.
+    // Where two suspects promise about the same gain and one contains the other, the simpler one is tried first,
+    // and the larger one on top of it in the next round.
     let gains: Vec<(EffectId, f64)> = screened
         .iter()
         .filter_map(|(gain, starts)| Some((starts.first()?.effect, *gain)))
@@ -138,7 +140,7 @@ pub fn try_all(
             })
         })
     });
-    // What the model misses, in χ² beyond the noise, in the experiments in which an effect acts.
+    // χ² beyond the noise, summed over the experiments in which the effect acts.
     let missed = |effect: EffectId| -> f64 {
         let records = bench.records.iter().zip(&known.score_test.records);
         records
@@ -151,8 +153,8 @@ pub fn try_all(
         starts.first().is_some_and(|start| *gain >= least(start))
     });
     screened.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // A refinement that is fitted already takes the place of a term, and is no measure for what may act
-    // beside that term.
+    // A refinement that is fitted already replaces a term. Its gain is no measure for effects that act beside
+    // that term.
     let is_fitted = |starts: &[Start]| starts.first().is_some_and(|start| fitted(start.effect));
     screened.retain(|(_, starts)| {
         let is_refinement = starts
@@ -165,7 +167,8 @@ pub fn try_all(
     chosen.retain(|(gain, _)| *gain > bench.least_gain.max(LEAST_SHARE * best_gain));
     chosen.truncate(round.most.min(MOST_FITS));
     chosen.retain(|(_, starts)| !is_fitted(starts));
-    // What is simple comes first: it is fitted fast, and what it reaches need not be reached again.
+    // Simple effects come first: they are fitted fast, and a later suspect need not be fitted from a start that
+    // promises no more than they have reached.
     chosen.sort_by_key(|(_, starts)| starts.first().is_some_and(is_refinement));
     let goal = round
         .leader

@@ -1,4 +1,4 @@
-//! The score test: what each suspect promises, and from where it may be fitted.
+//! The score test: the gain that each suspect promises, and the starting points for its fit.
 
 use identify::{
     KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, Unknowns, Window, carry_over,
@@ -12,23 +12,23 @@ use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::economy::MOST_LOCALS;
 
-/// A start from which an effect may be fitted.
+/// A starting point for the fit of an effect.
 #[derive(Clone, Debug)]
 pub struct Start {
     /// The effect.
     pub effect: EffectId,
-    /// The model with it.
+    /// The model with the effect.
     pub model: Model,
-    /// Values of all its parameters.
+    /// Values of all parameters of that model, in SI units.
     pub values: Vec<f64>,
-    /// Cost that one full step from here promises, in the windows of the score test.
+    /// Cost (χ²) that one full Gauss-Newton step from here promises, in the windows of the score test.
     pub promised_cost: f64,
-    /// The windows of the score test where they do not start as those of the fitted model.
+    /// The windows from which the fit starts, if they differ from those of the fitted model.
     pub windows: Option<Vec<Vec<Window>>>,
 }
 
-/// Whether an effect is scored where it is absent: it is linear in its one amplitude there, and takes
-/// no other effect's place.
+/// Whether an effect is scored at zero amplitude: it is linear in its only parameter there, and replaces no other
+/// effect.
 pub fn is_scored_where_absent(effect: EffectId) -> bool {
     let info = effect.info();
     info.absent.is_some()
@@ -37,9 +37,9 @@ pub fn is_scored_where_absent(effect: EffectId) -> bool {
         && info.replaces.is_empty()
 }
 
-/// The starts of effects that are scored where they are absent. The motion there is that of the fitted
-/// model, so that one simulation carries the sensitivities of many of them: the score of each is that
-/// of the model in which the amplitudes of the others stay at zero.
+/// The starting points of the effects that are scored at zero amplitude. The motion is then that of the fitted
+/// model, so one simulation carries the sensitivities to many effects at once. The score of each effect
+/// is computed with the amplitudes of the others held at zero.
 pub fn absent_starts(
     bench: &SearchBench,
     from: &Candidate,
@@ -94,8 +94,8 @@ pub fn absent_starts(
         .collect()
 }
 
-/// The starts of an effect on top of the model of `known`, fitted over the `whole` logs and, in the windows of
-/// the score test, to `point`.
+/// The starting points of an effect on top of the model of `known`. That model was fitted over the whole logs
+/// (`whole`) and in the windows of the score test (`point`).
 pub fn starts(
     bench: &SearchBench,
     whole: &Minimum,
@@ -133,9 +133,10 @@ pub fn starts(
     if info.is_limit {
         parameter_sets.retain(|set| is_reached(effect, records, set, torque_constant));
     }
-    // On top of the effect that it refines, a shape is of use if it takes something of the misfit as it
-    // stands, the rest of the parameters adapted to it. What a step promises that changes the shape as well
-    // is no measure far from the fit. The last shape is nearest to what is refined, and may still change.
+    // A refinement is tried on top of the effect that it refines, with several shapes. A shape is useful if it
+    // promises a gain as it stands, with only the other parameters adapted. A step that also changes the shape
+    // promises gains that do not hold far from the fit. The last shape is nearest to the refined effect and may
+    // still change.
     let is_taking_over = refines(effect, known.model);
     let own = at..at + info.parameters.len();
     let last = parameter_sets.len().saturating_sub(1);
@@ -146,19 +147,19 @@ pub fn starts(
             let mut start = vec![0.0; model.parameter_count()];
             start[at..at + chosen.len()].copy_from_slice(&chosen);
             let mut values = carry_over(known.model, &point.values, &model, &start);
-            // What refines another effect starts as that effect: what it promises is then what its own
-            // part would add to a motion that is fitted already.
+            // A refinement starts with the parameter of the effect that it refines. The promised gain is then that of its
+            // additional part alone.
             if let (Some((one, other)), true) = (info.limit, is_taking_over) {
                 values[at + one] = values[at + other];
             }
             let unknowns = Unknowns::new(&model, &problem.free(&model));
-            // Windows that start on the wrong side of a tooth would promise nothing.
+            // Windows that start on the wrong side of a cogging tooth would promise no gain.
             let windows = if needs_settling {
                 &settled(records, &model, &values, point.windows.clone())
             } else {
                 &point.windows
             };
-            // A limit that is not reached in a record leaves no trace there.
+            // A limit that is not reached in a record does not change the prediction there.
             let leaves_no_trace = |record: &Record| {
                 info.is_limit && !is_reached(effect, &[record], &chosen, torque_constant)
             };
@@ -192,8 +193,8 @@ pub fn starts(
         .collect()
 }
 
-/// The start of an effect that shifts the angle's zero, at the zero that the free swings themselves show, with the inertia,
-/// gravity and friction that they show around it.
+/// A starting point for an effect that shifts the angle's zero. The zero (`angle_zero_rad`, in rad) and the inertia,
+/// gravity and friction are those that the free swings show directly.
 pub fn zero_start(
     bench: &SearchBench,
     point: &Minimum,
@@ -217,7 +218,7 @@ pub fn zero_start(
     }
     let unknowns = Unknowns::new(&model, &bench.problem.free(&model));
     let all = vec![true; unknowns.free.len()];
-    // The body starts as the samples show, less the zero.
+    // The body's starting angle is the measured one minus the zero.
     let mut windows = vec![];
     for (record, fitted) in bench.records.iter().zip(&point.windows) {
         windows.push(guessed(record, &values, fitted));
@@ -240,7 +241,7 @@ pub fn zero_start(
     }
 }
 
-/// Whether any record reaches a limit with these parameters; where none does, the limit leaves no trace.
+/// Whether any record reaches the limit with these parameters `p`. `torque_constant` is in N m/A.
 fn is_reached(effect: EffectId, records: &[&Record], p: &[f64], torque_constant: f64) -> bool {
     records.iter().any(|record| {
         record.channel(Output::WheelSpeed).is_some_and(|channel| {
@@ -250,13 +251,13 @@ fn is_reached(effect: EffectId, records: &[&Record], p: &[f64], torque_constant:
     })
 }
 
-/// Amplitude, in gravity torques, at which the promise of a term is computed that is linear in its amplitude and
-/// in a product with it (a hardly stretched cable): at nothing the product would not show, and here the
-/// phase of a hundred swings changes by less than a thousandth of a radian.
+/// Amplitude, in units of the gravity torque, at which the score of a stretched cable is computed. Its torque is
+/// linear in the amplitude and in the product of the amplitude with another parameter. At zero amplitude the
+/// product would have no influence. At this value the phase after a hundred swings changes by less than 1e-3 rad.
 const HARDLY_THERE: f64 = 1e-6;
 
-/// The starts of a refinement on top of a model and its `fit` in the windows of the score test, which has what
-/// it refines.
+/// The starting points of a refinement on top of a `model` that has the effect to be refined. `fit` is the fit of
+/// that model in the windows of the score test, `whole` that of the smaller model over the whole logs.
 pub fn refined_starts(
     bench: &SearchBench,
     whole: &Minimum,

@@ -13,8 +13,8 @@ use crate::round::{Round, try_all};
 use crate::shown::shows;
 use crate::trial::{Goal, without};
 
-/// As [`evidences`], after the fits of the best candidates whose iterations ran out have been brought
-/// to their minima: a fit that is stuck on its way would be taken for a model that lacks something.
+/// As [`evidences`], after fits among the best candidates that ran out of iterations have been continued to
+/// their minima. An unfinished fit would look like a model that lacks something.
 fn finished_evidences(bench: &SearchBench, pool: &mut [Candidate]) -> Result<Vec<f64>, Cancelled> {
     for _ in 0..FINISHED {
         let evidence = evidences(bench, pool);
@@ -59,14 +59,14 @@ fn finished_evidences(bench: &SearchBench, pool: &mut [Candidate]) -> Result<Vec
     Ok(evidences(bench, pool))
 }
 
-/// As [`crate::pool::simplest`], where the sensors of the bench show the difference.
+/// As [`crate::pool::simplest`], with the bench's own test of whether its sensors show a difference.
 fn simplest(bench: &SearchBench, pool: &[Candidate], evidence: &[f64], top: usize) -> usize {
     let shows = |smaller: &Candidate, larger: &Candidate| shows(bench, &pool[0], smaller, larger);
     crate::pool::simplest(pool, evidence, top, bench.thresholds.tie, shows)
 }
 
-/// What a search works on, and the model from which it starts, fitted in short windows besides where
-/// its free run has drifted away from the logs.
+/// Prepares a search: the bench, and the starting model. Where the free run of that model drifts away from the logs,
+/// the model is also fitted in short windows.
 ///
 /// # Errors
 /// [`Cancelled`] if the work is called off.
@@ -78,8 +78,8 @@ pub fn prepared<'a>(
     let problem = bench.problem;
     if start.largest_remainder() > NEAR {
         bench.check()?;
-        // The period is that of the samples, and the fit may start from what they show: the free run of
-        // a model that lacks something essential can have strayed to parameters without meaning.
+        // The period is taken from the samples, and one of the two fits starts from what the samples show. The free
+        // run of an incomplete model may have reached meaningless parameters.
         let shown = problem.start_values(&start.model);
         let window_s = WINDOW_PERIODS * period_s(&shown);
         bench.window_s = Some(window_s);
@@ -108,8 +108,8 @@ pub fn prepared<'a>(
     Ok((bench, start))
 }
 
-/// Searches from `start` (the fitted model as it is) for the effects that are missing, among the suspects of
-/// the bench, whose logs are read in one piece.
+/// Searches for the missing effects among the suspects of the bench, from `start`, the fitted starting model. The
+/// logs are read in one piece.
 ///
 /// # Errors
 /// [`Cancelled`] if the work is called off.
@@ -142,7 +142,7 @@ pub fn search(
         let mut found: Vec<Candidate> = vec![];
         for &index in &beam {
             found.extend(try_all(&bench, &pool[index], &round)?);
-            // What explains everything is compared with others by swapping its effects.
+            // A candidate that leaves no remainder is compared with others later, when its effects are swapped.
             if found.iter().any(|one| bench.leaves_nothing(one)) {
                 break;
             }
@@ -169,14 +169,14 @@ pub fn search(
         {
             break;
         }
-        // What is better by too little to decide, while something plain remains, may be half of the
-        // answer: two effects can show together what neither shows alone.
+        // A candidate that is better by less than a tie stays in the beam while a plain remainder is left: two effects
+        // together can explain what neither explains alone.
         beam = newest.clone();
         beam.retain(|&index| !takes_up(index));
         beam.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
         beam.truncate(BEAM);
     }
-    // Where nothing goes further than a refinement from which the search did not go on, that is it.
+    // If nothing beats a refinement that the search did not extend (see `takes_up`), the refinement is chosen.
     let evidence = evidences(&bench, &pool);
     if let Some(top) = argmax(&evidence, 0..pool.len()) {
         let next = simplest(&bench, &pool, &evidence, top);
@@ -196,8 +196,8 @@ pub fn search(
     })
 }
 
-/// Tries what refines the effects of the best candidate, where it leaves nothing else to look for: dry
-/// friction may be the larger part of Stribeck's curve.
+/// Tries refinements of the effects of the best candidate once that candidate leaves no remainder: the dry friction
+/// that was found may be the larger part of a Stribeck curve.
 fn refine(
     bench: &SearchBench,
     pool: &mut Vec<Candidate>,
@@ -236,7 +236,7 @@ fn refine(
     Ok(())
 }
 
-/// Drops effects that later ones made needless, and tries others in the place of each.
+/// Drops effects that later ones made unnecessary, and tries other effects in the place of each.
 fn prune_and_swap(
     bench: &SearchBench,
     pool: &mut Vec<Candidate>,
@@ -250,8 +250,8 @@ fn prune_and_swap(
             break;
         }
         (progress.say)("trying others in the place of each effect");
-        // Also of sets that the pool has: a smaller model that is stuck far from its minimum would
-        // make an effect look needed. Their starts are now those of the larger one.
+        // Sets that the pool has are fitted again, from the larger candidate's parameters: a smaller model that is
+        // stuck far from its minimum would make an effect look necessary.
         let known = |set: &[EffectId]| pool.iter().find(|known| known.set() == set).cloned();
         let smaller: Vec<Candidate> = chosen
             .added
@@ -259,7 +259,7 @@ fn prune_and_swap(
             .filter_map(|&effect| without(bench, &chosen, effect, &known).transpose())
             .collect::<Result<_, Cancelled>>()?;
         merge(pool, smaller);
-        // What is left without one effect is extended by every other one, if it was not yet.
+        // Each set with one effect removed is extended by every other effect, unless that was done before.
         let from: Vec<&Candidate> = chosen
             .added
             .iter()
@@ -269,7 +269,7 @@ fn prune_and_swap(
                 pool.iter().find(|known| known.set() == set)
             })
             .filter(|candidate| {
-                // Effects that come out at nothing leave a model from which everything was tried before.
+                // An effect fitted at zero amplitude leaves a model that was extended before.
                 let is_nothing_more = || {
                     pool.iter().any(|known| {
                         candidate.strictly_contains(known)
@@ -306,7 +306,7 @@ fn prune_and_swap(
     Ok(())
 }
 
-/// Candidates that the measurements cannot tell from the chosen one.
+/// The candidates that the measurements cannot distinguish from the chosen one.
 fn indistinguishable(
     bench: &SearchBench,
     pool: &[Candidate],
@@ -316,7 +316,7 @@ fn indistinguishable(
     if pool[best].added.is_empty() {
         return vec![];
     }
-    // Dry friction that is nearly as good as another effect may lose by its smoothed sign alone.
+    // A candidate with dry friction that nearly ties may lose only because its sign is smoothed.
     let excused = |candidate: &Candidate| -> Option<Vec<f64>> {
         let is_near = candidate.set() != pool[best].set()
             && candidate.largest_remainder() <= bench.thresholds.remains;

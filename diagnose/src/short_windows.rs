@@ -1,5 +1,5 @@
-//! Whether a driven log must be read in short windows, because a ripple over the wheel's angle has made it
-//! unpredictable in one piece (see [`FitProblem::in_windows`]).
+//! Whether a driven log must be read in short windows because cogging, a torque that varies with the wheel's angle,
+//! makes it unpredictable in one piece (see [`FitProblem::in_windows`]).
 
 use identify::{Effort, FitProblem, carry_over, extend, joined, refit};
 use plant::EffectId;
@@ -7,8 +7,8 @@ use plant::EffectId;
 use crate::candidate::Candidate;
 use crate::thresholds::Thresholds;
 
-/// Whether a ripple takes most of what `best` misses without it, where driven logs are compared over short
-/// windows. `effort` is that of the fits.
+/// Whether, in short windows (`cut`), a cogging effect explains most of the misfit that `best` leaves without it.
+/// `effort` limits the fits.
 pub fn shows_in_short_windows(
     cut: &FitProblem,
     best: &Candidate,

@@ -1,4 +1,4 @@
-//! Whether a sensor would show what one candidate adds to another.
+//! Whether the measurements would show what one candidate adds to another.
 
 use identify::{Record, acts};
 
@@ -6,8 +6,8 @@ use crate::bench::SearchBench;
 use crate::candidate::Candidate;
 use crate::remainder::noise;
 
-/// The fall of every error from `before` to `after` in units of the series' noise: the root of the
-/// difference of the mean squares.
+/// How far the error of every series falls from `before` to `after`, in units of the series' noise: the root of the
+/// difference of the mean squared errors; 0 where the error grows.
 fn traces(records: &[&Record], before: &Candidate, after: &Candidate) -> Vec<f64> {
     before
         .rmse()
@@ -18,15 +18,15 @@ fn traces(records: &[&Record], before: &Candidate, after: &Candidate) -> Vec<f64
         .collect()
 }
 
-/// The largest fall of an error from `before` to `after`, over all series, in units of the series' noise.
+/// The largest such fall over all series, in units of the series' noise.
 pub fn largest_trace(records: &[&Record], before: &Candidate, after: &Candidate) -> f64 {
     traces(records, before, after)
         .into_iter()
         .fold(0.0, f64::max)
 }
 
-/// Whether what `larger` adds to `smaller` leaves a trace in any series that a person would see, and
-/// that the imperfections of what was added before cannot be. `start` is the model as it was.
+/// Whether the addition that turns `smaller` into `larger` lowers the error of any series visibly, and by more than
+/// imperfections of the effects that were added before could. `start` is the starting model of the search.
 pub fn shows(
     bench: &SearchBench,
     start: &Candidate,
@@ -51,7 +51,7 @@ pub fn shows(
                 (true, false) => thresholds.least_trace_beside.max(share),
             };
             let imperfection = || bench.imperfection(smaller).rms_over_noise[series];
-            // Whether the dry friction was added now or stood in the model before.
+            // It does not matter whether the dry friction was added now or was in the model before.
             trace >= least && trace >= thresholds.times_imperfection * imperfection()
         })
 }

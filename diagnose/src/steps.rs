@@ -1,4 +1,4 @@
-//! The steps from the model as it was to the last one, as they are reported.
+//! The steps from the diagnosed model to the final one, as the report lists them.
 
 use plant::{EffectId, Model};
 
@@ -6,22 +6,22 @@ use crate::decision::Decision;
 use crate::path::path;
 use crate::pool::Search;
 
-/// A step that is to be reported.
+/// A planned step of the report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
-    /// The effect that it adds; `None` for the model as it was, and for a step that only takes out.
+    /// The effect that the step adds; `None` for the diagnosed model and for a step that only removes effects.
     pub effect: Option<EffectId>,
-    /// The effects of the model before that are no longer there.
+    /// The effects of the previous model that the step removes.
     pub replaces: Vec<EffectId>,
-    /// Whether it holds until an experiment has decided between explanations that tie.
+    /// Whether the step is provisional: an experiment must decide between explanations that tie.
     pub is_provisional: bool,
-    /// The model after it.
+    /// The model after the step.
     pub model: Model,
 }
 
-/// The steps from `given` to the last model of the decision: the model as it was, then one effect a step, first
-/// what is certain, in the order in which the search found it. What the last model has no place for goes out with the
-/// first effect that comes in, or in a step of its own.
+/// The steps from `given`, the diagnosed model, to the last model of the decision. After the diagnosed model comes one
+/// effect per step, first the certain ones, in the order in which the search found them. Effects of `given` that the
+/// last model does not have are removed together with the first addition, or in a step of their own.
 pub fn planned(found: &Search, decision: &Decision, given: &Model) -> Vec<Planned> {
     let last = &found.pool[decision.last()].model;
     let certain = &found.pool[decision.certain].model;
@@ -46,7 +46,7 @@ pub fn planned(found: &Search, decision: &Decision, given: &Model) -> Vec<Planne
         if current.with(effect) == current {
             continue;
         }
-        // What a later step refines stays until then.
+        // An effect that a later step refines stays until that step.
         let has_place = |present: EffectId| last.has(present) || last.with(present) == *last;
         let kept: Vec<EffectId> = current
             .effects()

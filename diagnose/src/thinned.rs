@@ -1,15 +1,15 @@
-//! Logs that are read more sparsely than they were recorded, and back.
+//! Thinned logs (every n-th sample is read), and the way back to all samples.
 
 use identify::{Effort, FitProblem, Minimum, Window, joined, refit};
 
 use crate::candidate::Candidate;
 
-/// Whether any log is read more sparsely than it was recorded.
+/// Whether any log is thinned: a step is larger than 1.
 pub fn is_thinned(thinning: &[usize]) -> bool {
     thinning.iter().any(|&step| step > 1)
 }
 
-/// The windows of logs that are read at another step: `place` says where a sample stands there.
+/// Converts windows between thinned and full logs. `place(index, step)` converts one sample index.
 pub fn windows_at(
     windows: &[Vec<Window>],
     thinning: &[usize],
@@ -26,7 +26,7 @@ pub fn windows_at(
         .collect()
 }
 
-/// The fit of a candidate to all samples of the bench.
+/// Fits a candidate to all samples of the bench, starting from its fit to the thinned ones.
 pub fn whole_fit(
     problem: &FitProblem,
     thinning: &[usize],

@@ -1,15 +1,16 @@
-//! The numbers that decide verdicts, each with where it comes from.
+//! The numbers that decide verdicts, each with its source.
 //!
-//! What stands in `economy.rs` only saves time. What decides in the fit whether a residual is noise
-//! ([`identify::SIGNIFICANT`]), what is a push and what contradicts stands in `identify` beside the
-//! statistic that it bounds, since reports use it without any diagnosis. `docs/thresholds.md` shows how much hangs on each number
-//! here: the verdicts that change where it is moved by a quarter.
+//! The numbers in `economy.rs` only save time. Three thresholds stand in `identify`, beside the statistics that
+//! they bound, because reports use them without a diagnosis: when a residual is more than noise
+//! ([`identify::SIGNIFICANT`]), what counts as a push, and when two results contradict each other.
+//! `docs/thresholds.md` lists the verdicts that change when a number of this file is moved by a quarter.
 
-/// Declares the numbers once: the struct, its usual values, and the list by which one of them can be moved.
+/// Declares the numbers once: the struct, the default values, and the list through which a number can be changed
+/// by its name.
 macro_rules! thresholds {
     ($($(#[$about:meta])* $name:ident = $value:expr),* $(,)?) => {
-        /// The numbers that decide verdicts. "Judgement" says that no statistics gives the number; it then
-        /// also says on what it was calibrated.
+        /// The numbers that decide verdicts. "Judgement" marks a number that no statistical theory gives; its
+        /// comment then says on what it was calibrated.
         #[derive(Clone, Debug, PartialEq)]
         pub struct Thresholds {
             $($(#[$about])* pub $name: f64,)*
@@ -22,7 +23,7 @@ macro_rules! thresholds {
         }
 
         impl Thresholds {
-            /// Every number with its name, to be read or moved.
+            /// Every number with its name, to be read or changed.
             pub fn each(&mut self) -> Vec<(&'static str, &mut f64)> {
                 vec![$((stringify!($name), &mut self.$name),)*]
             }
@@ -31,73 +32,75 @@ macro_rules! thresholds {
 }
 
 thresholds! {
-    /// Difference of the logarithm of the evidence beyond which one model is preferred to another:
-    /// odds of 20 to one, "strong" in the scale of Kass & Raftery (JASA 90 (1995)). Below it they tie.
+    /// Two models tie if the logarithms of their evidence differ by less than this. The value 3 means odds of
+    /// 20 to one, "strong" in the scale of Kass & Raftery (JASA 90 (1995)).
     tie = 3.0,
-    /// Periods of an oscillation for each independent value of its misfit. A misfit of an oscillation is a slow
-    /// error of its amplitude and phase: two numbers. What causes it on a real bench (play, dust, a zero
-    /// that creeps) is taken to renew itself every three periods, so that a log is worth at least one
-    /// value for each one and a half of them. Judgement; a calibration is not
-    /// recorded.
+    /// Periods of an oscillation that count as one independent value of its misfit. The misfit of an oscillation
+    /// is a slow error of amplitude and phase: two numbers. The cause on a real bench (play, dust, a creeping
+    /// zero) is assumed to renew itself every three periods. A log is therefore worth at least one independent
+    /// value per one and a half periods. Judgement; no calibration is recorded.
     periods_per_value = 1.5,
-    /// Structure of this size in units of a channel's noise counts as "something remains". Judgement: the noise
-    /// itself is the scale below which nobody looking at the figure would see a misfit.
+    /// A structured remainder of at least this size, in units of a channel's noise, counts as "something
+    /// remains". Judgement: a misfit below the noise is not visible in a figure.
     remains = 1.0,
-    /// Explanations that tie are worth a choice if the best of them leaves at most this much structure in
-    /// units of noise; beyond it, what they share is that they do not explain the measurements. Judgement,
-    /// with the exam, in which outsiders leave at least this.
+    /// Explanations that tie are offered as alternatives if the best of them leaves at most this structured
+    /// remainder, in units of noise. If it leaves more, none of them explains the measurements. Judgement, from
+    /// the exam: effects that are not in the library leave at least this much.
     left_by_ties = 3.0,
-    /// Least gain of a suspect in χ²: the 1e-5 point for two parameters, so that even twenty suspects on
-    /// white noise pass it once in five thousand benches.
+    /// Least gain in χ² for which a suspect is fitted: the 1e-5 point of χ² with two degrees of freedom. With
+    /// twenty suspects and white noise, one passes by chance on one bench in five thousand.
     least_gain = 23.0,
-    /// Least gain in χ² of what refines the answer: the 1 % point for two parameters, since this is asked
-    /// once and not of twenty suspects. What gains so little is not chosen for it, but it is named beside the
-    /// answer.
+    /// Least gain in χ² of a refinement of the answer: the 1 % point of χ² with two degrees of freedom. It is
+    /// less strict than `least_gain` because one refinement is tested, not twenty suspects. A refinement with
+    /// such a gain is not chosen for that alone, but the report names it beside the answer.
     least_gain_of_refinement = 9.2,
-    /// An effect that takes less than this part of what the model misses in the experiments in which it
-    /// acts is not what is missing there: an unknown cause looks a little like everything. Beside what
-    /// is missing it may be real, and is found once that has been added. Judgement; the verdicts of the exam
-    /// were the same without it when it came.
+    /// An effect is set aside if it explains less than this share of the misfit in the experiments in which it
+    /// acts: every effect can imitate a small part of an unknown cause. Such an effect may still be real beside
+    /// the main cause, and is found once the main cause has been added. Judgement; when it was introduced, the
+    /// verdicts of the exam were the same with and without it.
     least_part = 0.01,
-    /// An effect must lower the error of some series by at least this share of the series' noise (root
-    /// of the difference of the mean squares). What is smaller may be significant in ten thousand
-    /// samples, and yet be the imperfection of an integration rule or of a clock. Judgement; a
-    /// calibration is not recorded.
+    /// An effect must lower the error of at least one series by this share of the series' noise; the fall is the
+    /// root of the difference of the mean squared errors. A smaller fall can be statistically significant in
+    /// ten thousand samples and still come from the integration rule or from a clock. Judgement; no calibration
+    /// is recorded.
     least_trace = 0.2,
-    /// The same for a refinement that takes the place of a term: it speaks about that very term, whose own
-    /// imperfection is known (see `imperfection.rs`). A hundredth of the noise's variance. Judgement,
-    /// calibrated on 219 drawn benches with dry friction: 11 answers became right by it and none wrong.
+    /// As `least_trace`, for a refinement that replaces a term of the model. A smaller fall is enough, because the
+    /// imperfection of that term is known (see `imperfection.rs`). The value is a hundredth of the noise's
+    /// variance. Judgement, calibrated on 219 drawn benches with dry friction: it made 11 more answers right
+    /// and none wrong.
     least_trace_of_refinement = 0.1,
-    /// The same for an effect beside others that were added before it, in experiments in which they act:
-    /// their terms have imperfections of their own (dry friction with its smoothed sign sticks a little
-    /// less than a real joint; a window knows its past from noisy samples), which another effect may take
-    /// up. A refinement is spared. Judgement, made with the exam; figures are not recorded.
+    /// As `least_trace`, for an effect that joins others that act in the same experiment. The terms of those
+    /// others are imperfect: dry friction with a smoothed sign sticks a little less than a real joint, and a
+    /// window takes its history from noisy samples. A further effect can absorb such
+    /// an error. Refinements are exempt. Judgement, made with the exam; the figures are not recorded.
     least_trace_beside = 0.5,
-    /// What is added beside others must also show at least this share of their trace: dry friction
-    /// whose sign is smoothed over 0.01 rad/s is that of a real joint to about half a percent, and twice
-    /// that is asked.
+    /// An effect that joins others must also lower an error by at least this share of what the others lowered it
+    /// by. Dry friction with its sign smoothed over 0.01 rad/s agrees with that of a real joint to about half a
+    /// percent; the threshold is twice that.
     least_share_of_trace = 0.01,
-    /// And so many times what the smoothed sign of dry friction alone would leave there (see
-    /// `imperfection.rs`): of a smaller trace a quarter of the square could be that, and the sign that
-    /// stands for sticking there is ten times as sharp and not infinitely so.
+    /// It must also lower an error by this many times the misfit that the smoothed sign of dry friction alone
+    /// leaves there (see `imperfection.rs`). At a factor of two, that misfit makes up at most a quarter of the
+    /// squared fall. The computed misfit is a lower bound: the "sticking" joint in its computation has a sign that
+    /// is ten times sharper, not infinitely sharp.
     times_imperfection = 2.0,
-    /// Standard errors by which a fault of the gyroscope must show against the angle: of an
-    /// error that is Gaussian 99.7 % lie within three.
+    /// A fault of the gyroscope is plain if the comparison with the angle shows it at more than this many
+    /// standard errors. Of a Gaussian error, 99.7 % lies within three.
     plain_fault = 3.0,
-    /// Standard errors beyond which experiments or knowns that contradict each other keep a verdict from being
-    /// "explained". The test itself reports from the 1e-3 point of its bench; ten is asked here, since the standard
-    /// errors know the noise and its correlation but not the imperfections of an integration rule or a clock,
-    /// which grow beside them with the number of samples. Judgement, by the exam: see docs/thresholds.md.
+    /// Two experiments, or a measured and a stated value, that differ by more than this many standard errors
+    /// prevent the verdict "explained". The test of contradictions itself reports from its 1e-3 point on. Here ten is
+    /// asked because a standard error covers the noise and its correlation, but not the errors of an
+    /// integration rule or a clock; measured in standard errors, those grow with the number of samples.
+    /// Judgement, by the exam: see docs/thresholds.md.
     contradiction = 10.0,
-    /// Share of what a model misses that cogging must take over short windows, for the logs to be read in
-    /// them: beside a larger effect it is found once that has been added. Half: it must be the larger part.
+    /// The logs are read in short windows if cogging explains at least this share of the misfit there. Half means
+    /// that cogging is the larger part. Beside a larger effect, cogging is found once that effect has been added.
     cogging_share = 0.5,
-    /// The largest trace that is thought of beforehand, in units of noise, for the probability of effects beside
-    /// something unknown. Judgement: three decades. Calibrated on the exam, where suspects that took half
-    /// to nine tenths of an outsider's misfit were there in one case of twenty.
+    /// Upper end of the prior for the trace of an effect beside something unknown, in units of noise. Judgement:
+    /// three decades. Calibrated on the exam: suspects that explained half to nine tenths of the misfit of an
+    /// unknown effect were really present in one case of twenty.
     largest_trace = 1e3,
-    /// How much more probable it is beforehand that what is unknown acts alone than that a library effect
-    /// acts beside it: two causes at once are rarer than one. Judgement, of the order that the exam's draw
-    /// bears out, in which nine of ten benches with a remainder hide nothing else.
+    /// Prior odds that an unknown cause acts alone, against an unknown cause beside an effect of the library: two
+    /// causes at once are rarer than one. Judgement; the exam's draw agrees in its order of magnitude: nine of ten
+    /// benches with a remainder hide nothing else.
     alone_to_beside = 9.0,
 }

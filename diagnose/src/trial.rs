@@ -11,8 +11,8 @@ use crate::candidate::Candidate;
 use crate::economy::{KEPT_SHARE, LEAST_SHARE, MOST_STARTS, MUCH, STILL_MISSES};
 use crate::score::{Start, refined_starts};
 
-/// The effects beyond the diagnosed model after `effect` has been added to those of `from`, which made it
-/// `model`.
+/// The added effects of `model`, which came from `from` by adding `effect` (and may have lost an effect that
+/// `effect` replaces).
 pub fn added(from: &Candidate, model: &Model, effect: EffectId) -> Vec<EffectId> {
     let mut added = from.added.clone();
     added.retain(|present| model.has(*present));
@@ -20,24 +20,24 @@ pub fn added(from: &Candidate, model: &Model, effect: EffectId) -> Vec<EffectId>
     added
 }
 
-/// The costs at which a fit on top of a candidate begins to matter. Once another one leaves nothing but
-/// noise, an explanation that competes with it must take nearly as much of the misfit.
+/// The costs (χ²) below which a fit on top of a candidate is of interest. Once another fit leaves nothing but
+/// noise, a competing explanation must remove nearly as much of the misfit.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
-    /// In the windows of the score test.
+    /// The limit in the windows of the score test.
     windows: f64,
-    /// Over the whole logs.
+    /// The limit over the whole logs.
     pub whole: f64,
 }
 
 impl Goal {
-    /// Every fit matters.
+    /// No limit: every fit is of interest.
     pub const ANY: Goal = Goal {
         windows: f64::INFINITY,
         whole: f64::INFINITY,
     };
 
-    /// On top of `from`, beside a `leader` that leaves nothing.
+    /// The limits for fits on top of `from` that compete with a `leader` that leaves no remainder.
     pub fn beside(from: &Candidate, leader: &Candidate) -> Goal {
         Goal {
             windows: within_reach(from.point().cost, leader.point().cost),
@@ -46,22 +46,22 @@ impl Goal {
     }
 }
 
-/// The cost that takes [`KEPT_SHARE`] of what lies between two.
+/// The cost that is reached after [`KEPT_SHARE`] of the way from the cost `from` to the cost `leader`.
 fn within_reach(from: f64, leader: f64) -> f64 {
     from - KEPT_SHARE * (from - leader)
 }
 
-/// A fit in the windows of the score test, and where it came from.
+/// A fit in the windows of the score test, with its starting point.
 #[derive(Clone, Debug)]
 pub struct Rough {
     /// The fit.
     minimum: Minimum,
-    /// Its start.
+    /// The starting point.
     start: Start,
 }
 
-/// Fits an effect on top of `point` in the windows of the score test, from the starts that promise most.
-/// `None` where that brings nothing: a fit that leaves the effect at nothing is that of the smaller model.
+/// Fits an effect on top of `point` in the windows of the score test, from the most promising starting points.
+/// `None` if the gain is too small: a fit with the effect at zero is that of the smaller model.
 fn fit_roughly(
     bench: &SearchBench,
     point: &Minimum,
@@ -77,7 +77,7 @@ fn fit_roughly(
     let effort = bench.until_called_off(effort);
     let mut best: Option<Rough> = None;
     for start in starts.into_iter().take(MOST_STARTS) {
-        // What has been reached already, or nearly, no other start is tried for.
+        // A start that promises hardly more than what has been reached is skipped.
         let promised = KEPT_SHARE * (point.cost - start.promised_cost);
         if best.as_ref().is_some_and(|best| {
             point.cost - best.minimum.cost >= promised && !has_strayed(bench, best)
@@ -104,8 +104,8 @@ fn fit_roughly(
     Ok(best.filter(|rough| point.cost - rough.minimum.cost >= bench.least_gain))
 }
 
-/// Whether a fit has come to the end of the range of one of its effect's own parameters and still misses
-/// something: from another start it may come to a place that means something.
+/// Whether a fit ended on a bound of one of the effect's own parameters and still misses something. Another
+/// starting point may then lead to a meaningful minimum.
 fn has_strayed(bench: &SearchBench, rough: &Rough) -> bool {
     let (start, minimum) = (&rough.start, &rough.minimum);
     let Some(at) = start.model.position(start.effect) else {
@@ -119,9 +119,9 @@ fn has_strayed(bench: &SearchBench, rough: &Rough) -> bool {
     is_at_end && minimum.cost > STILL_MISSES * bench.noise_cost()
 }
 
-/// The parameters and windows from which the whole logs are fitted: those of the fit in short windows, or
-/// those of the smaller model over the whole logs with the new effect's parameters, whichever lies nearer.
-/// Where the free run drifts away the two are far apart, and a small effect moves neither.
+/// The parameters and windows from which the whole logs are fitted. Two starting points are compared, and the one
+/// with the lower cost is taken: the fit in short windows, and the smaller model's fit over the whole logs
+/// with the new effect's parameters. The two are far apart where the free run drifts away.
 fn whole_start(
     bench: &SearchBench,
     from: &Candidate,
@@ -147,7 +147,7 @@ fn whole_start(
     }
 }
 
-/// Fits an effect over the whole logs after [`fit_roughly`].
+/// Fits an effect over the whole logs, after [`fit_roughly`].
 fn fit_whole(
     bench: &SearchBench,
     from: &Candidate,
@@ -166,7 +166,7 @@ fn fit_whole(
     let effort = full.towards(goal.whole);
     let (values, windows) = whole_start(bench, from, &rough, &start);
     let mut minimum = refit(records, &start.model, values, windows, &free, effort);
-    // What brings much in short windows must bring something over the whole logs.
+    // A large gain in short windows without any gain over the whole logs: fit again from scratch.
     let brings_much = point.cost - rough.cost > MUCH * point.cost;
     if minimum.cost > from.minimum.cost && brings_much && rough.cost <= goal.windows {
         bench.check()?;
@@ -204,12 +204,12 @@ fn fit_whole(
     ))
 }
 
-/// Whether a start is that of an effect that takes the place of another one.
+/// Whether the effect of a start replaces another one.
 pub fn is_refinement(start: &Start) -> bool {
     !start.effect.info().replaces.is_empty()
 }
 
-/// The best of those that were `reached` with effects that this one refines.
+/// Of the entries in `reached`, the one of lowest cost whose effect is refined by `effect`.
 fn refined<T>(effect: EffectId, reached: &[(EffectId, T)], cost: impl Fn(&T) -> f64) -> Option<&T> {
     let replaces = effect.info().replaces;
     reached
@@ -219,10 +219,9 @@ fn refined<T>(effect: EffectId, reached: &[(EffectId, T)], cost: impl Fn(&T) -> 
         .min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
-/// Fits the suspects that the score test has left in its windows, one after the other, those that promise most
-/// first: what one reaches is known to the next, and each fit keeps the machine busy by itself. Then the
-/// `refinements` of those on top of them. What remains takes what `least_gain` asks of an effect and a share
-/// of what the best one takes, or is refined by what does.
+/// Fits the screened suspects in the windows of the score test, the most promising first; each fit knows the best
+/// cost so far. Then fits the `refinements` on top of them. A fit is kept if it gains what `least_gain` (χ²)
+/// asks of its effect and [`LEAST_SHARE`] of the best gain, or if a fit that does refines it.
 pub fn fit_all_roughly(
     bench: &SearchBench,
     from: &Candidate,
@@ -241,7 +240,7 @@ pub fn fit_all_roughly(
         let gains = roughs.iter().map(|(_, rough)| gain(rough));
         gains.fold(0.0, f64::max)
     };
-    // Beside what leaves nothing but noise, others matter only if they come near it.
+    // Once a fit leaves nothing but noise, other fits matter only if they come near it.
     let near = |cost: f64| {
         if is_noise(cost) {
             within_reach(point.cost, cost)
@@ -265,15 +264,15 @@ pub fn fit_all_roughly(
         let Some(simpler) = refined(effect, &roughs, |rough| rough.minimum.cost) else {
             continue;
         };
-        // What takes little beside something else is not refined yet; what leaves nothing but noise is
-        // once it has been chosen.
+        // Two kinds of fit are not refined in this round: one that gains little beside the best, and one that leaves
+        // nothing but noise (it is refined after it has been chosen).
         let is_slight = gain(simpler) < LEAST_SHARE * best_gain(&roughs);
         if is_slight || is_noise(simpler.minimum.cost) {
             continue;
         }
         let fit = (&simpler.start.model, &simpler.minimum);
         let starts = refined_starts(bench, &from.minimum, fit, effect);
-        // A refinement that comes out as what it refines is that.
+        // A refinement must gain something beyond the effect that it refines.
         let least = point.cost - least_gain(effect);
         let least = least.min(simpler.minimum.cost - bench.least_gain);
         let found = fit_roughly(bench, &simpler.minimum, starts, reach.min(least))?;
@@ -294,8 +293,7 @@ pub fn fit_all_roughly(
     Ok(roughs)
 }
 
-/// Fits over the whole logs what [`fit_all_roughly`] has left: what refines another effect last, otherwise those
-/// that take most first.
+/// Fits the results of [`fit_all_roughly`] over the whole logs: those of lowest cost first, refinements last.
 pub fn fit_all_wholly(
     bench: &SearchBench,
     from: &Candidate,
@@ -324,8 +322,12 @@ pub fn fit_all_wholly(
     Ok(candidates)
 }
 
-/// Refits a candidate without one of its effects. `known` is what an earlier fit of that set has reached:
-/// `None` if this one is no better, as far as the short windows show where there are any.
+/// Refits a candidate without one of its effects. `known` returns an earlier candidate with the smaller set of
+/// effects, if there is one. The result is `None` if the new fit in short windows is not better than the
+/// earlier one there.
+///
+/// # Errors
+/// [`Cancelled`].
 pub fn without(
     bench: &SearchBench,
     from: &Candidate,

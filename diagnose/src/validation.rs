@@ -1,11 +1,10 @@
-//! How well a model predicts an experiment that its fit has not seen.
+//! How well a model predicts an experiment that was left out of its fit.
 //!
-//! Each experiment is left out in turn. The parameters that the others would give follow from the
-//! fit to all by one Newton step on the normal equations without that experiment's share; the start
-//! of the experiment is then fitted (nobody knows it) and nothing else. An experiment that alone
-//! determines a parameter cannot be predicted by the others and is passed over. A bench of one
-//! experiment, or of experiments that share nothing, is split in time: the first half predicts the
-//! second.
+//! Each experiment is left out in turn. One Newton step on the normal equations without that experiment's share
+//! gives the parameters that the other experiments alone would give. Then only the start of the left-out motion is
+//! fitted, since nobody knows it beforehand. An experiment that alone determines a parameter cannot be predicted
+//! from the others and is skipped. If no experiment can be left out, each log is split in time: the
+//! first halves predict the second halves.
 
 use identify::{
     Effort, Minimum, Output, Record, Unknowns, final_windows, minimise, pseudo_inverse, score_test,
@@ -15,11 +14,10 @@ use plant::Model;
 
 use crate::bench::SearchBench;
 
-/// A parameter counts as determined by the other experiments if they hold at least this share of
-/// the information on it.
+/// The other experiments determine a parameter if they hold at least this share of the Fisher information on it.
 const LEAST_INFORMATION: f64 = 1e-2;
 
-/// A series that the parameters have not seen, against its prediction.
+/// A held-out series, compared with its prediction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldOut {
     /// The experiment's name.
@@ -32,11 +30,11 @@ pub struct HeldOut {
     pub noise_std: f64,
     /// Number of samples.
     pub samples: usize,
-    /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖).
+    /// Fit in percent: 100 (1 − ‖y − ŷ‖/‖y − mean y‖), with y measured and ŷ predicted.
     pub fit_percent: f64,
 }
 
-/// What the parameters have not seen.
+/// Which data are held out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unseen {
     /// Whole experiments, each predicted by the others.
@@ -45,7 +43,7 @@ pub enum Unseen {
     SecondHalves,
 }
 
-/// Every series that moves, predicted by parameters that have not seen it, and what that is; empty where
+/// Predicts every held-out series that varies by more than its noise, and says which data are held out. Empty if
 /// nothing can be held out.
 pub fn held_out(bench: &SearchBench, model: &Model, minimum: &Minimum) -> (Unseen, Vec<HeldOut>) {
     let series = by_experiment(bench, model, minimum);
@@ -56,9 +54,9 @@ pub fn held_out(bench: &SearchBench, model: &Model, minimum: &Minimum) -> (Unsee
     }
 }
 
-/// Whether held-out prediction is plainly worse after a step than before it: the squared errors of the series
-/// that both predict are larger in sum, in units of the noise, by more than a hundredth. Noise alone moves the
-/// sum over n samples by √(2/n) of it, a hundredth at 20,000 samples; beside a misfit it moves it by less.
+/// Whether a step makes the held-out prediction plainly worse: the sum of squared errors, in units of noise, over the
+/// series that both models predict grows by more than 1 %. Noise alone changes a sum over n samples by a share of
+/// √(2/n), which is 1 % at 20,000 samples; where a misfit adds to the noise, by a smaller share.
 pub fn is_worse(before: &[HeldOut], after: &[HeldOut]) -> bool {
     let pairs = before.iter().filter_map(|old| {
         let is_same = |new: &&HeldOut| new.experiment == old.experiment && new.output == old.output;
@@ -72,7 +70,7 @@ pub fn is_worse(before: &[HeldOut], after: &[HeldOut]) -> bool {
     new_cost > 1.01 * old_cost
 }
 
-/// Mean fit percent over held-out series; NaN if there is none.
+/// Mean of `fit_percent` over held-out series; NaN if there are none.
 pub fn mean_fit_percent(series: &[HeldOut]) -> f64 {
     if series.is_empty() {
         return f64::NAN;
@@ -80,7 +78,7 @@ pub fn mean_fit_percent(series: &[HeldOut]) -> f64 {
     series.iter().map(|one| one.fit_percent).sum::<f64>() / series.len() as f64
 }
 
-/// A record's channels against given parameters; only its start is fitted, with this effort.
+/// Predicts the channels of a record with given parameters; only the start of the motion is fitted, with `effort`.
 fn predicted(
     record: &Record,
     model: &Model,
@@ -112,7 +110,7 @@ fn predicted(
         .collect()
 }
 
-/// Whether a channel varies by more than its noise: a fit percent compares with the variation.
+/// Whether a channel varies by more than its noise. The fit percentage divides by the variation.
 fn moves(channel: &identify::RecordedChannel) -> bool {
     let finite = channel.samples.iter().filter(|sample| sample.is_finite());
     let n = finite.clone().count().max(1) as f64;

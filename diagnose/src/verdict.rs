@@ -1,22 +1,22 @@
-//! The verdict that the findings of a search come to.
+//! The verdict that follows from the findings of a search.
 
 use crate::thresholds::Thresholds;
 
-/// What the diagnosis says.
+/// The verdict of a diagnosis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The model explains the measurements down to the noise of the sensors.
     NothingMissing,
-    /// With the added effects it does.
+    /// The model with the added effects explains them down to the noise of the sensors.
     Explained,
     /// Several sets of effects explain the measurements equally well.
     Ambiguous,
-    /// Something remains that no effect of the library accounts for.
+    /// A remainder is left that no effect of the library explains.
     Unexplained,
 }
 
 impl Verdict {
-    /// The name in reports.
+    /// The name of the verdict in reports.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::NothingMissing => "nothing-missing",
@@ -27,26 +27,26 @@ impl Verdict {
     }
 }
 
-/// What a verdict rests on.
+/// The findings on which a verdict rests.
 #[derive(Clone, Copy, Debug)]
 pub struct Findings {
-    /// Number of effects of the candidate with what could be added for certain.
+    /// Number of added effects in the candidate with everything that is certain.
     pub added: usize,
-    /// What that candidate leaves, the largest structured remainder in units of noise.
+    /// The largest structured remainder of that candidate, in units of noise.
     pub remainder: f64,
     /// Number of candidates that tie.
     pub ties: usize,
-    /// What the best of them leaves, likewise.
+    /// The largest structured remainder of the best of those, in units of noise.
     pub left_by_ties: f64,
 }
 
-/// The verdict.
+/// Derives the verdict from the findings.
 pub fn verdict(findings: &Findings, thresholds: &Thresholds) -> Verdict {
     let remains = findings.remainder > thresholds.remains;
-    // What ties share may be all that there is: where it leaves less than the noise, additions that
-    // disagree with each other are the imperfections of its terms and no effects.
+    // If the effects that the ties share leave less than the noise, the answer is complete: the further effects,
+    // on which the ties disagree, only absorb imperfections of the shared terms.
     let is_shared = findings.added > 0 && !remains;
-    // Explanations that tie but leave most of it unexplained explain nothing.
+    // Explanations that tie but leave a large remainder explain nothing.
     let explain = findings.ties > 1 && findings.left_by_ties <= thresholds.left_by_ties;
     if explain && !is_shared {
         Verdict::Ambiguous

@@ -1,17 +1,17 @@
-//! What is true of a bench, as far as it is known.
+//! The true answer for a bench, as far as it is known.
 
 use plant::EffectId;
 
 use crate::draw::ExamBench;
 
-/// What is true of a bench.
+/// The true answer for a bench.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The hidden effects of the library; for an outsider those that act besides it.
+    /// The hidden effects of the library. With an outsider, those that act beside it.
     pub effects: Vec<EffectId>,
     /// True parameters in SI by name, as far as they are known.
     pub parameters: Vec<(String, f64)>,
-    /// A term hides that no suspect accounts for.
+    /// Whether a hidden term is not among the suspects.
     pub outside: bool,
 }
 
@@ -49,7 +49,7 @@ impl Answer {
         }
     }
 
-    /// The answer that names effects as a truth.json does; "unknown" stands for an outsider.
+    /// The answer from the names of effects in a truth.json; "unknown" stands for an outsider.
     ///
     /// # Errors
     /// [`UnknownEffect`] if the library does not have one of them.
@@ -74,7 +74,7 @@ impl Answer {
     }
 }
 
-/// A truth names an effect that the library does not have.
+/// A truth.json names an effect that the library does not have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{0}\" is no effect of the library; an outsider is called \"unknown\"")]
+#[error("\"{0}\" is not an effect of the library; an outsider is called \"unknown\"")]
 pub struct UnknownEffect(pub String);

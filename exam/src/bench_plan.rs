@@ -1,4 +1,4 @@
-//! The experiments of a bench of the exam, and their logs.
+//! The experiments of a bench of the exam, and their simulated logs.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -14,20 +14,20 @@ use crate::truth::Truth;
 /// Standard deviations of the sensors' noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorNoise {
-    /// Angle (rad), rate (rad/s), wheel speed (rad/s).
+    /// For angle (rad), rate (rad/s) and wheel speed (rad/s).
     pub std: [f64; 3],
 }
 
-/// How an experiment is driven.
+/// The current during an experiment.
 #[derive(Clone, Debug)]
 pub enum DriveProgram {
-    /// No current; the body is let go.
+    /// No current; the body is released.
     None,
     /// Current in A from 0.2 s on.
     Step(f64),
     /// A square wave of this current in A, one second each way.
     Square(f64),
-    /// u = −K (α − π, α̇, φ̇), clipped, and pushes that nobody records.
+    /// u = −K (α − π, α̇, φ̇), clipped, with pushes that no column records.
     Balanced {
         /// K in A/rad, A s/rad, A s/rad.
         gains: [f64; 3],
@@ -38,7 +38,7 @@ pub enum DriveProgram {
     },
 }
 
-/// One experiment as it is planned.
+/// The plan of one experiment.
 #[derive(Clone, Debug)]
 pub struct ExperimentPlan {
     /// Its name.
@@ -49,7 +49,7 @@ pub struct ExperimentPlan {
     pub angle_rad: f64,
     /// Wheel speed at the start, rad/s.
     pub wheel_speed_rad_s: f64,
-    /// What drives it.
+    /// The current.
     pub driving: DriveProgram,
     /// Length in s.
     pub duration_s: f64,
@@ -57,23 +57,23 @@ pub struct ExperimentPlan {
     pub sample_s: f64,
 }
 
-/// A log of the exam: what the sensors said, and what they would have said without noise.
+/// A log of the exam: the sensors' readings with and without noise.
 #[derive(Clone, Debug)]
 pub struct ExamLog {
     /// Sample times, s.
     pub time_s: Vec<f64>,
-    /// Angle, rate, wheel speed with noise.
+    /// Angle (rad), rate (rad/s) and wheel speed (rad/s) with noise.
     pub measured: [Vec<f64>; 3],
-    /// The same without noise.
+    /// The same readings without noise.
     pub clean: [Vec<f64>; 3],
     /// Commanded current, A.
     pub current_a: Vec<f64>,
 }
 
-/// A balancing body that leaves upright by more than this, in rad, has fallen: the log ends there.
+/// A balancing body that is farther from upright than this, in rad, has fallen; the log ends there.
 const FALLEN_RAD: f64 = 0.4;
 
-/// Makes the experiment on the true bench. `seed` gives the noise.
+/// Simulates the experiment on the true bench. `seed` determines the noise.
 pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u64) -> ExamLog {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut motion = TrueMotion::new(truth, plan.kind, plan.angle_rad, plan.wheel_speed_rad_s);
@@ -81,8 +81,8 @@ pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u
     let samples = (plan.duration_s / plan.sample_s) as usize + 1;
     let whole = (delay_s / plan.sample_s).floor();
     let fraction_s = delay_s - whole * plan.sample_s;
-    // The command that is at work now is `whole` samples old, and until `fraction_s` into the
-    // interval one sample more.
+    // The command that acts now is `whole` samples old; until `fraction_s` into the
+    // interval, the one before it still acts.
     let mut history: VecDeque<f64> = VecDeque::from(vec![f64::NAN; whole as usize + 2]);
     let mut log = ExamLog {
         time_s: vec![],
@@ -132,7 +132,7 @@ pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u
             log.measured[index].push(measured[index]);
             log.clean[index].push(clean[index]);
         }
-        // Before the log the first command holds.
+        // Before the log, the first command is held.
         for value in history.iter_mut().filter(|value| value.is_nan()) {
             *value = command_a;
         }
@@ -153,15 +153,14 @@ pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u
     log
 }
 
-/// Whether a log shows enough of the experiment to be kept: a body that fell within two seconds
-/// does not make a balance log.
+/// Whether a log is long enough to be kept. A balance log is not if the body fell within two seconds.
 pub fn is_usable(plan: &ExperimentPlan, log: &ExamLog) -> bool {
     log.time_s.len() as f64 * plan.sample_s > 2.0
         && log.clean.iter().flatten().all(|value| value.is_finite())
 }
 
-/// The readings over a part of a log, under the current that was commanded in it, from another
-/// beginning or with other terms: angle, rate and wheel speed at each sample, to be compared with another replay.
+/// The readings (angle, rate, wheel speed) at each sample of a part of a log, under its recorded command, but from
+/// another start or with other terms. They are only to be compared with another replay.
 pub fn replay(
     truth: &Truth,
     kind: Kind,
@@ -178,7 +177,7 @@ pub fn replay(
             let sample_s = time_s[k + 1] - time_s[k];
             let whole = (delay_s / sample_s).floor();
             let fraction_s = delay_s - whole * sample_s;
-            // Before the log the first command holds.
+            // Before the log, the first command is held.
             let command_a = |back: usize| current_a[k.saturating_sub(back)];
             let back = whole as usize;
             let commands = (command_a(back + 1), time_s[k] + fraction_s, command_a(back));

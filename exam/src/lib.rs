@@ -1,20 +1,20 @@
-//! The exam: benches with a hidden effect, and how the verdicts of the diagnosis on them are marked.
+//! The exam: benches with a hidden effect, and marks for the verdicts of the diagnosis on them.
 //!
-//! The draw never asks the examinee: which bench a seed stands for follows from the exam's own simulator and
+//! The diagnosis has no influence on the draw: the bench of a seed follows from the exam's own simulator and
 //! from fits of the base model, never from a fit of the diagnosis.
 //!
 //! | file | job |
 //! |---|---|
-//! | `truth` | what hides in a bench; the terms that no library knows |
-//! | `true_motion` | the true motion, simulated more faithfully than any fit does it |
+//! | `truth` | the hidden terms of a bench; the terms that are not in the library |
+//! | `true_motion` | the true motion, simulated more exactly than in any fit |
 //! | `bench_plan` | the experiments of a bench and their logs |
-//! | `draw/` | which bench a seed stands for |
-//! | `answer` | what is true of a bench |
-//! | `rivals` | what else its logs allow, by refitting |
-//! | `marking` | how one verdict is marked |
+//! | `draw/` | the bench that belongs to a seed |
+//! | `answer` | the true answer for a bench |
+//! | `rivals` | other explanations that the logs allow, found by refitting |
+//! | `marking` | the mark of one verdict |
 //! | `marks` | the marks of many benches together |
 //! | `sitting` | an exam over seeds or over a folder of benches |
-//! | `report` | the marks as they are handed out |
+//! | `report` | the marks as JSON data |
 //! | `tables`, `drawings` | the marks as CSV and as figures |
 
 mod answer;

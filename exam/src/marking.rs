@@ -1,9 +1,9 @@
-//! How one verdict is marked.
+//! The mark of one verdict.
 //!
-//! What the logs can decide is worked out by refitting: the true set of effects, started at the true
-//! parameters, against every rival that the suspects offer in its place. A rival's distance is the
-//! difference of χ² plus ln n for every parameter that it has more (Schwarz 1978). Sets at nearly
-//! the same distance tie, and then "ambiguous" is the right answer; a simpler set that is no worse
+//! Refits decide what the logs can tell: the true set of effects, started at the true
+//! parameters, is compared with every rival set that the suspects offer in its place. A rival's distance is the
+//! difference of χ², plus ln n for every parameter that it has more (Schwarz 1978). Sets at nearly
+//! the same distance tie; then "ambiguous" is the right answer. A simpler set that is no worse
 //! is as right as the truth.
 
 use std::borrow::Cow;
@@ -17,33 +17,33 @@ use plant::{EffectId, Model};
 use crate::answer::Answer;
 use crate::rivals::{CLOSE, EQUAL, Rival, rivals};
 
-/// A missed effect whose trace is at least this, in units of noise, makes "nothing missing" and
-/// "explained" wrong and not only blind.
+/// If an effect with at least this trace, in units of noise, is missed, "nothing missing" and
+/// "explained" are wrong. With a smaller trace, the effect counts as missed only.
 pub const PLAIN: f64 = 3.0;
 
-/// What a verdict is worth.
+/// The mark of a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// Right: the true effects, "nothing missing" where nothing is, "ambiguous" where the logs
-    /// leave a tie, "unexplained" for an outsider.
+    /// Right: the true effects; "nothing missing" if nothing is hidden; "ambiguous" if the logs
+    /// leave a tie; "unexplained" for an outsider.
     Right,
-    /// Less was said than the logs allow, but nothing wrong: "ambiguous" with the truth among the
-    /// sets, or the true effects and "unexplained".
+    /// Less than the logs allow, but nothing wrong: "ambiguous" with the truth among the
+    /// sets, or the true effects with "unexplained".
     Cautious,
-    /// A tie was decided, by luck rightly.
+    /// The right one of tying sets was named with confidence, by luck.
     Lucky,
-    /// Not confident, and the truth is not among what was named.
+    /// Not confident, and the truth is not among the named sets.
     Astray,
-    /// An effect with a small trace was not seen.
+    /// An effect with a small trace was not found.
     Missed,
-    /// Nothing is hidden, and an effect was named or structure reported.
+    /// Nothing is hidden, but an effect was named or structure reported.
     FalseAlarm,
-    /// A wrong confident verdict.
+    /// A confident verdict that is wrong.
     Wrong,
 }
 
 impl Mark {
-    /// In words.
+    /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Mark::Right => "right",
@@ -57,7 +57,7 @@ impl Mark {
     }
 }
 
-/// An added parameter against its true value.
+/// An added parameter compared with its true value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interval {
     /// The parameter.
@@ -71,54 +71,54 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Whether the 95 % interval holds the truth.
+    /// Whether the 95 % interval contains the true value.
     pub fn covers(&self) -> bool {
         (self.value - self.truth).abs() <= 1.959_964 * self.std
     }
 }
 
-/// A marked verdict.
+/// A verdict with its mark.
 #[derive(Clone, Debug)]
 pub struct Paper {
     /// The verdict.
     pub verdict: Verdict,
-    /// The effects that it is certain of.
+    /// The effects that the verdict calls certain.
     pub named: Vec<EffectId>,
     /// All suspects with their probabilities, most probable first.
     pub suspects: Vec<(EffectId, f64)>,
-    /// The sets that it says tie.
+    /// The sets that the verdict calls a tie.
     pub ambiguous_between: Vec<Vec<EffectId>>,
-    /// What remains, in units of noise.
+    /// The largest structured remainder, in units of noise.
     pub remainder: f64,
     /// The mark.
     pub mark: Mark,
     /// Effects that count as true: the hidden ones, and those of simpler sets that are no worse.
     pub accepted: Vec<EffectId>,
-    /// The sets that tie with the truth, with their distance.
+    /// The sets that tie with the truth, each with its distance.
     pub ties: Vec<(Vec<EffectId>, f64)>,
-    /// For each hidden effect its trace beside the others, in units of noise.
+    /// For each hidden effect: its trace beside the others, in units of noise.
     pub shown: Vec<f64>,
-    /// Added parameters against the truth, where the effects named are the true ones.
+    /// Added parameters compared with the truth, if the named effects are the true ones.
     pub intervals: Vec<Interval>,
     /// Time that the verdict took, identification included, s.
     pub seconds: f64,
 }
 
-/// A bench could not be marked.
+/// The reason why a bench could not be marked.
 #[derive(Debug, thiserror::Error)]
 pub enum MarkError {
     /// It cannot be identified.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-    /// The work was called off.
+    /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// Lets the diagnosis answer a bench, and marks it.
+/// Lets the diagnosis answer a bench, and marks the verdict.
 ///
 /// # Errors
-/// [`MarkError`] if the bench cannot be identified, or the work is called off.
+/// [`MarkError`] if the bench cannot be identified, or the work is cancelled.
 pub fn mark(
     problem: &FitProblem,
     answer: &Answer,
@@ -135,7 +135,7 @@ pub fn mark(
     };
     let diagnosis = diagnose_with(problem, &base, found.fit.minimum, &options, progress)?;
     let seconds = started.elapsed().as_secs_f64();
-    // What the logs can decide is worked out without the pushes that the diagnosis leaves out, too.
+    // The pushes that the diagnosis leaves out are left out here as well.
     let cleared = problem.with_more_pushes(&base, &minimum.values);
     if let Some(cleared) = &cleared {
         minimum = refit(
@@ -199,7 +199,7 @@ fn marked(
         .any(|set| is_accepted(set));
     let is_subset =
         |small: &[EffectId], large: &[EffectId]| small.iter().all(|effect| large.contains(effect));
-    // A limit of the true effect (dry friction for presliding) is the truth but for what it lacks.
+    // A limiting case of the true effect (dry friction for presliding) counts as true, if its missing part is small.
     let is_limit = rivals
         .iter()
         .any(|rival| rival.set == named && rival.lacks.is_some_and(|lacks| lacks < PLAIN));
@@ -273,7 +273,7 @@ fn intervals(problem: &FitProblem, fit: &Fit, answer: &Answer) -> Vec<Interval> 
             let Some(position) = fit.model.position_of(info.name) else {
                 continue;
             };
-            // Per unit of inertia there is no true value to compare with.
+            // Per unit of inertia, there is no true value to compare with.
             if problem.unit(&fit.model, position) != info.unit {
                 continue;
             }

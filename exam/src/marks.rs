@@ -13,15 +13,15 @@ use crate::marking::{Mark, PLAIN, Paper};
 pub struct Entry {
     /// The seed or folder.
     pub label: String,
-    /// What hides, in words, one entry a term.
+    /// The hidden terms in words, one entry per term.
     pub truth: Vec<String>,
     /// The hidden effects of the library, sorted.
     pub hidden: Vec<EffectId>,
-    /// Something hides that no suspect accounts for.
+    /// Whether a hidden term is not among the suspects.
     pub outside: bool,
-    /// Size of each hidden term alone, in units of noise; empty if nobody knows.
+    /// Size of each hidden term alone, in units of noise; empty if unknown.
     pub sizes: Vec<f64>,
-    /// Noise of angle (rad), rate (rad/s) and wheel speed (rad/s); empty if nobody knows.
+    /// Noise of angle (rad), rate (rad/s) and wheel speed (rad/s); empty if unknown.
     pub noise: Vec<f64>,
     /// The experiments of the bench.
     pub experiments: Vec<String>,
@@ -32,7 +32,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// A marked bench of which nobody knows the sizes.
+    /// A marked bench with unknown sizes.
     pub fn new(
         label: String,
         truth: Vec<String>,
@@ -62,7 +62,7 @@ impl Entry {
         })
     }
 
-    /// Whether every hidden effect leaves a trace of at least [`PLAIN`].
+    /// Whether every hidden effect has a trace of at least [`PLAIN`].
     pub fn is_plain(&self) -> bool {
         self.sizes.iter().all(|size| *size >= PLAIN)
             && self.paper.shown.iter().all(|shown| *shown >= PLAIN)
@@ -104,13 +104,13 @@ impl Entry {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(into = "StatedRate")]
 pub struct Rate {
-    /// How many.
+    /// The count.
     pub count: usize,
-    /// Out of how many.
+    /// The number of cases.
     pub of: usize,
 }
 
-/// A rate as it is written: with its share and the 95 % interval of that.
+/// A rate as it is serialised: with its share and the 95 % interval of the share.
 #[derive(Serialize)]
 struct StatedRate {
     count: usize,
@@ -132,7 +132,7 @@ impl From<Rate> for StatedRate {
 }
 
 impl Rate {
-    /// Counts those for which `holds`.
+    /// Counts the elements for which `holds` is true.
     pub fn over<'a, T: 'a>(all: impl Iterator<Item = &'a T>, holds: impl Fn(&T) -> bool) -> Rate {
         all.fold(Rate::default(), |rate, one| Rate {
             count: rate.count + usize::from(holds(one)),
@@ -140,7 +140,7 @@ impl Rate {
         })
     }
 
-    /// The share, NaN if there is no case.
+    /// The share; NaN if there is no case.
     pub fn share(&self) -> f64 {
         self.count as f64 / self.of as f64
     }
@@ -158,47 +158,47 @@ impl Rate {
     }
 }
 
-/// Statements of about one probability.
+/// Statements with about the same stated probability.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ReliabilityShare {
     /// Mean stated probability.
     pub stated: f64,
-    /// How many came true.
+    /// How many of them came true.
     pub came_true: Rate,
 }
 
-/// What an exam shows.
+/// The result of an exam.
 #[derive(Clone, Debug)]
 pub struct Marks {
-    /// One hidden effect with a trace of at least [`PLAIN`], no tie: it stands first.
+    /// One hidden effect with a trace of at least [`PLAIN`], no tie: it is the first suspect.
     pub first: Rate,
-    /// The same: it stands among the first two.
+    /// The same cases: it is among the first two suspects.
     pub first_two: Rate,
     /// One hidden effect, any size: marked right.
     pub one_right: Rate,
-    /// Two hidden effects that both show plainly: both named, alone or in a tie.
+    /// Two hidden effects, both with a trace of at least [`PLAIN`]: both named, alone or in a tie.
     pub both: Rate,
     /// Outsiders called unexplained.
     pub outsiders: Rate,
-    /// Nothing hidden, and yet an alarm.
+    /// Nothing hidden: false alarms.
     pub false_alarms: Rate,
     /// Wrong confident verdicts among all benches.
     pub wrong: Rate,
-    /// Ties that were called so.
+    /// Ties that were called "ambiguous".
     pub ties: Rate,
-    /// 95 % intervals that hold the truth.
+    /// 95 % intervals that contain the true value.
     pub coverage: Rate,
-    /// Stated probabilities against frequencies, by tenths.
+    /// Stated probabilities compared with frequencies, by tenths.
     pub calibration: Vec<ReliabilityShare>,
-    /// Rows of the confusion matrix: what was true.
+    /// Rows of the confusion matrix: the truth.
     pub truths: Vec<String>,
-    /// Columns: what was answered.
+    /// Columns of the confusion matrix: the answer.
     pub answers: Vec<String>,
-    /// Counts, row after row.
+    /// Counts of the confusion matrix, row by row.
     pub confusion: Vec<usize>,
 }
 
-/// What a verdict answered, in one word or name, for the confusion matrix.
+/// The answer of a verdict in one word or name, for the confusion matrix.
 fn answered(entry: &Entry) -> String {
     match (entry.paper.verdict, entry.paper.named.as_slice()) {
         (Verdict::Explained, [one]) => one.name().to_owned(),
@@ -217,7 +217,7 @@ fn asked(entry: &Entry) -> String {
 }
 
 impl Marks {
-    /// Adds up the marks of these benches.
+    /// Summarises the marks of these benches.
     pub fn of(entries: &[Entry]) -> Marks {
         let one = || {
             entries
@@ -262,7 +262,7 @@ impl Marks {
 }
 
 impl Marks {
-    /// How many were marked right, by classes: `class` says to which a bench belongs.
+    /// How many were marked right in each class; `class` returns the classes of a bench.
     pub fn by(entries: &[Entry], class: impl Fn(&Entry) -> Vec<String>) -> Vec<(String, Rate)> {
         let mut names: Vec<String> = entries.iter().flat_map(&class).collect();
         in_order(&mut names);
@@ -277,7 +277,7 @@ impl Marks {
     }
 }
 
-/// Each name once: effects in the order of the library, then the rest by name.
+/// Removes duplicate names, and sorts: effects in the order of the library, then the others by name.
 fn in_order(names: &mut Vec<String>) {
     names.sort_by_key(|name| {
         let effect = EffectId::from_name(name);

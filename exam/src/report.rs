@@ -1,4 +1,4 @@
-//! The marks as they are handed out.
+//! The marks as JSON data.
 
 use std::path::PathBuf;
 
@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use crate::marks::{Entry, Marks, Rate};
 
-/// Statements of about one probability, and how often they came true.
+/// Statements with about the same stated probability, and how often they came true.
 #[derive(Clone, Debug, Serialize)]
 pub struct CalibrationReport {
     /// Mean stated probability.
     pub stated: f64,
-    /// How many came true.
+    /// How many of them came true.
     pub came_true: Rate,
 }
 
@@ -21,15 +21,15 @@ pub struct CalibrationReport {
 pub struct BenchReport {
     /// The seed or folder.
     pub bench: String,
-    /// What hides, one entry a term.
+    /// The hidden terms, one entry per term.
     pub truth: Vec<String>,
-    /// Size of each hidden term alone, in units of noise; empty if nobody knows.
+    /// Size of each hidden term alone, in units of noise; empty if unknown.
     pub sizes: Vec<f64>,
-    /// Noise of angle (rad), rate (rad/s) and wheel speed (rad/s); empty if nobody knows.
+    /// Noise of angle (rad), rate (rad/s) and wheel speed (rad/s); empty if unknown.
     pub noise: Vec<f64>,
     /// The verdict, by the name of [`Verdict::name`].
     pub verdict: &'static str,
-    /// The effects that were named.
+    /// The effects that the verdict calls certain.
     pub named: Vec<&'static str>,
     /// The suspects with their probabilities, most probable first.
     pub suspects: Vec<(&'static str, f64)>,
@@ -39,12 +39,12 @@ pub struct BenchReport {
     pub seconds: f64,
 }
 
-/// What an exam shows: the marks, by class and bench by bench.
+/// The result of an exam: the marks, by class and for each bench.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExamReport {
     /// Number of benches.
     pub benches: usize,
-    /// Seeds that have no bench whose hidden term counts.
+    /// Seeds without a bench whose hidden term counts.
     pub void: Vec<u64>,
     /// See [`Marks::first`].
     pub right_effect_first: Rate,
@@ -62,17 +62,17 @@ pub struct ExamReport {
     pub ties_called_ambiguous: Rate,
     /// See [`Marks::coverage`].
     pub interval_coverage: Rate,
-    /// Stated probabilities against frequencies, by tenths.
+    /// Stated probabilities compared with frequencies, by tenths.
     pub calibration: Vec<CalibrationReport>,
-    /// How many were marked right, by what hides.
+    /// How many were marked right, by hidden effect.
     pub by_effect: Vec<(String, Rate)>,
-    /// The same by the size of the smallest hidden term in units of noise.
+    /// How many were marked right, by the size of the smallest hidden term in units of noise.
     pub by_size: Vec<(String, Rate)>,
-    /// The same by the noise of the angle.
+    /// How many were marked right, by the noise of the angle.
     pub by_noise: Vec<(String, Rate)>,
     /// Bench by bench.
     pub verdicts: Vec<BenchReport>,
-    /// Files in which more is written, where there are any.
+    /// Further files that were written.
     pub files: Vec<PathBuf>,
 }
 

@@ -1,4 +1,4 @@
-//! The rivals of the truth: what else the logs allow, worked out by refitting.
+//! The rivals of the truth: other explanations that the logs allow, found by refitting.
 
 use std::sync::Arc;
 
@@ -10,27 +10,27 @@ use plant::{EffectId, Model};
 
 use crate::answer::Answer;
 
-/// A rival at less than this distance cannot be told from the truth (odds of 4 to one at most):
-/// a confident answer is luck.
+/// A rival at less than this distance cannot be distinguished from the truth (odds of 4 to one at most); a confident
+/// answer is then luck.
 pub const EQUAL: f64 = 3.0;
-/// Up to this distance (odds of 400 to one) "ambiguous" is as right as the truth.
+/// Up to this distance (odds of 400 to one), "ambiguous" is as right as the truth.
 pub const CLOSE: f64 = 12.0;
-/// χ² for each observation beyond which the fit of the true set has not found its minimum.
+/// χ² per observation above which the fit of the true set has not reached its minimum.
 const BAD: f64 = 1.3;
 
-/// A set of effects that was refitted beside the truth.
+/// A set of effects that was refitted as an alternative to the truth.
 pub struct Rival {
     /// The set.
     pub set: Vec<EffectId>,
-    /// Difference of χ² from the truth, and ln n for every parameter that it has more.
+    /// Difference of χ² from the truth, plus ln n for every parameter that it has more.
     pub distance: f64,
-    /// It has fewer parameters than the truth.
+    /// Whether it has fewer parameters than the truth.
     pub simpler: bool,
-    /// The truth contains it, and shows this trace beyond it in units of noise.
+    /// If the truth contains it: the trace of what it lacks, in units of noise.
     pub lacks: Option<f64>,
 }
 
-/// The true set fitted, started at what is known of its parameters.
+/// Fits the true set of effects, started at its true parameters as far as they are known.
 pub fn fitted(
     problem: &FitProblem,
     base: &Minimum,
@@ -54,8 +54,8 @@ pub fn fitted(
         *value = known.unwrap_or(*value);
     }
     let free = problem.free(&model);
-    // The starts of the logs are guessed once from the samples, once taken from the base fit; the
-    // better end counts. Where both ends are bad, the schedule from short windows finds a better one.
+    // The starts of the logs are taken once from the samples and once from the base fit; the fit of lower
+    // cost counts. If both are bad, the schedule from short windows finds a better one.
     let guessed = records
         .iter()
         .map(|record| final_windows(record, &values))
@@ -88,10 +88,10 @@ pub fn fitted(
     Candidate::new(problem, &records, effects.to_vec(), model, minimum, None)
 }
 
-/// All sets that could stand in the place of the true one, by distance, and the true one's traces.
+/// All sets that could replace the true one, by distance, and the traces of the true set.
 ///
 /// # Errors
-/// [`Cancelled`] if the work is called off.
+/// [`Cancelled`] if the work is cancelled.
 pub fn rivals(
     problem: &FitProblem,
     base: &Minimum,
@@ -141,7 +141,7 @@ pub fn rivals(
     let mut rivals: Vec<Rival> = vec![];
     for candidate in candidates {
         let set = candidate.set();
-        // A larger set that holds the truth is no rival: parsimony decides.
+        // A larger set that contains the truth is no rival: the simpler one is preferred anyway.
         if set == answer.effects || candidate.strictly_contains(&truth) {
             continue;
         }

@@ -1,4 +1,4 @@
-//! An exam over seeds, or over benches that lie in a folder with their truth.
+//! An exam over seeds, or over the benches of a folder with their truth.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -14,19 +14,19 @@ use crate::draw::draw;
 use crate::marking::{MarkError, mark};
 use crate::marks::Entry;
 
-/// A bench of a folder could not be marked.
+/// The reason why a bench of a folder could not be marked.
 #[derive(Debug, thiserror::Error)]
 pub enum SitError {
     /// A file or folder cannot be read.
     #[error("{file}: {error}", file = .0.display(), error = .1)]
     Read(PathBuf, std::io::Error),
-    /// A truth.json does not read as one; the message ends with line and column.
+    /// A truth.json is not valid; the message ends with line and column.
     #[error("{file}: {error}", file = .0.display(), error = .1)]
     Truth(PathBuf, serde_json::Error),
-    /// A truth.json names an effect that nobody has.
+    /// A truth.json names an effect that the library does not have.
     #[error("{file}: {error}", file = .0.display(), error = .1)]
     Effect(PathBuf, UnknownEffect),
-    /// There is no bench with its truth.
+    /// No bench with a truth.json was found.
     #[error("{}: there is no bench with a truth.json: neither here nor one folder below", .0.display())]
     NoBench(PathBuf),
     /// A bench cannot be read.
@@ -45,7 +45,7 @@ pub enum SitError {
 pub struct Sitting {
     /// The benches, in the order of their seeds.
     pub entries: Vec<Entry>,
-    /// Seeds that have no bench whose hidden term counts.
+    /// Seeds without a bench whose hidden term counts.
     pub void: Vec<u64>,
 }
 
@@ -69,7 +69,7 @@ pub fn sit(seed: u64) -> Option<Entry> {
     })
 }
 
-/// Sits the exam of these seeds, several at a time. `done` is told after each.
+/// Holds the exam for these seeds, several at a time. `done` is called after each one.
 pub fn sit_seeds(seeds: Range<u64>, done: &(dyn Fn() + Sync)) -> Sitting {
     let results: Vec<(u64, Option<Entry>)> = seeds
         .into_par_iter()
@@ -86,7 +86,7 @@ pub fn sit_seeds(seeds: Range<u64>, done: &(dyn Fn() + Sync)) -> Sitting {
     }
 }
 
-/// The folders of the benches that lie in `folder`: itself if it holds a truth.json, else its sub-folders that
+/// The folders with benches in `folder`: the folder itself if it holds a truth.json, otherwise its sub-folders that
 /// do, by name.
 ///
 /// # Errors
@@ -110,7 +110,7 @@ pub fn benches_in(folder: &Path) -> Result<Vec<PathBuf>, SitError> {
     Ok(benches)
 }
 
-/// The truth of a bench as it lies beside its logs in truth.json.
+/// The content of the truth.json beside the logs of a bench.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TruthFile {
@@ -122,7 +122,7 @@ struct TruthFile {
 /// Marks the verdict on the bench of a folder with a truth.json.
 ///
 /// # Errors
-/// [`SitError`] if the folder cannot be read or the bench not be identified.
+/// [`SitError`] if the folder cannot be read or the bench cannot be identified.
 pub fn sit_folder(path: &Path) -> Result<Entry, SitError> {
     let file = path.join("truth.json");
     let source =

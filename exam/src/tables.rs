@@ -19,7 +19,7 @@ fn finished(writer: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, csv::Error> {
         .map_err(|error| csv::Error::from(std::io::Error::other(error.to_string())))
 }
 
-/// One row a bench: what hides, the verdict, the mark. Sizes and remainder in units of noise.
+/// One row per bench: hidden terms, verdict, mark. Sizes and remainder are in units of noise.
 ///
 /// # Errors
 /// [`csv::Error`] if a row cannot be written.
@@ -85,7 +85,7 @@ pub fn benches_csv(entries: &[Entry]) -> Result<Vec<u8>, csv::Error> {
     finished(writer)
 }
 
-/// One row for every added parameter that has a true value beside it, SI.
+/// One row for every added parameter that has a true value, SI.
 ///
 /// # Errors
 /// [`csv::Error`] if a row cannot be written.

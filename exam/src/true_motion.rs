@@ -1,25 +1,25 @@
-//! The true motion, simulated more faithfully than any fit does it.
+//! The true motion, simulated more exactly than in any fit.
 //!
 //! The equations are those of the thesis (1.26, 3.10), written down a second time and integrated
-//! otherwise: dry friction is a set-valued law with true stick (a joint at rest stays there until
-//! the torque on it exceeds the breakaway torque; the instant of every reversal is found by
-//! bisection), presliding friction and the lag of the motor are differential equations like all
-//! others, a delayed command changes exactly when it does, and the classical Runge–Kutta method
-//! takes steps that are ten times finer than the samples and finer still where a term is fast.
+//! differently. Dry friction is a set-valued law with true stick: a joint at rest stays at rest until
+//! the torque on it exceeds the breakaway torque, and the instant of every reversal is found by
+//! bisection. Presliding friction and the lag of the motor are differential equations like the
+//! others. A delayed command changes at its exact instant. The classical Runge–Kutta method
+//! uses steps ten times finer than the samples, and finer still where a term is fast.
 
 use plant::{EffectId, Kind};
 
 use crate::truth::{Hidden, Outsider, TrueInstant, Truth};
 
-/// Steps in one interval between samples.
+/// Number of steps per sampling interval.
 const STEPS_PER_SAMPLE: f64 = 10.0;
-/// The same where only the difference of two motions is asked for: the error of the rule is in both.
+/// Number of steps if only the difference of two motions is needed: both have the same integration error.
 const FEW_STEPS_PER_SAMPLE: f64 = 2.0;
-/// Longest step as a share of the fastest time or angle constant.
+/// Longest step, as a share of the fastest time constant, or of the finest angle scale.
 const STEP_SHARE: f64 = 0.25;
-/// Halvings with which the instant of a reversal is found.
+/// Number of bisections to find the instant of a reversal.
 const BISECTIONS: usize = 40;
-/// Most reversals within one step.
+/// Largest number of reversals within one step.
 const MOST_REVERSALS: usize = 20;
 
 /// α, α̇, φ, φ̇, presliding torque, current behind the lag.
@@ -39,10 +39,10 @@ pub struct TrueMotion {
     steps_per_sample: f64,
 }
 
-/// Where a motion begins.
+/// The start of a motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Beginning {
-    /// Since the start of the log, s.
+    /// Time since the start of the log, s.
     pub time_s: f64,
     /// Body angle, rad.
     pub angle_rad: f64,
@@ -52,7 +52,7 @@ pub struct Beginning {
     pub wheel_angle_rad: f64,
     /// Wheel speed, rad/s.
     pub wheel_speed_rad_s: f64,
-    /// Current that flows, A.
+    /// Current in the motor, A.
     pub current_a: f64,
 }
 
@@ -90,7 +90,7 @@ impl TrueMotion {
         }
     }
 
-    /// Starts in the middle of a motion, to be compared with another motion of the same steps.
+    /// Starts in the middle of a motion, with coarse steps: only to be compared with another motion of the same steps.
     pub fn of_differences(truth: &Truth, kind: Kind, from: &Beginning) -> TrueMotion {
         let direction = |speed: f64| if speed == 0.0 { 0.0 } else { speed.signum() };
         TrueMotion {
@@ -130,7 +130,7 @@ impl TrueMotion {
         self.library(EffectId::InputDelay).map_or(0.0, |p| p[0])
     }
 
-    /// What the sensors say without noise: angle, rate, wheel speed.
+    /// The readings of the sensors without noise: angle (rad), rate (rad/s), wheel speed (rad/s).
     pub fn reading(&self) -> [f64; 3] {
         let [mut angle, mut rate, _, speed, _, _] = self.motion;
         if let Some(p) = self.outsider(Outsider::UnevenEncoder) {
@@ -148,7 +148,7 @@ impl TrueMotion {
         [angle, rate, speed]
     }
 
-    /// Torque of dry friction of the body at a speed in N m (magnitude).
+    /// Magnitude of the body's dry friction at a speed, N m.
     fn body_dry(&self, time_s: f64, angle: f64, rate: f64) -> f64 {
         let mut level = 0.0;
         for hidden in &self.truth.hidden {
@@ -174,7 +174,7 @@ impl TrueMotion {
             .map_or(0.0, |p| p[0])
     }
 
-    /// Torques without dry friction: of the motor, and against body and wheel.
+    /// The torques without dry friction: of the motor, and against body and wheel.
     fn stage(&self, time_s: f64, y: &Motion, push: &[HiddenPush]) -> Stage {
         let [angle, rate, wheel_angle, speed, presliding, current] = *y;
         let torque_constant = self.truth.base[3];
@@ -255,7 +255,7 @@ impl TrueMotion {
         Stage { motor, body, wheel }
     }
 
-    /// The torque that moves each joint, dry friction of that joint apart: what stick has to hold.
+    /// The torque on each joint without its own dry friction, N m: sticking must hold it.
     fn drive(&self, time_s: f64, y: &Motion, push: &[HiddenPush]) -> (f64, f64) {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;
@@ -364,7 +364,7 @@ impl TrueMotion {
         })
     }
 
-    /// A joint at rest begins to slide, or goes on sticking.
+    /// Decides whether a joint at rest begins to slide or keeps sticking.
     fn decide(&mut self, push: &[HiddenPush]) {
         if self.has_body_dry() && self.motion[1] == 0.0 && self.kind != Kind::SpinUp {
             self.body = 0.0;
@@ -382,7 +382,7 @@ impl TrueMotion {
         }
     }
 
-    /// Whether a sliding joint has come to run backwards.
+    /// Whether a sliding joint has reversed its direction.
     fn reversed(&self, y: &Motion) -> (bool, bool) {
         (
             self.has_body_dry() && self.body * y[1] < 0.0,
@@ -390,7 +390,7 @@ impl TrueMotion {
         )
     }
 
-    /// One step without a change of the command; every reversal inside is found.
+    /// One step with a constant command; every reversal inside is located.
     fn step(&mut self, step_s: f64, command_a: f64, push: &[HiddenPush]) {
         if self.library(EffectId::MotorLag).is_none() {
             self.motion[5] = command_a;
@@ -431,7 +431,7 @@ impl TrueMotion {
                 return;
             }
         }
-        // A joint that reverses this often in one step chatters about rest: it sticks.
+        // A joint that reverses this often in one step chatters around rest: it sticks.
         let (body, wheel) = (self.body, self.wheel);
         if self.motion[1] == 0.0 {
             self.body = 0.0;
@@ -444,11 +444,11 @@ impl TrueMotion {
         (self.body, self.wheel) = (body, wheel);
     }
 
-    /// Longest step in s that resolves every term where the motion is now.
+    /// Longest step in s that resolves every term at the present state.
     fn longest_step_s(&self) -> f64 {
         let mut step_s = f64::INFINITY;
         if let Some(&[limit, stiffness]) = self.library(EffectId::BodyPreslidingFriction) {
-            // The rate over a step may grow by what gravity gives in it.
+            // Gravity may increase the rate during the step.
             let fastest = self.motion[1].abs().max(0.05);
             step_s = step_s.min(STEP_SHARE * limit / stiffness / fastest);
             step_s = step_s.min(STEP_SHARE * (self.truth.base[0] / stiffness).sqrt());
@@ -462,9 +462,8 @@ impl TrueMotion {
         step_s
     }
 
-    /// Goes on to `until_s`, which is at most one sample away, under a command that is held at
-    /// `before_a` until `change_s` and at `after_a` from then on. `sample_s` is the time between
-    /// samples.
+    /// Advances to `until_s`, at most one sample away. The command is `before_a` until `change_s`, and `after_a`
+    /// afterwards. `sample_s` is the sampling interval.
     pub fn advance(
         &mut self,
         until_s: f64,

@@ -1,11 +1,11 @@
-//! What hides in a bench: effects of the library and terms that nobody's library has.
+//! The hidden terms of a bench: effects of the library, and terms that are in no library.
 
 use std::fmt;
 use std::sync::Arc;
 
 use plant::EffectId;
 
-/// A physical term that no library knows. `p` are its numbers as [`Outsider::meaning`] lists them.
+/// A physical term that is not in the library. `p` are its numbers, as [`Outsider::meaning`] lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Outsider {
     /// See [`Outsider::meaning`].
@@ -76,10 +76,10 @@ impl Outsider {
     }
 }
 
-/// Where and when the torque of a term is asked for, true values.
+/// The instant at which the torque of a term is evaluated, with true values.
 #[derive(Clone, Copy, Debug)]
 pub struct TrueInstant {
-    /// Since the start of the log, s.
+    /// Time since the start of the log, s.
     pub time_s: f64,
     /// Body angle, rad.
     pub angle_rad: f64,
@@ -91,14 +91,14 @@ pub struct TrueInstant {
     pub wheel_speed_rad_s: f64,
 }
 
-/// A torque in N m against the motion, of the parameters and the instant.
+/// A torque in N m against the motion, as a function of the parameters and the instant.
 pub type Torque = dyn Fn(&[f64], &TrueInstant) -> f64 + Send + Sync;
 
-/// The torque of an effect that this simulator does not know by itself (a user's, or one of a test), stated a second time
-/// for it: the exam never asks the plant for an equation.
+/// The torque of an effect that this simulator does not have (a user's effect, or one of a test), stated a second time:
+/// the exam never uses an equation of the plant.
 #[derive(Clone)]
 pub struct StatedTorque {
-    /// The body's if true, otherwise the wheel's.
+    /// Whether it acts on the body; otherwise it acts on the wheel.
     pub on_body: bool,
     /// The torque against the motion of that joint; smooth in the motion.
     pub torque: Arc<Torque>,
@@ -112,7 +112,7 @@ impl fmt::Debug for StatedTorque {
 }
 
 impl PartialEq for StatedTorque {
-    /// The very same function.
+    /// Whether both are the same function object.
     fn eq(&self, other: &StatedTorque) -> bool {
         self.on_body == other.on_body && Arc::ptr_eq(&self.torque, &other.torque)
     }
@@ -123,9 +123,9 @@ impl PartialEq for StatedTorque {
 pub enum Hidden {
     /// An effect of the library with its parameters in SI, in the order of its description.
     Library(EffectId, Vec<f64>),
-    /// An effect that is no part of this program, likewise, with its equation for the exam.
+    /// An effect that is not part of this program: parameters as above, and its equation for the exam.
     Stated(EffectId, Vec<f64>, StatedTorque),
-    /// A term of nobody's library.
+    /// A term that is not in the library.
     Outsider(Outsider, [f64; 3]),
 }
 
@@ -138,7 +138,7 @@ impl Hidden {
         }
     }
 
-    /// The effect with its parameters, where it is one that can be a suspect.
+    /// The effect with its parameters, if it can be a suspect.
     pub fn effect(&self) -> Option<(EffectId, &[f64])> {
         match self {
             Hidden::Library(effect, p) | Hidden::Stated(effect, p, _) => Some((*effect, p)),
@@ -147,7 +147,7 @@ impl Hidden {
     }
 }
 
-/// The true pendulum: base parameters in SI and what is hidden.
+/// The true pendulum: base parameters in SI, and hidden terms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// Θ, j_w, G, τ.

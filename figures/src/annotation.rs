@@ -1,4 +1,4 @@
-//! What axes and panels carry beside their lines: names with units, regions, markers, limits.
+//! Annotations of axes and panels: names with units, regions, markers, limits.
 
 /// A name with its unit, for axes and captions.
 ///
@@ -23,10 +23,10 @@ pub struct Region<'a> {
     pub label: &'a str,
 }
 
-/// An instant to mark through all panels, such as a push.
+/// An instant that is marked in all panels, such as a push.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Marker<'a> {
-    /// Where, in the unit of the axis.
+    /// Its position, in the unit of the axis.
     pub at: f64,
     /// Short label, such as "3.1 mN m s"; may be empty.
     pub label: &'a str,

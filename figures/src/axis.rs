@@ -1,13 +1,13 @@
 //! Axes: ranges that cover the data, ticks at round numbers, labels with
-//! units, and the map from values to pixels.
+//! units, and the conversion from values to pixels.
 
 use crate::annotation::Quantity;
 
-/// How an axis is spaced.
+/// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Spacing {
     Linear,
-    /// Decades; values that are not positive have no place on it.
+    /// Logarithmic; values that are not positive are not shown.
     Log,
 }
 
@@ -24,7 +24,7 @@ pub(crate) struct Axis {
     pub offset: f64,
 }
 
-/// Smallest and largest finite value, None where there is none.
+/// Smallest and largest finite value; `None` if there is none.
 pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     values
         .into_iter()
@@ -35,8 +35,8 @@ pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)
         })
 }
 
-/// Values beyond this size are drawn at this size: it keeps every sum and
-/// difference on an axis finite.
+/// Values beyond this size are drawn at this size, so that every sum and
+/// difference on an axis is finite.
 const LARGEST: f64 = 1e300;
 
 /// A range that is too narrow for distinct ticks is widened around its middle.
@@ -77,7 +77,7 @@ impl Axis {
         let (lo, hi) = range
             .filter(|(lo, hi)| *lo > 0.0 && hi.is_finite())
             .unwrap_or((1.0, 10.0));
-        // At least 0.8 decades: noise is not blown up, and two of 1, 2, 5 lie
+        // At least 0.8 decades, so that noise is not magnified and two ticks of 1, 2, 5 lie
         // within.
         let (lo, hi) = (lo.max(1e-290).log10(), hi.clamp(1e-290, 1e290).log10());
         let missing = (0.8 - (hi - lo)).max(0.0) / 2.0;
@@ -96,7 +96,7 @@ impl Axis {
         }
     }
 
-    /// Ticks that stand for things with a name, at 0, 1, 2, …
+    /// An axis for named things at 0, 1, 2, …
     pub fn names(count: usize) -> Axis {
         Axis {
             lo: -0.5,
@@ -109,7 +109,7 @@ impl Axis {
         }
     }
 
-    /// Where `value` lies between the ends, 0 to 1; None where it has no place.
+    /// The position of `value` between the ends, from 0 to 1; `None` if it is not on the axis.
     pub fn fraction(&self, value: f64) -> Option<f64> {
         let fraction = match self.spacing {
             Spacing::Linear => (value.clamp(-LARGEST, LARGEST) - self.lo) / (self.hi - self.lo),
@@ -119,8 +119,8 @@ impl Axis {
         fraction.is_finite().then_some(fraction)
     }
 
-    /// "name (unit)" with the power of ten of the labels worked in, as an SI
-    /// prefix where the unit takes one.
+    /// "name (unit)", with the power of ten of the labels included, as an SI
+    /// prefix if the unit takes one.
     pub fn caption(&self, quantity: Quantity) -> String {
         let mut caption = quantity.name.to_owned();
         if self.offset != 0.0 {
@@ -158,7 +158,7 @@ fn round_ticks(lo: f64, hi: f64, wanted: f64) -> (f64, Vec<f64>) {
     }
     match best {
         Some((_, step, ticks)) => (step, ticks),
-        // Two ends are always two ticks.
+        // The two ends are always possible as ticks.
         None => (hi - lo, vec![lo, hi]),
     }
 }
@@ -203,13 +203,13 @@ fn multiples(lo: f64, hi: f64, step: f64) -> Vec<f64> {
     let count = (last - first).clamp(-1.0, 100.0) as i64;
     (0..=count)
         .map(|i| (first + i as f64) * step)
-        // Round-off must not turn zero into 1e-17.
+        // A rounding error must not turn zero into 1e-17.
         .map(|tick| if tick.abs() < step * 1e-9 { 0.0 } else { tick })
         .collect()
 }
 
-/// Labels of equally spaced ticks with the offset and the power of ten that
-/// were taken out of them to keep them short.
+/// Labels of equally spaced ticks, with the offset and the power of ten that
+/// were removed to keep them short.
 fn linear_labels(ticks: &[f64], step: f64) -> (Vec<String>, f64, i32) {
     let largest = ticks.iter().fold(0.0f64, |m, t| m.max(t.abs()));
     let first = ticks.first().copied().unwrap_or(0.0);
@@ -249,7 +249,7 @@ fn log_label(value: f64) -> String {
     }
 }
 
-/// A number in few characters: fixed point where that is short, otherwise
+/// A number in few characters: fixed point if that is short, otherwise
 /// with a power of ten. At most 12 significant digits.
 fn plain(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e13).contains(&value.abs()) {

@@ -1,4 +1,4 @@
-//! The residual over the coordinates in which physics speaks.
+//! Figure: the residual over physical coordinates.
 
 use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
@@ -10,9 +10,9 @@ use crate::svg::{Anchor, Text};
 /// Small panels, one for each coordinate.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Breakdown<'a> {
-    /// What is seen, as a sentence.
+    /// The message of the figure, as a sentence.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// A second line; may be empty.
     pub subtitle: &'a str,
     /// The panels.
     pub panels: &'a [BreakdownPanel<'a>],
@@ -27,8 +27,8 @@ pub struct BreakdownPanel<'a> {
     pub residual: Quantity<'a>,
     /// Bins along the coordinate.
     pub bins: &'a [ResidualBin],
-    /// Standard deviation of the sensor's noise in the unit of the residual;
-    /// NaN or zero where it is unknown.
+    /// Standard deviation of the sensor's noise, in the unit of the residual;
+    /// NaN or zero if unknown.
     pub sensor_std: f64,
     /// A short summary; may be empty.
     pub note: &'a str,
@@ -41,7 +41,7 @@ pub struct ResidualBin {
     pub from: f64,
     /// Upper edge.
     pub until: f64,
-    /// Mean residual; NaN where the bin is empty.
+    /// Mean residual; NaN if the bin is empty.
     pub mean: f64,
     /// Standard error of the mean.
     pub mean_std: f64,
@@ -54,7 +54,7 @@ const RESIDUAL_HEIGHT: f64 = 130.0;
 const SHARE_HEIGHT: f64 = 44.0;
 const CELL_HEIGHT: f64 = frame::CAPTION + RESIDUAL_HEIGHT + 20.0 + SHARE_HEIGHT + 46.0;
 
-/// Draws for each coordinate the mean residual of each bin with two standard
+/// Draws, for each coordinate, the mean residual of each bin with two standard
 /// errors, and below it the bin's share of the error.
 pub fn breakdown(figure: &Breakdown) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);

@@ -1,4 +1,4 @@
-//! What was true against what was answered.
+//! Figure: a confusion matrix of truths and answers.
 
 use crate::error::{FigureError, check_length};
 use crate::page::Page;
@@ -9,23 +9,23 @@ use crate::text;
 /// A confusion matrix.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Confusion<'a> {
-    /// What is seen, as a sentence.
+    /// The message of the figure, as a sentence.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// A second line; may be empty.
     pub subtitle: &'a str,
-    /// Names of the rows: what was true.
+    /// Names of the rows: the truths.
     pub truths: &'a [&'a str],
-    /// Names of the columns: what was answered.
+    /// Names of the columns: the answers.
     pub answers: &'a [&'a str],
     /// Counts, row after row: truths × answers values.
     pub counts: &'a [usize],
 }
 
-/// Draws the matrix; the shade of a cell is its share of the row, the number
-/// in it the count. A cell whose row and column have one name is framed.
+/// Draws the matrix. The shade of a cell is its share of the row, the number
+/// in it the count. A cell whose row and column have the same name is framed.
 ///
 /// # Errors
-/// [`FigureError::Length`] if there is not one count for each cell.
+/// [`FigureError::Length`] unless there is one count for each cell.
 pub fn confusion(figure: &Confusion) -> Result<String, FigureError> {
     let (rows, columns) = (figure.truths.len(), figure.answers.len());
     let found = figure.counts.len();
@@ -96,7 +96,7 @@ pub fn confusion(figure: &Confusion) -> Result<String, FigureError> {
 fn shade(share: f64) -> String {
     let from = [0xF4, 0xF6, 0xF8];
     let to = [0x00, 0x50, 0x8C];
-    // The square root shows rare answers too.
+    // The square root makes rare answers visible.
     let weight = share.clamp(0.0, 1.0).sqrt();
     let mix = |i: usize| {
         let (a, b) = (f64::from(from[i]), f64::from(to[i]));

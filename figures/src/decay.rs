@@ -1,4 +1,4 @@
-//! How a free swing dies out: decay rate, period, anything over amplitude.
+//! Figure: the decay of a free swing; decay rate, period, or another quantity over amplitude.
 
 use crate::annotation::Quantity;
 use crate::axis::{Axis, extent};
@@ -11,9 +11,9 @@ use crate::svg::Stroke;
 /// Panels over the amplitude.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Decay<'a> {
-    /// What is seen, as a sentence.
+    /// The message of the figure, as a sentence.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// A second line; may be empty.
     pub subtitle: &'a str,
     /// The shared horizontal axis, such as amplitude in rad.
     pub amplitude: Quantity<'a>,
@@ -43,14 +43,14 @@ pub struct DecayPoint {
     pub amplitude: f64,
     /// The quantity of the panel.
     pub value: f64,
-    /// Its standard error; NaN where it is unknown.
+    /// Its standard error; NaN if unknown.
     pub std: f64,
 }
 
 /// Draws the measured points with two standard errors and the model's line.
 ///
 /// # Errors
-/// [`FigureError::Length`] if a model's line has not one value for each
+/// [`FigureError::Length`] unless a model's line has one value for each
 /// amplitude.
 pub fn decay(figure: &Decay) -> Result<String, FigureError> {
     for panel in figure.panels {
@@ -98,8 +98,8 @@ pub fn decay(figure: &Decay) -> Result<String, FigureError> {
     Ok(page.finish())
 }
 
-/// The axis covers every point and the model; error bars may be cut where one
-/// of them would flatten all others.
+/// The axis covers every point and the model. An error bar that would flatten
+/// all others is cut.
 fn y_axis(panel: &DecayPanel, height: f64) -> Axis {
     let values = panel.points.iter().map(|point| point.value);
     let core = extent(values.chain(panel.model.iter().copied()));

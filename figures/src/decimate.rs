@@ -1,4 +1,4 @@
-//! Long series drawn with few points and no lost peak.
+//! Long series, drawn with few points and without losing a peak.
 
 /// Reduces a polyline in pixels to at most four points for each pixel column:
 /// the first, the lowest, the highest and the last of every run of neighbours

@@ -1,6 +1,6 @@
-//! Why a figure could not be made.
+//! The errors of the figures.
 
-/// Why a figure could not be made.
+/// The reason why a figure could not be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
     /// Two slices that belong together differ in length.
@@ -8,7 +8,7 @@ pub enum FigureError {
     Length {
         /// Title of the figure.
         figure: String,
-        /// The slice that does not fit.
+        /// The slice with the wrong length.
         what: String,
         /// Length that was needed.
         expected: usize,

@@ -24,17 +24,17 @@ pub(crate) const CAPTION_GAP: f64 = 10.0;
 /// Room above a panel for its caption.
 pub(crate) const CAPTION: f64 = 28.0;
 
-/// How many ticks read well on a horizontal axis of this length.
+/// Suitable number of ticks on a horizontal axis of this length.
 pub(crate) fn x_ticks(width: f64) -> f64 {
     (width / 85.0).max(2.0)
 }
 
-/// How many ticks read well on a vertical axis of this length.
+/// Suitable number of ticks on a vertical axis of this length.
 pub(crate) fn y_ticks(height: f64) -> f64 {
     (height / 30.0).clamp(3.0, 10.0)
 }
 
-/// Up to this many dots are drawn where they are; more are merged on a grid,
+/// Up to this many dots are drawn individually; more are merged on a grid,
 /// which keeps files small. 5,000 dots take about 60 kB.
 const MOST_EXACT_DOTS: usize = 5_000;
 

@@ -7,8 +7,8 @@ use crate::fit::{Effort, Minimum, cogging_start, fit_from_scratch, refit};
 use crate::records::Record;
 use crate::shape_search::shaped_start;
 
-/// Parameter values of `model` that continue those of `from`: shared parameters keep their values,
-/// an effect that replaces another takes over what it shares with it, the rest starts as given.
+/// Parameter values of `model` that continue those of `from`. Shared parameters keep their values, an effect that
+/// replaces another takes over the parameters that they share, and the others take their values from `start`.
 pub fn carry_over(from: &Model, values: &[f64], model: &Model, start: &[f64]) -> Vec<f64> {
     model
         .parameters()
@@ -21,8 +21,8 @@ pub fn carry_over(from: &Model, values: &[f64], model: &Model, start: &[f64]) ->
         .collect()
 }
 
-/// Fits `model` from a minimum of the smaller model `from`, trying every stated start of the
-/// effects that are new, and keeps the best. `effort` is that of the last fit.
+/// Fits `model`, starting from a minimum of the smaller model `from`. Every stated start of the new effects is tried,
+/// and the best fit is kept. `effort` is that of the last fit.
 pub fn extend(
     problem: &FitProblem,
     records: &[&Record],
@@ -77,8 +77,8 @@ pub fn extend(
         }
         let values = carry_over(from, &minimum.values, model, &start);
         if is_outsider {
-            // Its place is uncertain, and over whole logs the cost has many minima: the windows grow from short
-            // ones, over which it is nearly quadratic.
+            // The minimum of such an effect is hard to locate, and the cost over whole logs has many local minima. The fit
+            // therefore begins with short windows, over which the cost is nearly quadratic, and lengthens them.
             let rough = Effort::ROUGH.until(effort.cancelled);
             let grown = fit_from_scratch(records, model, values.clone(), &free, rough);
             if best.as_ref().is_none_or(|best| grown.cost < best.cost) {

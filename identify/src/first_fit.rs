@@ -1,5 +1,5 @@
-//! The first fit of a bench: of the base model, from what the samples show, and from other starts where that does
-//! not lead to the logs.
+//! The first fit of a bench: the base model, started from what the samples show, and from other starts if that fit
+//! does not follow the logs.
 
 use plant::{GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
@@ -9,14 +9,15 @@ use crate::fit::{
 };
 use crate::records::Record;
 
-/// Share of what the means of the series miss beyond the noise, above which a fit may be stuck on its way: a model
-/// that lacks an effect follows the motion all the same (a fit of 68 %), one that has lost the phase does not.
+/// A fit may be stuck if it leaves more than this share of the squares about the mean (both beyond the noise). A model
+/// that lacks an effect stays below it (0.1 is a fit of 68 %); a model that has lost the phase does not.
 const DOUBTFUL: f64 = 0.1;
-/// Lengths in samples of the windows over which the equations are integrated for other starts: a coarse log
-/// gathers errors of the quadrature over longer ones, a dense one shows too little of its motion in shorter ones.
+/// Lengths, in samples, of the windows for the other starts, over which the equations of motion are integrated. In a
+/// coarse log, quadrature errors accumulate over longer windows; in a dense log, shorter windows contain too little
+/// motion.
 const WINDOW_SAMPLES: [usize; 3] = [24, 64, 256];
-/// Factors by which an inertia (or, where that is known, the torque that acts on it) is moved for other starts:
-/// an oscillation of twice or half the rate is the next minimum of a coarse log.
+/// Factors by which an inertia (or, if that is known, the torque that acts on it) is changed for the other starts. In a
+/// coarse log, the neighbouring local minimum is an oscillation of twice or half the frequency.
 const FACTORS: [f64; 2] = [0.4, 2.5];
 
 /// Fits the base model to all records of a problem.
@@ -25,8 +26,8 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     let base = Model::base();
     let free = problem.free(&base);
     let shown = problem.start_values(&base);
-    // Over the first windows, each with a start of its own, a model follows the motion whatever it lacks, if its
-    // parameters are about right.
+    // Over the first windows, each with its own start, a model follows the motion if its parameters are about right,
+    // even if it lacks an effect.
     let mut doubtful = true;
     let mut look = |minimum: &Minimum| doubtful = is_doubtful(&records, minimum);
     let first = fit_in_stages(&records, &base, shown.clone(), &free, effort, &mut look);
@@ -67,7 +68,7 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     best
 }
 
-/// Whether a fit leaves so much that it may be stuck.
+/// Whether the residual of a fit is so large that the fit may be stuck.
 fn is_doubtful(records: &[&Record], minimum: &Minimum) -> bool {
     let noise: usize = records.iter().map(|record| record.observations()).sum();
     let means: f64 = records

@@ -1,14 +1,14 @@
-//! Correlations by the fast Fourier transform: series are padded with zeros to twice their length, so that
-//! nothing wraps around.
+//! Correlations by the fast Fourier transform. Series are padded with zeros to twice their length, so that the
+//! circular correlation does not wrap around.
 
 use rustfft::algorithm::Radix4;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftDirection};
 
-/// The transform of real series of up to so many samples.
+/// The transform of real series with up to a fixed number of samples.
 ///
-/// The padded length is a power of two, for which one algorithm does: a planner would bring all others along, which
-/// cost a third of this crate's compile time, and would choose by the processor on which the program runs.
+/// The padded length is a power of two, so one algorithm is enough. A planner would bring in all other algorithms, a third
+/// of this crate's compile time, and its choice would depend on the processor on which the program runs.
 pub(crate) struct Fourier {
     forward: Radix4<f64>,
     length: usize,
@@ -29,7 +29,7 @@ impl Fourier {
         self.length
     }
 
-    /// The spectrum of a series, from frequency zero to half of the samples' own.
+    /// The spectrum of a series, from frequency zero to half the sampling frequency.
     pub(crate) fn spectrum(&self, series: &[f64]) -> Vec<Complex<f64>> {
         let mut bins: Vec<Complex<f64>> = Vec::with_capacity(self.length);
         bins.extend(series.iter().map(Complex::from));
@@ -40,11 +40,11 @@ impl Fourier {
         bins
     }
 
-    /// Σ a(k + lag) b(k) of two series by their spectra, for lags from 0 on; negative lags stand at the end of
-    /// the circle.
+    /// Σ a(k + lag) b(k) of two series from their spectra. Lags count from 0; negative lags stand at the end of the
+    /// result.
     pub(crate) fn correlation(&self, a: &[Complex<f64>], b: &[Complex<f64>]) -> Vec<f64> {
         let half: Vec<Complex<f64>> = a.iter().zip(b).map(|(a, b)| a * b.conj()).collect();
-        // The spectrum of a real series: what lies beyond the middle is the conjugate of what lies before it.
+        // The spectrum of a real series is symmetric: the upper half is the conjugate of the lower half.
         let beyond = half[1..self.length / 2].iter().rev().map(Complex::conj);
         let mut bins: Vec<Complex<f64>> = half.iter().copied().chain(beyond).collect();
         let backward = Radix4::new(self.length, FftDirection::Inverse);

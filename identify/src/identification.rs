@@ -1,4 +1,4 @@
-//! From a bench to an identified model with everything that is said about it.
+//! The identification: from a bench to a fitted model with all statements about it.
 
 use plant::{EffectId, LearnedCoordinate, Model};
 use rayon::prelude::*;
@@ -16,28 +16,28 @@ use crate::records::Record;
 use crate::residuals::{FoundPush, PushModel, find_pushes};
 use crate::statements::{cautions, statements};
 
-/// An identified model with everything that is said about it.
+/// A fitted model with all statements about it.
 #[derive(Clone, Debug)]
 pub struct Identification {
     /// The fit.
     pub fit: Fit,
-    /// For each record the comparison of each of its channels.
+    /// For each record and channel: the prediction compared with the measurement.
     pub traces: Vec<Vec<PredictedSeries>>,
-    /// For each record the pushes that nobody recorded, sized with the fitted model.
+    /// For each record: the pushes that nobody recorded, sized with the fitted model.
     pub pushes: Vec<Vec<FoundPush>>,
-    /// Experiments and direct measurements that cannot all be right, one sentence each; they stand among the
-    /// statements too.
+    /// Experiments and known values that cannot all be right, one sentence each. These sentences are among the
+    /// statements, too.
     pub contradictions: Vec<String>,
-    /// What the logs leave open, one sentence each.
+    /// What the logs do not determine, one sentence each.
     pub statements: Vec<String>,
 }
 
-/// Fits `model` to all experiments of the bench. `previous` may hold the values and windows of a
-/// neighbouring fit of the same model, from which the fit then starts.
+/// Fits `model` to all experiments of the bench. `previous` may hold the values and windows of a neighbouring fit of the
+/// same model, from which this fit then starts.
 ///
 /// # Errors
-/// [`IdentifyError::NotFinite`] if no start leads anywhere, [`IdentifyError::NoBetterThanMeans`] if none leads to
-/// the logs.
+/// [`IdentifyError::NotFinite`] if no start gives a finite simulation; [`IdentifyError::NoBetterThanMeans`] if no start
+/// gives a fit that follows the logs.
 pub fn identify(
     problem: &FitProblem,
     model: &Model,
@@ -46,8 +46,8 @@ pub fn identify(
     identify_until(problem, model, previous, &Progress::silent())
 }
 
-/// As [`identify`]; the work ends soon after `progress` answers that it is called off: within one evaluation of
-/// the normal equations, or one pass over the logs.
+/// As [`identify`], and can be cancelled: the work ends within one evaluation of the normal equations, or one pass over
+/// the logs, after `progress` returns that it is cancelled.
 ///
 /// # Errors
 /// Those of [`identify`]; [`IdentifyError::Cancelled`].
@@ -62,10 +62,10 @@ pub fn identify_until(
     Ok(found)
 }
 
-/// [`IdentifyError::NoBetterThanMeans`] for a fit that has failed.
+/// Rejects a fit that has failed: one that predicts the logs no better than their means.
 ///
 /// # Errors
-/// That.
+/// [`IdentifyError::NoBetterThanMeans`].
 pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyError> {
     let (model, windows) = (&fit.model, &fit.minimum.windows);
     let problem = problem.suited_to(model);
@@ -79,8 +79,8 @@ pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyErro
     }
 }
 
-/// As [`identify_until`], of a model that need not follow the logs yet: a diagnosis begins with it, and what it
-/// lacks may be all that there is to be seen (a zero of the angle that is far off).
+/// As [`identify_until`], for a model that need not follow the logs. A diagnosis begins with such a model: the effect
+/// that it lacks may dominate everything (such as a zero of the angle that is far off).
 ///
 /// # Errors
 /// [`IdentifyError::NotFinite`], [`IdentifyError::Cancelled`].
@@ -199,11 +199,11 @@ pub fn describe(problem: &FitProblem, fit: &Fit) -> Option<Identification> {
     is_own.then(|| identification(&problem, model, minimum, Some(fit.clone())))
 }
 
-/// Relative difference of two costs that are the same but for rounding.
+/// Relative difference up to which two costs count as equal (rounding).
 const SAME_COST: f64 = 1e-9;
 
-/// Everything that is said about a minimum of a setup that suits its model; `fit`: the minimum with its
-/// standard errors, where they are known.
+/// All statements about a minimum, for a problem whose windows suit the model. `fit` is the minimum with its standard
+/// errors, if they are known.
 fn identification(
     problem: &FitProblem,
     model: &Model,
@@ -212,7 +212,7 @@ fn identification(
 ) -> Identification {
     let records = problem.all_records();
     let free = problem.free(model);
-    // Nothing of this needs another part of it, and one long log would keep one core busy alone.
+    // These parts are independent of each other; one long log alone would keep only one core busy.
     let ((fit, contradicted), (traces, pushes)) = rayon::join(
         || {
             let on_bound: Vec<usize> = free

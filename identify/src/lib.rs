@@ -1,21 +1,21 @@
-//! From logs to parameters with their uncertainty.
+//! Identification: from logs to parameters with their uncertainty.
 //!
-//! Each room knows only those above it.
+//! Each module uses only those above it in this table.
 //!
 //! | room | job |
 //! |---|---|
-//! | `progress` | what long work says, and how it is called off |
-//! | `records` | logs as the fit sees them: channels with their noise, the current, windows; the weak form |
-//! | `model_free` | what the logs show without a model: how a swing dies out, the rate against the angle |
+//! | `progress` | progress messages of long work, and its cancellation |
+//! | `records` | logs as the fit uses them: channels with their noise, the current, windows; the weak form |
+//! | `model_free` | results without a model: how a swing decays, the rate compared with the angle |
 //! | `fit` | from a first guess to the minimum: windows with exact derivatives, least squares, score test |
-//! | `residuals` | what a model leaves: noise or structure, the torque that it lacks, pushes, where it fails |
-//! | `bench` | a whole bench: what is known, what is free, in which units |
-//! | `errors` | standard errors under correlated residuals; experiments and knowns that contradict each other |
+//! | `residuals` | the residual of a model: noise or structure, the missing torque, pushes, where the model fails |
+//! | `bench` | a whole bench: which parameters are known, which are free, in which units |
+//! | `errors` | standard errors under correlated residuals; contradictions between experiments and known values |
 //! | `first_fit` | the fit of the base model, from several starts where one is not enough |
 //! | `shape_search` | where the fit of an effect from outside may begin |
 //! | `learned` | the missing torque as a curve, and its fit together with everything else |
 //! | `extension` | from the minimum of a model to that of a larger one |
-//! | `identification`, `statements` | everything that is said about a bench |
+//! | `identification`, `statements` | the complete result for a bench, with all statements about it |
 
 mod bench;
 mod errors;
@@ -64,3 +64,4 @@ pub use residuals::{
     effective_samples, find_pushes, half_bump, leave_out, residual_torque, residual_torques,
     structure, without_rounding,
 };
+pub use statements::left_open;

@@ -1,17 +1,17 @@
-//! Long work says what it is doing, and can be called off.
+//! Progress messages of long work, and its cancellation.
 
-/// What long work tells its caller, and what it asks him.
+/// The link between long work and its caller.
 #[derive(Clone, Copy)]
 pub struct Progress<'a> {
-    /// Is told in words what comes next; from the thread that called, never from another one.
+    /// Receives a message about the next piece of work; always called from the caller's own thread.
     pub say: &'a dyn Fn(&str),
-    /// Asked before every fit and within it, from any thread: `true` ends the work with [`Cancelled`]. It must answer
-    /// at once, and after the first `true` it must not go back.
+    /// Called before every fit and during it, from any thread. If it returns `true`, the work ends with [`Cancelled`].
+    /// It must return immediately, and once it has returned `true` it must not return `false` again.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Progress<'a> {
-    /// Progress that is reported and never called off.
+    /// Messages without cancellation.
     pub fn saying(say: &'a dyn Fn(&str)) -> Progress<'a> {
         Progress {
             say,
@@ -19,7 +19,7 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Neither reported nor called off.
+    /// Neither messages nor cancellation.
     pub fn silent() -> Progress<'static> {
         Progress {
             say: &|_| {},
@@ -27,10 +27,10 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Goes on unless the work has been called off.
+    /// Returns [`Cancelled`] if the work has been cancelled.
     ///
     /// # Errors
-    /// [`Cancelled`] if it has.
+    /// [`Cancelled`].
     pub fn check(&self) -> Result<(), Cancelled> {
         if (self.cancelled)() {
             Err(Cancelled)
@@ -40,7 +40,7 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// The work was called off; there is no result.
+/// The work was cancelled; there is no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("called off")]
 pub struct Cancelled;

@@ -1,11 +1,11 @@
-//! Where the fit of an effect from outside may begin: an effect of which nothing but its formula is known.
+//! A start for the fit of a user's own effect, of which only the formula is known.
 //!
-//! A narrow torque over an angle is found by no descent that begins elsewhere, least of all over whole logs. But the
-//! torque that a model lacks can be had without simulating ([`crate::residuals::residual_torque`]), and at given
-//! shapes it is linear in an effect's amplitude. So shapes are drawn over their range, with low discrepancy
-//! (Weyl's sequence; Niederreiter, *Random Number Generation and Quasi-Monte Carlo Methods*, 1992, ch. 3), the
-//! amplitude follows by least squares beside what a wrong base model leaves (gravity and friction), and the shape
-//! that explains the most is a start.
+//! A torque that acts in a narrow range of angles is not found by a descent that begins elsewhere, least of all over
+//! whole logs. But the torque that a model lacks follows without simulation
+//! ([`crate::residuals::residual_torque`]), and for a given shape it is linear in the effect's amplitude. Shapes
+//! are therefore drawn over their range with low discrepancy (Weyl's sequence; Niederreiter, *Random Number Generation
+//! and Quasi-Monte Carlo Methods*, 1992, ch. 3). For each shape, the amplitude follows by least squares, together with
+//! corrections of gravity and friction. The shape that explains the most is the start.
 
 use nalgebra::{DMatrix, DVector};
 use plant::{EffectId, Instant, Model, Role, Smoothing};
@@ -14,16 +14,16 @@ use crate::fit::Minimum;
 use crate::records::{Bump, Record};
 use crate::residuals::{MeasuredMotion, TorqueOn, half_bump, residual_torque};
 
-/// Shapes that are drawn: with two of them one in each of twenty parts of either range.
+/// Number of shapes drawn; with two shape parameters, one draw per cell of a 20 × 20 grid.
 const DRAWS: usize = 400;
-/// Bumps of each log that are compared.
+/// Number of bumps compared per log.
 const BUMPS: usize = 300;
-/// Half-width of a bump against the usual one: what is narrow must not be smoothed away.
+/// Factor by which a bump is narrower than usual, so that narrow torques are not smoothed away.
 const NARROW: usize = 3;
-/// Ratio to its start within which a shape without bounds is drawn.
+/// A shape parameter without bounds is drawn within this factor of its start.
 const RATIO: f64 = 5.0;
 
-/// The torque that one log lacks, and the motion under which it was seen.
+/// The missing torque of one log, and the motion during which it acted.
 struct Lacking {
     motion: MeasuredMotion,
     centres: Vec<usize>,
@@ -35,7 +35,7 @@ struct Lacking {
 /// A torque that depends on the motion.
 type Term<'t> = dyn Fn(&Instant<f64>) -> f64 + 't;
 
-/// A start for the effect that the logs suggest beside a fit of `from`; `None` where they suggest none.
+/// The start that the logs suggest for the effect, beside a fit of `from`; `None` if they suggest none.
 pub(crate) fn shaped_start(
     records: &[&Record],
     from: &Model,
@@ -111,7 +111,7 @@ fn lacking(record: &Record, from: &Model, values: &[f64], on: &[TorqueOn]) -> Op
             (half, stride),
         )
     })?;
-    // Every log counts by its own noise.
+    // Every log is weighted by its own noise.
     let scale = 1.0 / found.noise_std_nm.max(f64::MIN_POSITIVE);
     let scaled = |values: Vec<f64>| values.iter().map(|value| value * scale).collect();
     let bumps = found.centres.iter();
@@ -148,12 +148,12 @@ impl Lacking {
     }
 }
 
-/// By how much the effect with these parameters lowers the sum of squares of what is lacking, beside gravity and
-/// friction, and the factor of its torque that does so.
+/// By how much the effect with these parameters lowers the sum of squares of the missing torque, together with gravity
+/// and friction; and the factor on its torque that does so.
 fn explained(lacking: &[Lacking], effect: EffectId, p: &[f64]) -> Option<(f64, f64)> {
     let v0 = Smoothing::SIMULATION;
     let terms: [&Term; 5] = [
-        // Torques of the library are against the motion.
+        // Library torques are positive against the motion.
         &|at| -effect.torque(p, at, &v0),
         &|at| at.angle_rad.sin(),
         &|at| at.rate_rad_s,

@@ -1,4 +1,4 @@
-//! What the logs leave open, and where numbers must not be taken at face value: one sentence each.
+//! What the logs do not determine, and where the numbers of a comparison can mislead: one sentence each.
 
 use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, WHEEL_INERTIA};
 
@@ -8,16 +8,16 @@ use crate::fit::PredictedSeries;
 use crate::records::{BALANCE_WINDOW_S, Record};
 use crate::residuals::{is_slow, samples_in_window};
 
-/// Relative standard error above which a parameter counts as not identified by these logs.
+/// Relative standard error above which a parameter counts as not identified.
 const OPEN_RELATIVE_STD: f64 = 1.0;
 
-/// Where the numbers of the comparison must not be taken at face value.
+/// Warnings where the numbers of the comparison can mislead.
 pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> Vec<String> {
     let mut out = vec![];
     for (record, traces) in records.iter().zip(traces) {
         if record.averaged_over > 1 {
             out.push(format!(
-                "{}: the log is far denser than its motion and is used as {} averages over {} samples each; \
+                "{}: the log is far denser than its motion; it is used as {} averages over {} samples each, and \
                  errors and sensor noise are those of the averages",
                 record.name,
                 record.len(),
@@ -26,13 +26,13 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> 
         }
         if record.kind == Kind::Driven && record.window_s.is_finite() {
             let why = if record.passes_over_the_top {
-                "the body passes over the top, where the least difference grows"
+                "the body passes over the top, where the smallest difference grows"
             } else {
-                "with the cogging of the motor a long run depends on every tooth at which the wheel turned back"
+                "with the cogging of the motor, a long run depends on every tooth at which the wheel turned back"
             };
             out.push(format!(
-                "{}: {why}, so that the model is compared over windows of {BALANCE_WINDOW_S} s, each from a \
-                 start of its own, as in a balance log",
+                "{}: {why}; the model is therefore compared over windows of {BALANCE_WINDOW_S} s, each with its \
+                 own start, as in a balance log",
                 record.name
             ));
         }
@@ -41,18 +41,17 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> 
             // `Record::windows` makes no window shorter than this.
             let least = record.windows(0.0).first().map_or(0, |window| window.len());
             out.push(format!(
-                "{}: {BALANCE_WINDOW_S} s hold only {in_window:.0} samples, so that windows of {least} \
-                 samples are compared, of which a start of their own takes up to three: the fit percent \
-                 says little here; what looks like a push, but is no larger than the error of motor and \
-                 gravity, cannot be told from the answer to an earlier one: it is left out of the fit, but not \
-                 reported",
+                "{}: {BALANCE_WINDOW_S} s hold only {in_window:.0} samples, so windows of {least} samples \
+                 are compared, and the start of each window uses up to three of them: the fit percentage says \
+                 little here. A push that is no larger than the error of motor and gravity cannot be distinguished \
+                 from the response to an earlier push: it is left out of the fit, and not reported",
                 record.name
             ));
         }
         for trace in traces.iter().filter(|trace| trace.fit_percent < 0.0) {
             out.push(format!(
-                "{}/{}: the model is worse than the mean of the measurement (fit {:.0} %): it lacks \
-                 something essential there, and the standard errors do not cover that",
+                "{}/{}: the model is worse than the mean of the measurement (fit {:.0} %): it lacks an essential \
+                 effect there, and the standard errors do not cover that",
                 record.name,
                 trace.output.name(),
                 trace.fit_percent
@@ -62,7 +61,8 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> 
     out
 }
 
-pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
+/// What no fit can find with these logs and these direct measurements: one sentence each. It takes no fit to say.
+pub fn left_open(problem: &FitProblem) -> Vec<String> {
     let mut out = vec![];
     let (body, wheel) = problem.moved();
     if !body {
@@ -81,19 +81,25 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
     }
     if body && !problem.body_scale_known {
         out.push(
-            "no torque of the body is known (masses and lengths, or gravity_torque, are missing): \
-             its torques are identified per unit of inertia only, with total_inertia = 1 kg m2"
+            "no torque on the body is known (masses and lengths, or gravity_torque, are missing): \
+             torques on the body are identified per unit of inertia only, with total_inertia = 1 kg m2"
                 .to_owned(),
         );
     }
     if wheel && !problem.wheel_scale_known && !problem.coupled {
         out.push(
-            "no torque of the wheel is known (torque_constant is missing, or the current was not \
-             recorded): its torques are identified per unit of inertia only, with wheel_inertia = \
+            "no torque on the wheel is known (torque_constant is missing, or the current was not \
+             recorded): torques on the wheel are identified per unit of inertia only, with wheel_inertia = \
              1 kg m2"
                 .to_owned(),
         );
     }
+    out
+}
+
+pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
+    let mut out = left_open(problem);
+    let (_, wheel) = problem.moved();
     let infos = fit.model.parameters();
     for (index, &position) in fit.unknowns.free.iter().enumerate() {
         let info = infos[position];
@@ -105,8 +111,8 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
         let value = fit.values[position];
         if fit.minimum.on_bound[index] {
             out.push(format!(
-                "{} lies on the bound {value} of its range: the logs would like to go beyond it, \
-                 so something that the model lacks takes its place",
+                "{} lies on the bound {value} of its range: the logs pull it beyond, so it probably \
+                 replaces an effect that the model lacks",
                 info.name
             ));
             continue;
@@ -114,11 +120,11 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
         match fit.std(position) {
             Some(std) if std < OPEN_RELATIVE_STD * value.abs() => {}
             Some(std) => out.push(format!(
-                "{} = {value:.3e} ± {std:.1e} {} cannot be told from zero with these logs",
+                "{} = {value:.3e} ± {std:.1e} {} cannot be distinguished from zero with these logs",
                 info.name, info.unit
             )),
             None => out.push(format!(
-                "{} leaves no trace in these logs and is not identified",
+                "{} has no influence on these logs and is not identified",
                 info.name
             )),
         }

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::broadcast;
 use workbench::{
-    ComparisonReport, DiagnosisReport, Error, GeneratedController, ModelFile, PerSeries, Predictor,
-    Progress, Proof, Session,
+    ComparisonReport, DiagnosisReport, EffectFingerprint, Error, GeneratedController, ModelFile,
+    PerSeries, Predictor, Progress, Proof, Session,
 };
 
 use crate::dropped::Dropped;
@@ -87,6 +87,8 @@ pub struct OpenBench {
     pub predictor: Predictor,
     /// The last diagnosis, as long as it speaks of the model as it is or as it made it.
     pub diagnosis: Option<Arc<Diagnosed>>,
+    /// What effects look like beside the model as it is, as far as that was asked.
+    pub fingerprints: Vec<Arc<EffectFingerprint>>,
     /// The error after each change.
     pub staircase: Vec<Stair>,
     /// What can be gone back to.
@@ -157,6 +159,7 @@ impl OpenBench {
             comparison,
             predictor,
             diagnosis: None,
+            fingerprints: Vec::new(),
             staircase,
             undo: Vec::new(),
             generated: None,
@@ -210,6 +213,14 @@ impl OpenBench {
         Ok(())
     }
 
+    /// Draws what an effect looks like beside the model as it is.
+    pub fn draw_fingerprint(&mut self, effect: &str, progress: &Progress) -> Result<(), String> {
+        let found = self.session.fingerprint(effect, progress).map_err(said)?;
+        self.fingerprints.retain(|one| one.effect != effect);
+        self.fingerprints.push(Arc::new(found));
+        Ok(())
+    }
+
     /// Goes back by one change.
     pub fn undo(&mut self, progress: &Progress) -> Result<(), String> {
         let before = self.undo.pop().ok_or("there is nothing to undo")?;
@@ -234,6 +245,11 @@ impl OpenBench {
 
     /// A controller of another model is of no use.
     pub fn controller_is_old(&mut self) {
+        // Those of a model that was applied from a diagnosis still show why.
+        self.fingerprints.retain(|one| {
+            one.with.effects == self.comparison.effects
+                || one.without.effects == self.comparison.effects
+        });
         self.generated = None;
         self.proof = None;
     }

@@ -5,8 +5,12 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use bench_files::{Bench, FilesInMemory};
+use data_check::Corrections;
+use identify::FitProblem;
 use serde_json::{Value, json};
 use tempfile::TempDir;
+
+use crate::preview;
 
 /// Most files at a time.
 const MOST_FILES: usize = 50;
@@ -78,8 +82,8 @@ impl Dropped {
         self.names.iter().map(|name| folder.join(name)).collect()
     }
 
-    /// The files with their first lines, and the bench.toml that is proposed for them.
-    pub fn facts(&self) -> Value {
+    /// The files with their first lines, and the bench.toml that is proposed for them with what was corrected.
+    pub fn facts(&self, corrections: &Corrections) -> Value {
         let Some(folder) = &self.folder else {
             return json!({"files": []});
         };
@@ -97,14 +101,33 @@ impl Dropped {
                 json!({"name": name, "bytes": text.len(), "lines": lines.collect::<Vec<_>>()})
             });
         let files: Vec<Value> = files.collect();
-        match data_check::propose(folder.path(), &self.paths()) {
-            Ok(proposal) => json!({"files": files, "proposal": proposal}),
+        match data_check::propose_with(folder.path(), &self.paths(), corrections) {
+            Ok((proposal, refused)) => {
+                let previews = proposal.experiments.iter();
+                let previews: Vec<Value> = previews
+                    .map(|one| preview::of(&folder.path().join(&one.file), &one.choices))
+                    .collect();
+                json!({
+                    "files": files,
+                    "refused": refused,
+                    "previews": previews,
+                    "open_ends": self.open_ends(&proposal.text),
+                    "proposal": proposal,
+                })
+            }
             // The folder is of no interest to who reads the message.
             Err(error) => {
                 let place = format!("{}/", folder.path().display());
                 json!({"files": files, "failure": error.to_string().replace(&place, "")})
             }
         }
+    }
+
+    /// What stays unknown with this bench.toml, whatever is fitted; sentences.
+    fn open_ends(&self, text: &str) -> Vec<String> {
+        let bench = Bench::from_files(&self.in_memory(text)).ok();
+        let problem = bench.and_then(|bench| FitProblem::new(&bench).ok());
+        problem.map_or_else(Vec::new, |problem| identify::left_open(&problem))
     }
 
     /// What is wrong with a bench.toml for these files: findings, or why it cannot be read.

@@ -3,12 +3,11 @@
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
 use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
-use workbench::{
-    ComparisonReport, Coordinate, DesignSection, FailurePlace, PerSeries, ResidualKind, words,
-};
+use workbench::{ComparisonReport, Coordinate, FailurePlace, PerSeries, ResidualKind, words};
 
-use crate::desk::{Desk, OpenBench, said};
-use crate::picture::{View, stretches, thinned};
+use crate::desk::{Desk, OpenBench};
+use crate::picture::stretches;
+use crate::why_facts;
 use crate::work::CONTROLLER;
 
 /// Standard errors to either side on the fine track of a slider.
@@ -19,8 +18,6 @@ const MOST_STRETCHES: usize = 100;
 const MOST_SHADED: f64 = 0.5;
 /// Pictures of residuals in a diagnosis.
 const MOST_REASONS: usize = 3;
-/// Width for which the responses of a design are drawn.
-const RESPONSE_PIXELS: usize = 500;
 
 /// Everything but curves and diagnosis.
 pub fn state(desk: &Desk) -> Value {
@@ -292,7 +289,9 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
         "next_experiment": report.next_experiment,
         "places": report.places.iter().filter(|one| one.significant).map(place).collect::<Vec<_>>(),
         "reasons": reasons(&found.first, &report.last),
-        "decay": report.decay.iter().filter_map(decay).collect::<Vec<_>>(),
+        "decay": report.decay.iter().filter_map(|swing| why_facts::decay(swing, None)).collect::<Vec<_>>(),
+        "fingerprints": bench.fingerprints.iter().map(|one| why_facts::fingerprint(one)).collect::<Vec<_>>(),
+        "recipe": report.recipe.as_ref().map(|recipe| why_facts::recipe(recipe, &report.ambiguous_between)),
     })
 }
 
@@ -312,7 +311,7 @@ fn takes_away(shares: &PerSeries) -> Vec<Value> {
 }
 
 /// The residuals in which the first model fails most plainly, with the last model beside them.
-fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
+pub(crate) fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
     let mut seen = Vec::new();
     let significant = || first.places.iter().filter(|place| place.significant);
     // A torque shows the cause; an output what has come of it since the start of the log.
@@ -381,111 +380,6 @@ fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
         .collect()
 }
 
-fn decay(swing: &workbench::SwingDecay) -> Option<Value> {
-    let measured = swing.measured.as_ref()?;
-    let points = |series: &[identify::AtAmplitude]| -> Vec<[f64; 3]> {
-        let at = series.iter();
-        at.map(|at| [at.amplitude_rad, at.value, at.std]).collect()
-    };
-    let simulated = swing.simulated.as_ref();
-    Some(json!({
-        "experiment": swing.experiment,
-        "law": swing.laws.first().map(words::amplitude_law),
-        "rates": points(&measured.rates),
-        "periods": points(&measured.small_swing_periods),
-        "model_rates": simulated.map(|one| points(&one.rates)),
-        "model_periods": simulated.map(|one| points(&one.small_swing_periods)),
-    }))
-}
-
-/// The controller for these weights, with its responses.
-///
-/// # Errors
-/// A sentence, where these weights give no controller.
-pub fn design(bench: &OpenBench, wishes: DesignSection) -> Result<Value, String> {
-    let designed = bench.session.design_for(wishes).map_err(said)?;
-    let report = designed.report().map_err(said)?;
-    let responses = designed.responses().map_err(said)?;
-    let responses = responses.iter().map(|run| {
-        let end_s = run.time_s.last().copied().unwrap_or_default();
-        let view = View {
-            from_s: 0.0,
-            to_s: end_s,
-            pixels: RESPONSE_PIXELS,
-        };
-        let curve = |value: &[f64]| {
-            let thin = thinned(&run.time_s, value, &view);
-            json!([thin.time_s, thin.value])
-        };
-        json!({
-            "scenario": run.scenario,
-            "about": run.about,
-            "fell": run.fell,
-            "angle_rad": curve(&run.angle_rad),
-            "wheel_speed_rad_s": curve(&run.wheel_speed_rad_s),
-            "current_a": curve(&run.current_a),
-        })
-    });
-    let responses: Vec<Value> = responses.collect();
-    let margins = &report.margins;
-    let finite = |value: f64, text: String| {
-        if value.is_finite() {
-            text
-        } else {
-            "without limit".to_owned()
-        }
-    };
-    let degrees = |rad: f64| format!("{}°", significant(rad.to_degrees(), 3));
-    let numbers = [
-        (
-            "Gains K (A/rad, A s/rad, A s/rad)",
-            report.gains.map(|gain| significant(gain, 6)).join(", "),
-        ),
-        (
-            "Recovers from rest up to",
-            degrees(report.recovery_angle_rad),
-        ),
-        (
-            "Gain factor that it bears",
-            format!(
-                "{} to {}",
-                significant(margins.least_gain_factor, 3),
-                finite(
-                    margins.largest_gain_factor,
-                    significant(margins.largest_gain_factor, 3)
-                )
-            ),
-        ),
-        (
-            "Phase margin",
-            finite(margins.phase_margin_rad, degrees(margins.phase_margin_rad)),
-        ),
-        (
-            "Further delay that it bears",
-            finite(
-                margins.delay_margin_s,
-                with_prefix(margins.delay_margin_s, "s"),
-            ),
-        ),
-        (
-            "Least distance from −1",
-            significant(margins.modulus_margin, 3),
-        ),
-        (
-            "Wheel speed for an angle that is read 1° too large",
-            format!(
-                "{} rad/s",
-                significant(report.wheel_speed_per_angle_bias * 1_f64.to_radians(), 3)
-            ),
-        ),
-    ];
-    Ok(json!({
-        "report": report,
-        "numbers": numbers,
-        "responses": responses,
-    }))
-}
-
 /// The emitted controller and its proof.
 pub fn controller(bench: &OpenBench) -> Value {
     let files = bench.generated.as_ref().map(|generated| {
@@ -499,6 +393,13 @@ pub fn controller(bench: &OpenBench) -> Value {
         "files": files,
         "assumed": bench.generated.as_ref().map(|generated| &generated.assumed),
         "warnings": bench.generated.as_ref().map(|generated| &generated.warnings),
+        "claims": workbench::CLAIMS.iter().map(|claim| json!({
+            "id": claim.id,
+            "statement": claim.statement,
+            "domain": claim.domain,
+            "assumptions": claim.assumptions,
+            "engine": claim.engine,
+        })).collect::<Vec<_>>(),
         "proof": bench.proof,
         "passed": bench.proof.as_ref().map(|proof| proof.passed()),
     })

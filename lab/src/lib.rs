@@ -10,14 +10,15 @@
 //! | `door` | how a browser gets the cookie without a secret on a command line |
 //! | `folder` | which folders are benches, and that no file of one lies outside it |
 //! | `desk` | the open bench: session, diagnosis, staircase, undo |
-//! | `dropped` | CSV files on their way to a bench |
+//! | `dropped`, `preview` | CSV files on their way to a bench |
 //! | `work` | one long computation at a time, with progress and cancel |
 //! | `picture` | curves as a screen can show them: least and largest value a pixel |
-//! | `facts` | what the page is told, as JSON |
+//! | `facts`, `design_facts`, `why_facts` | what the page is told, as JSON |
 //! | `routes`, `socket` | the addresses of the server, and the socket for sliders |
-//! | `report` | the bench as one HTML file |
+//! | `report`, `report_conclusion` | the bench as one HTML file |
 
 mod assets;
+mod design_facts;
 mod desk;
 mod door;
 mod dropped;
@@ -25,10 +26,13 @@ mod facts;
 mod folder;
 mod guard;
 mod picture;
+mod preview;
 mod report;
+mod report_conclusion;
 mod routes;
 mod server;
 mod socket;
+mod why_facts;
 mod work;
 
 pub use report::{Findings, report, report_of};

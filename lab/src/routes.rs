@@ -7,10 +7,13 @@ use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE, SET_COOKIE};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router, middleware};
+use data_check::Corrections;
 use serde::Deserialize;
 use serde_json::{Value, json};
-use workbench::DesignSection;
+use workbench::ExportLanguage;
 
+use crate::design_facts::{self, Asked};
+use crate::desk::said;
 use crate::guard::{ENTER, guarded};
 use crate::report::Findings;
 use crate::server::Shared;
@@ -42,6 +45,8 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/controller", get(controller))
         .route("/api/drop/check", post(check_text))
         .route("/api/effect/check", post(check_effect))
+        .route("/api/drop/correct", post(correct))
+        .route("/api/export/{language}", get(export))
         .route("/api/report", get(report))
         .route("/socket", get(socket::upgrade))
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
@@ -89,7 +94,7 @@ fn let_in(shared: &Shared, key: &str) -> Response {
     match shared.guard.exchange(key) {
         Some(cookie) => (
             [(SET_COOKIE, cookie)],
-            Html("<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url=/\"><title>flywheel lab</title><a href=\"/\">To the lab</a>"),
+            Html("<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url=/\"><link rel=\"icon\" href=\"data:,\"><title>flywheel lab</title><a href=\"/\">To the lab</a>"),
         )
             .into_response(),
         None => (
@@ -151,7 +156,11 @@ async fn drop_file(
 }
 
 async fn dropped(State(shared): State<Shared>) -> Response {
-    computed(move || Ok(shared.desk.dropped().facts())).await
+    computed(move || Ok(shared.desk.dropped().facts(&Corrections::default()))).await
+}
+
+async fn correct(State(shared): State<Shared>, Json(corrections): Json<Corrections>) -> Response {
+    computed(move || Ok(shared.desk.dropped().facts(&corrections))).await
 }
 
 async fn forget(State(shared): State<Shared>) -> StatusCode {
@@ -191,16 +200,40 @@ async fn check_effect(Json(effect): Json<EffectText>) -> Response {
     .await
 }
 
-async fn design(State(shared): State<Shared>, Json(wishes): Json<DesignSection>) -> Response {
+async fn design(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Response {
     let Some(bench) = shared.desk.bench() else {
         return no_bench();
     };
-    computed(move || facts::design(&bench, wishes)).await
+    computed(move || design_facts::design(&bench, asked)).await
 }
 
 async fn controller(State(shared): State<Shared>) -> Response {
     let bench = shared.desk.bench();
     Json(bench.map_or(Value::Null, |bench| facts::controller(&bench))).into_response()
+}
+
+/// Parameters and matrices for another program.
+async fn export(State(shared): State<Shared>, Path(language): Path<ExportLanguage>) -> Response {
+    let Some(bench) = shared.desk.bench() else {
+        return no_bench();
+    };
+    let made = tokio::task::spawn_blocking(move || {
+        let designed = bench.session.design().map_err(said)?;
+        Ok::<_, String>(designed.export(language))
+    });
+    match made.await {
+        Ok(Ok(file)) => {
+            // The name is made of letters, digits and underscores.
+            let place = format!("attachment; filename=\"{}\"", file.name);
+            let headers = [
+                (CONTENT_TYPE, "text/plain; charset=utf-8".to_owned()),
+                (CONTENT_DISPOSITION, place),
+            ];
+            (headers, file.text).into_response()
+        }
+        Ok(Err(message)) => refused(StatusCode::UNPROCESSABLE_ENTITY, message),
+        Err(_) => bug(),
+    }
 }
 
 async fn report(State(shared): State<Shared>) -> Response {

@@ -71,6 +71,11 @@ pub enum Task {
         /// Its name.
         effect: String,
     },
+    /// Draws what an effect looks like: the model without and with it.
+    Fingerprint {
+        /// Its name.
+        effect: String,
+    },
     /// Goes back by one change.
     Undo {},
     /// Writes what the controller is designed for into the model.
@@ -117,6 +122,7 @@ impl Task {
             Task::AddLearned { .. } => "Learning the curve",
             Task::WriteEffect { .. } => "Adding your effect",
             Task::Remove { .. } => "Removing the effect",
+            Task::Fingerprint { .. } => "Drawing the fingerprint",
             Task::Undo {} => "Going back",
             Task::KeepDesign { .. } => "Keeping the design",
             Task::Generate { .. } => "Generating the controller",
@@ -243,12 +249,17 @@ fn perform(
         return OpenBench::open(&path, refit, progress);
     }
     let mut bench = bench.ok_or("no bench is open")?.clone();
-    change(task, &mut bench, progress)?;
+    change(desk, task, &mut bench, progress)?;
     Ok(bench)
 }
 
 /// Does what is asked with a copy of the bench, which takes its place if all goes well.
-fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), String> {
+fn change(
+    desk: &Desk,
+    task: Task,
+    bench: &mut OpenBench,
+    progress: &Progress,
+) -> Result<(), String> {
     match task {
         // These open another bench: see `perform`.
         Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. } => {}
@@ -278,7 +289,18 @@ fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), 
                 first: bench.comparison.clone(),
                 applied: false,
             }));
+            // The reason for the first suspect is what a person asks next.
+            let suspect = bench
+                .diagnosis
+                .as_ref()
+                .and_then(|found| found.report.suspects.first());
+            if let Some(effect) = suspect.map(|suspect| suspect.effect.clone()) {
+                (progress.say)("drawing the fingerprint of the first suspect");
+                // The diagnosis stands without the drawing.
+                let _ = bench.draw_fingerprint(&effect, progress);
+            }
         }
+        Task::Fingerprint { effect } => bench.draw_fingerprint(&effect, progress)?,
         Task::Apply {} => {
             let found = bench.diagnosis.clone();
             let found = found.ok_or("there is no diagnosis yet: diagnose first")?;
@@ -365,7 +387,10 @@ fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), 
                 kani: false,
                 ..Default::default()
             };
-            bench.proof = Some(controller.prove(&settings, progress).map_err(said)?);
+            // The page's table fills as claim after claim is settled.
+            let tell = |claim: &_| desk.tell(&json!({"event": "claim", "claim": claim}));
+            let proof = controller.prove_telling(&settings, progress, &tell);
+            bench.proof = Some(proof.map_err(said)?);
         }
     }
     Ok(())

@@ -1,8 +1,8 @@
-//! What an effect is: a named physical term of the model.
+//! The definition of an effect: a named physical term of the model.
 //!
 //! One file in `effects/` holds one effect: its description and its equation. To add one, copy a
 //! file, change it, and add its line to the list in `effects/mod.rs`; fit, diagnosis, reports and
-//! the exam take it from there. An effect may also come while the program runs: see
+//! the exam then know it. An effect can also be defined while the program runs: see
 //! [`crate::ExternalEffect`].
 
 use crate::hiding::Hiding;
@@ -10,7 +10,7 @@ use crate::learned::LearnedCurve;
 use crate::prior::{Commonness, Prior};
 use crate::{Kind, Output, Reading, Scalar};
 
-/// Everything that a term of the model may look at, at one instant.
+/// The inputs of a term of the model at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant<S> {
     /// Body angle α in rad, 0 hanging.
@@ -21,12 +21,12 @@ pub struct Instant<S> {
     pub wheel_angle_rad: S,
     /// Wheel speed φ̇ relative to the body, in rad/s.
     pub wheel_speed_rad_s: S,
-    /// Memory of the effect that is asked (its friction torque in N m), 0 for all others.
+    /// Memory of the effect that is evaluated (its friction torque in N m); 0 for all others.
     pub memory: S,
 }
 
-/// The numerical smoothing of sign(v) as tanh(v/v₀). Not physics: small and fixed in simulation,
-/// and chosen apart when the model is linearised.
+/// The numerical smoothing of sign(v) as tanh(v/v₀). It is not physics. It is small and fixed in simulation, and
+/// chosen separately when the model is linearised.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
     /// v₀ on the body, rad/s.
@@ -43,7 +43,7 @@ impl Smoothing {
     };
 }
 
-/// Where in the model a term acts.
+/// The place in the model where a term acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
     /// A torque on the body against its motion.
@@ -52,20 +52,20 @@ pub enum Role {
     Wheel,
     /// A stage between the commanded current and the torque of the motor.
     Motor,
-    /// A distortion of what a sensor says; the motion does not know of it.
+    /// A distortion of a sensor's reading; it does not affect the motion.
     Sensor,
 }
 
-/// What becomes of a term in the linear model about upright.
+/// How a term enters the linear model about the upright equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Linearised {
-    /// It is differentiated like everything else.
+    /// By its exact derivative.
     Exactly,
-    /// Dry friction of the body: μ/ι with a smoothing speed ι that the designer chooses, or nothing. The smaller
-    /// ι, the more damping the design believes in where there is only stick. Of an effect that replaces
-    /// a simpler one, that one stands in the linear model.
+    /// As dry friction of the body: with the slope μ/ι, for a smoothing speed ι that the designer chooses, or not at
+    /// all. A smaller ι assumes more damping near standstill, where a real joint sticks. An effect that replaces a
+    /// simpler one is represented by the simpler one.
     AsDryFriction,
-    /// Left out: its slope at rest says nothing about the motion the controller sees (a dead zone
+    /// Not at all: its slope at rest does not describe the motion under control (a dead zone
     /// has slope zero there), or it needs states that the controller does not have (lag, delay).
     LeftOut,
 }
@@ -77,23 +77,23 @@ pub struct ParameterInfo {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// What it is, in words.
+    /// What the parameter is, in words.
     pub meaning: &'static str,
-    /// Range in which the value lies on benches of this size (centimetres to decimetres, tenths of
-    /// a kilogram); the exam draws from it and reports mark what lies outside.
+    /// Plausible range for benches of this size (centimetres to decimetres, tenths of
+    /// a kilogram), in the parameter's unit. The exam draws from it, and reports mark values outside.
     pub plausible: (f64, f64),
-    /// Range beyond which the value makes no physical sense; the fit stays inside.
+    /// Physically possible range, in the parameter's unit. The fit stays inside.
     pub bounds: (f64, f64),
-    /// The value is a torque, a torque per something, or an electrical value that goes with the torque constant
-    /// as the back-EMF: without a known torque it is identifiable only per unit of inertia.
+    /// Whether the value is a torque, a torque per something, or an electrical value that is tied to the torque constant
+    /// through the back-EMF. Without a known torque, such a value is identifiable only per unit of inertia.
     pub is_torque: bool,
-    /// The fit moves the logarithm of the value: a scale that spans decades.
+    /// Whether the fit adjusts the logarithm of the value, because its scale spans decades.
     pub logarithmic: bool,
-    /// The value is a whole number by its nature: it is chosen, and no fit moves it.
+    /// Whether the value is a whole number by its nature. It is then chosen, and not adjusted by a fit.
     pub is_whole: bool,
 }
 
-/// A stage of the motor chain that needs the time, and not only the current.
+/// A stage of the motor chain that depends on time, and not only on the present current.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Timing {
     /// The current follows its command with a time constant ([`Effect::lag_s`]).
@@ -102,30 +102,30 @@ pub enum Timing {
     Delay,
 }
 
-/// A torque a sin(n φ + ψ) over the angle of the wheel. Its order n is found by looking through all whole
-/// numbers; steps follow the ripple, or leave it out where it is too fast to be seen. The members
-/// say which parameter is which.
+/// A torque a sin(n φ + ψ) over the angle φ of the wheel. The fit tries all whole numbers as its order n. Integration
+/// steps resolve the ripple, or leave it out where it is too fast to be measured. Each member is the index of a
+/// parameter of the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ripple {
-    /// Of the amplitude a in N m.
+    /// Index of the amplitude a in N m.
     pub amplitude: usize,
-    /// Of the order n.
+    /// Index of the order n.
     pub order: usize,
-    /// Of the phase ψ in rad.
+    /// Index of the phase ψ in rad.
     pub phase: usize,
 }
 
-/// A torque that remembers the way of the body: a spring that yields at a level. The members say which
-/// parameter is which.
+/// A torque that depends on the path of the body: a spring that yields at a certain level. Each member is the index of
+/// a parameter of the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
-    /// Of the torque in N m at which it yields.
+    /// Index of the torque in N m at which the spring yields.
     pub level: usize,
-    /// Of the stiffness in N m/rad before it yields.
+    /// Index of the stiffness in N m/rad before it yields.
     pub stiffness: usize,
 }
 
-/// A fault of the rate sensor that the measured angle shows without any model of the motion.
+/// A fault of the rate sensor that a comparison with the measured angle shows, without any model of the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RateFault {
     /// The one parameter is the relative error of the sensitivity.
@@ -134,95 +134,94 @@ pub enum RateFault {
     Bias,
 }
 
-/// What the logs say about the parameters of an effect before any fit.
+/// The source of start values for the parameters of an effect, before any fit.
 #[derive(Clone, Copy, Debug)]
 pub enum StartFrom {
-    /// Nothing: a fit starts where [`EffectInfo::starts`] says.
+    /// None: a fit starts from [`EffectInfo::starts`].
     Stated,
-    /// The damping of the motion itself: the one parameter is the viscous friction of body or wheel.
+    /// The damping of the measured motion: the only parameter is the viscous friction of body or wheel.
     Damping,
-    /// The angle around which free swings come to rest: the one parameter is that angle, in rad.
+    /// The angle around which free swings come to rest: the only parameter is that angle, in rad.
     AngleZero,
     /// The ripple whose trace is largest in the measured wheel speed ([`Ripple`]).
     Ripple,
-    /// What was asked of the motor: further starts, from the samples in which it drove the wheel.
+    /// The currents and speeds at which the motor drove the wheel: they give further starts.
     Driving(fn(&Driving) -> Vec<Vec<f64>>),
 }
 
-/// The samples in which the motor drove the wheel, current and speed having one sign.
+/// The samples in which the motor drove the wheel: current and speed had the same sign.
 #[derive(Clone, Debug, Default)]
 pub struct Driving {
-    /// Wheel speed in rad/s and current in A, as amounts.
+    /// Absolute wheel speed in rad/s, and absolute current in A.
     pub samples: Vec<(f64, f64)>,
-    /// τ in N m/A, or in the unit in which the bench knows it.
+    /// τ in N m/A, or per unit of inertia if no torque is known.
     pub torque_constant: f64,
-    /// One Ohm in the unit that goes with that torque constant.
+    /// One ohm in the unit that matches this torque constant.
     pub ohm: f64,
 }
 
-/// The description of an effect: everything that the fit, the diagnosis, the design, the exam and the
-/// reports need to know of it beside its equation. Nothing outside of an effect's file names it.
+/// The description of an effect: everything that fit, diagnosis, design, exam and reports need to know about it, apart
+/// from its equation. No other file names the effect.
 #[derive(Clone, Copy, Debug)]
 pub struct EffectInfo {
     /// The name in model.toml, on the command line and in every report.
     pub name: &'static str,
-    /// The term.
+    /// The term as a formula.
     pub equation: &'static str,
-    /// What causes it.
+    /// Its physical cause.
     pub meaning: &'static str,
     /// Where the equation is taken from: paper or book, with the equation, page or chapter.
     pub source: &'static str,
-    /// What a person would look for in the measurements.
+    /// What the effect looks like in the measurements.
     pub fingerprint: &'static str,
     /// How common it is on real benches.
     pub prior: Prior,
     /// Where in the model it acts.
     pub role: Role,
-    /// Its parameters, as many as it needs. Their place in a parameter vector is [`crate::Model`]'s job.
+    /// Its parameters. [`crate::Model`] assigns their positions in a parameter vector.
     pub parameters: &'static [ParameterInfo],
-    /// Parameter values from which a fit may start: the first entries are amplitudes that make the
-    /// effect small, the others shapes (speeds, orders, lengths), several of them where the shape
+    /// Parameter values from which a fit may start. The first entries of each set are amplitudes that make the
+    /// effect small. The others are shapes (speeds, orders, lengths); there are several sets if a shape
     /// enters nonlinearly.
     pub starts: &'static [&'static [f64]],
-    /// Parameter values with which the term vanishes exactly (`None`: no such values).
+    /// Parameter values with which the term vanishes exactly; `None` if there are none.
     pub absent: Option<&'static [f64]>,
-    /// The effects that this one contains as a limit and therefore replaces.
+    /// The effects that this one contains as a limiting case, and therefore replaces.
     pub replaces: &'static [&'static str],
-    /// The effects that some logs cannot tell from it: in them the two are one function of the motion.
+    /// The effects that some logs cannot distinguish from it, because both are the same function of the motion there.
     pub confused_with: &'static [&'static str],
-    /// The experiments in which it shows.
+    /// The kinds of experiment in which it is visible.
     pub shows_in: &'static [Kind],
-    /// The torque has a kink where the speed that it acts against changes sign.
+    /// Whether the torque has a kink where the speed that it opposes changes its sign.
     pub has_kink: bool,
-    /// The torque is linear in p[i] and in the product p[i] p[j] for this (i, j), not in p[j] itself.
+    /// For (i, j): the torque is linear in p[i] and in the product p[i] p[j], but not in p[j] alone.
     pub product: Option<(usize, usize)>,
-    /// Where p[i] equals p[j] for this (i, j) the term is that of the effect which it replaces
-    /// (`None`: at no finite parameters).
+    /// For (i, j): with p[i] = p[j], the term equals the effect that it replaces; `None` if no finite parameters do that.
     pub limit: Option<(usize, usize)>,
-    /// What becomes of it in the linear model.
+    /// How it enters the linear model.
     pub linearised: Linearised,
     /// The sensor that it distorts (role `Sensor` only).
     pub senses: Option<Output>,
-    /// The fault of the rate sensor that it is, where it is one that the angle shows.
+    /// The fault of the rate sensor that the effect describes, if the measured angle can reveal it.
     pub rate_fault: Option<RateFault>,
-    /// The stage of the motor chain that it is, where that stage needs the time. Such a stage carries
-    /// what was commanded before a log began into the log.
+    /// The time-dependent stage of the motor chain that the effect describes, if any. Such a stage carries
+    /// commands from before the log into the log.
     pub timing: Option<Timing>,
-    /// It lies between the command and the current: where a log holds the measured current, what it
-    /// does is in the log already, and it is left out.
+    /// Whether it acts between the command and the current. It is left out for a log with measured current, which
+    /// already contains it.
     pub is_electrical: bool,
-    /// It is a limit: where it is not reached it leaves no trace ([`crate::EffectId::is_reached`]).
+    /// Whether it is a limit: it changes nothing unless the limit is reached ([`crate::EffectId::is_reached`]).
     pub is_limit: bool,
-    /// Its torque is, to lowest order, this power of the angle. The terms of the powers 0, 1 and 3 together fit any
-    /// smooth torque over the angle and explain none.
+    /// The power of the angle to which its torque is proportional, to lowest order. Terms of the powers 0, 1 and 3 together
+    /// fit any smooth torque over the angle, and so explain none.
     pub angle_power: Option<u32>,
-    /// It looks at the angle of the wheel ([`Instant::wheel_angle_rad`]).
+    /// Whether it depends on the angle of the wheel ([`Instant::wheel_angle_rad`]).
     pub uses_wheel_angle: bool,
-    /// The ripple that it is.
+    /// Its ripple over the wheel's angle, if it has one.
     pub ripple: Option<Ripple>,
-    /// The memory that it has ([`Effect::remember`]).
+    /// Its memory, if it has one ([`Effect::remember`]).
     pub memory: Option<Memory>,
-    /// What the logs say about its parameters before any fit.
+    /// The source of start values for its parameters, before any fit.
     pub start_from: StartFrom,
     /// The curve that it is, where it was learned from the logs and explains nothing.
     pub learned: Option<&'static LearnedCurve>,
@@ -231,7 +230,7 @@ pub struct EffectInfo {
 }
 
 impl EffectInfo {
-    /// A term without any peculiarity and without a name: an effect states what differs.
+    /// A description without a name and without any special property. An effect states only what differs.
     pub const PLAIN: EffectInfo = EffectInfo {
         name: "",
         equation: "",
@@ -240,7 +239,7 @@ impl EffectInfo {
         fingerprint: "",
         prior: Prior {
             commonness: Commonness::Occasional,
-            reason: "nothing is known of how common it is",
+            reason: "nothing is known about how common it is",
         },
         role: Role::Body,
         parameters: &[],
@@ -268,45 +267,45 @@ impl EffectInfo {
     };
 }
 
-/// The equations of an effect. An effect implements those that its [`Role`] calls for.
+/// The equations of an effect. An effect implements those that its [`Role`] requires.
 ///
 /// `p` holds the parameters in the order of [`EffectInfo::parameters`], in SI units.
 pub trait Effect {
     /// The description.
     const INFO: EffectInfo;
 
-    /// Torque in N m against the motion: of the body (role `Body`) or of the wheel (role `Wheel`).
+    /// Torque in N m against the motion of the body (role `Body`) or of the wheel (role `Wheel`).
     #[inline(always)]
     fn torque<S: Scalar>(_p: &[S], _at: &Instant<S>, _v0: &Smoothing) -> S {
         S::zero()
     }
 
-    /// Memory after the body has moved by `displacement_rad` since `memory` held (role `Body`).
+    /// Memory after the body has moved by `displacement_rad` from the place where it was `memory` (role `Body`).
     #[inline(always)]
     fn remember<S: Scalar>(_p: &[S], memory: S, _displacement_rad: S) -> S {
         memory
     }
 
-    /// A static stage of the motor chain: current in A in, current in A out (role `Motor`).
+    /// A static stage of the motor chain: input current in A to output current in A (role `Motor`).
     /// `torque_constant` in N m/A, which is also the back-EMF constant in V s/rad.
     #[inline(always)]
     fn current<S: Scalar>(_p: &[S], current_a: S, _at: &Instant<S>, _torque_constant: S) -> S {
         current_a
     }
 
-    /// Time constant in s by which the current follows its command (role `Motor`).
+    /// Time constant in s with which the current follows its command (role `Motor`).
     #[inline(always)]
     fn lag_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None
     }
 
-    /// Time in s by which the current comes later than its command (role `Motor`).
+    /// Delay in s of the current behind its command (role `Motor`).
     #[inline(always)]
     fn delay_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None
     }
 
-    /// Changes what the sensors say (role `Sensor`).
+    /// Changes the sensors' readings (role `Sensor`).
     #[inline(always)]
     fn distort<S: Scalar>(_p: &[S], _reading: &mut Reading<S>) {}
 }

@@ -1,15 +1,15 @@
-//! The kinds of experiment: constraints on one and the same model.
+//! The kinds of experiment: different constraints on the same model.
 
-/// What is held still while a log is recorded, and about which equilibrium.
+/// What is held still while a log is recorded, and the equilibrium around which the motion takes place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// Wheel locked to the body, no current, about hanging.
+    /// Wheel locked to the body, no current, around the hanging equilibrium.
     FreeSwing,
     /// Body clamped; the wheel is driven or coasts.
     SpinUp,
-    /// Everything free, upright, under a controller.
+    /// Body and wheel free, upright, under a controller.
     Balance,
-    /// Everything free, about hanging, open loop.
+    /// Body and wheel free, around the hanging equilibrium, open loop.
     Driven,
 }
 

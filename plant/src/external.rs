@@ -1,9 +1,9 @@
-//! Effects that come while the program runs: from a file of the user, from a curve that was learned, from
-//! another crate.
+//! Effects that are defined while the program runs: by a user's file, by a curve that was learned, or by another
+//! crate.
 //!
-//! Such an effect computes with plain numbers and says its partial derivatives; the chain rule lifts them to
-//! whatever number the model computes with, so that the integrator is compiled no more often for it.
-//! [`EffectId::of`] makes one out of any type that implements the ordinary [`Effect`].
+//! Such an effect computes with plain numbers and returns its partial derivatives. The chain rule carries them over
+//! to the number type of the model, so the integrator needs no further compilation.
+//! [`EffectId::of`] makes such an effect from any type that implements the ordinary [`Effect`].
 
 use std::any::type_name;
 use std::cmp::Ordering;
@@ -14,8 +14,8 @@ use std::sync::{Mutex, PoisonError};
 use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing};
 use crate::{BASE_PARAMETERS, Dual, EffectId, Output, Reading, Scalar};
 
-/// Partial derivatives of what an external effect computes, with respect to everything that it was given.
-/// All are 0 when the effect is called; it writes those that are not.
+/// Partial derivatives of the result of an external effect, with respect to all its inputs. All are 0 when
+/// the effect is called; the effect writes those that are not.
 #[derive(Debug)]
 pub struct Partials<'a> {
     /// With respect to the members of the instant.
@@ -30,13 +30,13 @@ pub struct Partials<'a> {
     pub p: &'a mut [f64],
 }
 
-/// The equations of an effect over plain numbers. An effect implements those that its [`Role`] calls for, as
-/// in [`Effect`]; `p` holds its parameters in SI units, and the derivatives go to `partials`.
+/// The equations of an effect for plain numbers. An effect implements those that its [`Role`] requires, as
+/// in [`Effect`]; `p` holds its parameters in SI units, and the derivatives are written to `partials`.
 ///
-/// Derivatives must be exact: a fit that is led by wrong ones ends beside the minimum.
+/// Derivatives must be exact: with wrong ones, a fit ends away from the minimum.
 pub trait ExternalEffect: Send + Sync {
     /// Torque in N m against the motion of body or wheel (roles `Body` and `Wheel`). The torque depends on the
-    /// instant alone: [`Instant::memory`] is 0.
+    /// instant alone; [`Instant::memory`] is 0.
     fn torque(
         &self,
         _p: &[f64],
@@ -47,7 +47,7 @@ pub trait ExternalEffect: Send + Sync {
         0.0
     }
 
-    /// A static stage of the motor chain, current in A in and out (role `Motor`); the stages of the
+    /// A static stage of the motor chain: input current in A to output current in A (role `Motor`). The stages of the
     /// library come before it.
     fn current(
         &self,
@@ -61,8 +61,8 @@ pub trait ExternalEffect: Send + Sync {
         current_a
     }
 
-    /// What the sensor that the effect distorts ([`EffectInfo::senses`]) says, given what all of them would
-    /// say without it (role `Sensor`).
+    /// The reading of the sensor that the effect distorts ([`EffectInfo::senses`]), from the undistorted readings of all
+    /// sensors (role `Sensor`).
     fn measured(
         &self,
         _p: &[f64],
@@ -84,16 +84,16 @@ fn part<S>(reading: &mut Reading<S>, output: Output) -> &mut S {
     }
 }
 
-/// An external effect as it is defined.
+/// The definition of an external effect.
 pub struct Definition {
-    /// The description. What it refers to lives as long as the program (`String::leak`, `Vec::leak`).
+    /// The description. Its references must live as long as the program (`String::leak`, `Vec::leak`).
     pub info: EffectInfo,
     /// The equations.
     pub equations: Box<dyn ExternalEffect>,
 }
 
 impl Definition {
-    /// That of a type which implements the ordinary [`Effect`].
+    /// The definition of a type that implements the ordinary [`Effect`].
     pub fn of<E: Effect + Send + Sync + 'static>() -> Definition {
         Definition {
             info: E::INFO,
@@ -102,26 +102,26 @@ impl Definition {
     }
 }
 
-/// Why an external effect cannot be had.
+/// The reason why an external effect cannot be defined.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ExternalError {
     /// The library has an effect of this name.
-    #[error("the library has an effect called {name} already")]
+    #[error("the library already has an effect called {name}")]
     NameTaken {
         /// The name.
         name: String,
     },
     /// The description contradicts itself.
-    #[error("the description of the effect {name} is not complete: {what}")]
+    #[error("the description of the effect {name} is not valid: {what}")]
     Incomplete {
         /// The name.
         name: String,
-        /// What is missing or too much.
+        /// What is wrong.
         what: &'static str,
     },
 }
 
-/// An effect that came while the program runs. Equal definitions are one and the same effect.
+/// An effect that was defined while the program runs. Equal definitions are the same effect.
 #[derive(Clone, Copy)]
 pub struct External(&'static Registered);
 
@@ -162,24 +162,23 @@ impl PartialOrd for External {
     }
 }
 
-/// By name and content, whatever came first.
+/// Ordered by name and content, so that the order does not depend on which was defined first.
 impl Ord for External {
     fn cmp(&self, other: &External) -> Ordering {
         self.0.key().cmp(&other.0.key())
     }
 }
 
-/// Everything that came so far. An entry lives as long as the program, so that an [`EffectId`] stays a
-/// plain value; the same content is entered once.
+/// All external effects so far. An entry lives as long as the program, so that an [`EffectId`] stays a
+/// plain value. The same content is entered only once.
 static REGISTRY: Mutex<Vec<&'static Registered>> = Mutex::new(vec![]);
 
 impl EffectId {
-    /// The effect that `content` defines. The content is everything on which the definition depends (the text
-    /// of its file); `define` is called only for one that was not seen before, so that what it leaks is
-    /// leaked once.
+    /// The effect that `content` defines. The content must hold everything on which the definition depends (the text
+    /// of its file). `define` is called only for content that is new, so the memory that it leaks is leaked only once.
     ///
     /// # Errors
-    /// A name that the library has; a description that contradicts itself.
+    /// If the library has an effect with this name, or the description is not valid.
     pub fn external(
         content: &str,
         define: impl FnOnce() -> Definition,
@@ -198,7 +197,7 @@ impl EffectId {
         Ok(EffectId::External(External(entry)))
     }
 
-    /// An effect out of a type that implements the ordinary [`Effect`], from any crate.
+    /// An external effect from a type that implements the ordinary [`Effect`], in any crate.
     ///
     /// # Errors
     /// As [`EffectId::external`].
@@ -222,27 +221,27 @@ fn check(info: &EffectInfo) -> Result<(), ExternalError> {
     } else if count == 0 {
         "it has no parameter"
     } else if names.iter().any(|name| is_twice(name) || is_base(name)) {
-        "two of its parameters have one name, or one has the name of a base parameter"
+        "two of its parameters have the same name, or one has the name of a base parameter"
     } else if info.starts.is_empty() {
-        "no start is stated from which it may be fitted"
+        "it states no start values for a fit"
     } else if sets().any(|set| set.len() != count) {
-        "a start has not as many values as there are parameters"
+        "a set of start values does not have one value per parameter"
     } else if info.shows_in.is_empty() {
-        "no experiment is stated in which it shows"
+        "it states no experiment in which it is visible"
     } else if info.memory.is_some() || info.timing.is_some() {
-        "memory, lag and delay are for effects of the library"
+        "only effects of the library may have memory, lag or delay"
     } else if (info.role == Role::Sensor) != info.senses.is_some() {
-        "a sensor's effect says which sensor it distorts, and no other does"
+        "an effect on a sensor must state which sensor it distorts, and no other effect may state one"
     } else {
         return Ok(());
     };
     Err(ExternalError::Incomplete { name, what })
 }
 
-/// Parameters for which no memory is asked of the heap.
+/// Number of parameters up to which an evaluation needs no heap allocation.
 const FEW_PARAMETERS: usize = 16;
 
-/// The instant with no derivatives.
+/// The instant without its derivatives.
 fn plain<S: Scalar>(at: &Instant<S>) -> Instant<f64> {
     Instant {
         angle_rad: at.angle_rad.value(),
@@ -267,12 +266,12 @@ const NO_READING: Reading<f64> = Reading {
     wheel_speed_rad_s: 0.0,
 };
 
-/// Takes an input and the partial derivative with respect to it.
+/// Receives an input and the partial derivative with respect to it.
 type Pair<'a, S> = dyn FnMut(S, f64) + 'a;
 
-/// Calls `evaluate` with the values of the parameters and lifts what it returns by the chain rule:
-/// df = Σ ∂f/∂x dx over the parameters and over the further inputs, of which `pairs` hands out
-/// every one with its partial derivative.
+/// Calls `evaluate` with the values of the parameters and extends its result by the chain rule:
+/// df = Σ ∂f/∂x dx over the parameters and over the further inputs. `pairs` passes each of these inputs
+/// with its partial derivative.
 fn lifted<S: Scalar>(
     p: &[S],
     evaluate: &mut dyn FnMut(&[f64], &mut Partials) -> f64,
@@ -319,7 +318,7 @@ fn of_instant<S: Scalar>(at: &Instant<S>, partials: &Partials, add: &mut Pair<S>
     add(at.wheel_speed_rad_s, partials.at.wheel_speed_rad_s);
 }
 
-// Out of line: built-in effects do not pay for them.
+// Not inlined, so that built-in effects have no cost from them.
 impl External {
     /// The description.
     pub(crate) fn info(self) -> &'static EffectInfo {
@@ -390,17 +389,17 @@ impl External {
     }
 }
 
-/// An ordinary [`Effect`] as an external one: its equations, with dual numbers for the derivatives.
+/// An ordinary [`Effect`] as an external one: its equations, with derivatives from dual numbers.
 struct Adapted<E>(PhantomData<E>);
 
-/// Variables that are differentiated at once.
+/// Number of variables that are differentiated in one pass.
 const AT_ONCE: usize = 8;
 type Numbers = Dual<AT_ONCE>;
 /// Makes a variable out of a value and its index.
 type Variable<'a> = dyn Fn(f64, usize) -> Numbers + 'a;
 
-/// Calls `evaluate` as often as it takes to differentiate with respect to `count` variables: `variable(value,
-/// index)` is the one with this index, and `each` gets the index and the derivative. Returns the value.
+/// Calls `evaluate` as often as needed to differentiate with respect to `count` variables. `variable(value, index)` is
+/// the variable with this index, and `each` receives the index and the derivative. Returns the value.
 fn differentiated(
     count: usize,
     evaluate: &mut dyn FnMut(&Variable) -> Numbers,
@@ -409,7 +408,7 @@ fn differentiated(
     let mut value = 0.0;
     for first in (0..count).step_by(AT_ONCE) {
         let variable = |value: f64, index: usize| {
-            // An index before the first one of this pass is a constant, as is one behind the last.
+            // An index outside of this pass gives a constant.
             Numbers::variable(value, index.checked_sub(first).unwrap_or(AT_ONCE))
         };
         let result = evaluate(&variable);
@@ -422,7 +421,7 @@ fn differentiated(
     value
 }
 
-/// The parameters as variables, behind `before` others.
+/// The parameters as variables, after `before` others.
 fn parameters(p: &[f64], before: usize, variable: &Variable) -> Vec<Numbers> {
     p.iter()
         .enumerate()
@@ -441,7 +440,7 @@ fn instant(at: &Instant<f64>, variable: &Variable) -> Instant<Numbers> {
     }
 }
 
-/// Where the derivative with respect to a member of the instant goes; `None` behind it.
+/// The place for the derivative with respect to a member of the instant; `None` for a higher index.
 fn slope_of_instant(at: &mut Instant<f64>, index: usize) -> Option<&mut f64> {
     match index {
         0 => Some(&mut at.angle_rad),

@@ -1,16 +1,15 @@
-//! An effect hidden in a bench, for an exam: as it says itself, or as any effect can be.
+//! The parameters of an effect that is hidden in a bench for the exam: as its description says, or in a general way.
 
 use crate::effect::{EffectInfo, Role};
 use crate::hiding::HidingPlace;
 
-/// First guess for the amplitude of an effect that says nothing of how it hides.
+/// First guess of the amplitude for an effect whose description has no [`Hiding`].
 const FIRST_GUESS: f64 = 1e-2;
 
 impl EffectInfo {
-    /// How the exam hides this effect: as it says itself, otherwise with its first parameter as the
-    /// amplitude (in gravity torques, in torques of the motor, in amperes of the largest current, or in the
-    /// unit of the sensor, with either sign where its bounds allow) and the others as one of its stated
-    /// starts has them.
+    /// The parameters with which the exam hides this effect. If its description has no [`Hiding`], its first parameter is
+    /// scaled by `amplitude`, and the others come from one of its stated starts. The scale is the gravity torque, the
+    /// motor's torque, the largest current, or the unit of the sensor. The sign is drawn if the bounds allow both.
     pub fn hidden(&self, amplitude: f64, place: &HidingPlace) -> Vec<f64> {
         if let Some(hiding) = self.hiding {
             return (hiding.parameters)(amplitude, place);
@@ -33,12 +32,12 @@ impl EffectInfo {
         parameters
     }
 
-    /// An amplitude from which [`EffectInfo::hidden`] may be tried.
+    /// An amplitude to begin with in the search for one that is visible (see [`EffectInfo::hidden`]).
     pub fn first_guess(&self) -> f64 {
         self.hiding.map_or(FIRST_GUESS, |hiding| hiding.first_guess)
     }
 
-    /// Whether such parameters must lie where [`crate::ParameterInfo::plausible`] says.
+    /// Whether the hidden parameters must lie within [`crate::ParameterInfo::plausible`].
     pub fn hides_within_plausible(&self) -> bool {
         self.hiding.is_none_or(|hiding| !hiding.beyond_plausible)
     }

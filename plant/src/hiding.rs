@@ -1,18 +1,18 @@
-//! What an effect says of how it can be hidden in a bench: parameters of a size that the bench can show.
+//! How an effect can be hidden in a bench for the exam, with parameters of a visible size.
 
 /// How the exam hides an effect.
 #[derive(Clone, Copy, Debug)]
 pub struct Hiding {
-    /// The parameters (SI, in the order of the effect's description) for an amplitude, which is a pure
-    /// number: the term grows with it, and at 1 it is about as large as what it is measured by.
+    /// The parameters (SI, in the order of the effect's description) for an amplitude. The amplitude is a
+    /// dimensionless number: the term grows with it, and at 1 it is about as large as its reference quantity.
     pub parameters: fn(f64, &HidingPlace) -> Vec<f64>,
-    /// An amplitude from which the one that is wanted is looked for.
+    /// An amplitude to begin with in the search for the required one.
     pub first_guess: f64,
-    /// The parameters go with the bench, and may lie outside of their plausible range.
+    /// Whether the parameters scale with the bench and may lie outside their plausible range.
     pub beyond_plausible: bool,
 }
 
-/// The bench in which an effect is hidden, and what was drawn for the effect's shape.
+/// The bench in which an effect is hidden, and random numbers for the effect's shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HidingPlace {
     /// Θ in kg m².
@@ -25,18 +25,18 @@ pub struct HidingPlace {
     pub torque_constant: f64,
     /// Largest current of a spin-up, A.
     pub top_current_a: f64,
-    /// Wheel speed that it reaches, rad/s.
+    /// Wheel speed at the end of that spin-up, rad/s.
     pub top_wheel_speed_rad_s: f64,
-    /// 1 or −1.
+    /// Drawn sign: 1 or −1.
     pub side: f64,
-    /// A number from 0 to 1, 1 excluded.
+    /// Drawn number from 0 to 1, 1 excluded.
     pub shape: f64,
-    /// A number from −1 to 1, 1 excluded.
+    /// Drawn number from −1 to 1, 1 excluded.
     pub second: f64,
 }
 
 impl HidingPlace {
-    /// The drawn shape, log-uniform between two values.
+    /// A value between two limits, log-uniform in the drawn shape.
     pub fn between(&self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.shape)
     }

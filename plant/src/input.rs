@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 
-/// How the current runs between two samples.
+/// The course of the current between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
     /// A command: held until the next sample.
@@ -11,33 +11,35 @@ pub enum Hold {
     Linear,
 }
 
-/// A sampled current with its running integral, so that its mean over any interval is exact.
+/// A sampled current with its running integral, from which the mean over any interval follows exactly.
 ///
-/// Over an integration step the current enters as its mean: exact where the step lies between two
-/// samples of a held command, and a continuous function of the delay everywhere, so that a delay
-/// has a derivative although the command has steps.
+/// In an integration step, the mean of the current is used. It is exact if the step lies between two
+/// samples of a held command. It is a continuous function of the motor's delay, so that the derivative
+/// with respect to the delay exists although the command has steps.
 #[derive(Clone, Debug)]
 pub struct Input {
     time_s: Vec<f64>,
     current_a: Vec<f64>,
     charge_as: Vec<f64>,
     hold: Hold,
-    /// The times at which a held command steps, if that is seldom.
+    /// The times in s at which a held command steps; empty if it steps too often.
     steps_s: Vec<f64>,
 }
 
-/// A step of a command is a change by at least this share of its largest value.
+/// A held command has a step where it changes by at least this share of its largest magnitude.
 const STEP_SHARE: f64 = 0.1;
-/// Samples from one step to the next, at least, on average: a command that changes all the time has no steps, but a
-/// mean.
+/// Steps are treated one by one only if they are at least this many samples apart on average. A command that
+/// changes more often enters through its mean over each integration step alone.
 const SAMPLES_PER_STEP: usize = 50;
 
-/// Of an interval, what is shorter than this share is its end.
+/// A part of an integration step that is shorter than this share of the step counts as empty. A command step so
+/// close to the start or the end of an integration step is not treated as lying inside it.
 pub(crate) const LEAST_SHARE: f64 = 1e-6;
 
 impl Input {
-    /// `time_s` must increase; a NaN sample takes the value of the one before it (of the first
-    /// valid one at the start, and 0 if there is none).
+    /// Builds the input from samples: `time_s` in s, strictly increasing, and `current_a` in A, of equal length.
+    /// A NaN sample takes the value of the sample before it. NaN samples at the start take the first valid value,
+    /// or 0 A if no sample is valid.
     pub fn new(time_s: &[f64], current_a: &[f64], hold: Hold) -> Input {
         let mut last = current_a
             .iter()
@@ -66,7 +68,7 @@ impl Input {
             let largest = current_a.iter().fold(0.0f64, |m, i| m.max(i.abs()));
             let pairs = time_s.iter().skip(1).zip(current_a.windows(2));
             let steps = pairs.filter(|(_, pair)| (pair[1] - pair[0]).abs() > STEP_SHARE * largest);
-            // The first sample may be a step from what was commanded before the log.
+            // The log may begin at a step: the command before the first sample is not known.
             steps_s.extend(time_s.first());
             steps_s.extend(steps.map(|(&time_s, _)| time_s));
             if steps_s.len() * SAMPLES_PER_STEP > time_s.len() {
@@ -82,8 +84,9 @@ impl Input {
         }
     }
 
-    /// The times within (from_s, to_s) at which the command steps, if it seldom does: its mean over an interval with a
-    /// step gives the right speed at the end, but not the right way.
+    /// The times in (from_s, to_s) at which a held command steps; empty if it steps too often (see
+    /// [`SAMPLES_PER_STEP`]). An integration step that contains such a time is split there. The mean current alone
+    /// would give the right speed at the end of the integration step, but a wrong angle.
     pub(crate) fn steps_within(&self, from_s: f64, to_s: f64) -> &[f64] {
         if self.steps_s.is_empty() {
             return &[];
@@ -105,14 +108,14 @@ impl Input {
             .zip(self.current_a.first().copied())
     }
 
-    /// The index of the last sample at or before `time_s`, looked for near `hint`.
+    /// The index of the last sample at or before `time_s`; `hint` is the index of a sample nearby.
     fn index(&self, time_s: f64, hint: usize) -> usize {
         let near = |k: usize| {
             k < self.time_s.len()
                 && self.time_s[k] <= time_s
                 && self.time_s.get(k + 1).is_none_or(|&next| time_s < next)
         };
-        // A log that is read more sparsely than its current counts other samples.
+        // The current can have more samples than the log that is read: then `hint` counts other samples.
         let first_s = self.time_s.first().copied().unwrap_or(0.0);
         let span_s = self.time_s.last().copied().unwrap_or(0.0) - first_s;
         let even = (time_s - first_s) / span_s * self.time_s.len().saturating_sub(1) as f64;
@@ -134,7 +137,7 @@ impl Input {
             .saturating_sub(1)
     }
 
-    /// The index of the first sample after `time_s`, looked for near `hint`.
+    /// The index of the first sample after `time_s`; `hint` is the index of a sample nearby.
     fn next(&self, time_s: f64, hint: usize) -> usize {
         let is_before_all = self.time_s.first().is_some_and(|&first_s| time_s < first_s);
         if is_before_all {
@@ -144,7 +147,7 @@ impl Input {
         }
     }
 
-    /// ∫ i dt up to `time_s` and i there; before the first sample the first value holds.
+    /// ∫ i dt up to `time_s` in A s, and i at that time in A. Before the first sample, the first value holds.
     fn charge(&self, time_s: f64, hint: usize) -> (f64, f64) {
         let (Some(&first_s), Some(&first_a)) = (self.time_s.first(), self.current_a.first()) else {
             return (0.0, 0.0);
@@ -179,7 +182,7 @@ impl Input {
         (next > from_s + least_s && next < to_s - least_s).then_some(next)
     }
 
-    /// The mean time in s for which a sample is held; `None` where the current is not held.
+    /// The mean time in s for which a sample is held; `None` if the current is not a held command.
     pub fn held_s(&self) -> Option<f64> {
         let span_s = self.time_s.last()? - self.time_s.first()?;
         let steps = self.time_s.len() - 1;
@@ -196,7 +199,7 @@ impl Input {
         self.time_s.is_empty()
     }
 
-    /// The stretches of (from_s, to_s) between which a current that is delayed by `delay_s` has samples;
+    /// The parts of (from_s, to_s) between the samples of a current that is delayed by `delay_s`;
     /// `hint` is the index of a sample nearby.
     pub fn stretches(
         &self,

@@ -7,7 +7,7 @@
 //! | file | job |
 //! |---|---|
 //! | `scalar` | numbers with and without derivatives |
-//! | `effect` | what an effect is |
+//! | `effect` | the definition of an effect |
 //! | `hiding` | how the exam hides an effect |
 //! | `hidden` | its parameters, hidden in a given bench |
 //! | `external` | effects that come while the program runs |
@@ -15,7 +15,7 @@
 //! | `effects/` | the library, one file an effect |
 //! | `model` | which effects a model has; the layout of its parameter vector |
 //! | `plant/` | the motion: right-hand side, assembly, motor chain, integrator |
-//! | `reading` | what the sensors say |
+//! | `reading` | the readings of the sensors |
 //! | `input` | the recorded current as a function of time |
 //! | `linear` | the linear model about upright |
 //! | `experiment` | the kinds of experiment |

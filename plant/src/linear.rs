@@ -17,7 +17,7 @@ pub struct LinearModel {
     pub input: Vector3<f64>,
 }
 
-/// Why a model has no linear model at the place asked for.
+/// The reason why a model has no linear model at the requested equilibrium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinearisationError {
     /// Θ, j_w or Θ − j_w is not positive.
@@ -31,15 +31,15 @@ pub enum LinearisationError {
         /// j_w in kg m².
         wheel: f64,
     },
-    /// No angle near the one asked for at which the body is in balance.
-    #[error("the body is in balance nowhere near {near_rad} rad with these parameters")]
+    /// There is no equilibrium of the body near the requested angle.
+    #[error("the body has no equilibrium near {near_rad} rad with these parameters")]
     NoEquilibrium {
         /// Where the search started, rad.
         near_rad: f64,
     },
 }
 
-/// The model about the equilibrium nearest to `near_rad` (π for upright, 0 for hanging) with both
+/// The linear model about the equilibrium nearest to `near_rad` (π for upright, 0 for hanging), with both
 /// speeds zero and no current: the exact Jacobian of [`Plant::derivative`].
 ///
 /// Dry friction of the body enters as μ tanh(α̇/ι), hence with slope μ/ι, where
@@ -48,7 +48,7 @@ pub enum LinearisationError {
 /// ([`has_seen`]).
 ///
 /// # Errors
-/// Inertias without meaning; no equilibrium within half a radian.
+/// If the inertias are not physical, or there is no equilibrium within half a radian.
 pub fn linearise(
     model: &Model,
     values: &[f64],
@@ -100,8 +100,8 @@ pub fn linearise(
     })
 }
 
-/// How a torque enters the linear model: the input matrices (3×1, units of row per N m and second) of a torque on
-/// the body, and of one on the wheel with its reaction on the body. `values` as in [`linearise`].
+/// The input matrices (3×1, units of row per N m and second) of a torque on the body, and of a torque on the wheel with
+/// its reaction on the body. `values` as in [`linearise`].
 pub fn torque_inputs(model: &Model, values: &[f64]) -> [Vector3<f64>; 2] {
     let plant = Plant::new(model, values, Kind::Balance);
     let rest = State::rest();
@@ -141,7 +141,7 @@ fn kept(
             Linearised::Exactly if !has_seen(effect, near_rad) => {}
             Linearised::Exactly => effects.push(effect),
             Linearised::AsDryFriction if keep_dry_friction => {
-                // Of a refinement the friction that it refines, with which it shares a parameter.
+                // A refinement is represented by the friction that it refines, with which it shares a parameter.
                 let simpler = info
                     .replaces
                     .iter()

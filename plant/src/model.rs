@@ -1,4 +1,4 @@
-//! The structure of a model: the base parameters and the effects that it has.
+//! The structure of a model: its base parameters and its effects.
 
 use std::ops::Range;
 
@@ -58,16 +58,16 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
     },
 ];
 
-/// The period of small oscillations about hanging in s, 2π √(Θ/G), from a parameter vector; that of parameters
-/// without meaning is bounded.
+/// The period of small oscillations about the hanging equilibrium in s, 2π √(Θ/G), from a parameter vector. It is
+/// bounded for parameters that are not physical.
 pub fn period_s(values: &[f64]) -> f64 {
     let square = (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA]).abs();
     std::f64::consts::TAU / square.sqrt().max(1e-3)
 }
 
-/// Which effects a model has. The parameter vector that goes with it holds the base parameters
-/// followed by those of each effect, in this order; the functions here are the only place that
-/// knows the layout.
+/// The effects of a model. Its parameter vector holds the base parameters
+/// followed by those of each effect, in this order. Only the functions here
+/// know that layout.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Model {
     effects: Vec<EffectId>,
@@ -84,8 +84,8 @@ impl Model {
         }
     }
 
-    /// A model with exactly these effects, in the order of the library; of an effect and one that
-    /// contains it, the containing one stays.
+    /// A model with these effects, in the order of the library. If one of two effects contains the other, only the
+    /// containing one is kept.
     pub fn with_effects(effects: &[EffectId]) -> Model {
         effects
             .iter()
@@ -104,9 +104,9 @@ impl Model {
         self.effects.contains(&effect)
     }
 
-    /// This model and `effect`. Effects that it contains are replaced, and so are rival theories of
-    /// the same torque (they share a parameter); a model that already has an effect which contains
-    /// it is returned as it is.
+    /// This model with `effect` added. Effects that it contains are replaced, and so are alternative models of
+    /// the same torque (they share a parameter). A model that already has an effect which contains
+    /// `effect` is returned unchanged.
     pub fn with(&self, effect: EffectId) -> Model {
         let contained = self
             .effects
@@ -202,7 +202,7 @@ impl Model {
         ranges.find_map(|(effect, own)| own.contains(&position).then_some(effect))
     }
 
-    /// The first effect whose description fulfils a condition, and where its parameters start.
+    /// The first effect whose description fulfils a condition, and the position of its first parameter.
     pub fn find(&self, holds: impl Fn(&EffectInfo) -> bool) -> Option<(EffectId, usize)> {
         let mut ranges = self.ranges();
         ranges.find_map(|(effect, own)| holds(effect.info()).then_some((effect, own.start)))

@@ -1,20 +1,20 @@
-//! How common an effect is on real benches, before any measurement is looked at.
+//! How common an effect is on real benches, independent of any measurement.
 
-/// How often a bench of this kind has the effect in a size that its sensors show. Only the order of the
-/// classes matters, and only where measurements cannot decide: of explanations that tie, the most usual one
-/// is taken provisionally.
+/// How often benches of this kind have the effect in a size that their sensors show. Only the order of the
+/// classes matters, and only if the measurements do not decide: among explanations that tie, the most common one
+/// is used provisionally.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Commonness {
-    /// It takes an unusual part or an unusual use.
+    /// Only benches with an unusual part or an unusual use have it.
     Rare,
-    /// Some benches have it, as they are built.
+    /// Some benches have it.
     Occasional,
     /// Nearly every bench has it.
     Usual,
 }
 
 impl Commonness {
-    /// The odds that a bench has it. Judgement: a class is three times as common as the one below.
+    /// The prior odds that a bench has it. Judgement: each class is three times as common as the one below.
     pub fn odds(self) -> f64 {
         match self {
             Commonness::Rare => 1.0 / 9.0,
@@ -29,6 +29,6 @@ impl Commonness {
 pub struct Prior {
     /// The class.
     pub commonness: Commonness,
-    /// Why, in a few words.
+    /// The reason, in a few words.
     pub reason: &'static str,
 }

@@ -1,6 +1,6 @@
-//! What the sensors say.
+//! The readings of the sensors.
 
-/// What the sensors say at one instant.
+/// The readings of the sensors at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading<S> {
     /// Measured body angle, rad.
@@ -26,7 +26,7 @@ impl Output {
     /// All outputs.
     pub const ALL: [Output; 3] = [Output::Angle, Output::Rate, Output::WheelSpeed];
 
-    /// The channel's part of "experiment/channel".
+    /// The channel, as in "experiment/channel".
     pub fn name(self) -> &'static str {
         match self {
             Output::Angle => "angle",
@@ -43,7 +43,7 @@ impl Output {
         }
     }
 
-    /// This output's part of a reading.
+    /// The value of this output in a reading.
     #[inline(always)]
     pub fn of<S: Copy>(self, reading: &Reading<S>) -> S {
         match self {

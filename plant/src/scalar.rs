@@ -1,12 +1,12 @@
-//! Numbers that the model computes with: `f64`, and dual numbers that carry exact derivatives.
+//! The number types of the model: `f64`, and dual numbers that carry exact derivatives.
 //!
 //! A dual number a + Σ bᵢ εᵢ with εᵢ εⱼ = 0 carries a value and N partial derivatives; every
 //! operation applies the chain rule (forward-mode differentiation; Griewank & Walther,
-//! *Evaluating Derivatives*, 2008, ch. 3). The project has its own type because two things that it
-//! needs are missing in num-dual 0.13: the derivative of tanh must stay finite for large arguments
+//! *Evaluating Derivatives*, 2008, ch. 3). The project has its own type because num-dual 0.13 lacks two
+//! properties: the derivative of tanh must stay finite for large arguments
 //! (dry friction evaluates tanh(α̇/v₀) at arguments beyond 1000, where sinh and cosh overflow), and
 //! one step of the sensitivities must be cheap (measured: 0.33 µs against 0.76 µs with 8 lanes).
-//! The tests hold it against num-dual.
+//! The tests compare it with num-dual.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -29,7 +29,7 @@ pub trait Scalar:
     fn constant(value: f64) -> Self;
     /// The value without its derivatives; comparisons and branches use it.
     fn value(self) -> f64;
-    /// f(self), given f and f′ at the value: the chain rule.
+    /// f(self), from f and f′ at the value, by the chain rule.
     fn chain(self, value: f64, derivative: f64) -> Self;
 
     /// Zero.

@@ -1,6 +1,6 @@
-//! The ways to an angle that the thesis discusses (its figure 3.3), side by side on one simulated
-//! free swing: low-pass the rate and integrate it, complementary filter, Madgwick's filter. All are
-//! fed the same raw counts.
+//! The methods for the angle that the thesis discusses (its figure 3.3), compared on one simulated
+//! free swing: low-pass the rate and integrate it; complementary filter; Madgwick's filter. All
+//! receive the same raw counts.
 
 use crate::error::{SimulateError, check_positive};
 use crate::raw_counts::RawSensors;
@@ -18,14 +18,14 @@ pub const LOW_PASS_S: f64 = 0.02;
 /// accelerometer's motion averages out.
 pub const COMPLEMENTARY_S: f64 = 1.0;
 
-/// Body angles over the swing, rad from hanging; one entry a sample.
+/// Body angles during the swing, rad from hanging; one entry per sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FilterComparison {
     /// Time in s.
     pub time_s: Vec<f64>,
     /// The true angle.
     pub truth_rad: Vec<f64>,
-    /// The accelerometer's direction alone.
+    /// From the direction of the accelerometer alone.
     pub accelerometer_rad: Vec<f64>,
     /// The low-passed rate, integrated.
     pub low_pass_rad: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct FilterComparison {
 }
 
 impl FilterComparison {
-    /// The estimates with their names.
+    /// The estimates, with their names.
     pub fn estimates(&self) -> [(&'static str, &[f64]); 4] {
         [
             ("accelerometer alone", &self.accelerometer_rad),
@@ -57,8 +57,8 @@ impl FilterComparison {
     }
 }
 
-/// Lets the body of `model` swing from rest at `start_rad` from hanging for `duration_s` and follows
-/// it with every filter; `sensors` make the counts, `spec` says what the filters believe.
+/// Lets the body of `model` swing from rest at `start_rad` from hanging for `duration_s`, and estimates the
+/// angle with every filter. `sensors` produce the counts; `spec` holds the calibration that the filters use.
 ///
 /// # Errors
 /// Times that are not positive; a motion that is no longer finite.

@@ -1,9 +1,9 @@
-//! How large a set of starts the saturated loop brings back: an ellipsoid xᵀ P x ≤ s², enlarged until a
-//! start on its boundary is lost.
+//! The region of attraction of the saturated loop: an ellipsoid xᵀ P x ≤ s², enlarged until the loop does not
+//! return from a start on its boundary.
 //!
-//! What can be proved of the loop, the checker proves in exact arithmetic for s = 1 or less, where no
-//! command saturates. Beyond that it is tried: starts all over the boundary, each run until it is well
-//! inside the set from which return is proved, or the body has fallen.
+//! The checker proves in exact arithmetic what can be proved: return from s ≤ 1, where no
+//! command saturates. Beyond that, simulation gives evidence: starts are distributed over the boundary, and each is
+//! run until it is well inside the proved set, or the body has fallen.
 
 use crate::closed_loop::ClosedLoop;
 use crate::error::{SimulateError, check_positive};
@@ -14,19 +14,19 @@ use nalgebra::{Cholesky, Matrix3, Vector3};
 use plant::State;
 use std::f64::consts::PI;
 
-/// A start counts as brought back at this size; return from there is what the linear loop does.
+/// A start counts as brought back once its size is below this; from there, the linear loop returns.
 const INSIDE: f64 = 0.25;
 /// The set is enlarged by this factor until a start is lost.
 const GROWTH: f64 = 1.1;
 /// Largest size that is tried.
 const LARGEST: f64 = 10.0;
 
-/// What the enlargement found.
+/// The result of the enlargement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attraction {
-    /// s: the largest size of which every start came back; 0 where even the smallest had one that did not.
+    /// s: the largest size with return from every start; 0 if the smallest size already had a start without return.
     pub size: f64,
-    /// The smallest size with a start that was lost.
+    /// The smallest size with a start without return.
     pub lost_size: f64,
     /// That start: angle from upright (rad), rate and wheel speed (rad/s).
     pub lost: [f64; 3],
@@ -37,11 +37,11 @@ pub struct Attraction {
 }
 
 /// Enlarges the ellipsoid of `shape` (P, in rad and rad/s) in the loop `on` under `law`, with `starts`
-/// starts on every boundary, until a start is lost; the size is then found to `resolution`.
+/// starts on every boundary, until a start does not return. The size is then refined to `resolution`.
 ///
 /// # Errors
-/// A shape that is not positive definite; no start; a resolution that is not positive; those of
-/// [`ClosedLoop::run`]; [`SimulateError::NotPositive`] where nothing is lost up to ten times the shape.
+/// If the shape is not positive definite, there is no start, or the resolution is not positive; those of
+/// [`ClosedLoop::run`]; [`SimulateError::NotPositive`] if every start returns at ten times the shape.
 pub fn region_of_attraction(
     on: &ClosedLoop<'_>,
     scale: &Scale,
@@ -56,7 +56,7 @@ pub fn region_of_attraction(
         what: "the least eigenvalue of the ellipsoid's matrix",
         value: shape.symmetric_eigenvalues().min(),
     };
-    // x = L⁻ᵀ u takes the unit sphere to the boundary of size 1.
+    // x = L⁻ᵀ u maps the unit sphere to the boundary of size 1.
     let root = Cholesky::new(*shape).ok_or_else(not_an_ellipsoid)?;
     let to_boundary = root.l().transpose().try_inverse();
     let to_boundary = to_boundary.ok_or_else(not_an_ellipsoid)?;
@@ -135,7 +135,7 @@ fn comes_back(
     Ok(trace.fell_at_s.is_none() && trace.time_s.last().is_some_and(|end| *end < duration_s))
 }
 
-/// Points all over the unit sphere: Fibonacci's spiral.
+/// Points distributed evenly over the unit sphere (Fibonacci spiral).
 fn sphere(count: usize) -> impl Iterator<Item = Vector3<f64>> {
     let golden = PI * (3.0 - 5f64.sqrt());
     (0..count).map(move |index| {

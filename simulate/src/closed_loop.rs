@@ -1,9 +1,9 @@
 //! The closed loop: sample, command, hold.
 //!
-//! At every sample the sensors are read, the law commands a current, the drive clips it, and it
-//! flows until the next sample's command replaces it. A delay (of the computation, and of the
-//! model's effect `input-delay`) postpones that change to any instant, also between samples: the
-//! step is then split there.
+//! At every sample, the sensors are read, the law commands a current, and the drive clips it. The current
+//! flows until the command of the next sample replaces it. A delay (of the computation, or of the
+//! model's effect `input-delay`) postpones that change to any instant, also between samples; the
+//! integration step is then divided there.
 
 use crate::error::{SimulateError, check_positive};
 use crate::law::{Law, LawFailure, Measured};
@@ -16,10 +16,10 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The drive between command and current.
+/// The drive, between command and current.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuator {
-    /// Largest current in A, whatever is commanded.
+    /// Largest current in A; larger commands are clipped.
     pub limit_a: f64,
     /// Step of the command's converter in A; zero for none.
     pub step_a: f64,
@@ -42,26 +42,26 @@ impl Actuator {
     }
 }
 
-/// Everything about a run but the law.
+/// All settings of a run, except the law.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop<'a> {
-    /// What moves.
+    /// The plant.
     pub motion: Motion<'a>,
-    /// What the law is told.
+    /// The sensors, whose readings the law receives.
     pub sensors: Sensors,
-    /// What becomes of its commands.
+    /// The drive.
     pub actuator: Actuator,
     /// Time between samples in s.
     pub sample_time_s: f64,
-    /// Time from a sample to the change of the current in s, on top of the model's own delay.
+    /// Time in s from a sample to the change of the current, in addition to the model's own delay.
     pub computation_s: f64,
     /// Pushes on the body.
     pub pushes: Vec<Push>,
-    /// Seed of the sensors' noise; runs with the same seed see the same noise.
+    /// Seed of the sensors' noise; runs with the same seed have the same noise.
     pub seed: u64,
 }
 
-/// The record of a run: one entry a sample.
+/// The record of a run, with one entry per sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoopTrace {
     /// Time in s.
@@ -72,17 +72,17 @@ pub struct LoopTrace {
     pub rate_rad_s: Vec<f64>,
     /// True wheel speed in rad/s.
     pub wheel_speed_rad_s: Vec<f64>,
-    /// Angle that the law was told, rad from upright.
+    /// Angle that the law received, rad from upright.
     pub measured_angle_rad: Vec<f64>,
-    /// Rate that it was told, rad/s.
+    /// Rate that the law received, rad/s.
     pub measured_rate_rad_s: Vec<f64>,
-    /// Wheel speed that it was told, rad/s.
+    /// Wheel speed that the law received, rad/s.
     pub measured_wheel_speed_rad_s: Vec<f64>,
-    /// Current that it commanded, A.
+    /// Current that the law commanded, A.
     pub current_a: Vec<f64>,
     /// Push on the body, N m.
     pub push: Vec<f64>,
-    /// When the body first was horizontal, in s, if it ever was.
+    /// Time in s at which the body first was horizontal; `None` if it never was.
     pub fell_at_s: Option<f64>,
 }
 
@@ -96,9 +96,9 @@ pub(crate) struct Instant<'a> {
     pub push: f64,
 }
 
-/// What a controller was told at a sample, and the current that it commands.
+/// The measurement that a controller received at a sample, and its command.
 pub(crate) struct Answer {
-    /// What it was told.
+    /// The measurement.
     pub measured: Measured,
     /// The current in A.
     pub command_a: f64,
@@ -128,7 +128,7 @@ impl LoopTrace {
         self.time_s.is_empty()
     }
 
-    /// The columns with their names, in the order in which a table has them.
+    /// The columns with their names, in the order of a table.
     pub fn columns(&self) -> [(&'static str, &[f64]); 9] {
         [
             ("time_s", &self.time_s),
@@ -184,8 +184,8 @@ impl ClosedLoop<'_> {
         Ok(())
     }
 
-    /// Runs `law` from `start` for `duration_s`; a run is over early when the body has fallen to
-    /// horizontal, if `until_fall`.
+    /// Runs `law` from `start` for `duration_s` seconds. If `until_fall` is set, the run ends early once the body has
+    /// fallen to the horizontal.
     ///
     /// # Errors
     /// Times that are not positive; a law that fails; a motion that is no longer finite.
@@ -202,7 +202,7 @@ impl ClosedLoop<'_> {
         .map(|(trace, _)| trace)
     }
 
-    /// As [`ClosedLoop::run`], until `over` says so; also the last state.
+    /// As [`ClosedLoop::run`], until `over` returns `true`; also returns the last state.
     pub(crate) fn run_until(
         &self,
         start: &State<f64>,
@@ -222,7 +222,7 @@ impl ClosedLoop<'_> {
         self.run_sampled(start, duration_s, sample, over)
     }
 
-    /// The loop itself: `sample` is asked at every sample time.
+    /// The loop itself: `sample` is called at every sample time.
     pub(crate) fn run_sampled(
         &self,
         start: &State<f64>,
@@ -237,7 +237,7 @@ impl ClosedLoop<'_> {
         let mut trace = LoopTrace::default();
         let mut state = *start;
         let delay_s = self.computation_s + self.motion.delay_s();
-        // Commands that have not reached the motor yet, each with the time of its arrival.
+        // Commands that have not reached the motor yet, each with its time of arrival.
         let mut pending: VecDeque<(f64, f64)> = VecDeque::new();
         let mut flowing_a = state.current_a;
         for number in 0..samples {

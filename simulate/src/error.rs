@@ -1,8 +1,8 @@
-//! What can go wrong in a simulation.
+//! The errors of a simulation.
 
 use crate::law::LawFailure;
 
-/// Why a simulation gave no result.
+/// The reason why a simulation gave no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulateError {
     /// A quantity that must be positive is not (or is not finite).
@@ -13,21 +13,21 @@ pub enum SimulateError {
         /// Its value.
         value: f64,
     },
-    /// The law did not give a command.
+    /// The law could not give a command.
     #[error("at {time_s:.3} s: {failure}")]
     Law {
-        /// When, in s.
+        /// Time of the failure, s.
         time_s: f64,
-        /// What the law said.
+        /// The message of the law.
         failure: LawFailure,
     },
-    /// The motion left all bounds.
+    /// The motion did not stay finite.
     #[error("the simulated motion is no longer finite at {time_s:.3} s; check the parameters")]
     NotFinite {
-        /// When, in s.
+        /// Time, s.
         time_s: f64,
     },
-    /// Series that do not fit together.
+    /// Series of different lengths.
     #[error("{what} has {found} samples; {expected} are needed")]
     WrongLength {
         /// The series.

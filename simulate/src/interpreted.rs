@@ -1,5 +1,5 @@
-//! The emitted law of any model, run bit for bit from its source: no compiler is needed between
-//! `generate` and `simulate`, and every overflow is found.
+//! The emitted law of any model, executed bit for bit from its source. No compiler is needed between
+//! `generate` and `simulate`, and every overflow is detected.
 
 use crate::law::{Law, LawFailure, Measured, WordFormats, WordLaw};
 use checker::program::{Program, Type};

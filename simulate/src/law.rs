@@ -1,9 +1,9 @@
-//! Control laws. All see the same measured state and return the current that they command.
+//! Control laws. Each receives the same measured state, and returns the current that it commands.
 
 use design::BiasObserver;
 use nalgebra::{RowVector3, Vector3};
 
-/// What the controller is told, at one sample.
+/// The measured state at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// Body angle from upright in rad.
@@ -21,7 +21,7 @@ impl Measured {
     }
 }
 
-/// Why a law gave no command: emitted code that is run from its source can fail, in principle.
+/// The reason why a law gave no command: emitted code that is executed from its source can, in principle, fail.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the control law failed: {message}")]
 pub struct LawFailure {
@@ -34,17 +34,17 @@ pub trait Law {
     /// A short name for tables and figures.
     fn name(&self) -> &str;
 
-    /// Back to the state before the first sample.
+    /// Returns to the state before the first sample.
     fn reset(&mut self) {}
 
     /// The current to command, in A.
     ///
     /// # Errors
-    /// [`LawFailure`] where the law cannot be evaluated.
+    /// [`LawFailure`] if the law cannot be evaluated.
     fn command_a(&mut self, measured: &Measured) -> Result<f64, LawFailure>;
 }
 
-/// u = −K x, clipped, in double precision: what the emitted law approximates.
+/// u = −K x, clipped, in double precision. The emitted law approximates it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExactLaw {
     /// K in A/rad, A s/rad, A s/rad.
@@ -63,15 +63,15 @@ impl Law for ExactLaw {
     }
 }
 
-/// A law in fixed-point words: what is emitted for a model, run from its source or in any other
-/// way that maps the words of the measured state to the word of the current.
+/// A law on fixed-point words: the emitted law of a model, or any other function
+/// from the words of the measured state to the word of the current.
 pub struct WordLaw<F> {
     name: String,
     formats: WordFormats,
     call: F,
 }
 
-/// Bits after the binary point of the words of an emitted law, all of them signed 32-bit words.
+/// Number of fraction bits of the words of an emitted law; all are signed 32-bit words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WordFormats {
     /// Of `Angle`, `Rate` and `WheelSpeed`.
@@ -107,7 +107,7 @@ impl<F: FnMut([i32; 3]) -> Result<i32, LawFailure>> Law for WordLaw<F> {
                     message: "a measured value is not finite".to_owned(),
                 });
             }
-            // To the nearest word, as the crate `fixed` converts; beyond the format to its end,
+            // Rounded to the nearest word, as in the crate `fixed`; saturated at the ends of the format,
             // as `as` does.
             *word = (value * unit(fraction_bits)).round_ties_even() as i32;
         }
@@ -115,12 +115,12 @@ impl<F: FnMut([i32; 3]) -> Result<i32, LawFailure>> Law for WordLaw<F> {
     }
 }
 
-/// Units of a word per one.
+/// Units of a word per 1.0.
 fn unit(fraction_bits: u32) -> f64 {
     2.0_f64.powi(fraction_bits as i32)
 }
 
-/// The exact law on an angle from which the observed bias has been taken out.
+/// The exact law on the measured angle minus the estimated bias.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BiasObservingLaw {
     regulator: ExactLaw,
@@ -130,7 +130,7 @@ pub struct BiasObservingLaw {
 }
 
 impl BiasObservingLaw {
-    /// `regulator` with `observer`, which starts knowing nothing.
+    /// `regulator` with `observer`, whose estimate starts at zero.
     pub fn new(regulator: ExactLaw, observer: BiasObserver) -> Self {
         BiasObservingLaw {
             regulator,
@@ -140,7 +140,7 @@ impl BiasObservingLaw {
         }
     }
 
-    /// The bias of the angle that is believed at the moment, in rad.
+    /// The present estimate of the angle's bias, in rad.
     pub fn estimate_rad(&self) -> f64 {
         self.estimate_rad
     }

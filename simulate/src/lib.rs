@@ -1,24 +1,24 @@
-//! The closed loop as it runs on the bench: the nonlinear plant with its effects, sensors with
-//! noise and steps, a command every sample, the drive's limits, and pushes.
+//! The closed loop as on the bench: the nonlinear plant with its effects, sensors with
+//! noise and quantisation, a command at every sample, the drive's limits, and pushes.
 //!
 //! | file | job |
 //! |---|---|
 //! | [`law`] | control laws: exact, in fixed-point words, with bias observer; all behind one trait |
 //! | [`interpreted`] | the emitted law of any model, run from its source |
-//! | [`sensors`] | what the controller is told |
+//! | [`sensors`] | the measurement that the controller receives |
 //! | [`push`] | pushes on the body |
 //! | [`motion`] | the plant that is controlled: nonlinear, or its linear model |
 //! | [`closed_loop`] | the loop itself, and its record |
-//! | [`attitude_filters`] | the ways to an angle side by side on one swing (thesis figure 3.3) |
+//! | [`attitude_filters`] | methods for the angle, compared on one swing (thesis figure 3.3) |
 //! | [`raw_counts`] | the same loop from the sensors' raw counts to the drive's duty |
 //! | [`scenario`] | the runs of the thesis: transient, disturbance, half a minute with pushes |
-//! | [`transient`] | how well a transient went: oscillations, overshoot, settling |
+//! | [`transient`] | the quality of a transient: oscillations, overshoot, settling |
 //! | [`recovery`] | the largest angle from which the loop recovers |
-//! | [`attraction`] | the largest ellipsoid of starts that it brings back |
-//! | [`mod@overlay`] | a simulated loop over a measured balance log |
-//! | [`linear_validity`] | how far the linear model can be trusted |
+//! | [`attraction`] | the largest ellipsoid of starts from which the loop returns |
+//! | [`mod@overlay`] | a simulated loop compared with a measured balance log |
+//! | [`linear_validity`] | where the linear model is valid |
 //!
-//! Series are plain vectors in SI units; drawing and writing them is done elsewhere.
+//! Series are plain vectors in SI units; other crates draw and write them.
 
 #![warn(missing_docs)]
 

@@ -1,4 +1,4 @@
-//! The plant that is controlled: the nonlinear one, or its linear model in its place.
+//! The controlled plant: the nonlinear one, or its linear model.
 
 use nalgebra::Vector3;
 use plant::{Drive, LinearModel, Plant, Reading, State};
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 pub struct LinearMotion {
     /// ẋ = A x + B u about upright.
     pub model: LinearModel,
-    /// 1/(Θ − j_w) in 1/(kg m²): how a push f enters, (0, 1, −1)ᵀ f/(Θ − j_w).
+    /// 1/(Θ − j_w) in 1/(kg m²): a push f enters as (0, 1, −1)ᵀ f/(Θ − j_w).
     pub per_push: f64,
 }
 
@@ -31,7 +31,7 @@ impl LinearMotion {
     }
 }
 
-/// What moves.
+/// The plant of a loop.
 #[derive(Clone, Copy, Debug)]
 pub enum Motion<'a> {
     /// The model with all its effects.
@@ -63,7 +63,7 @@ impl Motion<'_> {
         }
     }
 
-    /// What ideal sensors say.
+    /// The readings of ideal sensors.
     pub fn read(&self, state: &State<f64>) -> Reading<f64> {
         match self {
             Motion::Nonlinear(plant) => plant.read(state),
@@ -75,7 +75,7 @@ impl Motion<'_> {
         }
     }
 
-    /// How late the current comes by the model, in s.
+    /// The delay of the current in the model, s.
     pub fn delay_s(&self) -> f64 {
         match self {
             Motion::Nonlinear(plant) => plant.delay_s().unwrap_or(0.0).max(0.0),

@@ -1,8 +1,8 @@
-//! A simulated loop over a measured balance log (thesis figure 5.2).
+//! A simulated loop compared with a measured balance log (thesis figure 5.2).
 //!
-//! A balancing loop forgets its start within a second, so the whole log can be simulated as one
-//! run with the pushes that were found in it. Between pushes the bench and the simulation each
-//! follow their own noise, so there the curves do not coincide; their spread is what compares.
+//! A balancing loop forgets its start within a second. The whole log can therefore be simulated as one
+//! run, with the pushes that were found in it. Between pushes, bench and simulation respond to
+//! different noise, so the curves do not coincide there; their spread can be compared.
 
 use crate::closed_loop::{ClosedLoop, LoopTrace};
 use crate::error::SimulateError;
@@ -30,9 +30,9 @@ pub struct MeasuredLog<'a> {
 pub struct OverlaidChannel {
     /// "angle", "rate", "wheel_speed", "current".
     pub name: &'static str,
-    /// As measured; angle in rad from upright.
+    /// As measured; the angle in rad from upright, other channels in SI units.
     pub measured: Vec<f64>,
-    /// As the simulated controller was told.
+    /// As the simulated controller received it.
     pub simulated: Vec<f64>,
     /// Root mean square of their difference.
     pub rms_difference: f64,
@@ -40,7 +40,7 @@ pub struct OverlaidChannel {
     pub measured_std: f64,
     /// Standard deviation of the simulation.
     pub simulated_std: f64,
-    /// 100·(1 − ‖y − ŷ‖/‖y − mean y‖).
+    /// Fit in percent: 100·(1 − ‖y − ŷ‖/‖y − mean y‖).
     pub fit_percent: f64,
 }
 
@@ -90,7 +90,7 @@ pub fn overlay(
 
     let first_s = log.time_s[0];
     let start_of = |series: Option<&[f64]>| {
-        // A few samples, as one is as noisy as the sensor.
+        // The mean of a few samples, since a single one has the sensor's noise.
         let few: Vec<f64> = series
             .unwrap_or(&[])
             .iter()
@@ -144,7 +144,7 @@ pub fn overlay(
     })
 }
 
-/// The series at a time, a straight line between its samples.
+/// The value of a series at a time, interpolated linearly between its samples.
 fn at_time(series: &[f64], time_s: f64, sample_time_s: f64) -> f64 {
     let position = (time_s / sample_time_s).max(0.0);
     let index = position as usize;

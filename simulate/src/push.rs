@@ -3,7 +3,7 @@
 /// One push.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
-    /// tᵢ, the middle, in s.
+    /// tᵢ, the time of its maximum, in s.
     pub time_s: f64,
     /// a, the largest torque, in N m.
     pub torque: f64,
@@ -12,8 +12,8 @@ pub struct Push {
 }
 
 impl Push {
-    /// The push with its largest torque in N m at `time_s`, whose torque has fallen to 1/e
-    /// `width_s` before and after.
+    /// The push with this largest torque in N m at `time_s`; its torque falls to 1/e
+    /// `width_s` seconds before and after.
     pub fn new(time_s: f64, torque: f64, width_s: f64) -> Push {
         Push {
             time_s,
@@ -22,7 +22,7 @@ impl Push {
         }
     }
 
-    /// The push with this impulse in N m s and this largest torque in N m (of the same sign) at
+    /// The push with this impulse in N m s and this largest torque in N m (with the same sign) at
     /// `time_s`: b = π (a/∫ f dt)².
     pub fn of_impulse(time_s: f64, impulse: f64, torque: f64) -> Push {
         Push {

@@ -1,10 +1,10 @@
 //! The runs of the thesis: the transient of figure 4.4, the disturbance rejection of figure 4.5,
 //! and half a minute with pushes, figure 5.1.
 //!
-//! The thesis prints no start angle and no size of its pushes. So they are stated here in the
-//! bench's own terms, to be comparable from bench to bench: the start is 60 % of the largest angle
-//! that the current allows, asin(T/G); a push lasts about half a radian of the fall, 1/ω with
-//! ω² = G/(Θ − j_w), and is a share of the motor's torque T.
+//! The thesis prints neither the start angle nor the size of its pushes. Here they are defined relative to the
+//! bench, to be comparable between benches. The start is 60 % of the largest angle
+//! that the current allows, asin(T/G). A push lasts about half a radian of the fall, 1/ω with
+//! ω² = G/(Θ − j_w), and its size is a share of the motor's torque T.
 
 use crate::closed_loop::{ClosedLoop, LoopTrace, at_rest};
 use crate::error::{SimulateError, check_positive};
@@ -12,22 +12,22 @@ use crate::law::Law;
 use crate::push::Push;
 use plant::State;
 
-/// A run: how it starts, how long it lasts, what disturbs it.
+/// A run: its start, its duration and its disturbances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// A short name, for files and headings.
     pub name: &'static str,
     /// What it shows, in one sentence.
     pub about: &'static str,
-    /// Where it starts.
+    /// The start.
     pub start: State<f64>,
-    /// How long it lasts in s.
+    /// The duration in s.
     pub duration_s: f64,
-    /// What pushes the body.
+    /// The pushes on the body.
     pub pushes: Vec<Push>,
 }
 
-/// The numbers of a bench that set the size of its scenarios; SI units.
+/// The parameters of a bench that determine the size of its scenarios; SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// T = τ u_max in N m.
@@ -74,11 +74,11 @@ impl Scale {
 }
 
 impl Scenario {
-    /// Figure 4.4: let go at 60 % of the largest angle.
+    /// Figure 4.4: released at 60 % of the largest angle.
     pub fn transient(scale: &Scale) -> Scenario {
         Scenario {
             name: "transient",
-            about: "the body is let go at 60 % of the largest angle that the current allows",
+            about: "the body is released at 60 % of the largest angle that the current allows",
             start: at_rest(0.6 * scale.holding_angle_rad()),
             duration_s: 3.0,
             pushes: vec![],
@@ -125,8 +125,8 @@ impl Scenario {
         ]
     }
 
-    /// Runs every law on its own copy of the bench `on`, with the same noise and the scenario's
-    /// pushes in place of those of `on`.
+    /// Runs every law on its own copy of the bench `on`, with the same noise, and with the scenario's
+    /// pushes instead of those of `on`.
     ///
     /// # Errors
     /// Those of [`ClosedLoop::run`].

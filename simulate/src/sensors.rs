@@ -1,7 +1,7 @@
-//! What the controller is told: the plant's reading with noise, in steps, within a range.
+//! The measurement that the controller receives: the plant's reading with noise, quantisation and limits.
 //!
-//! Offsets and scale errors are effects of the model and already in the plant's reading; here is
-//! only what no model can know: noise and the steps of the converter.
+//! Offsets and scale errors are effects of the model, and already in the plant's reading. This file adds
+//! noise and the quantisation of the converter.
 
 use crate::law::Measured;
 use plant::Reading;
@@ -12,16 +12,16 @@ use std::f64::consts::{PI, TAU};
 /// One channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
-    /// Standard deviation of the noise, normal and independent from sample to sample.
+    /// Standard deviation of the noise, Gaussian and independent from sample to sample.
     pub noise_std: f64,
     /// Step of the converter; zero for none.
     pub step: f64,
-    /// Largest magnitude that it can say.
+    /// Largest magnitude of a reading.
     pub range: f64,
 }
 
 impl Sensor {
-    /// A channel that tells the truth.
+    /// A channel without noise, quantisation or limit.
     pub const PERFECT: Sensor = Sensor {
         noise_std: 0.0,
         step: 0.0,
@@ -29,7 +29,7 @@ impl Sensor {
     };
 
     fn read(&self, truth: f64, random: &mut ChaCha8Rng) -> f64 {
-        // Drawn also where the noise is zero, so that every law sees the same noise.
+        // Drawn even if the noise is zero, so that every law receives the same noise.
         let normal: f64 = StandardNormal.sample(random);
         let noisy = truth + self.noise_std * normal;
         let stepped = if self.step > 0.0 {
@@ -53,7 +53,7 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Sensors that tell the truth.
+    /// Three such channels.
     pub const PERFECT: Sensors = Sensors {
         angle: Sensor::PERFECT,
         rate: Sensor::PERFECT,
@@ -61,9 +61,9 @@ impl Sensors {
     };
 
     /// The hardware of the thesis. Steps and ranges are those of the parts: gyroscope
-    /// 62.5 mdps/count, ±2000 °/s; 12-bit converter for the wheel, 8.53108 rpm/count, ±700 rad/s;
-    /// the angle is a number of the attitude filter and has no steps. The noise is assumed, about
-    /// as large as on rigs of this kind: 1 mrad after the filter, 4 mrad/s, 0.6 rad/s.
+    /// 62.5 mdps/count, ±2000 °/s; 12-bit converter for the wheel, 8.53108 rpm/count, ±700 rad/s.
+    /// The angle comes from the attitude filter and is not quantised. The noise is assumed, with values
+    /// typical for rigs of this kind: 1 mrad after the filter, 4 mrad/s, 0.6 rad/s.
     pub fn of_the_thesis() -> Sensors {
         Sensors {
             angle: Sensor {

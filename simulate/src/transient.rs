@@ -1,8 +1,8 @@
-//! How well a transient went, and what each effect of the model does to it.
+//! The quality of a transient, and the influence of each effect of the model on it.
 //!
-//! The thesis saw one more oscillation on the bench than in its simulation.
+//! The thesis observed one more oscillation on the bench than in its simulation.
 //! [`effects_on_transient`] repeats a transient with every effect alone and with all together, and
-//! counts.
+//! counts the oscillations.
 
 use crate::closed_loop::{ClosedLoop, LoopTrace};
 use crate::error::SimulateError;
@@ -11,18 +11,18 @@ use crate::motion::Motion;
 use crate::scenario::Scenario;
 use plant::{EffectId, Kind, Model, Plant};
 
-/// Figures of a transient.
+/// Measures of a transient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transient {
-    /// How often the body swings beyond the threshold on the side opposite to the swing before;
+    /// Number of swings beyond the threshold, each on the side opposite to the one before;
     /// two make an oscillation.
     pub swings: usize,
     /// Largest angle on the side opposite to the start, in rad.
     pub overshoot_rad: f64,
-    /// When the body last was beyond the threshold, in s.
+    /// Time in s at which the body was last beyond the threshold.
     pub settling_s: f64,
-    /// Root mean square of the angle over the last quarter of the run in rad: what dry friction,
-    /// noise and steps leave.
+    /// Root mean square of the angle over the last quarter of the run in rad, which comes from dry friction,
+    /// noise and quantisation.
     pub residual_rad: f64,
     /// Largest wheel speed in rad/s.
     pub wheel_speed_rad_s: f64,
@@ -33,8 +33,8 @@ pub struct Transient {
 }
 
 impl Transient {
-    /// Measures a run that starts off upright; `threshold_rad` is the angle that counts as a
-    /// swing. Two per cent of the start is usual for settling.
+    /// Measures a run that starts away from upright. `threshold_rad` is the angle that counts as a
+    /// swing; 2 % of the start is usual for settling.
     pub fn of(trace: &LoopTrace, threshold_rad: f64) -> Transient {
         let start = trace.angle_rad.first().copied().unwrap_or(0.0);
         let mut side = start.signum();
@@ -75,9 +75,9 @@ pub struct WithEffects {
     pub transient: Transient,
 }
 
-/// The transient of the base model, of the base model with every further effect of `model` alone,
-/// and of `model` itself (where it has more than one further effect). `values` are the parameters
-/// of `model`; the loop is that of `on`, whose motion is replaced.
+/// The transients of the base model, of the base model with each further effect of `model` alone,
+/// and of `model` itself (if it has more than one further effect). `values` are the parameters
+/// of `model`. The loop is that of `on`, with its plant replaced.
 ///
 /// # Errors
 /// Those of [`ClosedLoop::run`].
@@ -122,7 +122,7 @@ pub fn effects_on_transient(
         .collect()
 }
 
-/// The parameters of `part`, a model with some of the effects of `model`; zero for one that
+/// The parameters of `part`, a model with some of the effects of `model`; zero for those that
 /// `model` does not have.
 pub(crate) fn values_of(part: &Model, model: &Model, values: &[f64]) -> Vec<f64> {
     part.parameters()

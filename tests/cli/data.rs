@@ -195,7 +195,7 @@ fn files_without_a_bench_become_one() {
     // What is there is left alone.
     refused(
         ["new", &bench, &place("spin.csv")],
-        &["there is a bench already"],
+        &["a bench exists already"],
     );
     assert_eq!(
         fs::read_to_string(folder.path().join("bench/bench.toml")).expect("still"),

@@ -17,4 +17,6 @@ mod proofs;
 #[cfg(kani)]
 mod proofs_attitude;
 #[cfg(kani)]
+mod proofs_step;
+#[cfg(kani)]
 mod proofs_supervisor;

@@ -26,71 +26,71 @@ use crate::measured_linearity::{MeasuredSwings, PERIODS, SpinUpLinearity, SwingL
 use crate::named;
 use crate::session::with_changes;
 
-/// Starts on each boundary of the region of attraction.
+/// Number of starts on each boundary in the search for the region of attraction.
 const STARTS: usize = 600;
-/// Resolution of its size, the certificate's ellipsoid having 1.
+/// Resolution of the size of that region; the certificate's ellipsoid has size 1.
 const SIZE_RESOLUTION: f64 = 0.02;
 /// Resolution of the bisection for the largest recoverable angle, rad: a hundredth of a degree.
 const ANGLE_RESOLUTION_RAD: f64 = 1.745e-4;
-/// An angle that counts as a swing, as a share of the largest angle that the current allows.
+/// Angle that counts as a swing, as a share of the largest angle that the current allows.
 const SWING_SHARE: f64 = 0.02;
 /// Start of the swing on which the attitude filters are compared, rad from hanging: 60°.
 const SWING_START_RAD: f64 = std::f64::consts::FRAC_PI_3;
-/// Where the sensor sits there, m.
+/// Distance of the sensor from the pivot in that swing, m.
 const SENSOR_FROM_PIVOT_M: f64 = 0.05;
 /// Length of the swing, s.
 const SWING_S: f64 = 20.0;
-/// Error at which the linear model counts as no longer good.
+/// Largest relative error with which the linear model counts as valid.
 const LINEAR_SHARE: f64 = 0.05;
 
-/// The emitted law, run word for word from its source, on the nonlinear bench with all effects of
+/// The emitted law, executed from its source, on the nonlinear bench with all effects of
 /// its model: the result of [`ControlDesign::simulate`](crate::ControlDesign::simulate).
 ///
-/// The curves are not part of the JSON; [`SimulationReport::files`] has them as figures and tables.
+/// The JSON does not contain the curves; [`SimulationReport::files`] returns them as figures and tables.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SimulationReport {
     /// The model.
     pub model: String,
     /// K in A/rad, A s/rad, A s/rad.
     pub gains: [f64; 3],
-    /// Largest current either way.
+    /// Largest current in either direction.
     pub current_limit_a: f64,
-    /// What of sensors and drive the model does not state, so that the simulation takes it from the
+    /// Properties of sensors and drive that the model does not state, and that the simulation takes from the
     /// bench of the thesis; sentences.
     pub assumed: Vec<String>,
     /// Seed of the sensors' noise.
     pub seed: u64,
     /// Transient, disturbance, half a minute with pushes.
     pub runs: Vec<LoopRun>,
-    /// The half minute from raw counts to duty.
+    /// The half minute, simulated from raw counts to duty.
     pub raw_counts: RawCountsRun,
-    /// The largest angle that is recovered from.
+    /// The largest angle from which the loop recovers.
     pub recovery: RecoveryAngles,
-    /// The region of attraction, where the certificate states an ellipsoid to enlarge.
+    /// The region of attraction, if the certificate states an ellipsoid to enlarge.
     pub attraction: Option<AttractionRegion>,
-    /// The ways to the angle, on one free swing.
+    /// The methods for the angle, on one free swing.
     pub attitude_filters: Vec<FilterError>,
-    /// The transient with the effects of the model.
+    /// The transient with each effect of the model.
     pub effects: Vec<EffectOnTransient>,
-    /// How far the linear model can be trusted.
+    /// Where the linear model is valid.
     pub linear_model: LinearRangeReport,
-    /// Both models over the measured free swings, where a bench was given and has any.
+    /// Both models compared with the measured free swings, if a bench was given and has any.
     pub measured_swings: Option<MeasuredSwings>,
-    /// Both models over the measured spin-ups of the bench.
+    /// Both models compared with the measured spin-ups of the bench.
     pub measured_spin_ups: Vec<SpinUpLinearity>,
-    /// The simulated loop over the balance logs of the bench.
+    /// The simulated loop compared with the balance logs of the bench.
     pub overlays: Vec<LoopOverlay>,
     /// The attitude filters on the swing.
     #[serde(skip)]
     pub filters: Option<FilterRun>,
 }
 
-/// One run of the emitted law beside the exact one.
+/// One run of the emitted law, compared with the exact one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoopRun {
     /// Its name.
     pub scenario: String,
-    /// What happens in it.
+    /// What happens in it, in one sentence.
     pub about: String,
     /// Whether the body fell.
     pub fell: bool,
@@ -100,13 +100,13 @@ pub struct LoopRun {
     pub largest_wheel_speed_rad_s: f64,
     /// Largest current.
     pub largest_current_a: f64,
-    /// When the body last was beyond two per cent of the largest angle.
+    /// Time at which the body was last beyond 2 % of the largest angle.
     pub settling_s: f64,
     /// Largest difference of the angle between the emitted and the exact law.
     pub difference_angle_rad: f64,
     /// The same of the current.
     pub difference_current_a: f64,
-    /// The pushes on the body: when (s), and impulse (N m s).
+    /// The pushes on the body: time (s) and impulse (N m s).
     #[serde(skip)]
     pub pushes: Vec<(f64, f64)>,
     /// The run under the exact law in floating point.
@@ -117,7 +117,7 @@ pub struct LoopRun {
     pub emitted: LoopTrace,
 }
 
-/// The half minute through raw counts and duty, with the emitted attitude filter.
+/// The half minute from raw counts to duty, with the emitted attitude filter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RawCountsRun {
     /// Whether the body fell.
@@ -128,7 +128,7 @@ pub struct RawCountsRun {
     pub largest_wheel_speed_rad_s: f64,
     /// Largest current.
     pub largest_current_a: f64,
-    /// Root mean square of the filter's angle against the true one.
+    /// Root mean square error of the filter's angle.
     pub angle_error_rad: f64,
     /// The run.
     #[serde(skip)]
@@ -144,16 +144,16 @@ pub struct RecoveryAngles {
     pub exact_law_rad: f64,
     /// asin(τ u_max/G).
     pub limit_rad: f64,
-    /// To within this.
+    /// Resolution of these angles.
     pub resolution_rad: f64,
 }
 
-/// The largest ellipsoid of starts that the emitted law brings back, noise and all.
+/// The largest ellipsoid of starts from which the emitted law returns, with sensor noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AttractionRegion {
-    /// Largest size of the certificate's ellipsoid of which every start came back.
+    /// Largest size, relative to the certificate's ellipsoid, with return from every start.
     pub size: f64,
-    /// Smallest size with a start that was lost.
+    /// Smallest size with a start without return.
     pub lost_size: f64,
     /// That start: rad, rad/s, rad/s.
     pub lost: [f64; 3],
@@ -163,34 +163,34 @@ pub struct AttractionRegion {
     pub starts: usize,
 }
 
-/// How far an attitude filter is off.
+/// The error of an attitude filter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FilterError {
     /// The filter.
     pub filter: String,
-    /// Root mean square of its angle against the true one over the swing.
+    /// Root mean square error of its angle over the swing.
     pub error_rad: f64,
 }
 
 /// The attitude filters on one swing.
 #[derive(Clone, Debug)]
 pub struct FilterRun {
-    /// Where the sensor sits, along body x and y.
+    /// Position of the sensor, along body x and y.
     pub lever_arm_m: [f64; 2],
     /// Truth and estimates.
     pub found: FilterComparison,
 }
 
-/// What effects beyond viscous friction do to the transient.
+/// The influence of effects beyond viscous friction on the transient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectOnTransient {
     /// The effects; none for the base model.
     pub effects: Vec<String>,
-    /// How often the body swings to the other side.
+    /// Number of swings to the other side.
     pub swings: usize,
     /// Largest angle on the side opposite to the start.
     pub overshoot_rad: f64,
-    /// When the body last was beyond the threshold.
+    /// Time at which the body was last beyond the threshold.
     pub settling_s: f64,
     /// Root mean square of the angle over the last quarter.
     pub residual_rad: f64,
@@ -198,10 +198,10 @@ pub struct EffectOnTransient {
     pub fell: bool,
 }
 
-/// How far the linear model can be trusted.
+/// Where the linear model is valid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LinearRangeReport {
-    /// Error that counts as good.
+    /// Largest relative error with which it counts as valid.
     pub share: f64,
     /// Amplitude up to which ten periods of the linear free swing follow the nonlinear one.
     pub good_up_to_amplitude_rad: f64,
@@ -209,7 +209,7 @@ pub struct LinearRangeReport {
     pub free_swing_error: Vec<[f64; 2]>,
     /// Current of the spin-up.
     pub spin_up_current_a: f64,
-    /// Speed up to which the linear spin-up follows; `None`: over the whole run.
+    /// Speed up to which the linear spin-up follows; `None` if it follows during the whole run.
     pub spin_up_good_up_to_rad_s: Option<f64>,
     /// The two swings.
     #[serde(skip)]
@@ -219,7 +219,7 @@ pub struct LinearRangeReport {
     pub spin_up: Option<SpinUpComparison>,
 }
 
-/// The simulated loop over a measured balance log, with the pushes that were found in it.
+/// The simulated loop compared with a measured balance log, with the pushes that were found in the log.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoopOverlay {
     /// The experiment.
@@ -249,15 +249,15 @@ pub struct OverlayStatistics {
     pub simulated_std: f64,
 }
 
-/// What is to be simulated beside the model itself.
+/// The settings of a simulation.
 #[derive(Clone, Copy, Debug)]
 pub struct SimulationSettings<'a> {
     /// Seed of the sensors' noise.
     pub seed: u64,
-    /// A bench whose free swings, spin-ups and balance logs are laid under the simulations.
+    /// A bench whose free swings, spin-ups and balance logs are compared with the simulations.
     pub bench: Option<&'a Bench>,
     /// Parameters of the simulated bench that differ from those of the model, by name, in the units of
-    /// the model: the controller stays the one that was designed.
+    /// the model. The controller is still the one designed for the model.
     pub parameters: &'a [(&'a str, f64)],
 }
 
@@ -272,7 +272,7 @@ impl Default for SimulationSettings<'_> {
 }
 
 impl ControlDesign {
-    /// Runs the emitted law from its source on the nonlinear bench. Takes about a second.
+    /// Executes the emitted law from its source on the nonlinear bench. Takes about a second.
     ///
     /// # Errors
     /// [`Error::Simulate`]; [`Error::UnknownParameter`]; those of [`ControlDesign::generate`];
@@ -355,15 +355,15 @@ struct Laws<'a> {
     exact: ExactLaw,
     emitted: InterpretedLaw,
     controller: InterpretedController,
-    /// The sensors that the module believes in, with what a calibration leaves.
+    /// The sensors that the module's constants describe, with the bias that remains after a calibration.
     sensors: RawSensors,
     spec: ModuleSpec,
-    /// P of the set in which no command saturates, where the certificate states one.
+    /// P of the set in which no command saturates, if the certificate states one.
     ellipsoid: Option<Matrix3<f64>>,
 }
 
-/// Sensors and drive that the module's constants describe rightly, but for what a calibration
-/// leaves.
+/// Sensors and drive that the module's constants describe correctly, except for the bias that remains after a
+/// calibration.
 fn sensors_of(spec: &ModuleSpec) -> Result<RawSensors, SimulateError> {
     Ok(RawSensors {
         wheel_speed_per_count: spec.hardware.wheel_speed_per_count,
@@ -391,7 +391,7 @@ impl<'a> Laws<'a> {
             reason: format!("source: {error}"),
         };
         let limit_a = designed.wishes().current_limit_a;
-        // A simulation needs sensors; a controller for a real motor does not get them for nothing.
+        // The simulation always needs sensors and uses a preset for them; a controller for a real motor must not.
         let hardware = designed.hardware_for_simulation()?;
         let spec = designed.module_spec_with(hardware.clone())?;
         let generated = designed.generate_with(hardware)?;
@@ -436,7 +436,7 @@ impl<'a> Laws<'a> {
         SWING_SHARE * self.scale.holding_angle_rad()
     }
 
-    /// Transient, disturbance, half a minute: the emitted law beside the exact one.
+    /// Transient, disturbance and half a minute: the emitted law compared with the exact one.
     fn scenarios(&self) -> Result<Vec<LoopRun>, Error> {
         let mut runs = Vec::new();
         for scenario in Scenario::all(&self.scale) {
@@ -444,7 +444,7 @@ impl<'a> Laws<'a> {
             let traces = scenario
                 .run(&self.bench(), &mut [&mut exact, &mut emitted])
                 .map_err(self.failure())?;
-            // One trace a law, in their order.
+            // One trace per law, in the order of the laws.
             let mut traces = traces.into_iter();
             let (exact, emitted) = (
                 traces.next().unwrap_or_default(),
@@ -471,8 +471,8 @@ impl<'a> Laws<'a> {
         Ok(runs)
     }
 
-    /// The half minute with pushes through raw counts: sensors' noise, bias and steps, emitted
-    /// attitude filter and law, duty.
+    /// The half minute with pushes, from raw counts to duty: the sensors' noise, bias and quantisation, the emitted
+    /// attitude filter and law.
     fn raw_counts(&mut self) -> Result<RawCountsRun, Error> {
         let failure = self.failure();
         let scenario = Scenario::half_minute(&self.scale);
@@ -498,10 +498,10 @@ impl<'a> Laws<'a> {
         })
     }
 
-    /// The ways to an angle on one free swing (thesis figure 3.3).
+    /// The methods for the angle on one free swing (thesis figure 3.3).
     fn attitude_filters(&self) -> Result<FilterRun, Error> {
-        // On the pivot an accelerometer alone would do; off it, it feels the swing. A model that
-        // does not say where the sensor sits gets one that is off it.
+        // On the pivot, an accelerometer alone would be enough; away from it, it measures the swing's acceleration. If the
+        // model does not state the sensor's position, one away from the pivot is used.
         let stated = self.spec.hardware.attitude.lever_arm_m;
         let lever_arm_m = if stated == [0.0; 2] {
             [SENSOR_FROM_PIVOT_M, 0.0]
@@ -530,7 +530,7 @@ impl<'a> Laws<'a> {
         Ok(FilterRun { lever_arm_m, found })
     }
 
-    /// The largest angle that both laws recover from, by bisection.
+    /// The largest angles from which the two laws recover, by bisection.
     fn recovery(&mut self) -> Result<RecoveryAngles, Error> {
         let failure = self.failure();
         let bench = ClosedLoop {
@@ -576,7 +576,7 @@ impl<'a> Laws<'a> {
         }))
     }
 
-    /// What each effect of the model does to the transient.
+    /// The influence of each effect of the model on the transient.
     fn effects(&self) -> Result<Vec<EffectOnTransient>, Error> {
         let found = effects_on_transient(
             self.designed.model(),
@@ -604,7 +604,7 @@ impl<'a> Laws<'a> {
             .collect())
     }
 
-    /// How far the linear model can be trusted.
+    /// Where the linear model is valid.
     fn linear_model(&self) -> Result<LinearRangeReport, Error> {
         let (model, values) = (self.designed.model(), self.designed.values());
         let failure = self.failure();
@@ -632,7 +632,7 @@ impl<'a> Laws<'a> {
         })
     }
 
-    /// The simulated loop over each balance log of a bench, with the pushes found in it.
+    /// The simulated loop compared with each balance log of a bench, with the pushes found in it.
     fn overlays(&self, bench: &Bench) -> Result<Vec<LoopOverlay>, Error> {
         let push_model = PushModel::of(self.designed.model(), self.designed.values());
         let balance = bench
@@ -662,7 +662,7 @@ impl<'a> Laws<'a> {
                 wheel_speed_rad_s: log.wheel_speed_rad_s.as_deref(),
                 current_a: log.current_a.as_deref(),
             };
-            // The bench's own controller recorded the log.
+            // The bench's own controller recorded the log, so it is used here.
             let mut own = match bench.controller {
                 Some(own) => ExactLaw {
                     gains: own.gains.into(),

@@ -1,4 +1,4 @@
-//! A model beside the measurements of a bench.
+//! A model compared with the measurements of a bench.
 
 use std::path::PathBuf;
 
@@ -14,10 +14,10 @@ use serde::{Deserialize, Serialize};
 use crate::named;
 use crate::per_series::{PerSeries, SeriesName};
 
-/// What a model says about every experiment of a bench, and where it fails: the result of
+/// The predictions of a model for every experiment of a bench, and where the model fails: the result of
 /// [`Session::identify`](crate::Session::identify) and [`Session::compare`](crate::Session::compare).
 ///
-/// The curves are not part of the JSON; each [`ExperimentCurves`] serialises by itself.
+/// The JSON does not contain the curves; each [`ExperimentCurves`] can be serialised by itself.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ComparisonReport {
     /// The bench.
@@ -28,43 +28,43 @@ pub struct ComparisonReport {
     pub effects: Vec<String>,
     /// Its parameters.
     pub parameters: Vec<Parameter>,
-    /// How the errors of the parameters hang together; `None`: they are independent.
+    /// The correlations of the errors of the parameters; `None` if they are independent.
     pub correlation: Option<Correlation>,
     /// Root mean square of measured − simulated, SI units.
     pub rmse: PerSeries,
-    /// 100·(1 − ‖y − ŷ‖/‖y − mean y‖), %.
+    /// Fit: 100·(1 − ‖y − ŷ‖/‖y − mean y‖), %.
     pub fit_percent: PerSeries,
     /// Standard deviation of each sensor's noise, SI units.
     pub sensor_noise: PerSeries,
-    /// Where the model fails, the plainest place first.
+    /// Where the model fails, the most significant place first.
     #[serde(rename = "where")]
     pub places: Vec<FailurePlace>,
     /// Pushes that no column records; they are left out of the fit.
     pub pushes: Vec<PushInLog>,
-    /// What is wrong with the data, but does not keep them from being used.
+    /// Warnings about the data; the data are used nevertheless.
     #[serde(default)]
     pub findings: Vec<Finding>,
-    /// Experiments and direct measurements that cannot all be right; sentences, which stand among the
-    /// statements too.
+    /// Experiments and direct measurements that cannot all be right, as sentences. The statements contain them,
+    /// too.
     #[serde(default)]
     pub contradictions: Vec<String>,
-    /// What the logs leave open, or contradict; sentences.
+    /// What the logs do not determine, and contradictions, as sentences.
     pub statements: Vec<String>,
-    /// What is to be known about the files; sentences.
+    /// Notes on the files, as sentences.
     pub notes: Vec<BenchNote>,
     /// The experiments.
     pub experiments: Vec<LoggedExperiment>,
-    /// Whether torques of the body, and so the impulses of pushes, are known only per unit of inertia.
+    /// Whether torques on the body, and therefore the impulses of pushes, are known only per unit of inertia.
     pub per_unit_of_inertia: bool,
     /// Measured and simulated curves, experiment by experiment.
     #[serde(skip)]
     pub curves: Vec<ExperimentCurves>,
-    /// The residuals over every coordinate, from which the places come.
+    /// The residuals over every coordinate, from which the places are taken.
     #[serde(skip)]
     pub breakdowns: Vec<ResidualBreakdown>,
 }
 
-/// A place where a model fails: a range of a coordinate in one residual.
+/// A place where a model fails: a range of a coordinate, in one residual.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailurePlace {
     /// The experiment.
@@ -74,16 +74,16 @@ pub struct FailurePlace {
     /// The coordinate.
     #[serde(with = "named")]
     pub coordinate: Coordinate,
-    /// Beginning of the range, in the coordinate's unit.
+    /// Lower end of the range, in the coordinate's unit.
     pub from: f64,
-    /// Its end.
+    /// Upper end of the range.
     pub to: f64,
     /// Share of the residual's error that lies in it.
     pub share_of_error: f64,
-    /// In which residual it was seen.
+    /// The residual in which it was found.
     #[serde(with = "named")]
     pub residual: ResidualKind,
-    /// Whether there is anything beyond noise.
+    /// Whether the residual there is larger than noise explains.
     pub significant: bool,
 }
 
@@ -92,21 +92,21 @@ pub struct FailurePlace {
 pub struct PushInLog {
     /// The experiment.
     pub experiment: String,
-    /// When, s of the log.
+    /// Time of the push, s of the log.
     pub time_s: f64,
     /// Impulse on the body, N m s (or per kg m², see [`ComparisonReport::per_unit_of_inertia`]).
     pub impulse_nms: f64,
-    /// Its standard error; NaN (null) where it has none.
+    /// Its standard error; NaN (null) if it is unknown.
     #[serde(with = "named::gap")]
     pub impulse_std_nms: f64,
 }
 
-/// What is to be known about the files of a bench.
+/// A note on the files of a bench.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BenchNote {
-    /// The experiment; `None` for what concerns the whole bench.
+    /// The experiment; `None` if the note concerns the whole bench.
     pub experiment: Option<String>,
-    /// One sentence.
+    /// The note, as one sentence.
     pub note: String,
 }
 
@@ -119,7 +119,7 @@ pub struct LoggedExperiment {
     pub kind: String,
     /// Number of samples that are used.
     pub samples: usize,
-    /// From the first to the last, s.
+    /// Time from the first sample to the last, s.
     pub duration_s: f64,
     /// The channels that are compared with the model.
     pub channels: Vec<String>,
@@ -132,7 +132,7 @@ pub struct ExperimentCurves {
     pub experiment: String,
     /// Time of the samples, s.
     pub time_s: Vec<f64>,
-    /// Whether the model claims anything of the sample: not so around a push that nobody recorded.
+    /// Whether the sample counts: `false` around a push that nobody recorded.
     pub counts: Vec<bool>,
     /// The channels.
     pub channels: Vec<ChannelCurves>,
@@ -144,10 +144,10 @@ pub struct ChannelCurves {
     /// The channel.
     #[serde(with = "named")]
     pub channel: Output,
-    /// The samples; NaN (null in JSON) where one dropped out.
+    /// The samples; NaN (null in JSON) for a missing one.
     #[serde(with = "named::gaps")]
     pub measured: Vec<f64>,
-    /// A free run of the model; in balance logs over windows of 0.25 s, each from a start of its own.
+    /// A free-running simulation of the model; for balance logs, over windows of 0.25 s, each with its own start.
     /// NaN (null) where nothing was simulated.
     #[serde(with = "named::gaps")]
     pub simulated: Vec<f64>,
@@ -156,26 +156,26 @@ pub struct ChannelCurves {
     /// Root mean square of measured − simulated.
     #[serde(with = "named::gap")]
     pub rmse: f64,
-    /// 100·(1 − ‖y − ŷ‖/‖y − mean y‖), %.
+    /// Fit: 100·(1 − ‖y − ŷ‖/‖y − mean y‖), %.
     #[serde(with = "named::gap")]
     pub fit_percent: f64,
 }
 
-/// What a comparison is made from.
+/// The data for a comparison.
 pub(crate) struct Compared<'a> {
     /// The structure of the model.
     pub model: &'a Model,
     /// Its parameter vector.
     pub values: &'a [f64],
-    /// The starts of every log.
+    /// The windows of every log, with their starts.
     pub windows: &'a [Vec<Window>],
-    /// For each record, each of its channels.
+    /// For each record and channel: the prediction compared with the measurement.
     pub traces: &'a [Vec<PredictedSeries>],
-    /// For each record, the pushes that nobody recorded.
+    /// For each record: the pushes that nobody recorded.
     pub pushes: &'a [Vec<FoundPush>],
 }
 
-/// What is said beside the numbers.
+/// The sentences beside the numbers.
 pub(crate) struct Said {
     pub findings: Vec<Finding>,
     pub contradictions: Vec<String>,
@@ -239,7 +239,7 @@ impl ComparisonReport {
         }
     }
 
-    /// What an identification found.
+    /// The report on an identification.
     pub(crate) fn of_identification(
         bench: &Bench,
         problem: &FitProblem,
@@ -296,7 +296,7 @@ impl FailurePlace {
         }
     }
 
-    /// Its middle, in the unit of the coordinate.
+    /// Middle of the range, in the unit of the coordinate.
     pub fn middle(&self) -> f64 {
         0.5 * (self.from + self.to)
     }
@@ -375,7 +375,7 @@ pub(crate) fn effect_names(model: &Model) -> Vec<String> {
     effects.map(|effect| effect.name().to_owned()).collect()
 }
 
-/// What reading the files has shown.
+/// The notes from reading the files.
 pub(crate) fn notes(bench: &Bench) -> Vec<BenchNote> {
     let general = bench.notes.iter().map(|note| BenchNote {
         experiment: None,
@@ -390,11 +390,11 @@ pub(crate) fn notes(bench: &Bench) -> Vec<BenchNote> {
     general.chain(special).collect()
 }
 
-/// The parameters of a fit for model.toml: those that were given and those that were found; those
-/// that no log can show are left out.
+/// The parameters of a fit for model.toml: the given ones and the identified ones. Parameters that no log depends
+/// on are left out.
 pub(crate) fn parameters_of(problem: &FitProblem, fit: &Fit) -> Vec<Parameter> {
     let infos = fit.model.parameters();
-    // A negative one is a contradiction, which the statements name, and no parameter.
+    // A negative inertia is a contradiction, which the statements report, and not a parameter.
     let derived = identify::body_inertia(problem, fit).filter(|(value, _)| *value > 0.0);
     let derived = derived.map(|(value, std)| Parameter {
         name: "body_inertia".to_owned(),
@@ -462,7 +462,7 @@ pub(crate) fn with_model(
 ) -> ModelFile {
     file.replace_model_parameters(parameters, correlation);
     file.effects = model.effects().to_vec();
-    // A tie is open as long as the model has what it is about.
+    // A tie stays open as long as the model has the effects that it concerns.
     file.tie = file
         .tie
         .filter(|tie| tie.provisional.iter().all(|effect| model.has(*effect)));

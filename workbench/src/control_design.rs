@@ -1,4 +1,4 @@
-//! A controller for a model: gains and everything that follows from them.
+//! A controller for a model: its gains, and the results that follow from them.
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -10,9 +10,9 @@ use plant::{EffectId, LinearModel, Linearised, Model, Smoothing};
 use crate::error::Error;
 use crate::session::Session;
 
-/// A model with the linear-quadratic controller that its weights ask for.
+/// A model with its linear-quadratic controller.
 ///
-/// From here on: [`ControlDesign::report`] (poles, margins, sizing), [`ControlDesign::generate`]
+/// Next steps: [`ControlDesign::report`] (poles, margins, sizing), [`ControlDesign::generate`]
 /// (the controller in fixed point), [`ControlDesign::simulate`] (the closed loop).
 #[derive(Clone, Debug)]
 pub struct ControlDesign {
@@ -25,12 +25,11 @@ pub struct ControlDesign {
 }
 
 impl Session {
-    /// Designs the controller that the model's `[design]` asks for, or the usual one where it has
+    /// Designs the controller for the model's `[design]` section, or the usual one if there is
     /// none (see [`Session::usual_design`]).
     ///
     /// # Errors
-    /// [`Error::NoModel`]; a parameter that is missing; [`Error::Design`] where these weights give no
-    /// controller.
+    /// [`Error::NoModel`]; a missing parameter; [`Error::Design`] if the weights give no controller.
     pub fn design(&self) -> Result<ControlDesign, Error> {
         let wishes = self.required_model()?.design;
         self.design_for(wishes.unwrap_or_else(|| self.usual_design()))
@@ -53,21 +52,37 @@ impl Session {
 }
 
 impl ControlDesign {
-    /// Reads a model.toml and designs the controller that its `[design]` asks for.
+    /// Reads a model.toml and designs the controller for its `[design]` section.
     ///
     /// # Errors
-    /// What is wrong with the file; [`Error::Design`] where its weights give no controller.
+    /// An error in the file; [`Error::Design`] if its weights give no controller.
     pub fn read(path: &Path) -> Result<ControlDesign, Error> {
         ControlDesign::of(ModelFile::read(path)?)
     }
 
-    /// Designs the controller that a model's `[design]` asks for.
+    /// Designs the controller for the `[design]` section of a model.
     ///
     /// # Errors
     /// As for [`ControlDesign::read`].
     pub fn of(file: ModelFile) -> Result<ControlDesign, Error> {
         let name = name_of(file.path());
         ControlDesign::new(file, name)
+    }
+
+    /// The design of the same model for other wishes.
+    ///
+    /// # Errors
+    /// As for [`ControlDesign::read`].
+    pub fn with_wishes(&self, wishes: DesignSection) -> Result<ControlDesign, Error> {
+        let mut file = self.file.clone();
+        file.design = Some(wishes);
+        ControlDesign::new(file, self.name.clone())
+    }
+
+    /// How late the current reaches the motor by the model itself, s.
+    pub(crate) fn own_delay_s(&self) -> f64 {
+        let plant = plant::Plant::new(&self.model, &self.values, plant::Kind::Balance);
+        plant.delay_s().unwrap_or(0.0)
     }
 
     fn new(file: ModelFile, name: String) -> Result<ControlDesign, Error> {
@@ -90,7 +105,7 @@ impl ControlDesign {
             .iter()
             .any(|effect| effect.info().linearised == Linearised::AsDryFriction);
         let friction_extremes = if dry {
-            // Without a stated speed, "all of it" is the slope that the simulations have at rest.
+            // Without a stated speed ι, the largest damping is the slope that the simulations have at rest.
             let steepest = iota.unwrap_or(Smoothing::SIMULATION.body_rad_s);
             Some(FrictionExtremes {
                 none: upright(None)?,
@@ -123,8 +138,8 @@ impl ControlDesign {
         })
     }
 
-    /// A name for the model: that of its file; that of the folder where the file is a model.toml; that
-    /// of the bench where it is in memory.
+    /// A name for the model: that of its file; that of its folder if the file is called model.toml; that
+    /// of the bench if it is in memory.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -134,7 +149,7 @@ impl ControlDesign {
         &self.file
     }
 
-    /// What was asked for.
+    /// The requirements of the design.
     pub fn wishes(&self) -> &DesignSection {
         &self.wishes
     }
@@ -159,7 +174,7 @@ impl ControlDesign {
         [0, 1, 2].map(|index| self.design.gains[index])
     }
 
-    /// The linear model that other parameter values give.
+    /// The linear model for other parameter values.
     pub(crate) fn linearise(&self, values: &[f64]) -> Result<LinearModel, String> {
         linearise(
             &self.model,
@@ -205,11 +220,11 @@ impl ControlDesign {
     }
 }
 
-/// A name for a model by its file.
+/// A name for a model, from its file.
 fn name_of(path: &Path) -> String {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy());
     let folder = || {
-        // The file need not have been written yet.
+        // The file may not have been written yet.
         let whole = path.canonicalize().or_else(|_| {
             let folder = path
                 .parent()

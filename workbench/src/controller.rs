@@ -11,7 +11,7 @@ use crate::bench_hardware::{BenchHardware, Preset};
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 
-/// An emitted controller, still in memory: the result of
+/// An emitted controller in memory: the result of
 /// [`ControlDesign::generate`](crate::ControlDesign::generate).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GeneratedController {
@@ -19,15 +19,15 @@ pub struct GeneratedController {
     pub model: String,
     /// K in A/rad, A s/rad, A s/rad.
     pub gains: [f64; 3],
-    /// Largest current either way.
+    /// Largest current in either direction.
     pub current_limit_a: f64,
     /// Time between two commands.
     pub sample_time_s: f64,
     /// Time constant of the observer of the angle's bias, if the model asks for one.
     pub bias_time_constant_s: Option<f64>,
-    /// What of sensors and drive was taken from the preset; sentences.
+    /// Properties of sensors and drive that were taken from the preset; sentences.
     pub assumed: Vec<String>,
-    /// What of sensors and drive is not as it should be; sentences.
+    /// Properties of sensors and drive that may be wrong; sentences.
     pub warnings: Vec<String>,
     /// The files of the crate, by their paths in it; certificate.json is the last.
     #[serde(skip)]
@@ -46,13 +46,13 @@ impl Default for Files {
 
 impl ControlDesign {
     /// Emits the controller as readable `no_std` Rust in fixed point, from raw sensor counts to the
-    /// duty of the drive, with a certificate. What the model does not state of sensors and drive is
-    /// taken from `preset`, and said; without one it is refused.
+    /// duty of the drive, with a certificate. Properties of sensors and drive that the model does not state are
+    /// taken from `preset`, and listed in the result; without a preset, they are an error.
     ///
     /// # Errors
-    /// [`Error::Hardware`] where sensors or drive are not stated, or contradict each other;
-    /// [`Error::Refused`] where a claim could not be kept; [`Error::Design`] where the observer of
-    /// the angle's bias that is asked for does not work.
+    /// [`Error::Hardware`] if sensors or drive are not stated, or contradict each other;
+    /// [`Error::Refused`] if a claim could not be kept; [`Error::Design`] if the requested observer of
+    /// the angle's bias does not work.
     pub fn generate(&self, preset: Option<Preset>) -> Result<GeneratedController, Error> {
         self.generate_with(self.hardware(preset)?)
     }
@@ -84,12 +84,12 @@ impl ControlDesign {
 }
 
 impl GeneratedController {
-    /// The same controller as a C99 library, for Arduino, PlatformIO or any firmware in C: a header, a source, and
-    /// the certificate, which says that the language is C. `prove` reads the Rust.
+    /// The same controller as a C99 library, for Arduino, PlatformIO or any firmware in C: a header, a source file, and
+    /// the certificate, which states that the language is C. `prove` reads the Rust version.
     ///
     /// # Errors
-    /// [`Error::Emitted`] where the emitted Rust has something that the translation does not know, a fault of
-    /// this program.
+    /// [`Error::Emitted`] if the emitted Rust contains something that the translation does not support, which is a fault
+    /// of this program.
     pub fn in_c(&self) -> Result<GeneratedController, Error> {
         let emitted = codegen::c99::emit(&self.emitted.0).map_err(|error| Error::Emitted {
             model: PathBuf::from(&self.model),
@@ -107,17 +107,17 @@ impl GeneratedController {
         files.map(|file| (file.path.as_str(), file.contents.as_str()))
     }
 
-    /// Writes the crate into a folder (made if missing) and returns the files that changed.
+    /// Writes the crate into a folder (created if missing), and returns the files that changed.
     ///
     /// # Errors
-    /// [`Error::EmittedFiles`]: a file in the way that this program did not write, or a folder that
-    /// cannot be written to; then everything is as it was.
+    /// [`Error::EmittedFiles`] if a file is in the way that this program did not write, or the folder
+    /// cannot be written to; then nothing is changed.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         Ok(self.emitted.0.write(folder)?)
     }
 
-    /// The files in a folder that are missing or not what [`GeneratedController::write`] would leave
-    /// there.
+    /// The files of a folder that are missing, or differ from those that [`GeneratedController::write`] would
+    /// write.
     ///
     /// # Errors
     /// [`Error::EmittedFiles`] if one cannot be read.
@@ -129,7 +129,7 @@ impl GeneratedController {
         }
     }
 
-    /// The claim `physical-signs`, before anything is written: nobody should flash what fails it.
+    /// Checks the claim `physical-signs` before anything is written: a controller that fails it must not be flashed.
     fn check_signs(&self, model: &Path) -> Result<(), Error> {
         let module = self.module(model)?;
         let certificate = self.certificate(model)?;
@@ -151,7 +151,7 @@ impl GeneratedController {
         })
     }
 
-    /// The emitted source as the checker reads it.
+    /// The emitted source, as the checker reads it.
     pub(crate) fn module(&self, model: &Path) -> Result<checker::Module, Error> {
         let sources: Vec<(&str, &str)> = self
             .files()
@@ -163,11 +163,11 @@ impl GeneratedController {
         })
     }
 
-    /// P of the set in which no command saturates, where the certificate states one.
+    /// P of the set in which no command saturates, if the certificate states one.
     pub(crate) fn ellipsoid(&self, model: &Path) -> Result<Option<Matrix3<f64>>, Error> {
         Ok(self.certificate(model)?.closed_loop.map(|found| {
             let rows = found.ellipsoid;
-            // Every decimal of the certificate is a number.
+            // Every decimal of the certificate is a finite number.
             let entry = |row: usize, column: usize| rows[row][column].to_string().parse();
             Matrix3::from_fn(|row, column| entry(row, column).unwrap_or(f64::NAN))
         }))

@@ -1,4 +1,4 @@
-//! What is wrong with the data of a bench, before anything is fitted.
+//! The check of a bench's data, before anything is fitted.
 
 use std::path::{Path, PathBuf};
 
@@ -9,33 +9,33 @@ use serde::{Deserialize, Serialize};
 use crate::comparison::{BenchNote, notes};
 use crate::error::Error;
 
-/// The data of a bench and what is wrong with them: the result of [`check_data`].
+/// The result of [`check_data`]: the findings for the data of a bench.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DataReport {
     /// The bench.
     pub bench: String,
     /// Number of its experiments.
     pub experiments: usize,
-    /// Number of samples of all of them.
+    /// Number of samples in all of them.
     pub samples: usize,
-    /// What is wrong, refusals first.
+    /// The findings, refusals first.
     pub findings: Vec<Finding>,
-    /// What reading the files has shown.
+    /// The notes from reading the files.
     pub notes: Vec<BenchNote>,
 }
 
 impl DataReport {
-    /// Whether a finding keeps every command from going on.
+    /// Whether a finding prevents every command from going on.
     pub fn is_refused(&self) -> bool {
         self.findings.iter().any(is_refusal)
     }
 }
 
-/// Reads a bench (its folder, or its bench.toml) and compares its columns with each other, with the kinds of
-/// the experiments and with what such benches can do. Nothing is fitted.
+/// Reads a bench (its folder, or its bench.toml), and compares its columns with each other, with the kinds of
+/// the experiments, and with what such benches can do. Nothing is fitted.
 ///
 /// # Errors
-/// The first thing that keeps a file from being read.
+/// The first error that prevents a file from being read.
 pub fn check_data(path: &Path) -> Result<DataReport, Error> {
     let bench = Bench::load(path)?;
     Ok(DataReport {
@@ -47,24 +47,24 @@ pub fn check_data(path: &Path) -> Result<DataReport, Error> {
     })
 }
 
-/// A bench folder that was begun.
+/// A new bench folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NewBench {
     /// The bench.toml that was written.
     pub written: PathBuf,
-    /// What stands in it, and why.
+    /// Its content, with the reasons.
     #[serde(flatten)]
     pub proposal: Proposal,
 }
 
-/// Proposes a bench.toml for these logs and writes it into `folder`, which is made where it is missing. A
-/// bench.toml that is there is left alone.
+/// Proposes a bench.toml for these logs and writes it into `folder`, which is created if it is missing. An
+/// existing bench.toml is not changed.
 ///
 /// # Errors
 /// [`Error::BenchExists`]; a log that cannot be read; a folder that cannot be written to.
 pub fn new_bench(folder: &Path, logs: &[PathBuf]) -> Result<NewBench, Error> {
     let written = folder.join("bench.toml");
-    // Whatever stands there, even a link to nothing, is not ours.
+    // Anything with this name is kept, even a link to nothing.
     if std::fs::symlink_metadata(&written).is_ok() {
         return Err(Error::BenchExists { file: written });
     }
@@ -77,7 +77,7 @@ pub fn new_bench(folder: &Path, logs: &[PathBuf]) -> Result<NewBench, Error> {
     }
     let proposed = ::data_check::propose(folder, logs).inspect_err(|_| {
         if !is_made {
-            // Only an empty folder is removed, and only ours.
+            // The folder is removed only if it is empty and this call created it.
             let _ = std::fs::remove_dir(folder);
         }
     });
@@ -90,10 +90,10 @@ fn is_refusal(finding: &Finding) -> bool {
     finding.severity == Severity::Refuse
 }
 
-/// The warnings of a bench whose data can be used.
+/// The warnings for a bench whose data can be used.
 ///
 /// # Errors
-/// [`Error::Data`] where a finding refuses them.
+/// [`Error::Data`] if a finding refuses the data.
 pub(crate) fn usable(bench: &Bench) -> Result<Vec<Finding>, Error> {
     let (refusals, warnings): (Vec<Finding>, Vec<Finding>) =
         ::data_check::check(bench).into_iter().partition(is_refusal);
@@ -112,7 +112,7 @@ pub(crate) fn usable(bench: &Bench) -> Result<Vec<Finding>, Error> {
     })
 }
 
-/// The message of [`Error::Data`]: the first refusal with what mends it, and where the others are.
+/// The message of [`Error::Data`]: the first refusal with its remedy, and the places of the others.
 pub(crate) fn refusal_text(file: &Path, line: Option<usize>, refusals: &[Finding]) -> String {
     let mut text = file.display().to_string();
     if let Some(line) = line {
@@ -131,7 +131,7 @@ pub(crate) fn refusal_text(file: &Path, line: Option<usize>, refusals: &[Finding
     }
     if first.experiment.is_some() {
         let accept = format!("accept = [\"{}\"]", first.finding.name());
-        text.push_str(&format!("; if it is right as it is: {accept}"));
+        text.push_str(&format!("; if the data are right: {accept}"));
     }
     match refusals.len() {
         1 => {}

@@ -1,4 +1,4 @@
-//! What can be expected of a designed controller.
+//! The properties of a designed controller.
 
 use bench_files::Parameter;
 use design::wheel_sizing::chart;
@@ -14,13 +14,13 @@ use crate::control_design::ControlDesign;
 use crate::error::Error;
 use crate::named;
 
-/// Parameter sets drawn to see what their uncertainty does to the poles.
+/// Number of parameter sets drawn to find the effect of their uncertainty on the poles.
 const DRAWN_SETS: usize = 1000;
 /// Seed of that draw.
 const SEED: u64 = 1;
-/// Drawn sets whose poles are kept for the figure.
+/// Number of drawn sets whose poles are kept for the figure.
 const SHOWN_SETS: usize = 200;
-/// Wheels that are looked at, relative to the bench's own.
+/// Wheel inertias in the tables, relative to the bench's own.
 const WHEEL_FACTORS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Top speeds of the wheel in the table of sizes.
 const TABLED_SPEEDS_RAD_S: [f64; 5] = [50.0, 100.0, 200.0, 400.0, 700.0];
@@ -42,76 +42,76 @@ pub struct DesignReport {
     pub state_weights: [f64; 3],
     /// R.
     pub current_weight: f64,
-    /// Largest current either way, A.
+    /// Largest current in either direction, A.
     pub current_limit_a: f64,
-    /// ι, rad/s: Coulomb friction of the pivot enters the linear model as μ/ι; `None`: not at all.
+    /// ι, rad/s: Coulomb friction of the pivot enters the linear model as μ/ι; `None` to leave it out.
     pub friction_linearisation_speed_rad_s: Option<f64>,
-    /// The linear model about upright, row by row.
+    /// State matrix A of the linear model about upright, row by row.
     #[serde(rename = "A")]
     pub a: [[f64; 3]; 3],
-    /// Its input.
+    /// Input matrix B of the linear model.
     #[serde(rename = "B")]
     pub b: [f64; 3],
-    /// The same with a zero-order hold.
+    /// State matrix Ad of the zero-order hold.
     #[serde(rename = "Ad")]
     pub ad: [[f64; 3]; 3],
-    /// Its input.
+    /// Input matrix Bd of the zero-order hold.
     #[serde(rename = "Bd")]
     pub bd: [f64; 3],
     /// K in A/rad, A s/rad, A s/rad.
     pub gains: [f64; 3],
-    /// Real and imaginary part, 1/s.
+    /// Real and imaginary part of the eigenvalues of A, 1/s.
     pub open_loop_poles: Vec<[f64; 2]>,
     /// Eigenvalues of Ad − Bd K.
     pub closed_loop_poles: Vec<[f64; 2]>,
     /// Their continuous equivalents ln(λ)/T, 1/s.
     pub closed_loop_poles_per_s: Vec<[f64; 2]>,
-    /// What the errors of the parameters do to the poles; `None` where the model states no errors.
+    /// The effect of the parameters' errors on the poles; `None` if the model states no errors.
     pub pole_uncertainty: Option<PoleErrors>,
     /// Rank of (B, AB, A²B).
     pub controllability_rank: usize,
-    /// Its condition number; infinite (null) where a state cannot be reached.
+    /// Its condition number; infinite (null) if a state cannot be reached.
     #[serde(with = "named::unbounded")]
     pub controllability_condition: f64,
     /// Rank with all sensors.
     pub observability_rank: usize,
-    /// Its condition number; infinite (null) where a state does not show.
+    /// Its condition number; infinite (null) if a state is not observable.
     #[serde(with = "named::unbounded")]
     pub observability_condition: f64,
     /// Rank with one sensor alone, by its name.
     pub observability_rank_of_sensor: Vec<(String, usize)>,
     /// Its condition number.
     pub observability_condition_of_sensor: Vec<SensorCondition>,
-    /// asin(τ u_max/G): the largest angle at which the motor can still beat gravity.
+    /// asin(τ u_max/G): the largest angle at which the motor is stronger than gravity.
     pub recovery_angle_rad: f64,
     /// Relative residual of the Riccati equation.
     pub dare_residual: f64,
-    /// What the loop bears.
+    /// Gain, phase, delay and modulus margins.
     pub margins: LoopMargins,
-    /// Steady wheel speed per rad of angle bias, rad/s per rad.
+    /// Steady wheel speed per rad of bias of the measured angle, rad/s per rad.
     pub wheel_speed_per_angle_bias: f64,
     /// What the linear model takes of learned curves and of the effects of users; sentences.
     pub upright: Vec<String>,
     /// The loop with none and with all of the Coulomb friction, where there is any.
     pub friction_extremes: Option<[FrictionExtreme; 2]>,
-    /// The swing that dry friction keeps up around upright (describing function); `None` where there
+    /// The oscillation around upright that dry friction maintains (describing function); `None` if there
     /// is none.
     pub hunting: Option<HuntingSwing>,
-    /// The least that brings the body up from rest at three angles.
+    /// The smallest push that brings the body up from rest, for three angles.
     pub least_pushes: Vec<LeastPush>,
-    /// What three wheels recover, by their top speed.
+    /// The angles from which three wheels recover, by their top speed.
     pub wheel_sizing: Vec<WheelSize>,
-    /// The same more finely, for a figure.
+    /// The same in finer steps, for a figure.
     #[serde(skip)]
     pub wheel_curves: Vec<WheelSize>,
 }
 
-/// How well one sensor alone shows the state.
+/// How well one sensor alone observes the state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorCondition {
     /// The sensor.
     pub sensor: String,
-    /// Condition number; infinite (null) where a state does not show.
+    /// Condition number; infinite (null) if a state is not observable.
     #[serde(with = "named::unbounded")]
     pub condition: f64,
 }
@@ -119,48 +119,48 @@ pub struct SensorCondition {
 /// Standard errors of the poles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PoleErrors {
-    /// Whether the model states how the errors of its parameters hang together; else they count as
+    /// Whether the model states the correlations of the errors of its parameters; otherwise they are treated as
     /// independent.
     pub correlated: bool,
     /// Standard deviation of the real part and of the imaginary part, 1/s.
     pub open_loop_std: Vec<[f64; 2]>,
-    /// Likewise.
+    /// The same for the closed loop.
     pub closed_loop_std_per_s: Vec<[f64; 2]>,
-    /// The parameter whose error alone moves the pole farthest; empty where none does.
+    /// The parameter whose error alone moves the pole farthest; empty if none does.
     pub open_loop_moved_most_by: Vec<String>,
-    /// Likewise.
+    /// The same for the closed loop.
     pub closed_loop_moved_most_by: Vec<String>,
-    /// Parameter sets that were drawn within the errors.
+    /// Number of parameter sets that were drawn within the errors.
     pub drawn: usize,
-    /// Of them those that are no pendulum.
+    /// Number of those that are not a pendulum.
     pub impossible: usize,
-    /// Of them those whose loop is unstable.
+    /// Number of those whose loop is unstable.
     pub unstable: usize,
-    /// Largest spectral radius of them.
+    /// Largest spectral radius among them.
     pub worst_spectral_radius: f64,
     /// Poles of some drawn sets, 1/s.
     #[serde(skip)]
     pub open_loop_cloud: Vec<[f64; 2]>,
-    /// Likewise.
+    /// The same for the closed loop.
     #[serde(skip)]
     pub closed_loop_cloud: Vec<[f64; 2]>,
 }
 
-/// What a loop bears before it is unstable.
+/// The margins within which a loop stays stable.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoopMargins {
     /// Smallest factor on the gain.
     pub least_gain_factor: f64,
-    /// Largest factor on the gain; infinite (null) where there is none.
+    /// Largest factor on the gain; infinite (null) if there is none.
     #[serde(with = "named::unbounded")]
     pub largest_gain_factor: f64,
-    /// Phase margin; infinite (null) where there is none.
+    /// Phase margin; infinite (null) if there is none.
     #[serde(with = "named::unbounded")]
     pub phase_margin_rad: f64,
-    /// Delay beyond the hold; infinite (null) where there is none.
+    /// Delay beyond the hold; infinite (null) if there is none.
     #[serde(with = "named::unbounded")]
     pub delay_margin_s: f64,
-    /// Least distance of the loop's frequency response from −1.
+    /// Smallest distance of the loop's frequency response from −1.
     pub modulus_margin: f64,
 }
 
@@ -169,17 +169,17 @@ pub struct LoopMargins {
 pub struct FrictionExtreme {
     /// "none" or "all".
     pub coulomb_friction: String,
-    /// Real and imaginary part, 1/s.
+    /// Real and imaginary part, as continuous equivalents, 1/s.
     pub closed_loop_poles_per_s: Vec<[f64; 2]>,
     /// Largest |λ| of the sampled loop.
     pub spectral_radius: f64,
     /// Whether that is below one.
     pub stable: bool,
-    /// `None` where the loop is unstable.
+    /// The margins; `None` if the loop is unstable.
     pub margins: Option<LoopMargins>,
 }
 
-/// A swing around upright that dry friction keeps up.
+/// An oscillation around upright that dry friction maintains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HuntingSwing {
     /// Amplitude of the angle.
@@ -190,16 +190,16 @@ pub struct HuntingSwing {
     pub frequency_rad_s: f64,
 }
 
-/// The least push of the wheel that brings the body up from rest.
+/// The smallest push of the wheel that brings the body up from rest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeastPush {
-    /// Where the body rests, from upright.
+    /// Angle of the body at rest, from upright.
     pub angle_rad: f64,
-    /// What it lacks there.
+    /// Energy that the body lacks there.
     pub energy_j: f64,
-    /// How long the current is at its limit.
+    /// Time during which the current is at its limit.
     pub duration_s: f64,
-    /// What the wheel gains.
+    /// Change of the wheel's speed.
     pub wheel_speed_rad_s: f64,
 }
 
@@ -208,23 +208,23 @@ pub struct LeastPush {
 pub struct WheelSize {
     /// Inertia, kg m².
     pub wheel_inertia: f64,
-    /// The same over that of the bench's own wheel.
+    /// The inertia relative to that of the bench's own wheel.
     pub wheel_factor: f64,
     /// Top speed.
     pub wheel_speed_rad_s: f64,
     /// Energy of the wheel at that speed.
     pub wheel_energy_j: f64,
-    /// Largest angle at rest from which the body comes up.
+    /// Largest angle at rest from which the body can be brought up.
     pub recoverable_angle_rad: f64,
-    /// What the body lacks there.
+    /// Energy that the body lacks there.
     pub recovered_energy_j: f64,
 }
 
 impl ControlDesign {
-    /// Everything that can be said of the controller without simulating it.
+    /// All properties of the controller that need no simulation.
     ///
     /// # Errors
-    /// [`Error::Design`] where the numbers allow no answer.
+    /// [`Error::Design`] if the numbers give no result.
     pub fn report(&self) -> Result<DesignReport, Error> {
         let in_design = |source| self.design_error(source);
         let uncertainty = self.pole_uncertainty().map_err(in_design)?;
@@ -302,9 +302,8 @@ impl ControlDesign {
         })
     }
 
-    /// What the parameters' standard errors and their correlations do to the poles; none where the
-    /// file states no errors.
-    fn pole_uncertainty(&self) -> Result<Option<PoleUncertainty>, design::DesignError> {
+    /// The parameters with their standard errors and correlations; none where the file states no errors.
+    pub(crate) fn uncertain_parameters(&self) -> Option<UncertainParameters> {
         let infos = self.model().parameters();
         let parameters: Vec<(&str, f64, f64)> = infos
             .iter()
@@ -316,15 +315,21 @@ impl ControlDesign {
             })
             .collect();
         if parameters.iter().all(|(_, _, std)| *std == 0.0) {
-            return Ok(None);
+            return None;
         }
+        Some(match &self.file().correlation {
+            Some(known) => UncertainParameters::correlated(&parameters, |a, b| known.between(a, b)),
+            None => UncertainParameters::independent(&parameters),
+        })
+    }
+
+    /// What the errors of the parameters do to the poles; none where the file states none.
+    fn pole_uncertainty(&self) -> Result<Option<PoleUncertainty>, design::DesignError> {
+        let Some(parameters) = self.uncertain_parameters() else {
+            return Ok(None);
+        };
         pole_uncertainty(
-            &match &self.file().correlation {
-                Some(known) => {
-                    UncertainParameters::correlated(&parameters, |a, b| known.between(a, b))
-                }
-                None => UncertainParameters::independent(&parameters),
-            },
+            &parameters,
             &|values| self.linearise(values),
             &self.design().gains,
             self.wishes().sample_time_s,
@@ -344,7 +349,7 @@ impl ControlDesign {
         }
     }
 
-    /// What it takes to come up from rest at a third, two thirds and nine tenths of the largest angle.
+    /// The smallest push from rest at a third, two thirds and nine tenths of the largest angle.
     fn least_pushes(&self, sizing: &Sizing) -> Result<Vec<LeastPush>, Error> {
         let mut pushes = Vec::new();
         for share in [1.0 / 3.0, 2.0 / 3.0, 0.9] {
@@ -386,7 +391,7 @@ impl PoleErrors {
         }
     }
 
-    /// How many of the drawn sets leave the loop stable.
+    /// Number of drawn sets with a stable loop.
     pub fn stable(&self) -> usize {
         self.drawn - self.unstable - self.impossible
     }
@@ -402,7 +407,7 @@ fn culprit(pole: &UncertainPole) -> String {
 }
 
 impl LoopMargins {
-    fn of(margins: &Margins) -> LoopMargins {
+    pub(crate) fn of(margins: &Margins) -> LoopMargins {
         LoopMargins {
             least_gain_factor: margins.least_gain_factor,
             largest_gain_factor: margins.largest_gain_factor,

@@ -1,8 +1,8 @@
-//! Which physical effects a model lacks.
+//! The diagnosis: which physical effects a model lacks.
 
 use ::data_check::Finding;
 use bench_files::{Correlation, ModelFile, Parameter, Tie};
-use diagnose::{Diagnosis, Options, Step, Suspect, Unseen, Verdict};
+use diagnose::{Diagnosis, Options, Recipe, Step, Suspect, Unseen, Verdict};
 use identify::{Contradiction, Fit, Identification, PredictedSeries, Progress, Record};
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
@@ -23,31 +23,31 @@ use crate::session::Session;
 use crate::swing_decay::{SwingDecay, swing_decays};
 use crate::words;
 
-/// The verdict on a model, and what it rests on: the result of
+/// The verdict on a model, with the evidence for it: the result of
 /// [`Session::diagnose`](crate::Session::diagnose).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DiagnosisReport {
     /// The bench.
     pub bench: String,
-    /// Whether something is missing, and whether it could be named.
+    /// The verdict: whether an effect is missing, and whether it could be named.
     #[serde(with = "named")]
     pub verdict: Verdict,
     /// The verdict as a sentence or two.
     pub sentence: String,
-    /// The model as it was, then each effect that was added, in order.
+    /// The diagnosed model, then one step for each change, in order.
     pub steps: Vec<DiagnosisStep>,
     /// The model of the last step.
     #[serde(rename = "final")]
     pub last_model: FinalModel,
-    /// Those of its effects that hold only until an experiment has decided.
+    /// The provisional effects among them: an experiment must decide about them.
     pub provisional: Vec<String>,
-    /// What the parameters had not seen where predictions are called held out.
+    /// Which data were held out from the fit for the held-out predictions.
     pub held_out_by: HeldOutBy,
     /// The effects that could be missing, the most probable first.
     pub suspects: Vec<SuspectEffect>,
-    /// The sets of effects that tie; empty where none do.
+    /// The sets of effects that tie; empty if none do.
     pub ambiguous_between: Vec<Vec<String>>,
-    /// The experiment that would settle what is open; empty where nothing is.
+    /// The experiment that would settle an open question; empty if no question is open.
     pub next_experiment: String,
     /// The torque that is missing, over the coordinate in which it stands best; `None` where nothing is unexplained,
     /// or no curve predicts anything of it.
@@ -57,9 +57,13 @@ pub struct DiagnosisReport {
     /// longer needed. A curve explains nothing: the verdict is that on the model without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub with_learned: Option<DiagnosisStep>,
+    /// The same step by step, with what each explanation would show; `None` where no experiment
+    /// tells them apart. Not part of the JSON, which has the sentence.
+    #[serde(skip)]
+    pub recipe: Option<Recipe>,
     /// How large what no effect explains is, and whether it matters; `None` where nothing is unexplained.
     pub remains: Option<RemainsReport>,
-    /// Where the model of the last step fails, the plainest place first.
+    /// Where the model of the last step fails, the most significant place first.
     #[serde(rename = "where")]
     pub places: Vec<FailurePlace>,
     /// The largest structured remainder of the last step, in units of its sensor's noise.
@@ -69,18 +73,18 @@ pub struct DiagnosisReport {
     pub sensor_noise: PerSeries,
     /// Pushes that no column records.
     pub pushes: Vec<PushInLog>,
-    /// How each free swing dies out, as measured.
+    /// The measured decay of each free swing.
     pub decay: Vec<SwingDecay>,
-    /// What is wrong with the data, but does not keep them from being used.
+    /// Warnings about the data; the data are used nevertheless.
     #[serde(default)]
     pub findings: Vec<Finding>,
-    /// What the logs leave open, or contradict; sentences.
+    /// What the logs do not determine, and contradictions, as sentences.
     pub statements: Vec<String>,
-    /// What is to be known about the files; sentences.
+    /// Notes on the files, as sentences.
     pub notes: Vec<BenchNote>,
-    /// Whether the model as it was predicts no better than means: nothing is to be had from it.
+    /// Whether the diagnosed model predicts no better than the means of the series. Its numbers are then not usable.
     pub has_failed_at_first: bool,
-    /// The model of the last step beside the measurements, with its curves. It serialises by itself.
+    /// The model of the last step compared with the measurements, with its curves. It can be serialised by itself.
     #[serde(skip)]
     pub last: ComparisonReport,
     /// The structure of the model of [`DiagnosisReport::with_learned`].
@@ -88,34 +92,34 @@ pub struct DiagnosisReport {
     pub(crate) learned_model: Option<Model>,
 }
 
-/// The model as it was, or after one effect more; refitted to all experiments.
+/// A step of the diagnosis: the diagnosed model, or the model after one more effect, refitted to all experiments.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DiagnosisStep {
-    /// The effect that was added; `None` for the model as it was, and for a step that only takes out.
+    /// The effect that was added; `None` for the diagnosed model and for a step that only removes effects.
     pub effect: Option<String>,
-    /// The effects of the model before that are no longer there.
+    /// The effects of the previous model that the step removed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub replaces: Vec<String>,
-    /// Whether it holds only until an experiment has decided between explanations that tie.
+    /// Whether the step is provisional: an experiment must decide between explanations that tie.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub provisional: bool,
-    /// Whether the step before predicts what the parameters have not seen plainly better.
+    /// Whether the previous step predicts the held-out data plainly better.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub held_out_worse: bool,
     /// All effects of the model.
     pub effects: Vec<String>,
     /// Its parameters.
     pub parameters: Vec<Parameter>,
-    /// How their errors hang together; `None`: they are independent.
+    /// The correlations of their errors; `None` if they are independent.
     pub correlation: Option<Correlation>,
     /// Root mean square errors, SI units.
     pub rmse: PerSeries,
     /// The fit, %.
     pub fit_percent: PerSeries,
-    /// Mean fit of experiments that the parameters have not seen, %; NaN (null) where there is none.
+    /// Mean fit on held-out data, %; NaN (null) if there are none.
     #[serde(with = "named::gap")]
     pub validation_fit_percent: f64,
-    /// Root mean square errors of experiments that the parameters have not seen, SI units.
+    /// Root mean square errors on held-out data, SI units.
     pub validation_rmse: PerSeries,
 }
 
@@ -130,7 +134,7 @@ pub struct FinalModel {
     pub rmse: PerSeries,
 }
 
-/// What parameters had not seen when they predicted it.
+/// Which data were held out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldOutBy {
@@ -147,45 +151,45 @@ pub struct SuspectEffect {
     pub effect: String,
     /// Probability that the model lacks it.
     pub probability: f64,
-    /// All effects of the best model that has it; everything else here belongs to that model.
+    /// All effects of the best model that has it. All other fields belong to that model.
     pub model: Vec<String>,
-    /// For every series the share of the error that this effect alone takes away: 1 − with/without, where
-    /// "without" is the same model without the effect, fitted anew.
+    /// For every series, the share of the error that this effect removes: 1 − with/without, where
+    /// "without" is the same model, fitted again without the effect.
     pub takes_away: PerSeries,
-    /// Mean fit of experiments that the fit has not seen, %; NaN (null) where there is none.
+    /// Mean fit on held-out data, %; NaN (null) if there are none.
     #[serde(with = "named::gap")]
     pub validation_fit_percent: f64,
-    /// The effect's own parameters in the best model that has it.
+    /// The effect's own parameters in that model.
     pub parameters: Vec<Parameter>,
     /// Root mean square errors with that model, SI units.
     pub rmse: PerSeries,
-    /// One sentence: what to look for, and what the fit gains by it.
+    /// One sentence: what the effect looks like in the data, and how far the error falls with it.
     pub fingerprint: String,
 }
 
-/// What [`Session::apply`](crate::Session::apply) has done.
+/// The changes that [`Session::apply`](crate::Session::apply) has made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AppliedDiagnosis {
     /// The effects that were added.
     pub added: Vec<String>,
-    /// Those of them that hold only until an experiment has decided.
+    /// The provisional effects among them.
     pub provisional: Vec<String>,
-    /// The effects that were taken out.
+    /// The effects that were removed.
     pub taken_out: Vec<String>,
-    /// What they change in the controller; `None` where nothing was added, or no controller can be had.
+    /// The changes in the controller; `None` if nothing was added, or no controller could be designed.
     pub design_change: Option<DesignChange>,
-    /// Why no controller can be had, where that is so.
+    /// The reason why no controller could be designed, if so.
     pub no_controller: Option<String>,
 }
 
 impl Session {
-    /// Which physical effects the model lacks. Its parameters are refitted first: wrong numbers are
-    /// not a missing effect. What is provisional in the model does not count, so that a tie is found
-    /// again. The session's model stays as it is; see [`Session::apply`].
+    /// Finds the physical effects that the model lacks. Its parameters are refitted first, since wrong parameter values
+    /// are not a missing effect. Provisional effects of the model do not count as present, so that a tie is found
+    /// again. The session's model is not changed; see [`Session::apply`].
     ///
     /// # Errors
-    /// Those of [`Session::identify`], where the last model fails and not only the first;
-    /// [`Error::Cancelled`] soon after the work was called off.
+    /// Those of [`Session::identify`], if the last model fails and not only the first;
+    /// [`Error::Cancelled`] soon after the work was cancelled.
     pub fn diagnose(&self, progress: &Progress) -> Result<DiagnosisReport, Error> {
         let whole = self
             .model()
@@ -194,7 +198,7 @@ impl Session {
         let model = whole.without_learned();
         let identified = self.fit_however(&model, progress)?;
         let fit = &identified.fit;
-        // What its user has written is suspected like what the library has.
+        // Users' effects are suspects like those of the library.
         let suspects: Vec<EffectId> = EffectId::ALL
             .iter()
             .copied()
@@ -218,7 +222,7 @@ impl Session {
         } else if let Some(known) = identify::describe(self.problem(), &step.fit) {
             known
         } else {
-            // The diagnosis has read the logs differently: without pushes that only it found.
+            // The diagnosis may have read the logs differently, without pushes that only it found.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
             identify::fit_until(self.problem(), &step.fit.model, Some(start), progress)
                 .map_err(|source| self.not_identified(source))?
@@ -250,9 +254,9 @@ impl Session {
         Ok(report)
     }
 
-    /// Makes the last step of a diagnosis the session's model, and says what its effects change in
-    /// the controller. Where explanations tie, the model says which of its effects are provisional and what
-    /// could stand in their place; what it had for certain before stays certain.
+    /// Makes the last step of a diagnosis the session's model, and returns the changes in
+    /// the controller. If explanations tie, the model records which of its effects are provisional and which
+    /// could replace them. Effects that were certain before stay certain.
     pub fn apply(&mut self, report: &DiagnosisReport) -> AppliedDiagnosis {
         let had_learned = self.learned_coordinates();
         let before = report.steps.first().map(|step| self.model_of(step));
@@ -294,14 +298,14 @@ impl Session {
         applied
     }
 
-    /// Makes the model that the diagnosis began with, refitted, the session's model; not one that has failed.
+    /// Makes the first model of the diagnosis, refitted, the session's model; unless its fit has failed.
     pub fn keep_first_step(&mut self, report: &DiagnosisReport) {
         if let (Some(step), false) = (report.steps.first(), report.has_failed_at_first) {
             self.set_model(self.model_of(step));
         }
     }
 
-    /// The session's model file with the model of a step in it.
+    /// The session's model file with the model of a step.
     fn model_of(&self, step: &DiagnosisStep) -> ModelFile {
         let effects = step.effects.iter();
         let effects: Vec<EffectId> = effects.filter_map(|name| self.effect_named(name)).collect();
@@ -385,6 +389,7 @@ impl DiagnosisReport {
             learned_model: None,
             remains: None,
             next_experiment: found.next_experiment.clone(),
+            recipe: found.recipe.clone(),
             places: last.places.clone(),
             remainder: found.remainder,
             sensor_noise: last.sensor_noise.clone(),
@@ -398,7 +403,7 @@ impl DiagnosisReport {
         }
     }
 
-    /// The effects that the steps add, in order; of a refinement and what it replaces both.
+    /// The effects that the steps add, in order; both a refinement and the effect that it replaces.
     pub fn added(&self) -> Vec<String> {
         let last = &self.last_model.effects;
         let steps = self.steps.iter();
@@ -414,8 +419,8 @@ impl DiagnosisReport {
         gone.cloned().collect()
     }
 
-    /// The tie that is open, as model.toml states it: what of the last model is provisional, and every other set
-    /// that could stand in its place.
+    /// The open tie, as model.toml states it: the provisional effects of the last model, and the other sets
+    /// that could replace them.
     fn tie(&self, session: &Session) -> Option<Tie> {
         if self.provisional.is_empty() {
             return None;
@@ -446,7 +451,7 @@ impl DiagnosisReport {
         })
     }
 
-    /// The suspects that are more probable than not.
+    /// The suspects with a probability above one half.
     pub fn likely_suspects(&self) -> impl Iterator<Item = &SuspectEffect> {
         self.suspects
             .iter()
@@ -455,7 +460,7 @@ impl DiagnosisReport {
 }
 
 impl DiagnosisStep {
-    /// "as it was", or what was added and taken out: "+ body-presliding-friction − body-coulomb-friction".
+    /// "as it was", or the changes: "+ body-presliding-friction − body-coulomb-friction".
     pub fn name(&self) -> String {
         let taken_out: String = self
             .replaces
@@ -490,7 +495,7 @@ pub(crate) fn per_series(records: &[Record], values: impl IntoIterator<Item = f6
     names.zip(values).collect()
 }
 
-/// The root mean square errors of experiments that the step's parameters have not seen.
+/// The step's root mean square errors on held-out data.
 fn held_out(step: &Step) -> PerSeries {
     let series = step.held_out.iter();
     series
@@ -524,7 +529,7 @@ fn provisional_effects(found: &Diagnosis) -> Vec<String> {
     open.map(|one| one.name().to_owned()).collect()
 }
 
-/// The verdict as a sentence or two; `last` is the model of the last step.
+/// The verdict as one or two sentences; `last` is the model of the last step.
 fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
     let first = found.steps.first();
     let was_there = |effect: &EffectId| first.is_some_and(|step| step.fit.model.has(*effect));
@@ -609,7 +614,7 @@ fn alternatives(found: &Diagnosis) -> String {
     sets.join(" from ")
 }
 
-/// What the model predicts with as long as a tie is open, and why.
+/// The model that is used while a tie is open, and the reason.
 fn until_decided(found: &Diagnosis) -> String {
     let names = provisional_effects(found);
     let reasons: Vec<&str> = names
@@ -620,7 +625,7 @@ fn until_decided(found: &Diagnosis) -> String {
         return String::new();
     }
     format!(
-        " Until an experiment has decided, the model predicts with {}, the most usual of them ({}).",
+        " Until an experiment decides, the model predicts with {}, the most common of them ({}).",
         names.join(" + "),
         reasons.join("; ")
     )

@@ -1,4 +1,4 @@
-//! The library of effects, described.
+//! Descriptions of the effects of the library.
 
 use plant::{EffectId, Kind, Role};
 use serde::{Deserialize, Serialize};
@@ -10,21 +10,21 @@ pub struct EffectDescription {
     pub name: String,
     /// `body`, `wheel`, `motor` or `sensor`.
     pub role: String,
-    /// What causes it.
+    /// Its physical cause.
     pub meaning: String,
-    /// The term.
+    /// The term as a formula.
     pub equation: String,
-    /// Where the term is taken from.
+    /// The source of the term.
     pub source: String,
-    /// What a person would look for in the measurements.
+    /// What the effect looks like in the measurements.
     pub fingerprint: String,
-    /// The kinds of experiment in which it shows.
+    /// The kinds of experiment in which it is visible.
     pub shows_in: Vec<String>,
     /// Its parameters.
     pub parameters: Vec<EffectParameter>,
-    /// The effects that it contains and replaces.
+    /// The effects that it contains, and therefore replaces.
     pub replaces: Vec<String>,
-    /// The effects that some logs cannot tell from it.
+    /// The effects that some logs cannot distinguish from it.
     pub confused_with: Vec<String>,
 }
 

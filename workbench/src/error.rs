@@ -1,4 +1,4 @@
-//! What can go wrong, from a slip in a file to a design that the numbers do not allow.
+//! All errors, from a mistake in a file to a design that the numbers do not allow.
 
 use std::path::PathBuf;
 
@@ -14,11 +14,11 @@ use simulate::SimulateError;
 use crate::bench_hardware::HardwareError;
 use crate::data_check::refusal_text;
 
-/// Why there is no result. Messages name the file that is to be mended, where there is one.
+/// The reason why there is no result. Messages name the file to be corrected, if there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file cannot be read, or something in it is wrong; [`bench_files::Error::place`] has file,
+    /// A file cannot be read, or its content is wrong; [`bench_files::Error::place`] has file,
     /// line and column.
     #[error(transparent)]
     File(#[from] bench_files::Error),
@@ -32,14 +32,14 @@ pub enum Error {
         /// The findings that refuse the data; at least one.
         refusals: Vec<Finding>,
     },
-    /// A bench is not begun where one is.
-    #[error("{}: there is a bench already; it is left as it is", file.display())]
+    /// A bench cannot be created where one exists.
+    #[error("{}: a bench exists already; it is not changed", file.display())]
     BenchExists {
         /// Its bench.toml.
         file: PathBuf,
     },
-    /// A folder cannot be made.
-    #[error("{}: cannot make the folder: {reason}", folder.display())]
+    /// A folder cannot be created.
+    #[error("{}: cannot create the folder: {reason}", folder.display())]
     NoFolder {
         /// The folder.
         folder: PathBuf,
@@ -49,15 +49,15 @@ pub enum Error {
     /// The logs cannot be identified.
     #[error("{}: {source}", bench.display())]
     Identify {
-        /// The bench's folder, or its name where it is in memory.
+        /// The bench's folder, or its name if it is in memory.
         bench: PathBuf,
-        /// Why.
+        /// The reason.
         source: IdentifyError,
     },
-    /// The session has no model yet: it was never identified.
+    /// The session has no model: it has not been identified.
     #[error("{}: there is no model yet: identify the bench first", model.display())]
     NoModel {
-        /// Where the model would be.
+        /// Path of the missing model.
         model: PathBuf,
         /// The bench's folder.
         bench: PathBuf,
@@ -67,7 +67,7 @@ pub enum Error {
     UnknownEffect {
         /// The name.
         name: String,
-        /// The effects that the user of the bench has written.
+        /// The effects that the user of the bench has defined.
         own: Vec<String>,
     },
     /// The model has the effect already.
@@ -77,7 +77,7 @@ pub enum Error {
         model: PathBuf,
         /// The effect.
         effect: String,
-        /// In which form it is there.
+        /// The form in which it is there.
         reason: String,
     },
     /// There is no such coordinate.
@@ -95,11 +95,11 @@ pub enum Error {
         model: PathBuf,
         /// The effect.
         effect: String,
-        /// What it has.
+        /// The effects of the model.
         present: Vec<String>,
     },
-    /// A parameter of the model is in a unit that the bench as it is now does not give.
-    #[error("{}: {parameter} is in \"{found}\", but the bench as it is now gives \"{unit}\"", model.display())]
+    /// A parameter of the model has another unit than the bench now gives.
+    #[error("{}: {parameter} is in \"{found}\", but the present bench gives \"{unit}\"", model.display())]
     ParameterUnit {
         /// The model's file.
         model: PathBuf,
@@ -112,7 +112,7 @@ pub enum Error {
         /// The unit that the logs give.
         unit: String,
     },
-    /// The model lacks a parameter that the logs of this bench can show.
+    /// The model lacks a parameter that the logs of this bench depend on.
     #[error("{}: lacks [parameters.{parameter}]", model.display())]
     ParameterMissing {
         /// The model's file.
@@ -144,7 +144,7 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// No controller can be had from this model with these weights.
+    /// No controller can be designed for this model with these weights.
     #[error("{}: {source}", model.display())]
     Design {
         /// The model's file.
@@ -165,15 +165,15 @@ pub enum Error {
     Refused {
         /// The model's file.
         model: PathBuf,
-        /// Why, and what would cure it.
+        /// The reason, with a remedy.
         source: Box<Refusal>,
     },
-    /// What would be emitted drives the motor the wrong way, or contradicts physics otherwise.
+    /// The controller would drive the motor the wrong way, or contradicts physics otherwise.
     #[error("{}: {reason}; see [hardware], [calibration] and [parameters]", model.display())]
     Unphysical {
         /// The model's file.
         model: PathBuf,
-        /// What contradicts.
+        /// The contradiction.
         reason: String,
     },
     /// What the generator emitted cannot be read back.
@@ -195,10 +195,10 @@ pub enum Error {
     /// An emitted crate cannot be written or read.
     #[error(transparent)]
     EmittedFiles(#[from] FileError),
-    /// There is nothing to prove.
+    /// There is nothing to be proved.
     #[error(transparent)]
     Prove(#[from] ProveError),
-    /// A claim fails before anything was damaged.
+    /// A claim fails even before the crate was damaged.
     #[error("{}: the claim {claim} fails without any damage", folder.display())]
     FailsUndamaged {
         /// The emitted crate.
@@ -206,7 +206,7 @@ pub enum Error {
         /// The claim.
         claim: String,
     },
-    /// A recording does not allow a calibration.
+    /// A recording is not sufficient for a calibration.
     #[error("{}: {source}", recording.display())]
     Calibrate {
         /// The recording.
@@ -217,7 +217,7 @@ pub enum Error {
     /// A figure cannot be drawn.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// A table cannot be put together.
+    /// A table cannot be written.
     #[error("the table {name}: {source}")]
     Table {
         /// The table.
@@ -225,19 +225,27 @@ pub enum Error {
         /// Why.
         source: csv::Error,
     },
-    /// The session lives in memory and has no file to write its model to.
-    #[error("the bench is in memory: say where its model is to be written")]
+    /// Nothing can be recorded from this line.
+    #[error("{}: {reason}", port.display())]
+    Record {
+        /// The serial device.
+        port: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The session is in memory, and has no file for its model.
+    #[error("the bench is in memory: name a file for its model")]
     NoPlace,
-    /// The caller called the work off.
+    /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
 fn own_effects_text(own: &[String]) -> String {
     if own.is_empty() {
-        "; an own one is written to effects/NAME.toml in the bench folder and named own:NAME"
+        "; a user's effect is defined in effects/NAME.toml in the bench folder and named own:NAME"
             .to_owned()
     } else {
-        format!("; the bench's own are {}", own.join(", "))
+        format!("; the bench's own effects are {}", own.join(", "))
     }
 }

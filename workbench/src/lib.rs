@@ -1,4 +1,4 @@
-//! A bench in hand, from its logs to a controller that is proved: identify, compare, diagnose,
+//! The library for programs: from the logs of a bench to a proved controller. Identify, compare, diagnose,
 //! simulate, design, generate, prove. Begin with [`Session`].
 //!
 //! ```
@@ -42,23 +42,24 @@
 //! # }
 //! ```
 //!
-//! # What is where
+//! # Overview
 //! | from | to |
 //! |---|---|
 //! | [`Session`] | [`ComparisonReport`], [`EffectChange`], [`DiagnosisReport`], [`BenchCheck`], [`Predictor`] |
 //! | [`Session::design`], [`ControlDesign::read`] | [`ControlDesign`] |
-//! | [`check_data`] | [`DataReport`]: what is wrong with the data of a bench |
+//! | [`check_data`] | [`DataReport`]: the findings for the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
+//! | [`record()`] | [`RecordReport`]: logs of a bench from the firmware's serial line |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
 //!
-//! Results are plain data in SI units that serialise (`serde`); what the commands write with `--json`
-//! is these data. Curves, which would make that long, are left out of it: they stand beside the
-//! numbers in the same result, and `drawings()` or `files()` make figures and tables of them, as text.
+//! Results are plain data in SI units that can be serialised (`serde`); the option `--json` of the commands writes
+//! these data. Curves are left out of the JSON, because they are long. They are part of the same result, and
+//! `drawings()` or `files()` make figures and tables from them, as text.
 //!
 //! Nothing here prints, reads arguments or ends the program. Files are written only by
-//! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; one in a
-//! file knows file, line and column.
+//! [`Session::save_model`], [`GeneratedController::write`], [`new_bench`] and [`record()`]. Every failure is an [`Error`];
+//! an error in a file has file, line and column.
 
 mod bench_hardware;
 mod calibration;
@@ -70,14 +71,18 @@ mod controller;
 mod data_check;
 mod design_change;
 mod design_report;
+mod design_sweep;
 mod diagnosis;
 mod drawings;
 mod effect_library;
 mod effect_portrait;
 mod error;
+mod fingerprint;
 mod learned;
+mod loop_expectations;
 mod loop_responses;
 mod measured_linearity;
+mod model_export;
 mod module_spec;
 mod named;
 pub mod numbers;
@@ -85,12 +90,15 @@ mod output_file;
 mod own_effects;
 mod per_series;
 mod proof;
+mod recording;
 mod remains;
+mod sensor_noise;
 mod session;
 mod swing_decay;
 pub mod words;
 
 pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
+pub use ::design::linear_response::Band;
 pub use bench_files::{
     Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
 };
@@ -116,21 +124,36 @@ pub use design_report::{
     DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors,
     SensorCondition, WheelSize,
 };
-pub use diagnose::Verdict;
+pub use design_sweep::{DesignSweep, SweepPoint, SweepRow, Swept};
+pub use diagnose::{Recipe, Verdict};
 pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
+pub use drawings::{NamedLoop, loop_drawings};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
+pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use learned::{MissingTorque, TorquePoint};
+pub use loop_expectations::{
+    AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
+    weights_of_excursions,
+};
 pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
+pub use model_export::ExportLanguage;
 pub use output_file::OutputFile;
 pub use own_effects::{OwnEffectError, check_own_effect};
 pub use per_series::{PerSeries, SeriesName};
-pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
+pub use proof::{
+    CLAIMS, ClaimStatement, MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove,
+};
+pub use recording::{
+    RecordEnd, RecordReport, RecordSettings, RecordedExperiment, RecordedLog, RecordedSample,
+    record,
+};
 pub use remains::{ClosedLoopDeviation, RemainsReport};
+pub use sensor_noise::BenchNoise;
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

@@ -1,4 +1,4 @@
-//! What the controlled pendulum does, as quickly as a slider asks for it.
+//! The motion of the controlled pendulum, fast enough for a slider.
 
 use plant::{Kind, Plant};
 use serde::Serialize;
@@ -14,7 +14,7 @@ use crate::error::Error;
 pub struct LoopResponse {
     /// `transient` or `disturbance`.
     pub scenario: String,
-    /// What happens in it.
+    /// What happens in it, in one sentence.
     pub about: String,
     /// Whether the body fell.
     pub fell: bool,
@@ -28,11 +28,11 @@ pub struct LoopResponse {
     pub current_a: Vec<f64>,
 }
 
-/// Seed of the sensors' noise: the same noise for every design, so that designs can be told apart.
+/// Seed of the sensors' noise: the same noise for every design, so that designs can be compared.
 const SEED: u64 = 1;
 
 impl ControlDesign {
-    /// Let go off upright, and pushed: the two shorter runs of [`ControlDesign::simulate`], without emitting the law.
+    /// The two shorter runs of [`ControlDesign::simulate`], release and push, without emitting the law.
     ///
     /// # Errors
     /// [`Error::Simulate`].

@@ -1,4 +1,4 @@
-//! The nonlinear and the linear model over the measured free swings and spin-ups of a bench (thesis
+//! The nonlinear and the linear model compared with the measured free swings and spin-ups of a bench (thesis
 //! figures 3.5 and 3.6).
 
 use bench_files::Bench;
@@ -13,61 +13,61 @@ use simulate::linear_validity::{
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 
-/// Periods over which a swing is compared.
+/// Number of periods over which a swing is compared.
 pub(crate) const PERIODS: usize = 10;
-/// Error of the period at which the linear model counts as no longer good.
+/// Largest relative error of the period with which the linear model counts as valid.
 const PERIOD_SHARE: f64 = 0.01;
 
-/// Both models over the measured free swings of a bench.
+/// Both models compared with the measured free swings of a bench.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct MeasuredSwings {
     /// Swing by swing.
     pub swings: Vec<SwingLinearity>,
-    /// Error of the period that counts as good.
+    /// Largest relative error of the period that counts as valid.
     pub period_share: f64,
-    /// Period of the linear model; `None`, here and below, where no period could be measured.
+    /// Period of the linear model; `None`, here and below, if no period could be measured.
     pub linear_period_s: Option<f64>,
     /// Smallest and largest amplitude at which the period was measured.
     pub measured_amplitudes_rad: Option<[f64; 2]>,
-    /// Amplitudes between which the measured period is that of the linear model.
+    /// Range of amplitudes in which the measured period equals that of the linear model.
     pub period_good_between_rad: Option<[f64; 2]>,
-    /// The next larger amplitude measured, where it no longer is.
+    /// The next larger measured amplitude, at which it no longer does.
     pub period_off_from_rad: Option<f64>,
 }
 
-/// Both models over one measured free swing.
+/// Both models compared with one measured free swing.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SwingLinearity {
     /// The experiment.
     pub experiment: String,
-    /// Amplitude that the linear model has from the common start.
+    /// Amplitude of the linear model from the common start.
     pub amplitude_rad: f64,
-    /// RMS of measurement − model over the first periods, over the amplitude.
+    /// RMS of measurement − nonlinear model over the first periods, relative to the amplitude.
     pub nonlinear_error: f64,
-    /// The same of the linear model.
+    /// The same for the linear model.
     pub linear_error: f64,
     /// The curves.
     #[serde(skip)]
     pub curves: Option<SwingOverMeasurement>,
 }
 
-/// Both models over one measured spin-up.
+/// Both models compared with one measured spin-up.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SpinUpLinearity {
     /// The experiment.
     pub experiment: String,
     /// Largest measured speed.
     pub largest_wheel_speed_rad_s: f64,
-    /// RMS of measurement − model, over the largest speed.
+    /// RMS of measurement − nonlinear model, relative to the largest speed.
     pub nonlinear_error: f64,
-    /// The same of the linear model.
+    /// The same for the linear model.
     pub linear_error: f64,
     /// The curves.
     #[serde(skip)]
     pub curves: Option<SpinUpOverMeasurement>,
 }
 
-/// Fits the start of a log, and nothing else, to the model.
+/// Fits only the start of a log to the model.
 fn started(record: &Record, model: &Model, values: &[f64]) -> Vec<Window> {
     let windows = vec![identify::final_windows(record, values)];
     let values = values.to_vec();
@@ -76,7 +76,7 @@ fn started(record: &Record, model: &Model, values: &[f64]) -> Vec<Window> {
 }
 
 impl SwingLinearity {
-    /// Over every free swing that has an angle; `None` where the bench has no such swing.
+    /// For every free swing that has an angle; `None` if the bench has no such swing.
     pub(crate) fn of_bench(
         bench: &Bench,
         designed: &ControlDesign,
@@ -144,7 +144,7 @@ impl MeasuredSwings {
 }
 
 impl SpinUpLinearity {
-    /// Over every spin-up with a wheel speed and a known current.
+    /// For every spin-up with a wheel speed and a known current.
     pub(crate) fn of_bench(
         bench: &Bench,
         designed: &ControlDesign,

@@ -1,4 +1,4 @@
-//! What the generator is told about a model: the one place where model.toml becomes a
+//! The inputs of the generator for a model: the only place where a model.toml becomes a
 //! [`ModuleSpec`].
 
 use codegen::hardware::{BiasObserverSpec, HardwareSpec};
@@ -11,17 +11,17 @@ use crate::bench_hardware::{BenchHardware, HardwareError, Preset, bench_hardware
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 
-/// The estimate of the angle's bias stays within ± this, rad: 5.7°. More is no bias that a sensor
-/// has after calibration, and at it the loop still has nearly two thirds of its current limit's angle.
+/// Limit of the estimated bias of the angle, rad: 5.7°. A calibrated sensor has a smaller
+/// bias; at this one, the loop still has nearly two thirds of the angle that its current limit allows.
 const BIAS_LIMIT_RAD: f64 = 0.1;
 
 impl ControlDesign {
-    /// What the generator is told. Sensors and drive are those that the model states; `preset` fills
-    /// what it does not.
+    /// The inputs of the generator. Sensors and drive are those that the model states; `preset` fills in
+    /// what the model does not state.
     ///
     /// # Errors
-    /// [`Error::Hardware`] where sensors or drive are not stated, or contradict each other;
-    /// [`Error::Design`]: an observer of the angle's bias that the model cannot carry.
+    /// [`Error::Hardware`] if sensors or drive are not stated, or contradict each other;
+    /// [`Error::Design`] if the model allows no observer of the angle's bias.
     pub fn module_spec(&self, preset: Option<Preset>) -> Result<ModuleSpec, Error> {
         self.module_spec_with(self.hardware(preset)?)
     }
@@ -34,8 +34,8 @@ impl ControlDesign {
         })
     }
 
-    /// As [`ControlDesign::hardware`], from the bench of the thesis where nothing is stated, or what is
-    /// stated is not emitted.
+    /// As [`ControlDesign::hardware`]; the bench of the thesis replaces hardware that is not stated, or that
+    /// cannot be emitted.
     pub(crate) fn hardware_for_simulation(&self) -> Result<BenchHardware, Error> {
         let preset = Some(Preset::ThesisBench);
         match self.hardware(preset) {
@@ -54,7 +54,7 @@ impl ControlDesign {
         }
     }
 
-    /// What the generator is told of a bench with these sensors and this drive.
+    /// The inputs of the generator for a bench with these sensors and this drive.
     pub(crate) fn module_spec_with(&self, found: BenchHardware) -> Result<ModuleSpec, Error> {
         let design = self.design();
         let wishes = self.wishes();
@@ -96,7 +96,7 @@ impl ControlDesign {
     }
 }
 
-/// The observer that `bias_time_constant` asks for. Of the sensors' noise only the ratios count;
+/// The observer for `bias_time_constant`. Only the ratios of the sensors' noise matter;
 /// they are those of the simulated sensors.
 fn bias_observer(designed: &ControlDesign) -> Result<Option<BiasObserverSpec>, Error> {
     let wishes = designed.wishes();

@@ -1,4 +1,4 @@
-//! How values of other crates stand in JSON: enumerations by their names, gaps in a series as null.
+//! The JSON form of values of other crates: enumerations as their names, gaps in a series as null.
 
 use diagnose::Verdict;
 use identify::{Coordinate, Output, ResidualKind};
@@ -11,7 +11,7 @@ pub(crate) trait Named: Copy + 'static {
     /// The name in JSON.
     fn name(self) -> &'static str;
 
-    /// The one with this name.
+    /// The value with this name, if there is one.
     fn from_name(name: &str) -> Option<Self> {
         let mut all = Self::ALL.iter().copied();
         all.find(|value| value.name() == name)
@@ -96,7 +96,7 @@ pub(crate) mod gaps {
     }
 }
 
-/// A number that may be none: NaN in memory, null in JSON.
+/// A number that may be missing: NaN in memory, null in JSON.
 pub(crate) mod gap {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -109,7 +109,7 @@ pub(crate) mod gap {
     }
 }
 
-/// A number without bound: infinite in memory, null in JSON.
+/// A number that may be infinite: infinite in memory, null in JSON.
 pub(crate) mod unbounded {
     use serde::{Deserialize, Deserializer, Serializer};
 

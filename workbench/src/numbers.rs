@@ -1,11 +1,11 @@
-//! Numbers for people: as many digits as they deserve.
+//! Numbers for people, with as many digits as are meaningful.
 
-/// Most digits of a number in a table or a sentence; files and JSON hold them all.
+/// Largest number of digits of a number in a table or a sentence; files and JSON contain all digits.
 const DIGITS: usize = 4;
 
-/// A value with its standard error, both to the same decimal, the error with two digits:
-/// `(2.303 ± 0.012)e-3`. Where the error is smaller than the fourth digit of the value, each has its own
-/// digits: `0.002303 ± 1.2e-6`. Without a standard error four digits.
+/// A value with its standard error, both to the same decimal place, the error with two digits:
+/// `(2.303 ± 0.012)e-3`. If the error is smaller than the fourth digit of the value, each has its own
+/// digits: `0.002303 ± 1.2e-6`. Without a standard error, the value has four digits.
 pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
     match std {
         Some(std) if std.is_finite() && std > 0.0 && value.is_finite() => {
@@ -28,7 +28,7 @@ pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
     }
 }
 
-/// A fit in percent with at most four digits; a dash where there is none, as for a signal that is constant.
+/// A fit in percent with at most four digits; a dash if there is none, as for a constant signal.
 pub fn fit_percent(value: f64) -> String {
     if !value.is_finite() {
         "–".to_owned()
@@ -44,7 +44,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    // Rounded first: 9.9999996 has the exponent of 10.
+    // Rounded first, since 9.9999996 rounds to 10, which has another exponent.
     let rounded: f64 = format!("{value:.*e}", digits.saturating_sub(1))
         .parse()
         .unwrap_or(value);

@@ -5,7 +5,7 @@ use crate::error::Error;
 /// A figure (SVG) or a table (CSV) that was made from a result, with the name of its file.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct OutputFile {
-    /// A harmless file name with its extension, such as `compare-free-swing-20-deg.svg`.
+    /// A safe file name with its extension, such as `compare-free-swing-20-deg.svg`.
     pub name: String,
     /// The whole text of the file.
     pub text: String,
@@ -20,7 +20,7 @@ impl OutputFile {
         }
     }
 
-    /// A table of columns with their names; as many rows as the shortest has.
+    /// A table of columns with their names; it has as many rows as the shortest column.
     pub(crate) fn csv<N: AsRef<str>>(name: &str, columns: &[(N, &[f64])]) -> OutputFile {
         let mut text = columns
             .iter()
@@ -67,8 +67,8 @@ impl OutputFile {
         })
     }
 
-    /// The files under names of which no two are one on any file system: what names of experiments differ in
-    /// may be what a file name cannot hold, or the case of a letter.
+    /// The files under names that differ on every file system. Names of experiments may differ only in characters that a
+    /// file name cannot contain, or in upper and lower case.
     pub(crate) fn distinct(mut files: Vec<OutputFile>) -> Vec<OutputFile> {
         let mut used = std::collections::BTreeSet::new();
         for file in &mut files {
@@ -91,8 +91,8 @@ impl OutputFile {
     }
 }
 
-/// A file name made from a name that a user gave: letters and digits, the rest as hyphens; the sign
-/// of a number as a word, so that 0.6 and −0.6 stay apart.
+/// A file name made from a user's name: letters and digits, the rest as hyphens. The sign
+/// of a number becomes a word, so that 0.6 and −0.6 differ.
 pub(crate) fn file_name(name: &str) -> String {
     let lower = name.to_lowercase();
     let mut text = String::new();

@@ -23,8 +23,8 @@ impl fmt::Display for SeriesName {
     }
 }
 
-/// One number for each series, in the order of the experiments; in JSON an object. What is no
-/// number is null.
+/// One number for each series, in the order of the experiments; an object in JSON. A number that is not finite is
+/// null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PerSeries(pub Vec<(SeriesName, f64)>);
 

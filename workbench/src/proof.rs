@@ -1,4 +1,4 @@
-//! What an emitted crate promises, checked from its files alone; and whether damage would be noticed.
+//! The proof of an emitted crate's claims, from its files alone; and the test whether damage to it is detected.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,9 +19,10 @@ use crate::error::Error;
 use crate::output_file::OutputFile;
 
 pub use checker::ProofSettings;
+pub use checker::certificate::claims::{CLAIMS, ClaimStatement};
 pub use checker::prove::ProofVerdict;
 
-/// Every claim of a certificate, each by every engine that can settle it.
+/// The results for all claims of a certificate, each by every engine that can decide it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Proof {
     /// The emitted crate; empty for one in memory.
@@ -32,13 +33,13 @@ pub struct Proof {
     pub claims: Vec<ClaimResult>,
 }
 
-/// Settles every claim about the emitted crate in a folder: nothing else of the project has to be
-/// there, and the generator is not trusted. Where the user's `model` is given, the crate is held against
-/// it, and sensors and drive against what the generator makes of it. Takes seconds.
+/// Decides every claim about the emitted crate in a folder. No other part of the project has to
+/// exist, and the generator is not trusted. If the user's `model` is given, the crate is compared with
+/// it, and sensors and drive with the generator's output for it. Takes seconds.
 ///
 /// # Errors
-/// [`Error::Prove`] where the folder holds no emitted crate; what does not hold is no error but a
-/// failed claim. [`Error::Cancelled`] if the work was called off before it began; any error of reading
+/// [`Error::Prove`] if the folder does not contain an emitted crate; a claim that does not hold is not an error but a
+/// failed claim. [`Error::Cancelled`] if the work was cancelled before it began; any error in reading
 /// the model.
 pub fn prove(
     folder: &Path,
@@ -62,7 +63,7 @@ pub fn prove(
     })
 }
 
-/// Whether the folder holds what the generator makes of the model, with the preset that the crate says
+/// Compares the folder with the generator's output for the model, with the preset that the crate says
 /// it was generated with.
 fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
     let start = Instant::now();
@@ -73,7 +74,7 @@ fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
         Ok(controller) => match controller.differing(folder)?.first() {
             None => ClaimOutcome::Proved("every byte of every file".to_owned()),
             Some(path) => ClaimOutcome::Failed(format!(
-                "{} is not what the generator makes of {}",
+                "{} differs from the generator's output for {}",
                 path.display(),
                 model.display()
             )),
@@ -89,12 +90,25 @@ fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
 }
 
 impl GeneratedController {
-    /// As [`prove`], of a controller that was not written yet. Kani, which needs a folder, does not
+    /// As [`prove`], for a controller that has not been written. Kani, which needs a folder, is not
     /// run.
     ///
     /// # Errors
     /// As for [`prove`].
     pub fn prove(&self, settings: &ProofSettings, progress: &Progress) -> Result<Proof, Error> {
+        self.prove_telling(settings, progress, &|_| ())
+    }
+
+    /// As [`GeneratedController::prove`]; `tell` is told every row as soon as it is settled.
+    ///
+    /// # Errors
+    /// As for [`prove`].
+    pub fn prove_telling(
+        &self,
+        settings: &ProofSettings,
+        progress: &Progress,
+        tell: &dyn Fn(&ClaimResult),
+    ) -> Result<Proof, Error> {
         progress.check()?;
         (progress.say)("checking the claims of the certificate");
         let text = |name: &str| {
@@ -116,7 +130,7 @@ impl GeneratedController {
         Ok(Proof {
             folder: PathBuf::new(),
             seed: settings.seed,
-            claims: checker::prove::settle_saying(
+            claims: checker::prove::settle_telling(
                 &emitted,
                 &certificate,
                 None,
@@ -124,13 +138,14 @@ impl GeneratedController {
                 &|what| {
                     (progress.say)(what);
                 },
+                tell,
             ),
         })
     }
 }
 
 impl Proof {
-    /// What all claims together say.
+    /// The verdict over all claims.
     pub fn verdict(&self) -> ProofVerdict {
         checker::prove::verdict(&self.claims)
     }
@@ -141,25 +156,25 @@ impl Proof {
     }
 }
 
-/// What becomes of an emitted crate that is damaged in many small ways.
+/// The result of damaging an emitted crate in many small ways.
 #[derive(Clone, Debug, Serialize)]
 pub struct MutationReport {
-    /// The emitted crate; nothing in it is changed.
+    /// The emitted crate; it is not changed.
     pub folder: PathBuf,
-    /// How many were caught, and by what.
+    /// How many mutants were detected, and by which engine.
     pub summary: Summary,
-    /// Mutant by mutant.
+    /// The verdict on each mutant.
     pub verdicts: Vec<MutantVerdict>,
 }
 
-/// Mutants that are judged between two looks at the caller's wish to stop.
+/// Number of mutants between two checks for cancellation.
 const MUTANTS_AT_A_TIME: usize = 64;
 
-/// Damages an emitted crate in every small way, or in at most `most` of each file, and says which
-/// engine of the proof notices.
+/// Damages an emitted crate in every small way, or in at most `most` ways per file, and reports which
+/// engine of the proof detects the damage.
 ///
 /// # Errors
-/// [`Error::Prove`] where the folder holds no emitted crate; [`Error::FailsUndamaged`];
+/// [`Error::Prove`] if the folder does not contain an emitted crate; [`Error::FailsUndamaged`];
 /// [`Error::Cancelled`].
 pub fn mutate(
     folder: &Path,

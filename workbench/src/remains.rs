@@ -1,4 +1,4 @@
-//! What a model leaves unexplained, and whether it matters.
+//! The residual that no effect explains, and whether it matters.
 
 use design::torque_response;
 use diagnose::RemainingTorque;
@@ -9,27 +9,27 @@ use serde::{Deserialize, Serialize};
 use crate::control_design::ControlDesign;
 use crate::numbers::significant;
 
-/// How large what no effect explains is.
+/// The size of the unexplained residual.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RemainsReport {
     /// The largest structured remainder, in units of its sensor's noise.
     pub over_noise: f64,
-    /// The same in units of what that series itself does (its standard deviation).
+    /// The same remainder relative to the standard deviation of the measured series.
     pub over_signal: f64,
-    /// As a torque, root mean square in the experiment where it is largest, N m. `None` where the logs show no
+    /// As a torque: root mean square in the experiment where it is largest, N m. `None` if the logs show no
     /// torque, or not its scale.
     #[serde(rename = "torque_Nm")]
     pub torque_nm: Option<f64>,
-    /// On what it acts: `body` or `wheel`.
+    /// The body on which the torque acts: `body` or `wheel`.
     pub torque_on: Option<String>,
-    /// The experiment in which it is that large.
+    /// The experiment in which the torque is largest.
     pub experiment: Option<String>,
-    /// What a torque of that size does to the controlled pendulum; `None` where no controller can be had.
+    /// The effect of a torque of that size on the controlled pendulum; `None` if no controller could be designed.
     pub closed_loop: Option<ClosedLoopDeviation>,
 }
 
-/// The root mean square deviation of the controlled pendulum under a torque of the frequency to which the loop is
-/// most sensitive: an upper bound for any other torque of that size.
+/// The root mean square deviation of the controlled pendulum, under a torque of the frequency to which the loop is
+/// most sensitive. It is an upper bound for every other torque of that size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClosedLoopDeviation {
     /// Of the angle, rad.
@@ -60,10 +60,10 @@ impl RemainsReport {
         }
     }
 
-    /// What it means, in a sentence or two.
+    /// The meaning of these numbers, in one or two sentences.
     pub fn sentence(&self) -> String {
         let mut text = format!(
-            "What remains is {} times the noise of the sensor and {} % of what the sensor sees.",
+            "What remains is {} times the noise of the sensor and {} % of the measured signal.",
             significant(self.over_noise, 2),
             significant(100.0 * self.over_signal, 2)
         );

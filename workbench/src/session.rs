@@ -23,36 +23,37 @@ use crate::comparison::{
 };
 use crate::data_check;
 use crate::error::Error;
+use crate::swing_decay::{SwingDecay, swing_decays};
 
-/// A bench with its measurements, and the model that is being made of it.
+/// A bench with its measurements, and the model that is being developed for it.
 ///
-/// A session begins with the model that lies beside the bench, or with none. What it does changes
+/// A session begins with the model in the bench's folder, or without one. Its methods change
 /// the model in memory; [`Session::save_model`] writes it.
 #[derive(Clone, Debug)]
 pub struct Session {
     bench: Bench,
-    /// What is wrong with its data, but does not keep them from being used.
+    /// Warnings about the data; the data are used nevertheless.
     findings: Vec<Finding>,
     problem: FitProblem,
-    /// Where the model was read from, or would be written.
+    /// Path from which the model was read, or to which it would be written.
     model_path: PathBuf,
-    /// Whether the bench lies on the disk.
+    /// Whether the bench is on the disk; otherwise it is in memory.
     on_disk: bool,
     model: Option<ModelFile>,
-    /// The fit from which `model` comes, where it was made in this session.
+    /// The fit from which `model` comes, if it was made in this session.
     fitted: Option<Identification>,
 }
 
-/// What is known of the data before anything is concluded from them.
+/// The condition of the data, before anything is concluded from them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BenchCheck {
     /// The bench.
     pub bench: String,
     /// The experiments as they were read.
     pub experiments: Vec<LoggedExperiment>,
-    /// What reading the files has shown.
+    /// The notes from reading the files.
     pub notes: Vec<BenchNote>,
-    /// What is wrong with the data, but does not keep them from being used.
+    /// Warnings about the data; the data are used nevertheless.
     pub findings: Vec<Finding>,
     /// Experiments and direct measurements that cannot all be right; sentences.
     pub contradictions: Vec<String>,
@@ -62,13 +63,13 @@ impl Session {
     /// Opens a bench: its folder, or its bench.toml. The model is `model.toml` beside it.
     ///
     /// # Errors
-    /// The first thing that is wrong with a file; [`Error::Data`] where a model of its data would be wrong;
+    /// The first error in a file; [`Error::Data`] if a model from these data would be wrong;
     /// [`Error::Identify`] if no experiment can be used.
     pub fn open(path: &Path) -> Result<Session, Error> {
         Session::open_with_model(path, None)
     }
 
-    /// As [`Session::open`], with the model in another place.
+    /// As [`Session::open`], with another path for the model.
     ///
     /// # Errors
     /// As for [`Session::open`].
@@ -76,7 +77,7 @@ impl Session {
         Session::open_reporting(path, model, &Progress::silent())
     }
 
-    /// As [`Session::open_with_model`]; `progress` is told how much of each log has been read.
+    /// As [`Session::open_with_model`], and reports to `progress` how much of each log has been read.
     ///
     /// # Errors
     /// As for [`Session::open`]; [`Error::Cancelled`].
@@ -115,7 +116,7 @@ impl Session {
         Ok(session)
     }
 
-    /// A bench whose files are in memory: `bench.toml`, the logs that it names and, where there is
+    /// Opens a bench whose files are in memory: `bench.toml`, the logs that it lists and, if there is
     /// one, `model.toml`.
     ///
     /// # Errors
@@ -130,10 +131,10 @@ impl Session {
         Ok(session)
     }
 
-    /// A bench that was put together by the caller.
+    /// Opens a bench that the caller has built.
     ///
     /// # Errors
-    /// [`Error::Data`] where a model of its data would be wrong; [`Error::Identify`] if no experiment can be used.
+    /// [`Error::Data`] if a model from these data would be wrong; [`Error::Identify`] if no experiment can be used.
     pub fn from_bench(bench: Bench) -> Result<Session, Error> {
         Session::new(bench, PathBuf::from("model.toml"), false)
     }
@@ -155,12 +156,17 @@ impl Session {
         })
     }
 
+    /// The experiments as they are simulated.
+    pub(crate) fn records(&self) -> &[Record] {
+        &self.problem.records
+    }
+
     /// The measurements.
     pub fn bench(&self) -> &Bench {
         &self.bench
     }
 
-    /// What is wrong with the data, but does not keep them from being used.
+    /// Warnings about the data; the data are used nevertheless.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
@@ -179,23 +185,23 @@ impl Session {
         &self.problem
     }
 
-    /// The model as it is now; `None` before the first identification.
+    /// The present model; `None` before the first identification.
     pub fn model(&self) -> Option<&ModelFile> {
         self.model.as_ref()
     }
 
-    /// Where [`Session::save_model`] writes; `model.toml` for a bench in memory.
+    /// Path to which [`Session::save_model`] writes; `model.toml` for a bench in memory.
     pub fn model_path(&self) -> &Path {
         &self.model_path
     }
 
-    /// Puts another model in the place of the session's.
+    /// Replaces the session's model.
     pub fn set_model(&mut self, model: ModelFile) {
         self.model = Some(self.with_hardware(model));
         self.fitted = None;
     }
 
-    /// A model with the sensors and the drive that bench.toml states.
+    /// A model, with the sensors and the drive that bench.toml states.
     fn with_hardware(&self, mut model: ModelFile) -> ModelFile {
         if let Some(hardware) = &self.bench.hardware {
             model.hardware = Some(hardware.clone());
@@ -203,11 +209,11 @@ impl Session {
         model
     }
 
-    /// Writes the model to where it was read from, as a whole or not at all; nothing where there is
+    /// Writes the model to the path from which it was read, completely or not at all; does nothing if there is
     /// no model.
     ///
     /// # Errors
-    /// [`Error::NoPlace`] for a bench in memory; a place that cannot be written to.
+    /// [`Error::NoPlace`] for a bench in memory; a path that cannot be written to.
     pub fn save_model(&self) -> Result<(), Error> {
         let Some(model) = &self.model else {
             return Ok(());
@@ -216,14 +222,14 @@ impl Session {
             return Err(Error::NoPlace);
         }
         if let Some(folder) = self.model_path.parent() {
-            // What goes wrong here is said by the write, which then fails too.
+            // An error here is reported by the write, which then fails, too.
             let _ = std::fs::create_dir_all(folder);
         }
         Ok(model.write(&self.model_path)?)
     }
 
-    /// What is known of the data: how the files were read, and what in them cannot all be right. The
-    /// latter takes a fit of the model (of the base model where there is none yet).
+    /// Checks the data: how the files were read, and which results contradict each other. The
+    /// contradictions need a fit of the model (of the base model if there is none yet).
     ///
     /// # Errors
     /// As for [`Session::identify`].
@@ -252,15 +258,15 @@ impl Session {
         })
     }
 
-    /// Fits the base model and the effects that the session's model has to all experiments.
+    /// Fits the base model, with the effects of the session's model, to all experiments.
     ///
     /// # Errors
-    /// [`Error::Identify`] where no start leads to a finite simulation; [`Error::Cancelled`].
+    /// [`Error::Identify`] if no start gives a finite simulation; [`Error::Cancelled`].
     pub fn identify(&mut self, progress: &Progress) -> Result<ComparisonReport, Error> {
         self.identify_as(&self.structure(), progress)
     }
 
-    /// As [`Session::identify`], of the base model alone: viscous friction and nothing else.
+    /// As [`Session::identify`], with the base model alone: viscous friction and no other effect.
     ///
     /// # Errors
     /// As for [`Session::identify`].
@@ -268,8 +274,8 @@ impl Session {
         self.identify_as(&Model::base(), progress)
     }
 
-    /// As [`Session::identify`], from these values of the model's parameters, and from those that the model has for
-    /// the others: for who has moved parameters by hand to where the model is to be found.
+    /// As [`Session::identify`], started from these values of the model's parameters, and from the model's values for
+    /// the others. It is for users who have moved parameters by hand to the neighbourhood of the minimum.
     ///
     /// # Errors
     /// Those of [`Session::predictor`] and of [`Session::identify`].
@@ -289,16 +295,16 @@ impl Session {
         Ok(comparison)
     }
 
-    /// Gives parameters of the model other values, as they are: without a standard error, `source` says where they
-    /// come from. What was known of how the errors hang together is gone, and so is what was derived from a
-    /// parameter that changes.
+    /// Sets parameters of the model to other values, without standard errors; `source` states where the values
+    /// come from. The correlations of the errors are removed, and so are quantities that were derived from a
+    /// changed parameter.
     ///
     /// # Errors
     /// [`Error::NoModel`], [`Error::UnknownParameter`].
     pub fn set_parameters(&mut self, values: &[(&str, f64)], source: &str) -> Result<(), Error> {
         let file = self.required_model()?;
         let model = file.model();
-        // The names are held against the model before anything changes.
+        // The names are checked before anything changes.
         with_changes(&model, &vec![0.0; model.parameters().len()], values)?;
         let mut file = file.clone();
         let mut parameters = file.parameters.clone();
@@ -328,11 +334,11 @@ impl Session {
         Ok(comparison)
     }
 
-    /// The model as it is beside every experiment: only the start of each log (its angle, its speed)
-    /// is fitted, for no log says where it began.
+    /// Compares the present model with every experiment. Only the start of each log (its angle, its speed)
+    /// is fitted, since no log states it.
     ///
     /// # Errors
-    /// [`Error::NoModel`]; a parameter that is missing or in another unit; [`Error::Cancelled`].
+    /// [`Error::NoModel`]; a parameter that is missing or has another unit; [`Error::Cancelled`].
     pub fn compare(&self, progress: &Progress) -> Result<ComparisonReport, Error> {
         let file = self.required_model()?;
         let started = self.started(progress)?;
@@ -372,8 +378,8 @@ impl Session {
         ))
     }
 
-    /// The experiments for sliders: the starts of all logs are fitted once to the model as it is;
-    /// each [`Predictor::curves`] then simulates them with other values of its parameters.
+    /// Prepares the experiments for sliders: the starts of all logs are fitted once to the present model.
+    /// [`Predictor::curves`] then simulates the experiments with other parameter values.
     ///
     /// # Errors
     /// As for [`Session::compare`].
@@ -381,8 +387,8 @@ impl Session {
         self.started(progress).map(Predictor)
     }
 
-    /// Puts an effect into the model and fits it anew. Where a tie is open, an effect that is there provisionally
-    /// is confirmed, and one of a rival set takes, with its set, the place of what is provisional.
+    /// Adds an effect to the model and fits it again. If a tie is open, an effect that is provisional in the model
+    /// is confirmed; an effect of a rival set replaces, together with its set, the provisional effects.
     ///
     /// # Errors
     /// [`Error::UnknownEffect`], [`Error::EffectPresent`]; those of [`Session::identify`].
@@ -415,7 +421,7 @@ impl Session {
         self.change(&before, &after, progress)
     }
 
-    /// Takes an effect out of the model and fits it anew.
+    /// Removes an effect from the model and fits it again.
     ///
     /// # Errors
     /// [`Error::NoModel`], [`Error::EffectAbsent`]; those of [`Session::identify`].
@@ -454,7 +460,7 @@ impl Session {
         })
     }
 
-    /// The effect of this name: of the library, of the bench's own, or of those that its model brings along.
+    /// The effect with this name: of the library, of the bench's own effects, or of those that the model file defines.
     pub(crate) fn effect_named(&self, name: &str) -> Option<EffectId> {
         let of_model = self.model.iter().flat_map(|model| &model.own_effects);
         let mut own = self.bench.own_effects.iter().chain(of_model);
@@ -489,12 +495,12 @@ impl Session {
         })
     }
 
-    /// The bench's folder, or its name where it is in memory.
+    /// The bench's folder, or its name if it is in memory.
     pub(crate) fn place(&self) -> PathBuf {
         place_of(&self.bench)
     }
 
-    /// Fits `model` to all experiments, unless this session has done so last.
+    /// Fits `model` to all experiments, unless the last fit of this session was that one.
     pub(crate) fn fit(&self, model: &Model, progress: &Progress) -> Result<Identification, Error> {
         let found = self.fit_however(model, progress)?;
         self.refuse_failed(&found)?;
@@ -507,7 +513,7 @@ impl Session {
             .map_err(|source| self.not_identified(source))
     }
 
-    /// As [`Session::fit`], of a model that need not follow the logs yet.
+    /// As [`Session::fit`], for a model that need not follow the logs.
     pub(crate) fn fit_however(
         &self,
         model: &Model,
@@ -527,7 +533,7 @@ impl Session {
         Ok(found)
     }
 
-    /// Why the session's bench is not identified; a fit that was called off is no fault of the bench.
+    /// The error for a bench that could not be identified; a cancelled fit is not an error of the bench.
     pub(crate) fn not_identified(&self, source: IdentifyError) -> Error {
         match source {
             IdentifyError::Cancelled(cancelled) => Error::Cancelled(cancelled),
@@ -585,9 +591,9 @@ impl Session {
         file
     }
 
-    /// What a design is asked for unless the model says otherwise: the weights and the sample time of
-    /// the thesis (1 ms, whatever rate the measured logs had), with the current limit of the bench's
-    /// own controller where it has one.
+    /// The requirements of a design for a model without a `[design]` section: the weights and the sample time of
+    /// the thesis (1 ms, independent of the logs' sampling rate), and the current limit of the bench's
+    /// own controller, if it has one.
     pub fn usual_design(&self) -> DesignSection {
         let controller = self.bench.controller;
         let usual = Settings::usual(controller.map(|own| own.current_limit_a));
@@ -601,7 +607,7 @@ impl Session {
         }
     }
 
-    /// The starts of all logs, fitted to the model as it is.
+    /// The starts of all logs, fitted to the present model.
     fn started(&self, progress: &Progress) -> Result<Started, Error> {
         let file = self.required_model()?;
         let values = self.parameter_values(file)?;
@@ -624,7 +630,7 @@ impl Session {
         })
     }
 
-    /// The parameter vector of the file. What no log of this bench can show may be missing in it.
+    /// The parameter vector of the file. Parameters that no log of this bench depends on may be missing.
     fn parameter_values(&self, file: &ModelFile) -> Result<Vec<f64>, Error> {
         let problem = &self.problem;
         let model = file.model();
@@ -659,10 +665,10 @@ impl Session {
     }
 }
 
-/// A model whose logs have their starts.
+/// A model with the fitted starts of all logs.
 #[derive(Clone, Debug)]
 struct Started {
-    /// The bench as the model is compared with it.
+    /// The bench, with the windows that suit the model.
     problem: FitProblem,
     model: Model,
     minimum: Minimum,
@@ -683,8 +689,8 @@ impl Started {
 pub struct Predictor(Started);
 
 impl Predictor {
-    /// The parameters of the model by name, with the values that they have in it; SI units, or per
-    /// unit of inertia where the bench gives no more.
+    /// The parameters of the model by name, with their values in the model; SI units, or per
+    /// unit of inertia if the bench does not determine more.
     pub fn parameters(&self) -> Vec<(String, f64)> {
         let infos = self.0.model.parameters();
         let values = &self.0.minimum.values;
@@ -693,6 +699,12 @@ impl Predictor {
             .zip(values)
             .map(|(info, value)| (info.name.to_owned(), *value))
             .collect()
+    }
+
+    /// How the free swings die out, measured and by the model.
+    pub fn decays(&self) -> Vec<SwingDecay> {
+        let traces = self.0.traces(&self.0.minimum.values);
+        swing_decays(&self.0.problem.records, &traces)
     }
 
     /// Simulates every experiment from its start, with these parameters changed. With none it gives
@@ -719,8 +731,8 @@ fn reading(file: &Path, read: u64, of: u64) -> String {
     format!("reading {name}: {read:.0} of {of:.0} MB")
 }
 
-/// The model in which `effect` settles the tie that is open, and what of the tie is left; `None` where the tie
-/// says nothing of the effect.
+/// The model in which `effect` settles the open tie, and the rest of the tie; `None` if the tie
+/// does not concern the effect.
 fn settled(file: &ModelFile, effect: EffectId) -> Option<(Model, Option<Tie>)> {
     let tie = file.tie.as_ref()?;
     if tie.provisional.contains(&effect) {
@@ -747,8 +759,8 @@ fn provisional_names(tie: Option<&Tie>) -> Vec<String> {
     effects.map(|effect| effect.name().to_owned()).collect()
 }
 
-/// Lets a model know the effects that the user of its bench has written. The bench's file counts where the
-/// model brings along one of the same name that reads otherwise.
+/// Adds the user's effects of the bench to a model. If the model file defines an effect of the same name
+/// differently, the definition in the bench is used.
 fn adopt_own_effects(file: &mut ModelFile, bench: &Bench) {
     for own in &bench.own_effects {
         let name = own.effect.name();
@@ -768,7 +780,7 @@ fn adopt_own_effects(file: &mut ModelFile, bench: &Bench) {
     }
 }
 
-/// How errors name a bench: its folder, or its name where it is in memory.
+/// The name of a bench in errors: its folder, or its name if it is in memory.
 fn place_of(bench: &Bench) -> PathBuf {
     if bench.folder.as_os_str().is_empty() {
         PathBuf::from(&bench.name)

@@ -1,4 +1,4 @@
-//! How the free swings of a bench die out, measured and by the model.
+//! The decay of the free swings of a bench, measured and according to the model.
 
 use identify::{AtAmplitude, DecayLaw, FreeDecay, PredictedSeries, Record};
 use rayon::prelude::*;
@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::named;
 
-/// A free swing that is long enough to show its decay. What is measured comes from the samples
-/// alone, without any model.
+/// A free swing that is long enough to show its decay. The measured values come from the samples
+/// alone, without a model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SwingDecay {
     /// The experiment.
     pub experiment: String,
-    /// The laws for the amplitude that were fitted, the best first.
+    /// The fitted laws for the amplitude, the best first.
     pub laws: Vec<AmplitudeLaw>,
     /// Change of the small-swing period from the largest to the smallest amplitude, %.
     #[serde(with = "named::gap")]
@@ -23,7 +23,7 @@ pub struct SwingDecay {
     /// The measured curves over the amplitude.
     #[serde(skip)]
     pub measured: Option<FreeDecay>,
-    /// The same of the model's simulation, where it can be had.
+    /// The same for the model's simulation, if it is available.
     #[serde(skip)]
     pub simulated: Option<FreeDecay>,
 }
@@ -43,7 +43,7 @@ pub struct AmplitudeLaw {
     pub quadratic: Option<f64>,
     /// Standard error of Q.
     pub quadratic_std: Option<f64>,
-    /// What the law leaves of the amplitude, root mean square, as a share of it.
+    /// Root mean square residual of the amplitude, relative to the amplitude.
     pub relative_rms: f64,
 }
 
@@ -88,7 +88,7 @@ impl AmplitudeLaw {
         }
     }
 
-    /// The terms that the law has: symbol, unit, value, standard error.
+    /// The terms of the law: symbol, unit, value, standard error.
     pub fn terms(&self) -> Vec<(&'static str, &'static str, f64, Option<f64>)> {
         [
             ("C", "rad/s", self.dry, self.dry_std),

@@ -1,4 +1,4 @@
-//! Results in words, where text and figures say the same.
+//! Results in words, for text and figures alike.
 
 use identify::ResidualKind;
 
@@ -8,7 +8,7 @@ use crate::named::Named;
 use crate::numbers::{percent, significant, with_uncertainty};
 use crate::swing_decay::AmplitudeLaw;
 
-/// A channel or a coordinate as it is spoken: `wheel_speed` is "wheel speed".
+/// A channel or a coordinate in words: `wheel_speed` is "wheel speed".
 pub fn spoken(name: &str) -> &str {
     match name {
         "wheel_speed" => "wheel speed",
@@ -28,7 +28,7 @@ pub fn place(place: &FailurePlace) -> String {
     )
 }
 
-/// The residual in which a place was seen: "missing torque" or "output".
+/// The residual in which a place was found: "missing torque" or "output".
 pub fn residual(quantity: ResidualKind) -> &'static str {
     quantity.name()
 }
@@ -46,7 +46,7 @@ pub fn amplitude_law(law: &AmplitudeLaw) -> String {
     terms.collect::<Vec<_>>().join(", ")
 }
 
-/// One sentence on the amplitudes at which the linear model has the measured period.
+/// One sentence on the range of amplitudes in which the linear model has the measured period.
 pub fn linear_range(found: &MeasuredSwings) -> String {
     let degrees = |angle_rad: f64| format!("{:.1}°", angle_rad.to_degrees());
     let (Some(period_s), Some([least, most])) =
@@ -59,7 +59,7 @@ pub fn linear_range(found: &MeasuredSwings) -> String {
     let share = percent(found.period_share);
     match found.period_good_between_rad {
         None => format!(
-            "the period is nowhere within {share} of the linear model's {period} ({measured})"
+            "at no amplitude is the period within {share} of the linear model's {period} ({measured})"
         ),
         Some([from, to]) => {
             let end = match found.period_off_from_rad {

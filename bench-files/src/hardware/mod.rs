@@ -1,5 +1,5 @@
-//! The section `[hardware]` of bench.toml and model.toml: which sensors and which drive the bench
-//! has, and what their words mean.
+//! The section `[hardware]` of bench.toml and model.toml: the bench's sensors and drive, and how to convert their raw
+//! values.
 //!
 //! ```toml
 //! [hardware.gyroscope]               # likewise accelerometer, magnetometer
@@ -19,8 +19,8 @@
 //! amperes_per_count = 8.39246e-5     # negative: inverted
 //! ```
 //!
-//! What a part's preset gives is filled in while reading, so that the rest of the program sees
-//! numbers only. The text as it was written is kept and copied from bench.toml to model.toml.
+//! Missing values are filled in from the part's preset while reading, so the rest of the program uses
+//! numbers only. The section's text is kept as written, and copied from bench.toml to model.toml.
 
 mod parts;
 mod reading;
@@ -29,7 +29,7 @@ use toml_edit::{Item, TableLike};
 
 pub use parts::{Part, known_parts};
 
-/// What `[hardware]` states. Each part may be missing.
+/// The content of `[hardware]`. Each part may be missing.
 #[derive(Clone, Debug)]
 pub struct Hardware {
     /// Angular rate in rad/s.
@@ -40,15 +40,15 @@ pub struct Hardware {
     pub magnetometer: Option<InertialSensor>,
     /// Speed of the wheel relative to the body.
     pub wheel_speed: Option<WheelSpeedSensor>,
-    /// What the body's angle is found from.
+    /// The source of the body's angle.
     pub angle: Option<AngleSensor>,
-    /// What makes the motor's current.
+    /// The drive of the motor.
     pub drive: Option<Drive>,
     /// The section as it was written.
     text: Item,
 }
 
-/// Two sections are equal if they say the same, however it is written.
+/// Two sections are equal if their content is equal, even if their text differs.
 impl PartialEq for Hardware {
     fn eq(&self, other: &Self) -> bool {
         self.gyroscope == other.gyroscope
@@ -63,19 +63,19 @@ impl PartialEq for Hardware {
 /// A three-axis sensor whose registers hold signed counts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InertialSensor {
-    /// The part by whose data sheet missing keys were filled.
+    /// The part whose preset filled in missing keys.
     pub part: Option<&'static Part>,
     /// Unit (rad/s, m/s², µT) per count of the 16-bit word that is read.
     pub scale: Option<f64>,
-    /// Bits of a reading.
+    /// Number of bits of a reading.
     pub bits: u32,
-    /// Whether they stand at the upper end of the 16-bit word.
+    /// Whether these bits are at the upper end of the 16-bit word.
     pub is_left_justified: bool,
-    /// Counts of that word, per axis, at or beyond which (either way) the true value is unknown.
+    /// Count of that word, per axis, at or beyond which (in either direction) the true value is unknown.
     pub clip: [i32; 3],
-    /// Fresh samples a second.
+    /// Rate of new samples, Hz.
     pub rate_hz: Option<f64>,
-    /// From the sensor's axes to the body's: x from the pivot to the centre of mass, z along the
+    /// Rotation matrix from the sensor's axes to the body's: x from the pivot to the centre of mass, z along the
     /// pivot axis.
     pub rotation: Option<[[f64; 3]; 3]>,
     /// Position of an accelerometer from the pivot axis along the body's x and y, m.
@@ -87,80 +87,80 @@ pub struct InertialSensor {
 pub enum WheelSpeedSensor {
     /// An analogue speed signal behind a converter: speed = `slope` count + `offset`.
     Converter {
-        /// rad/s per count; `None` where calibration gives it.
+        /// rad/s per count; `None` if it comes from the calibration.
         slope: Option<f64>,
-        /// rad/s at zero counts; `None` where calibration gives it.
+        /// rad/s at zero counts; `None` if it comes from the calibration.
         offset: Option<f64>,
-        /// Count at the lower end of the converter's range: there the speed may be any beyond.
+        /// Count at the lower end of the converter's range; the true speed may lie beyond.
         low: u16,
         /// Count at the upper end.
         high: u16,
     },
     /// An angle of the wheel; its speed is the difference over a window.
     Encoder {
-        /// Counts in a turn; negative where they fall while the wheel turns forward.
+        /// Counts per turn; negative if they fall while the wheel turns forward.
         counts_per_turn: f64,
-        /// Bits after which the count wraps.
+        /// Number of bits after which the count wraps around.
         bits: u32,
-        /// Samples over which the difference is taken.
+        /// Number of samples over which the difference is taken.
         window: u32,
     },
-    /// A speed in digital form.
+    /// A digital speed signal from the motor driver.
     Driver {
         /// rad/s per unit.
         scale: f64,
     },
 }
 
-/// What the body's angle is found from.
+/// The source of the body's angle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AngleSensor {
     /// Gyroscope and accelerometer.
     Inertial,
     /// An encoder on the pivot.
     Encoder {
-        /// Counts in a turn; negative where they fall while the angle rises.
+        /// Counts per turn; negative if they fall while the angle rises.
         counts_per_turn: f64,
-        /// Bits after which the count wraps.
+        /// Number of bits after which the count wraps around.
         bits: u32,
-        /// Count upright.
+        /// Count in the upright position.
         zero: u32,
     },
 }
 
-/// What makes the motor's current from the duty of a timer.
+/// The drive, which turns the duty of a timer into the motor's current.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
-    /// What the drive holds at the value that the duty stands for.
+    /// The quantity that the drive controls.
     pub kind: DriveKind,
     /// Bits of the timer.
     pub bits: u32,
-    /// Duty at zero current (voltage), counts.
+    /// Duty at zero current (or voltage), counts.
     pub duty_zero: Option<u16>,
-    /// Smallest duty that the drive reads as a value.
+    /// Smallest duty that the drive accepts as a set value, counts.
     pub duty_low: Option<u16>,
-    /// Largest duty that the drive reads as a value.
+    /// Largest duty that the drive accepts as a set value, counts.
     pub duty_high: Option<u16>,
-    /// A (of a voltage drive: V) per count; negative where a larger duty drives backwards.
+    /// A (for a voltage drive: V) per count; negative if a larger duty drives backwards.
     pub amperes_per_count: Option<f64>,
 }
 
-/// What a drive holds at the value that the duty stands for.
+/// The quantity that a drive controls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriveKind {
     /// The current.
     Current,
-    /// The voltage V = R u + τ φ̇, within the supply's.
+    /// The voltage V = R u + τ φ̇, limited to that of the supply.
     Voltage {
-        /// V.
+        /// Supply voltage, V.
         supply_v: f64,
-        /// Ω.
+        /// Winding resistance, Ω.
         winding_ohm: f64,
     },
 }
 
 impl Hardware {
-    /// Puts the section into a document, as it was written; one that says it already stays.
+    /// Writes the section into a document, as it was written in its source. An equal section is kept.
     pub(crate) fn write(&self, root: &mut dyn TableLike) {
         let text = self.text.to_string();
         if root

@@ -1,9 +1,9 @@
-//! What the data sheets of common parts say about their registers.
+//! Presets from the data sheets of common parts.
 //!
-//! A part may be set to several ranges; a preset is for the one that is named, and every output
-//! names it. `scale` in the file overrides it where the registers are set otherwise.
+//! A part can have several ranges. A preset holds for the one that it names, and every output
+//! shows that name. With another range, `scale` in the file overrides the preset.
 
-/// What a part does.
+/// The role of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Gyroscope,
@@ -14,15 +14,15 @@ pub(super) enum Role {
     VoltageDrive,
 }
 
-/// A part in one of its roles.
+/// A part, in one of its roles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Its number, as files name it.
+    /// Its type number, as files write it.
     pub name: &'static str,
     pub(super) role: Role,
-    /// The setting that the numbers hold for.
+    /// The setting (such as the range) for which the numbers hold.
     pub setting: &'static str,
-    /// Document and place.
+    /// Document and section.
     pub source: &'static str,
     pub(super) numbers: Numbers,
 }
@@ -30,8 +30,8 @@ pub struct Part {
 /// The numbers of a preset.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Numbers {
-    /// Unit (rad/s, m/s², µT) per count, bits, left-justified, clip, rate in Hz, and for a sensor
-    /// whose axes are not those of the housing, the housing axis that each shows.
+    /// Unit (rad/s, m/s², µT) per count, bits, left-justified, clip, rate in Hz; and, for a sensor
+    /// whose axes are not those of the housing, the housing axis of each.
     Inertial {
         scale: f64,
         bits: u32,
@@ -76,8 +76,8 @@ const fn inertial(
     }
 }
 
-/// Every preset. The drives' settings are those of a configuration tool, so only the number of bits
-/// and the duty's ends follow from the part.
+/// All presets. The settings of drives are made in a configuration tool, so only the number of bits
+/// and the ends of the duty follow from the part.
 static PARTS: [Part; 18] = [
     Part {
         name: "FXAS21002",
@@ -218,7 +218,7 @@ static PARTS: [Part; 18] = [
     },
 ];
 
-/// The preset of this part in one of these roles.
+/// The preset of this part in one of these roles, if there is one.
 pub(super) fn named(name: &str, roles: &[Role]) -> Option<&'static Part> {
     let plain = |text: &str| text.to_lowercase().replace(['-', ' ', '_', '/'], "");
     PARTS

@@ -1,4 +1,4 @@
-//! From the text of `[hardware]` to numbers, with the presets filled in.
+//! Reads `[hardware]`, and fills in the presets.
 
 use toml_edit::Item;
 
@@ -10,11 +10,11 @@ use crate::toml_source::{Section, TomlSource};
 
 type Rotation = [[f64; 3]; 3];
 
-/// Farthest that an entry of R Rᵀ may be from that of the unit matrix: numbers typed with three
-/// digits pass.
+/// Largest deviation of an entry of R Rᵀ from that of the identity matrix: numbers with three
+/// digits are accepted.
 const ROTATION_ERROR_MAX: f64 = 2e-3;
 
-/// Bits of the word that an inertial sensor's reading is passed in.
+/// Number of bits of the word that holds an inertial sensor's reading.
 const WORD_BITS: u32 = 16;
 
 impl Hardware {
@@ -31,7 +31,7 @@ impl Hardware {
         let gyroscope = sensor("gyroscope", Role::Gyroscope)?;
         let accelerometer = sensor("accelerometer", Role::Accelerometer)?;
         let mut magnetometer = sensor("magnetometer", Role::Magnetometer)?;
-        // A magnetometer in the housing of the other two turns with it; its part's own axes stay.
+        // A magnetometer in the same housing turns with it; the part's own axes are kept.
         if let (Some(magnetometer), Some(other)) = (&mut magnetometer, &accelerometer)
             && let (Some(part), Some(of_other)) = (magnetometer.part, other.part)
             && part.name == of_other.name
@@ -57,7 +57,7 @@ impl Hardware {
     }
 }
 
-/// The section as it was written, free of its place in the document.
+/// The section's text, without its position in the document.
 fn text(source: &TomlSource) -> Result<Item, Error> {
     fn loosened(item: &mut Item) {
         if let Item::Table(table) = item {
@@ -122,7 +122,7 @@ fn inertial(table: &Section, role: Role) -> Result<InertialSensor, Error> {
         sensor.bits = *bits;
         sensor.is_left_justified = *is_left_justified;
         sensor.rate_hz = Some(*rate_hz);
-        // How the housing sits on the body is the bench's; a compass may sit otherwise in it.
+        // The bench determines the orientation of the housing; a magnetometer may have other axes inside it.
         if role == Role::Magnetometer {
             sensor.rotation = by_axes(axes);
         }
@@ -209,7 +209,7 @@ fn rotation(table: &Section) -> Result<Option<Rotation>, Error> {
     right_handed(table, "rotation", matrix).map(Some)
 }
 
-/// The matrix whose columns are the body axes that the sensor's axes show; `None` where these are
+/// The matrix whose columns are the body axes of the sensor's axes; `None` if these are
 /// not three different axes.
 fn by_axes(axes: &[&str; 3]) -> Option<Rotation> {
     let mut matrix = [[0.0; 3]; 3];
@@ -335,7 +335,7 @@ fn angle(table: &Section) -> Result<AngleSensor, Error> {
     }
 }
 
-/// Counts in a turn and bits of an encoder.
+/// Counts per turn and bits of an encoder.
 fn encoder(table: &Section) -> Result<(f64, u32), Error> {
     let part = preset(table, &[Role::Encoder])?;
     let (mut counts, mut bits) = match part.map(|part| &part.numbers) {
@@ -454,7 +454,7 @@ fn drive(table: &Section) -> Result<Drive, Error> {
     Ok(drive)
 }
 
-/// The whole number under a key, within these ends.
+/// The whole number under a key, within these limits.
 fn whole(table: &Section, key: &str, low: i64, high: i64) -> Result<Option<i64>, Error> {
     let Some(number) = table.number(key)? else {
         return Ok(None);
@@ -478,7 +478,7 @@ fn out_of_range(table: &Section, key: &str, value: f64, must_be: &str) -> Error 
     )
 }
 
-/// The error of a text that is none of a list.
+/// The error for a text that is not in a list.
 fn unknown(table: &Section, key: &'static str, known: &[&str]) -> Result<Error, Error> {
     let name = table.required_text(key, "one of the known names")?.value;
     Ok(table.error_at(

@@ -1,14 +1,14 @@
-//! Formulas of users: read, evaluated, and differentiated exactly by one backward pass over their operations
+//! Users' formulas: parsed, evaluated, and differentiated exactly by one backward pass over their operations
 //! (reverse mode; Griewank & Walther, *Evaluating Derivatives*, 2nd ed., ch. 3).
 //!
-//! Precedence is that of Python: `-z^2` is −(z²), `a^b^c` is a^(b^c), `2^-1` is ½.
+//! Operator precedence is that of Python: `-z^2` is −(z²), `a^b^c` is a^(b^c), `2^-1` is ½.
 
 use std::collections::BTreeMap;
 
-/// What is wrong with a formula, and where in its text.
+/// An error in a formula, with its position in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FormulaError {
-    /// Byte of the text.
+    /// Position in the text, in bytes.
     pub at: usize,
     /// What is wrong, and what would be right.
     pub what: String,
@@ -25,7 +25,7 @@ enum Function {
     Sqrt,
     Tanh,
     Abs,
-    /// tanh(v/v₀), v₀ the small numerical speed of the fit.
+    /// tanh(v/v₀), with v₀ the small smoothing speed of the fit.
     Sign,
 }
 
@@ -41,7 +41,7 @@ const FUNCTIONS: [(&str, Function); 9] = [
     ("sign", Function::Sign),
 ];
 
-/// One operation; operands are earlier operations.
+/// One operation; its operands are earlier operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Operation {
     Number(f64),
@@ -61,26 +61,26 @@ pub(crate) struct Formula {
     operations: Vec<Operation>,
 }
 
-/// What a name in a formula stands for.
+/// The meaning of a name in a formula.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Meaning<'a> {
-    /// The variable of this number.
+    /// The variable with this number.
     Variable(usize),
     /// A number.
     Number(f64),
-    /// Another formula, in its place.
+    /// Another formula, which is inserted.
     Formula(&'a Formula),
 }
 
-/// Operations for which no memory is asked of the heap.
+/// Number of operations up to which an evaluation needs no heap allocation.
 const FEW: usize = 64;
-/// Most operations of one formula, with what it is put together from.
+/// Largest number of operations of a formula, including the formulas inserted into it.
 const MOST: usize = 4096;
-/// Deepest nesting of parentheses and signs.
+/// Largest nesting depth of parentheses and signs.
 const DEEPEST: usize = 100;
 
 impl Formula {
-    /// Reads a formula in which these names have a meaning.
+    /// Parses a formula with these names.
     pub fn read(text: &str, names: &BTreeMap<&str, Meaning>) -> Result<Formula, FormulaError> {
         let mut reader = Reader {
             text,
@@ -99,12 +99,12 @@ impl Formula {
         })
     }
 
-    /// Whether the variable of this number occurs.
+    /// Whether the formula contains the variable with this number.
     pub fn uses(&self, variable: usize) -> bool {
         self.operations.contains(&Operation::Variable(variable))
     }
 
-    /// Whether it has a kink or a step that is smoothed: `abs` or `sign`.
+    /// Whether it has a kink or a smoothed step: `abs` or `sign`.
     pub fn has_kink(&self) -> bool {
         let is_kink = |operation: &Operation| {
             matches!(
@@ -115,7 +115,7 @@ impl Formula {
         self.operations.iter().any(is_kink)
     }
 
-    /// Its value; the derivative by each variable is added to `slopes`. `v0` smooths `sign`.
+    /// Its value. The derivatives with respect to the variables are added to `slopes`. `v0` smooths `sign`.
     pub fn value(&self, variables: &[f64], v0: f64, slopes: &mut [f64]) -> f64 {
         let count = self.operations.len();
         let mut stack = [0.0; 2 * FEW];
@@ -174,7 +174,7 @@ impl Formula {
                     if exponent != 0.0 {
                         weights[a] += weight * exponent * base.powf(exponent - 1.0);
                     }
-                    // A power of a negative base exists for whole exponents only, which do not vary.
+                    // A power with a negative base exists only for whole exponents, which are constant.
                     if base > 0.0 {
                         weights[b] += weight * values[index] * base.ln();
                     }
@@ -203,7 +203,7 @@ impl Function {
         }
     }
 
-    /// Derivative at x, where the function is y.
+    /// Derivative at x, where the function has the value y.
     fn slope(self, x: f64, y: f64, v0: f64) -> f64 {
         match self {
             Function::Sin => x.cos(),
@@ -220,7 +220,7 @@ impl Function {
     }
 }
 
-/// Reads from left to right; each rule leaves its value as the last operation and returns its index.
+/// Parses from left to right. Each rule leaves its result as the last operation, and returns its index.
 struct Reader<'t, 'n> {
     text: &'t str,
     at: usize,
@@ -242,7 +242,7 @@ impl Reader<'_, '_> {
         self.at += rest.len() - rest.trim_start().len();
     }
 
-    /// Passes over a symbol that stands here.
+    /// Skips a symbol if it stands here.
     fn takes(&mut self, symbol: &str) -> bool {
         self.skip_blanks();
         let found = self.text[self.at..].starts_with(symbol);
@@ -294,7 +294,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A sign binds less than a power and more than a product.
+    /// A sign binds more weakly than a power, and more strongly than a product.
     fn signed(&mut self) -> Result<usize, FormulaError> {
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -315,7 +315,7 @@ impl Reader<'_, '_> {
     fn power(&mut self) -> Result<usize, FormulaError> {
         let base = self.atom()?;
         if self.takes("^") {
-            // To the right first, and the exponent may have a sign.
+            // Powers associate to the right, and the exponent may have a sign.
             let exponent = self.signed()?;
             return self.push(Operation::Power(base, exponent));
         }
@@ -356,7 +356,7 @@ impl Reader<'_, '_> {
             let functions = FUNCTIONS.iter().map(|(name, _)| *name);
             let known: Vec<&str> = self.names.keys().copied().chain(functions).collect();
             return Err(self.error(format!(
-                "\"{name}\" has no meaning here; known are {}",
+                "the name \"{name}\" is not defined here; known names are {}",
                 known.join(", ")
             )));
         };
@@ -390,7 +390,7 @@ impl Reader<'_, '_> {
         self.push(Operation::Number(value))
     }
 
-    /// The operations of another formula, moved behind those that are here.
+    /// Appends the operations of another formula to those of this one.
     fn insert(&mut self, formula: &Formula) -> Result<usize, FormulaError> {
         let first = self.operations.len();
         for operation in &formula.operations {
@@ -511,7 +511,7 @@ mod tests {
             ("1 +", 3, "a number, a name"),
             ("2*(x", 4, "closing parenthesis"),
             ("x y", 2, "an operator"),
-            ("2*omega", 2, "\"omega\" has no meaning"),
+            ("2*omega", 2, "the name \"omega\" is not defined"),
             ("sin x", 4, "in parentheses"),
             ("x**2", 1, "written with ^"),
             ("1.2.3", 0, "not a number"),

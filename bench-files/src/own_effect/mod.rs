@@ -1,8 +1,8 @@
-//! Effects of users: a torque as a formula, in `effects/NAME.toml` of the bench folder, or as `[own.NAME]` of
-//! a model.toml, which then stands alone.
+//! Users' effects: a torque as a formula, in `effects/NAME.toml` of the bench folder, or as `[own.NAME]` in
+//! a model.toml, which is then complete without the bench.
 //!
-//! The torque is given as it acts, positive towards positive angles; the library counts torques against the
-//! motion.
+//! The formula gives the torque as it acts, positive in the direction of positive angles. The library counts torques
+//! against the motion.
 
 mod expression;
 
@@ -22,23 +22,23 @@ use crate::toml_source::{Located, Section, TomlSource};
 use crate::toml_writing::number;
 use expression::{Formula, Meaning};
 
-/// What stands before the name of an own effect wherever effects are named.
+/// Prefix of the names of users' effects.
 pub const OWN_PREFIX: &str = "own:";
 /// The folder beside bench.toml.
 const FOLDER: &str = "effects";
-/// What a torque may look at, in the order of the variables of a formula.
+/// The quantities of the motion that a torque may depend on, in the order of a formula's variables.
 const MOTION: [&str; 4] = ["angle", "rate", "wheel_speed", "wheel_angle"];
-/// Most sets of start values: several starts of several parameters multiply.
+/// Largest number of sets of start values: several starts for several parameters multiply.
 const MOST_STARTS: usize = 64;
-/// Parameters and variables for which no memory is asked of the heap.
+/// Number of parameters and variables up to which an evaluation needs no heap allocation.
 const FEW: usize = 24;
 
-/// An effect that a user has written.
+/// An effect that a user has defined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OwnEffect {
     /// The effect; its name is `own:NAME`.
     pub effect: EffectId,
-    /// The text that defines it, in one form whatever its file looked like.
+    /// Its definition as text, in a canonical form.
     text: String,
 }
 
@@ -201,7 +201,7 @@ impl Parsed {
     }
 }
 
-/// Lets tables stand where they are put, and not where they stood in the text that they come from.
+/// Removes the positions of tables, so that they are written where they are inserted.
 fn forget_places(table: &mut Table) {
     table.set_position(None);
     for (_, item) in table.iter_mut() {
@@ -273,7 +273,7 @@ fn parameters(section: &Section) -> Result<Vec<ParameterText>, Error> {
     Ok(found)
 }
 
-/// The torque with every definition in its place. A definition may use those that stand anywhere in the file.
+/// The torque with all definitions inserted. A definition may use others from anywhere in the file.
 fn formulas(
     source: &TomlSource,
     texts: &[(String, Located<String>)],
@@ -281,7 +281,7 @@ fn formulas(
     parameters: &[ParameterText],
 ) -> Result<Formula, Error> {
     let error = |text: &Located<String>, at: usize, what: String| {
-        // The quotation mark stands before the first byte of the formula.
+        // The quotation mark precedes the first byte of the formula.
         let from = (text.span.start + 1 + at).min(text.span.end.saturating_sub(1));
         let place: Range<usize> = from..(from + 1).min(text.span.end);
         source.error(place, Problem::Formula(what))
@@ -331,7 +331,7 @@ fn formulas(
     read(torque, &done).map_err(|found| error(torque, found.at, found.what))
 }
 
-/// The definition in one form.
+/// The definition in canonical form.
 fn canonical(
     role: &str,
     torque: &str,
@@ -380,7 +380,7 @@ fn define(
     parameters: &[ParameterText],
     formula: Formula,
 ) -> Definition {
-    // A fit takes the first parameters for amplitudes: those without which there is no torque.
+    // A fit treats the first parameters as amplitudes: those without which the torque vanishes.
     let is_amplitude = |index: &usize| vanishes_without(&formula, parameters, *index);
     let (amplitudes, shapes): (Vec<usize>, Vec<usize>) =
         (0..parameters.len()).partition(is_amplitude);
@@ -458,8 +458,8 @@ fn define(
     }
 }
 
-/// Whether the torque is 0 everywhere where this parameter is 0. It is asked at points that no formula is made
-/// for.
+/// Whether the torque is 0 everywhere if this parameter is 0. It is evaluated at arbitrary points where no formula is
+/// zero by accident.
 fn vanishes_without(formula: &Formula, parameters: &[ParameterText], index: usize) -> bool {
     (1..=20).all(|point| {
         let spread = |k: usize| (point as f64 * (0.618 + 0.1 * k as f64)).fract() * 4.0 - 2.0;
@@ -481,7 +481,7 @@ fn vanishes_without(formula: &Formula, parameters: &[ParameterText], index: usiz
 struct OwnTorque {
     formula: Formula,
     is_on_body: bool,
-    /// Position in the file of each parameter of the vector.
+    /// For each parameter of the vector: its position in the file.
     order: Vec<usize>,
 }
 

@@ -225,8 +225,8 @@ fn what_is_wrong_is_said() {
         }
     }
     for (text, part) in [
-        ("gx,gy,gz\n1,2,3.5\n", "3.5 is no raw count"),
-        ("gx,gy,gz\n1,2,32768\n", "32768 is no raw count"),
+        ("gx,gy,gz\n1,2,3.5\n", "3.5 is not a raw count"),
+        ("gx,gy,gz\n1,2,32768\n", "32768 is not a raw count"),
         ("gx,gy,gz\n1,2,-40000\n", "-32768 to 32767"),
     ] {
         let folder = folder(TOML);

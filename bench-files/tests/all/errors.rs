@@ -616,7 +616,7 @@ fn model_toml() {
             format!("{PARAMETERS}[effects]\npresent = [\"angle-offset\", \"angle-offset\"]\n"),
             &[
                 "model.toml:4:28",
-                "\"angle-offset\" cannot stand beside",
+                "\"angle-offset\" cannot be used together with",
                 "already",
             ],
         ),
@@ -627,7 +627,7 @@ fn model_toml() {
             ),
             &[
                 "model.toml:4:38",
-                "\"body-coulomb-friction\" cannot stand beside \"body-stribeck-friction\"",
+                "\"body-coulomb-friction\" cannot be used together with \"body-stribeck-friction\"",
                 "contains the other",
             ],
         ),
@@ -758,7 +758,7 @@ fn correlations_that_no_errors_can_have() {
             section(r#"["total_inertia", "total_inertia"]"#, "[[1, 0], [0, 1]]"),
             &[
                 "model.toml:15:32",
-                "\"total_inertia\" stands in this list already",
+                "\"total_inertia\" is already in this list",
             ],
         ),
         (

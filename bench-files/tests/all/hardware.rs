@@ -102,7 +102,7 @@ fn slips_are_refused_with_their_place() {
         ),
         (
             "[hardware.gyroscope]\nrotation = [[1, 0, 0], [0, 2, 0], [0, 0, 1]]\n",
-            "no rotation",
+            "not a rotation",
         ),
         (
             "[hardware.gyroscope]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n",

@@ -10,5 +10,6 @@ mod hardware;
 mod learned;
 mod logs;
 mod model_file;
+mod outline;
 mod own_effects;
 mod shared_data;

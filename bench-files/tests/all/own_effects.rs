@@ -70,7 +70,7 @@ fn what_is_wrong_is_said_with_its_place() {
         (
             "a*z*exp(-z^2)",
             "a*z*exp(-y^2)",
-            &["magnet.toml:2:20", "\"y\" has no meaning", "angle"][..],
+            &["magnet.toml:2:20", "\"y\" is not defined", "angle"][..],
         ),
         (
             "(angle - centre)/width",

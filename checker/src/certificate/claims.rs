@@ -23,7 +23,7 @@ pub struct ClaimStatement {
 }
 
 /// Every claim, in the order in which they are shown.
-pub const CLAIMS: [ClaimStatement; 23] = [
+pub const CLAIMS: [ClaimStatement; 25] = [
     ClaimStatement {
         id: "source-understood",
         statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
@@ -197,6 +197,22 @@ pub const CLAIMS: [ClaimStatement; 23] = [
         statement: "From any start in the stated share of the ellipsoid the loop with the emitted law never saturates, and comes into the stated smaller share and stays there.",
         domain: "all time; every start in that share; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model with gravity as G sin(angle); the sensors return the nearest count, the angle directly and not through the filter.",
+        engine: EXACT,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "loop-as-shipped",
+        statement: "Armed at rest at any angle up to the stated one, the pendulum under the emitted step, from raw counts through filter and law to the duty, stays within the stated bounds, and no command reaches the limit.",
+        domain: "all time; every start up to that angle; gravity as G sin(angle); dry friction of any course up to its torque; every delay of up to one sample between measurement and current, the same to an eighth of a sample; every rounding; sensors off by up to half a step and one step of noise",
+        assumptions: "Parameters are the stated ones; the pivot is level; the gyroscope's drift is left within a twentieth of 2 beta, and a reading is as old as its stated rate says; a step of the filter turns as `filter-accurate` says; no sensor fails.",
+        engine: EXACT,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "motion-kept-up",
+        statement: "What words, counts, duty and dry friction keep up comes down to the stated bounds about upright.",
+        domain: "every motion that starts as `loop-as-shipped` says; sensors off by half a step, no drift",
+        assumptions: "As of `loop-as-shipped`.",
         engine: EXACT,
         is_in_certificate: false,
     },

@@ -36,6 +36,7 @@ pub mod filter_total;
 pub mod functions;
 pub mod gains_optimal;
 pub mod hardware_words;
+pub mod loop_as_shipped;
 pub mod model_matches;
 pub mod named_words;
 pub mod outcome;

@@ -44,8 +44,10 @@ pub struct ProvedRegion {
     pub outer: BigRational,
     /// r₀: size of the set to which everything comes.
     pub inner: BigRational,
-    /// Largest angle, rate and wheel speed of the region (rad, rad/s, rad/s).
+    /// Largest angle, rate and wheel speed of the region (rad, rad/s, rad/s), each with others to match.
     pub extents: Vector,
+    /// Largest angle from which a body at rest, with a wheel at rest, is in the region (rad): not above it.
+    pub from_rest: BigRational,
 }
 
 /// The numbers of one module.
@@ -73,7 +75,11 @@ pub fn by_exact_arithmetic(
     };
     match check(certificate, stated, bounds, law) {
         Ok(region) => ClaimOutcome::Proved(format!(
-            "from {} of the ellipsoid (up to {} rad, {} rad/s, {} rad/s) into {} of it",
+            "from rest up to {} rad; from {} of the ellipsoid (which reaches {} rad, {} rad/s, {} rad/s) into {} of it",
+            rounded_up(
+                &((&region.from_rest * power(10, 4)).floor() * power(10, -4)),
+                4
+            ),
             rounded_up(&region.outer, 3),
             rounded_up(&region.extents[0], 3),
             rounded_up(&region.extents[1], 3),
@@ -181,6 +187,7 @@ pub fn check(
             .find(|inner| all.decreases(inner, inner) && all.decreases(inner, &outer));
         if let Some(inner) = inner {
             return Ok(ProvedRegion {
+                from_rest: &outer / root(&p[0][0])?,
                 extents: all.extents.map(|extent| extent * &outer),
                 outer,
                 inner,

@@ -12,3 +12,4 @@ mod plain;
 pub mod reading;
 pub mod signatures;
 pub mod text;
+mod visibility;

@@ -16,7 +16,7 @@ use crate::language::declarations::{
     Constant, Declarations, Enum, Function, Named, Read, SourceFile, Struct, refuse, shown,
 };
 use crate::language::signatures::{fixed_named, fixed_type};
-use crate::language::{plain, text};
+use crate::language::{plain, text, visibility};
 use crate::program::place::{SourceError, SourcePlace};
 use crate::program::types::{Integer, Type};
 
@@ -36,6 +36,7 @@ impl Declarations {
                 message: format!("this is no Rust: {error}"),
             })?;
             plain::check_file(&path, &file)?;
+            visibility::check_file(&path, &file)?;
             declarations.files.push(SourceFile {
                 module: module_name(&path),
                 path: path.clone(),
@@ -243,6 +244,15 @@ impl Declarations {
                         pending.push((module, path.clone(), segments, span));
                     })?;
                 }
+            }
+        }
+        for (_, path, segments, span) in &pending {
+            if let [.., file, name] = segments.as_slice()
+                && let Some(other) = self.module(file)
+                && !visibility::is_shown(&parsed[other].1, name)
+            {
+                let message = format!("`{name}` of src/{file}.rs is private");
+                return refuse(path, *span, message);
             }
         }
         while !pending.is_empty() {

@@ -11,8 +11,9 @@ use crate::claims::{
     bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_second,
     closed_loop_stable, compiled_agrees, control_accurate, control_accurate_real_gains,
     control_monotone, control_total, filter_accurate, filter_exact, filter_length, filter_total,
-    hardware_words, model_matches, physical_signs, primitives, region_of_attraction,
-    source_understood, stable_for_parameters, step_total, supervisor, texts_audited,
+    hardware_words, loop_as_shipped, model_matches, physical_signs, primitives,
+    region_of_attraction, source_understood, stable_for_parameters, step_total, supervisor,
+    texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -41,7 +42,19 @@ pub fn settle_saying(
     settings: &ProofSettings,
     say: &dyn Fn(&str),
 ) -> Vec<ClaimResult> {
-    let mut table = Table(Vec::new());
+    settle_telling(emitted, certificate, model, settings, say, &|_| ())
+}
+
+/// As [`settle_saying`]; `tell` is told every row as soon as it is settled.
+pub fn settle_telling(
+    emitted: &Emitted,
+    certificate: &Certificate,
+    model: Option<&str>,
+    settings: &ProofSettings,
+    say: &dyn Fn(&str),
+    tell: &dyn Fn(&ClaimResult),
+) -> Vec<ClaimResult> {
+    let mut table = Table(Vec::new(), Some(tell));
     table.add("model-matches", READER, || match model {
         Some(text) => model_matches::by_reading(certificate, text),
         None => ClaimOutcome::NotApplicable(
@@ -276,6 +289,26 @@ fn loop_claims(
     table.add("region-of-attraction", EXACT, || {
         region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law)
     });
+    let start = Instant::now();
+    let (shipped, kept_up) = if settings.closed_loop {
+        loop_as_shipped::by_exact_arithmetic(certificate, law)
+    } else {
+        let off = || ClaimOutcome::NotRun("switched off".to_owned());
+        (off(), off())
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    table.row("loop-as-shipped", EXACT, shipped, seconds);
+    let start = Instant::now();
+    let second = if settings.python {
+        closed_loop_second::as_shipped_by_python(emitted)
+    } else {
+        ClaimOutcome::NotRun("switched off".to_owned())
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    table.row("loop-as-shipped", PYTHON, second.clone(), seconds);
+    // Both claims come out of one computation.
+    table.row("motion-kept-up", EXACT, kept_up, 0.0);
+    table.row("motion-kept-up", PYTHON, second, 0.0);
     table.add("stable-for-parameters", EXACT, || {
         stable_for_parameters::by_exact_arithmetic(certificate, law)
     });

@@ -3,9 +3,9 @@
 use syn::{BinOp, Expr, UnOp};
 
 use super::Result;
-use super::items::{FunctionKey, last, literal, suffix};
-use super::scope::{Place, Scope};
-use super::types::{Int, Key, Type};
+use super::items::{literal, suffix};
+use super::scope::Scope;
+use super::types::{Int, Type};
 
 /// A scalar in C.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ const AND: u8 = 7;
 const OR: u8 = 8;
 
 impl Scalar {
-    fn new(text: impl Into<String>, ty: Type, strength: u8) -> Scalar {
+    pub(super) fn new(text: impl Into<String>, ty: Type, strength: u8) -> Scalar {
         Scalar {
             text: text.into(),
             ty,
@@ -64,16 +64,6 @@ fn is_untyped(expression: &Expr) -> bool {
         Expr::Unary(unary) => matches!(unary.op, UnOp::Neg(_)) && is_untyped(&unary.expr),
         _ => false,
     }
-}
-
-/// What is called, with its arguments.
-pub struct Call<'e> {
-    /// The function.
-    pub key: FunctionKey,
-    /// The receiver, if there is one.
-    pub receiver: Option<&'e Expr>,
-    /// The others.
-    pub arguments: Vec<&'e Expr>,
 }
 
 impl Scope<'_> {
@@ -287,7 +277,7 @@ impl Scope<'_> {
     }
 
     /// `inner as ty`.
-    fn cast(&mut self, inner: &Expr, ty: Type) -> Result<Scalar> {
+    pub(super) fn cast(&mut self, inner: &Expr, ty: Type) -> Result<Scalar> {
         let inner = self.scalar(inner, None)?;
         let Type::Int(int) = ty else {
             return self.refuse("this cast");
@@ -309,326 +299,10 @@ impl Scope<'_> {
         self.assign(expression, &place)?;
         Ok(Scalar::new(place.text, ty, 0))
     }
-
-    fn method(&mut self, call: &syn::ExprMethodCall) -> Result<Scalar> {
-        match call.method.to_string().as_str() {
-            "to_bits" => self.scalar(&call.receiver, None),
-            "clamp" => {
-                let value = self.scalar(&call.receiver, None)?;
-                let mut texts = vec![value.text.clone()];
-                for argument in &call.args {
-                    texts.push(self.scalar(argument, Some(&value.ty))?.text);
-                }
-                if value.ty != Type::Int(Int::I64) {
-                    return self.refuse("`clamp` of this type");
-                }
-                self.needs.clamp_64 = true;
-                let text = format!("clamp_64({})", texts.join(", "));
-                Ok(Scalar::new(text, value.ty, 0))
-            }
-            _ => self.called(&Expr::MethodCall(call.clone())),
-        }
-    }
-
-    fn call(&mut self, call: &syn::ExprCall) -> Result<Scalar> {
-        let Expr::Path(path) = &*call.func else {
-            return self.refuse("this call");
-        };
-        let names: Vec<String> = path
-            .path
-            .segments
-            .iter()
-            .map(|segment| segment.ident.to_string())
-            .collect();
-        let argument = call.args.first();
-        match (&names[..], argument) {
-            ([name], Some(inner)) if self.word(name).is_some() => {
-                let word = self.word(name);
-                self.scalar(inner, word.as_ref())
-            }
-            ([word, make], Some(inner)) if make == "from_bits" && self.word(word).is_some() => {
-                self.scalar(inner, Some(&Type::Int(Int::I32)))
-            }
-            ([int, make], Some(inner)) if make == "from" => match Int::from_name(int) {
-                Some(int) => self.cast(inner, Type::Int(int)),
-                None => self.refuse(format!("{int}::from")),
-            },
-            _ => self.called(&Expr::Call(call.clone())),
-        }
-    }
-
-    /// The number that a type of the module stands for.
-    fn word(&self, name: &str) -> Option<Type> {
-        let key = self.items.resolve(self.module, name);
-        let own = (self.module.to_string(), name.to_string());
-        let words = &self.items.words;
-        words
-            .get(&key)
-            .or_else(|| words.get(&own))
-            .map(|(word, _)| word.clone())
-    }
-
-    /// A call that returns a scalar.
-    fn called(&mut self, expression: &Expr) -> Result<Scalar> {
-        let call = self.resolved(expression)?;
-        let text = self.call_text(&call, &[])?;
-        let returns = self.function(&call.key)?.returns.clone();
-        Ok(Scalar::new(text, returns, 0))
-    }
-
-    /// The function that is called.
-    pub fn resolved<'e>(&mut self, expression: &'e Expr) -> Result<Call<'e>> {
-        match bare(expression) {
-            Expr::Call(call) => {
-                let Expr::Path(path) = &*call.func else {
-                    return self.refuse("this call");
-                };
-                let name = last(&path.path);
-                let key = match path.path.segments.len() {
-                    1 => {
-                        let (module, name) = self.items.resolve(self.module, &name);
-                        (module, None, name)
-                    }
-                    _ => {
-                        let owner = path.path.segments[0].ident.to_string();
-                        let owner = match (owner.as_str(), self.owner) {
-                            ("Self", Some(own)) => own.to_string(),
-                            _ => owner,
-                        };
-                        let (module, owner) = self.items.resolve(self.module, &owner);
-                        (module, Some(owner), name)
-                    }
-                };
-                Ok(Call {
-                    key,
-                    receiver: None,
-                    arguments: call.args.iter().collect(),
-                })
-            }
-            Expr::MethodCall(call) => {
-                let receiver = self.infer(&call.receiver)?;
-                let Some(Type::Struct((module, owner))) = receiver else {
-                    return self.refuse(format!("the method {}", call.method));
-                };
-                Ok(Call {
-                    key: (module, Some(owner), call.method.to_string()),
-                    receiver: Some(&call.receiver),
-                    arguments: call.args.iter().collect(),
-                })
-            }
-            other => self.refuse(kind(other)),
-        }
-    }
-
-    /// The function with this key.
-    pub fn function(&self, key: &FunctionKey) -> Result<&super::items::Function> {
-        match self.items.functions.get(key) {
-            Some(function) => Ok(function),
-            None => self.refuse(format!("a call of {}::{}", key.0, key.2)),
-        }
-    }
-
-    /// The text of a call; structures and arrays that it returns go to `targets`.
-    pub fn call_text(&mut self, call: &Call, targets: &[Place]) -> Result<String> {
-        self.needs.functions.insert(call.key.clone());
-        let parameters: Vec<Type> = {
-            let function = self.function(&call.key)?;
-            function
-                .parameters
-                .iter()
-                .map(|(_, ty)| ty.clone())
-                .collect()
-        };
-        let mut texts = vec![];
-        if let Some(receiver) = call.receiver {
-            texts.push(self.place(receiver)?.argument());
-        }
-        for (argument, ty) in call.arguments.iter().zip(&parameters) {
-            texts.push(if ty.is_aggregate() {
-                self.place(argument)?.argument()
-            } else {
-                self.scalar(argument, Some(ty))?.text
-            });
-        }
-        texts.extend(targets.iter().map(Place::argument));
-        Ok(format!(
-            "{}({})",
-            super::files::function_name(&call.key),
-            texts.join(", ")
-        ))
-    }
-
-    /// The place that an expression names, or a new one with its value.
-    pub fn place(&mut self, expression: &Expr) -> Result<Place> {
-        match bare(expression) {
-            Expr::Path(path) => self.named_place(&path.path),
-            Expr::Field(field) => {
-                let base = self.place(&field.base)?;
-                match (&field.member, &base.ty) {
-                    (syn::Member::Named(name), Type::Struct(key)) => {
-                        let name = name.to_string();
-                        match self.items.field(key, &name) {
-                            Some(ty) => Ok(base.field(&name, ty.clone())),
-                            None => self.refuse(format!("the field {name}")),
-                        }
-                    }
-                    // A structure around one number is that number.
-                    (syn::Member::Unnamed(_), Type::Int(_)) => Ok(base),
-                    _ => self.refuse("this field"),
-                }
-            }
-            Expr::Index(index) => {
-                let base = self.place(&index.expr)?;
-                let number = match bare(&index.index) {
-                    Expr::Lit(value) => literal(&value.lit),
-                    _ => None,
-                };
-                match number.and_then(|(number, _)| base.element(number as usize)) {
-                    Some(place) => Ok(place),
-                    None => self.refuse("this index"),
-                }
-            }
-            Expr::Unary(unary) if matches!(unary.op, UnOp::Deref(_)) => self.place(&unary.expr),
-            other => {
-                let Some(ty) = self.infer(other)? else {
-                    return self.refuse(kind(other));
-                };
-                if let Expr::MethodCall(_) | Expr::Call(_) = other
-                    && ty.is_aggregate()
-                {
-                    let call = self.resolved(other)?;
-                    if self.function(&call.key)?.returns_reference {
-                        let text = self.call_text(&call, &[])?;
-                        return Ok(Place::behind(&text, ty));
-                    }
-                }
-                let place = self.temporary(&ty);
-                self.assign(other, &place)?;
-                Ok(place)
-            }
-        }
-    }
-
-    fn named_place(&mut self, path: &syn::Path) -> Result<Place> {
-        let name = last(path);
-        if path.segments.len() == 1 {
-            if let Some(place) = self.lookup(&name) {
-                return Ok(place.clone());
-            }
-            let key = self.items.resolve(self.module, &name);
-            if let Some(constant) = self.items.constants.get(&key) {
-                let ty = constant.ty.clone();
-                self.needs.constants.insert(key.clone());
-                return Ok(Place::variable(&super::constants::name(&key), ty));
-            }
-        } else {
-            let owner = path.segments[path.segments.len() - 2].ident.to_string();
-            let key = self.items.resolve(self.module, &owner);
-            if let Some(own) = self.items.enums.get(&key)
-                && own.variants.iter().any(|(variant, _, _)| *variant == name)
-            {
-                let text = enumerator(&name);
-                return Ok(Place::variable(&text, Type::Enum(key)));
-            }
-            let constant: Key = (owner, name.clone());
-            if let Some(found) = self.items.constants.get(&constant) {
-                let ty = found.ty.clone();
-                self.needs.constants.insert(constant.clone());
-                return Ok(Place::variable(&super::constants::name(&constant), ty));
-            }
-        }
-        self.refuse(format!("the name {name}"))
-    }
-
-    /// The type of an expression; `None` where it takes that from where it stands.
-    pub fn infer(&mut self, expression: &Expr) -> Result<Option<Type>> {
-        Ok(match bare(expression) {
-            Expr::Lit(value) => match &value.lit {
-                syn::Lit::Bool(_) => Some(Type::Bool),
-                other => suffix(other).map(Type::Int),
-            },
-            Expr::Unary(unary) => self.infer(&unary.expr)?,
-            Expr::Cast(cast) => Some(self.items.type_of(self.module, &cast.ty)?),
-            Expr::Binary(binary) => match binary.op {
-                BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_) | BinOp::BitAnd(_) => {
-                    match self.infer(&binary.left)? {
-                        Some(ty) => Some(ty),
-                        None => self.infer(&binary.right)?,
-                    }
-                }
-                BinOp::Shl(_) | BinOp::Shr(_) => self.infer(&binary.left)?,
-                _ => Some(Type::Bool),
-            },
-            Expr::Array(array) => {
-                let mut element = None;
-                for one in &array.elems {
-                    if element.is_none() {
-                        element = self.infer(one)?;
-                    }
-                }
-                let element = element.unwrap_or(Type::Int(Int::I32));
-                Some(Type::Array(Box::new(element), array.elems.len()))
-            }
-            Expr::Struct(value) => {
-                let name = last(&value.path);
-                let name = match (name.as_str(), self.owner) {
-                    ("Self", Some(owner)) => owner.to_string(),
-                    _ => name,
-                };
-                Some(self.items.named(self.module, &name)?)
-            }
-            Expr::If(value) => match self.infer_block(&value.then_branch)? {
-                Some(ty) => Some(ty),
-                None => match &value.else_branch {
-                    Some((_, otherwise)) => self.infer(otherwise)?,
-                    None => Some(Type::Unit),
-                },
-            },
-            Expr::Block(block) => self.infer_block(&block.block)?,
-            Expr::MethodCall(call) => match call.method.to_string().as_str() {
-                "to_bits" | "clamp" => self.infer(&call.receiver)?,
-                _ => {
-                    let call = self.resolved(expression)?;
-                    Some(self.function(&call.key)?.returns.clone())
-                }
-            },
-            Expr::Call(call) => {
-                let Expr::Path(path) = &*call.func else {
-                    return self.refuse("this call");
-                };
-                let first = path.path.segments[0].ident.to_string();
-                let name = last(&path.path);
-                if let Some(word) = self.word(&first) {
-                    Some(word)
-                } else if name == "from" {
-                    Int::from_name(&first).map(Type::Int)
-                } else {
-                    let call = self.resolved(expression)?;
-                    Some(self.function(&call.key)?.returns.clone())
-                }
-            }
-            Expr::Path(_) | Expr::Field(_) | Expr::Index(_) => Some(self.place(expression)?.ty),
-            other => return self.refuse(kind(other)),
-        })
-    }
-
-    /// The type of a block's last expression, where its names are not needed to tell.
-    fn infer_block(&mut self, block: &syn::Block) -> Result<Option<Type>> {
-        match block.stmts.last() {
-            Some(syn::Stmt::Expr(last, None)) if block.stmts.len() == 1 => self.infer(last),
-            Some(syn::Stmt::Expr(_, None)) => Ok(None),
-            _ => Ok(Some(Type::Unit)),
-        }
-    }
-}
-
-/// `NotAligned` is `FLYWHEEL_NOT_ALIGNED`.
-pub fn enumerator(name: &str) -> String {
-    format!("FLYWHEEL_{}", super::types::snake(name).to_uppercase())
 }
 
 /// What an expression is, for messages.
-fn kind(expression: &Expr) -> String {
+pub(super) fn kind(expression: &Expr) -> String {
     let text = quote::quote!(#expression).to_string();
     format!("`{}`", text.chars().take(60).collect::<String>())
 }

@@ -6,7 +6,7 @@ use super::items::{Function, FunctionKey, Items, Passing};
 use super::scope::{Place, Scope};
 use super::statement::Target;
 use super::types::{Key, Type, type_name};
-use super::{Result, Untranslatable, comments, constants, expression};
+use super::{Result, Untranslatable, comments, constants, place};
 use crate::file::{EmittedCrate, EmittedFile, MARK};
 
 /// What a firmware calls: module, structure, name in Rust, name in C.
@@ -323,10 +323,7 @@ fn type_definition(items: &Items, key: &Key) -> String {
         text.push_str("typedef enum {\n");
         for (variant, value, attributes) in &own.variants {
             text.push_str(&comments::before(&comments::lines(attributes), "    "));
-            text.push_str(&format!(
-                "    {} = {value},\n",
-                expression::enumerator(variant)
-            ));
+            text.push_str(&format!("    {} = {value},\n", place::enumerator(variant)));
         }
         // A comma before the end is not for every compiler's strictest mode.
         let text = text.trim_end().trim_end_matches(',').to_string();

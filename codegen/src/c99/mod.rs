@@ -13,16 +13,22 @@
 //! | `items` | what the emitted files declare, by module and name |
 //! | `scope` | the names of one function |
 //! | `expression` | scalars |
+//! | `call` | calls |
+//! | `place` | what an expression names |
+//! | `infer` | the types of expressions |
 //! | `statement` | blocks, structures and arrays |
 //! | `constants` | constants and their initialisers |
 //! | `comments` | documentation |
 //! | `files` | header, source, and the library around them |
 
+mod call;
 mod comments;
 mod constants;
 mod expression;
 mod files;
+mod infer;
 mod items;
+mod place;
 mod scope;
 mod statement;
 mod types;

@@ -1,21 +1,21 @@
-//! Which column is what, by its name, its unit and its numbers.
+//! The channel of each column, from its name, its unit and its values.
 
 use bench_files::{Channel, Table, plain_unit};
 
-/// What is proposed for one channel.
+/// The proposal for one channel.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mapped {
     pub channel: Channel,
     /// Index of the column.
     pub index: usize,
     pub column: String,
-    /// A unit that is not SI, or a factor's name.
+    /// A unit that is not SI, or the name of a factor.
     pub unit: Option<&'static str>,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 
-/// Endings of names that state a unit, longest first.
+/// Endings of column names that state a unit, longest first.
 const ENDINGS: [(&str, &str); 17] = [
     ("_mrad_s", "mrad/s"),
     ("_rad_s", "rad/s"),
@@ -36,7 +36,7 @@ const ENDINGS: [(&str, &str); 17] = [
     ("_a", "A"),
 ];
 
-/// The unit that a name carries: in brackets, as an ending, or as the whole name.
+/// The unit in a column's name: in brackets, as an ending, or as the whole name.
 pub(super) fn unit_of_name(name: &str) -> Option<&'static str> {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let (Some(from), Some(to)) = (name.find(open), name.rfind(close))
@@ -54,7 +54,7 @@ pub(super) fn unit_of_name(name: &str) -> Option<&'static str> {
     ending.map(|(_, unit)| *unit)
 }
 
-/// What a quantity is by its unit.
+/// The physical quantity of a unit.
 #[derive(Clone, Copy, PartialEq)]
 enum Quantity {
     Time,
@@ -93,7 +93,7 @@ const ANGLE: [&str; 9] = [
 const CURRENT: [&str; 5] = ["current", "curr", "strom", "amp", "i_mot"];
 const TIME: [&str; 5] = ["time", "zeit", "millis", "stamp", "t_"];
 
-/// The channel that name and unit speak for.
+/// The channel that name and unit suggest.
 fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
     let lower = name.to_lowercase();
     let has = |parts: &[&str]| parts.iter().any(|part| lower.contains(part));
@@ -112,13 +112,13 @@ fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
         None if has(&RATE) => Some(Channel::Rate),
         None if has(&ANGLE) => Some(Channel::Angle),
         None if has(&["omega", "speed"]) => Some(Channel::WheelSpeed),
-        // A command: what the controller asked for.
+        // A command, the current that the controller requested.
         None if lower == "u" || lower.starts_with("u_") => Some(Channel::Current),
         None => None,
     }
 }
 
-/// Whether a column can be the time: it never falls, and rises from first to last.
+/// Whether a column can be the time: it never falls, and is larger at the end than at the start.
 fn rises(values: &[f64]) -> bool {
     values.len() > 1
         && values.iter().all(|value| value.is_finite())
@@ -126,12 +126,12 @@ fn rises(values: &[f64]) -> bool {
         && values[values.len() - 1] > values[0]
 }
 
-/// Whole numbers, one after the other: an index of rows, or milliseconds of a log at 1 kHz.
+/// Whether the values are consecutive whole numbers: an index of rows, or milliseconds of a log at 1 kHz.
 pub(super) fn is_index(values: &[f64]) -> bool {
     rises(values) && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
 }
 
-/// The channels of a file; the best column of each. The first of two equals wins.
+/// The channels of a file, each with its best column. Of two equally good columns, the first is taken.
 pub(super) fn mapped(table: &Table) -> Vec<Mapped> {
     let mut found: Vec<Mapped> = vec![];
     for channel in Channel::ALL {
@@ -177,7 +177,7 @@ pub(super) fn mapped(table: &Table) -> Vec<Mapped> {
     found
 }
 
-/// The only column that rises and has no other use.
+/// The only column that rises and has no other use, as the time.
 fn unnamed_time(table: &Table, found: &[Mapped]) -> Option<Mapped> {
     let free = |index: &usize| !found.iter().any(|mapped| mapped.index == *index);
     let mut rising = (0..table.names.len())

@@ -1,4 +1,4 @@
-//! Which kind of experiment a file holds.
+//! The kind of experiment that a file holds.
 
 use std::f64::consts::PI;
 
@@ -10,6 +10,10 @@ use crate::regression::least_squares;
 use crate::slips::short;
 use crate::view::{median, range};
 
+/// Asked where a wheel turns and no column is its current.
+pub(super) const HELD_AT_WHAT: &str = "the current was not logged: constants = { current = … } says at what it was \
+                                       held (0.0 for a coast-down)";
+
 /// What is proposed, and why.
 pub(super) struct Guess {
     pub kind: Kind,
@@ -19,11 +23,11 @@ pub(super) struct Guess {
     pub questions: Vec<String>,
 }
 
-/// Angle from upright in rad up to which a log is taken for balancing.
+/// Largest distance of the angle from upright, in rad, in a log of balancing.
 const ABOUT_UPRIGHT: f64 = 0.6;
-/// Share of the amplitude by which a swing may rest away from 0 without a word.
+/// Share of the amplitude up to which the rest position of a swing may differ from 0 without a question.
 const REST: f64 = 0.1;
-/// Share of a command's samples that are at its usual value where it was held.
+/// A command was held if this share of its samples has its usual value.
 const HELD: f64 = 0.98;
 
 pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
@@ -54,11 +58,7 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         guess.kind = Kind::SpinUp;
         guess.reason = "the file has the wheel and not the body".to_owned();
         if current.is_none() {
-            guess.questions.push(
-                "the current was not logged: constants = { current = … } says at what it was held (0.0 for a \
-                 coast-down)"
-                    .to_owned(),
-            );
+            guess.questions.push(HELD_AT_WHAT.to_owned());
         }
         return guess;
     }
@@ -85,7 +85,7 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         let held = current.iter().filter(|value| **value == usual).count();
         if guess.kind == Kind::Driven && held as f64 > HELD * current.len() as f64 && usual != 0.0 {
             guess.questions.push(format!(
-                "the current is {} throughout: is it what flowed?",
+                "the current is {} throughout: is it the current that flowed?",
                 short(usual)
             ));
         }
@@ -98,8 +98,8 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
     guess
 }
 
-/// Whether a series does more than its noise and single lost samples: between its fifth and its ninety-fifth
-/// percentile noise alone covers 3.3 standard deviations.
+/// Whether a series moves by more than noise and single lost samples. Between its fifth and ninety-fifth
+/// percentiles, noise alone covers 3.3 standard deviations.
 fn moves(samples: &[f64]) -> bool {
     let mut finite: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
     finite.sort_by(f64::total_cmp);
@@ -108,11 +108,11 @@ fn moves(samples: &[f64]) -> bool {
     };
     let at = |share: f64| finite[(last as f64 * share) as usize];
     let usual = at(0.95) - at(0.05);
-    // A current that is held has no noise to be compared with, but drives all the same.
+    // A constant current has no noise to compare with, but still drives the motor.
     usual > 10.0 * identify::noise_std(samples) || (usual == 0.0 && at(0.5) != 0.0)
 }
 
-/// Where the body comes to rest: the middle between its turning points, late in the log.
+/// The position of rest of the body: the middle between its turning points, late in the log.
 fn rest(angle: &[f64], guess: &mut Guess) {
     let Some((low, high)) = range(angle) else {
         return;
@@ -122,7 +122,7 @@ fn rest(angle: &[f64], guess: &mut Guess) {
         return;
     };
     let mut middle = 0.5 * (lowest + highest);
-    // Whole swings from crossing to crossing: what is left of the last one would move the mean.
+    // Only whole swings between crossings are used; a part of a swing would shift the mean.
     let crossings: Vec<usize> = (1..late.len())
         .filter(|k| late[k - 1] < middle && late[*k] >= middle)
         .collect();
@@ -133,7 +133,7 @@ fn rest(angle: &[f64], guess: &mut Guess) {
         middle = whole.iter().sum::<f64>() / whole.len() as f64;
         (lowest, highest) = range(whole).unwrap_or((lowest, highest));
     }
-    // A log that stands at its end says where; one that swings says it to a part of its amplitude.
+    // If the swing has ended, the rest position is exact; otherwise it is known to a part of the amplitude.
     let unsure = 0.25 * (highest - lowest);
     if middle.abs() > (REST * 0.5 * (high - low)).max(unsure) {
         guess.offset_rad = Some((
@@ -146,7 +146,8 @@ fn rest(angle: &[f64], guess: &mut Guess) {
     }
 }
 
-/// Upright or hanging: by the angle, and where it is counted from either, by whether the body flees its middle.
+/// Upright or hanging: from the angle, or, if both are counted from 0, from whether the body accelerates away from its
+/// middle.
 fn upright(
     angle: Option<&[f64]>,
     wheel: Option<&[f64]>,
@@ -175,7 +176,7 @@ fn upright(
         );
         return;
     }
-    // α̈ = ∓ω² α − ε φ̈: second differences over a few samples against both.
+    // α̈ = ∓ω² α − ε φ̈: second differences of the angle over a few samples, regressed on angle and wheel acceleration.
     let step = (angle.len() / 400).clamp(1, 8);
     let mut rows = vec![];
     for k in step..angle.len().saturating_sub(step) {
@@ -187,7 +188,7 @@ fn upright(
     match found {
         Some(fit) if fit.coefficients[0] > 3.0 * fit.std[0] => {
             guess.kind = Kind::Balance;
-            guess.reason = "the body flees the middle of its angles and is brought back: it balances".to_owned();
+            guess.reason = "the body accelerates away from the middle of its angles and is brought back: it balances".to_owned();
             let reason = format!("the angle is counted from upright, where it must be pi ({} to {})", short(low), short(high));
             guess.offset_rad = Some((PI, reason));
         }

@@ -1,9 +1,10 @@
-//! A bench.toml for files of which nothing is known but their columns.
+//! A proposed bench.toml for files of which only the columns are known.
 //!
-//! Names and units of the columns give a first proposal; then the check of the data says what of it cannot be,
-//! and by which factor, and the proposal is mended until nothing is refused. What stays open is left as a
+//! Names and units of the columns give a first proposal. The check of the data then shows what is impossible in it, and
+//! by which factor, and the proposal is corrected until nothing is refused. An open question becomes a
 //! comment that says what to decide.
 
+mod choices;
 mod columns;
 mod kind;
 mod text;
@@ -16,11 +17,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::finding::{Finding, FindingId, Severity};
 use crate::slips::{DEGREES, RPM, short};
+pub use choices::{Choices, ColumnChoice, Corrections, units_of};
 use columns::Mapped;
 
-/// Rows of a file that are looked at: minutes of a fast log.
+/// Largest number of rows of a file that are read: minutes of a fast log.
 const MOST_ROWS: usize = 200_000;
-/// Rounds in which a proposal is mended.
+/// Largest number of corrections of a proposal.
 const ROUNDS: usize = 4;
 
 /// A proposed bench.toml.
@@ -28,15 +30,15 @@ const ROUNDS: usize = 4;
 pub struct Proposal {
     /// The whole text.
     pub text: String,
-    /// What is proposed for each file.
+    /// The proposal for each file.
     pub experiments: Vec<ProposedExperiment>,
-    /// What the check says of the bench as proposed; empty where it cannot be read yet.
+    /// The findings of the check on the proposed bench; empty if the bench cannot be read yet.
     pub findings: Vec<Finding>,
-    /// Why the bench cannot be read yet, where that is so.
+    /// The reason why the bench cannot be read yet; `None` if it can.
     pub open: Option<String>,
 }
 
-/// What is proposed for one file.
+/// The proposal for one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProposedExperiment {
     /// The file, as bench.toml names it.
@@ -45,13 +47,17 @@ pub struct ProposedExperiment {
     pub name: String,
     /// The kind of experiment.
     pub kind: String,
-    /// The reasons; sentences.
+    /// The reasons, as sentences.
     pub reasons: Vec<String>,
-    /// What its user has to decide; sentences.
+    /// The questions that the user must decide, as sentences.
     pub questions: Vec<String>,
+    /// The same in parts, to be corrected: see [`propose_with`].
+    pub choices: Choices,
+    /// The columns of the file.
+    pub column_names: Vec<String>,
 }
 
-/// One experiment in the making.
+/// A proposed experiment that is still being corrected.
 struct Draft {
     name: String,
     file: String,
@@ -62,15 +68,34 @@ struct Draft {
     offset_rad: Option<(f64, String)>,
     held_current_a: Option<(f64, String)>,
     from_s: Option<(f64, String)>,
+    until_s: Option<f64>,
+    time_step_s: Option<f64>,
     questions: Vec<String>,
     unused: Vec<String>,
+    column_names: Vec<String>,
+    /// Its user has decided: what the check finds is said and not mended.
+    decided: bool,
 }
 
-/// Proposes a bench.toml for these files in `folder`. Nothing is written.
+/// Proposes a bench.toml for these files in `folder`. Writes no file.
 ///
 /// # Errors
-/// A file that cannot be read, or is no table.
+/// If a file cannot be read, or does not hold a table.
 pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
+    propose_with(folder, files, &Corrections::default()).map(|(proposal, _)| proposal)
+}
+
+/// As [`propose`], with what a user has corrected. The second value are the corrections that make no sense, as
+/// sentences: what they are of is as it was proposed.
+///
+/// # Errors
+/// As for [`propose`].
+pub fn propose_with(
+    folder: &Path,
+    files: &[PathBuf],
+    corrections: &Corrections,
+) -> Result<(Proposal, Vec<String>), Error> {
+    let mut refused = vec![];
     let mut drafts: Vec<Draft> = vec![];
     let mut in_memory = FilesInMemory::default();
     for path in files {
@@ -86,7 +111,13 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
         while drafts.iter().any(|draft| draft.name == name) {
             name.push_str(" again");
         }
-        drafts.push(draft(name, file, &table));
+        let mut draft = draft(name, file, &table);
+        if let Some(choices) = corrections.files.get(&draft.file)
+            && let Err(reason) = draft.choose(choices, &table)
+        {
+            refused.push(reason);
+        }
+        drafts.push(draft);
     }
     let bench_name = folder.file_name().map_or_else(
         || "bench".to_owned(),
@@ -94,7 +125,7 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
     );
     let mut checked = Err("no file is given".to_owned());
     for _ in 0..ROUNDS {
-        let toml = text::bench_toml(&bench_name, &drafts);
+        let toml = text::bench_toml(&bench_name, &corrections.known, &drafts);
         in_memory.insert("bench.toml", toml.as_str());
         checked = match Bench::from_files(&in_memory) {
             Ok(bench) => Ok(crate::check(&bench)),
@@ -113,15 +144,16 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
         Ok(found) => (found, None),
         Err(open) => (vec![], Some(open)),
     };
-    Ok(Proposal {
-        text: text::bench_toml(&bench_name, &drafts),
+    let proposal = Proposal {
+        text: text::bench_toml(&bench_name, &corrections.known, &drafts),
         experiments: drafts.iter().map(Draft::told).collect(),
         findings,
         open,
-    })
+    };
+    Ok((proposal, refused))
 }
 
-/// A path as bench.toml in `folder` names it.
+/// A path as bench.toml in `folder` would name it.
 fn name_in(folder: &Path, path: &Path) -> String {
     let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let (folder, path) = (whole(folder), whole(path));
@@ -173,13 +205,17 @@ fn draft(name: String, file: String, table: &Table) -> Draft {
         offset_rad: guess.offset_rad,
         held_current_a: guess.held_current_a,
         from_s: None,
+        until_s: None,
+        time_step_s: None,
         questions,
         unused,
         mapped,
+        column_names: table.names.clone(),
+        decided: false,
     }
 }
 
-/// The unit of a time that states none, from the usual step: nobody logs a pendulum every second.
+/// The unit of a time column without a stated unit, from its usual interval: nobody samples a pendulum once per second.
 fn time_unit(time: &mut Mapped, values: &[f64], questions: &mut Vec<String>) {
     if time.unit.is_some() {
         return;
@@ -202,14 +238,18 @@ fn time_unit(time: &mut Mapped, values: &[f64], questions: &mut Vec<String>) {
     }
 }
 
-/// Mends a draft by what the check says; false where that needs its user.
+/// Corrects a draft as a finding requires. Returns `false` if only the user can.
 fn mend(drafts: &mut [Draft], finding: &Finding) -> bool {
     let concerned = |draft: &&mut Draft| match &finding.experiment {
         Some(name) => draft.name == *name,
         None => draft.kind == Kind::SpinUp,
     };
     let mut changed = false;
-    for draft in drafts.iter_mut().filter(concerned) {
+    for draft in drafts
+        .iter_mut()
+        .filter(concerned)
+        .filter(|draft| !draft.decided)
+    {
         changed |= mend_one(draft, finding);
     }
     changed
@@ -255,7 +295,7 @@ fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
     };
     let is = |size: f64| (factor / size - 1.0).abs() < 0.01;
     if is(-1.0) {
-        // Which of two has the wrong sign, no file says.
+        // The file does not say which of two channels has the wrong sign.
         draft
             .questions
             .push(format!("{}: {}", finding.sentence, finding.fix));
@@ -318,6 +358,8 @@ impl Draft {
             kind: self.kind.name().to_owned(),
             reasons,
             questions: self.questions.clone(),
+            choices: self.choices(),
+            column_names: self.column_names.clone(),
         }
     }
 }

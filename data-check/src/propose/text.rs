@@ -1,10 +1,12 @@
-//! A proposal as the text of a bench.toml in which every key that exists stands.
+//! A proposal as the text of a bench.toml that shows every key.
+
+use std::collections::BTreeMap;
 
 use bench_files::Channel;
 
 use super::Draft;
 
-/// What stands above the experiments.
+/// The text above the experiments.
 const HEAD: &str = r#"
 [known]                        # what was measured directly; each may be missing
 # gravity         = 9.81       # m/s2
@@ -39,7 +41,7 @@ const HEAD: &str = r#"
 #   accept    = ["rate-factor"]       findings of `flywheel check` that this experiment may have
 "#;
 
-/// What stands below them.
+/// The text below the experiments.
 const TAIL: &str = r#"
 # [hardware.gyroscope]         # likewise accelerometer, magnetometer: what the controller's raw counts mean
 # part      = "FXAS21002"      # a preset; the keys below override it
@@ -69,16 +71,38 @@ const TAIL: &str = r#"
 "#;
 
 /// The whole text.
-pub(super) fn bench_toml(name: &str, drafts: &[Draft]) -> String {
+pub(super) fn bench_toml(name: &str, known: &BTreeMap<String, f64>, drafts: &[Draft]) -> String {
     let mut text = format!(
         "# Proposed by `flywheel new`; the reasons stand beside each line. `flywheel check` says what is wrong.\n\
-         [bench]\nname = {}\n{HEAD}",
-        quoted(name)
+         [bench]\nname = {}\n{}",
+        quoted(name),
+        head(known)
     );
     for draft in drafts {
         text.push_str(&experiment(draft));
     }
     text + TAIL
+}
+
+/// [`HEAD`] with what is known in the place of its example.
+fn head(known: &BTreeMap<String, f64>) -> String {
+    let lines = HEAD.lines().map(|line| {
+        let key = line
+            .strip_prefix("# ")
+            .and_then(|line| line.split_whitespace().next());
+        match key.and_then(|key| Some((key, known.get(key)?))) {
+            Some((key, value)) => {
+                let about = line
+                    .split_once('#')
+                    .and_then(|(_, rest)| rest.split_once('#'));
+                let about = about.map_or(String::new(), |(_, about)| format!("#{about}"));
+                let line = format!("{:30} {about}", format!("{key:15} = {value:?}"));
+                format!("{}\n", line.trim_end())
+            }
+            None => format!("{line}\n"),
+        }
+    });
+    lines.collect()
 }
 
 /// A text in quotation marks, as TOML writes it.
@@ -94,7 +118,7 @@ fn quoted(text: &str) -> String {
     out + "\""
 }
 
-/// A comment in one line.
+/// A comment of one line.
 fn comment(text: &str) -> String {
     let plain: String = text
         .chars()
@@ -123,7 +147,7 @@ fn experiment(draft: &Draft) -> String {
             one.reason
         )));
     }
-    // A column of the standard name needs no entry.
+    // A column with the standard name needs no entry.
     let columns = draft
         .mapped
         .iter()
@@ -155,6 +179,12 @@ fn experiment(draft: &Draft) -> String {
         text.push_str(&comment(reason));
         text.push_str(&format!("from = {from_s:?}\n"));
     }
+    if let Some(until_s) = draft.until_s {
+        text.push_str(&format!("until = {until_s:?}\n"));
+    }
+    if let Some(time_step_s) = draft.time_step_s {
+        text.push_str(&format!("time_step = {time_step_s:?}\n"));
+    }
     for question in &draft.questions {
         text.push_str(&comment(&format!("TO DECIDE: {question}")));
     }
@@ -164,7 +194,7 @@ fn experiment(draft: &Draft) -> String {
     text
 }
 
-/// Whether a unit is the one that needs no entry.
+/// Whether a unit is the default, which needs no entry.
 fn is_si(channel: Channel, unit: &str) -> bool {
     let si = match channel {
         Channel::Time => "s",
@@ -191,7 +221,7 @@ mod tests {
     /// Every key of a bench.toml that begins a bench stands in the text, at least as a comment.
     #[test]
     fn every_key_stands_in_the_proposal() {
-        let text = bench_toml("bench", &[]) + "[[experiment]] name file";
+        let text = bench_toml("bench", &BTreeMap::new(), &[]) + "[[experiment]] name file";
         for section in BENCH
             .iter()
             .filter(|section| !section.name.starts_with("calibration"))

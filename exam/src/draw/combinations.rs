@@ -1,14 +1,14 @@
-//! What no small combination of suspects can take of a trace.
+//! The part of a hidden term's trace that no small combination of suspects can explain.
 //!
-//! The base model has been refitted to the logs without noise; what it leaves is the trace of the hidden term.
-//! Every suspect, in several shapes, every free parameter of the base model and every start of a window
-//! makes a trace of its own beside it, found by the exam's own simulator as the difference of two motions.
-//! For every set of four suspects, as many as a diagnosis adds at most, the part of the hidden term's trace is
-//! found that is orthogonal to all of theirs (linear least squares): no combination of them that is small enough to be linear
-//! can take it. What is left by the set that takes most counts. A suspect is taken with all of its
-//! shapes at once, which is more than a fit can do and makes the rule strict towards outsiders. Sets that hold
+//! The base model is refitted to the logs without noise; its residual is the trace of the hidden term.
+//! Every suspect (in several shapes), every free parameter of the base model and every start of a window
+//! has a trace of its own: the difference of two motions in the exam's own simulator.
+//! For every set of four suspects, as many as a diagnosis adds at most, linear least squares gives the part of the
+//! hidden term's trace that is orthogonal to all of theirs. No combination of the four that is small enough to be
+//! linear can explain that part. The set that explains the most decides. A suspect enters with all its
+//! shapes at once, which is more than a fit can do; this makes the rule strict towards outsiders. Sets that contain
 //! the three powers of the angle with which any torque over the angle can be fitted are no explanation
-//! and are passed over. No fit of the diagnosis is asked, so that its failures cannot choose its questions.
+//! and are skipped. The fits of the diagnosis are not used, so its failures cannot influence its questions.
 
 use std::ops::Range;
 
@@ -22,24 +22,24 @@ use crate::bench_plan::replay;
 use crate::true_motion::Beginning;
 use crate::truth::{Hidden, Truth};
 
-/// Shapes of every suspect (see [`HidingPlace::shape`] and [`HidingPlace::second`]); those that make no
-/// difference to an effect are counted once.
+/// Shapes of every suspect (see [`HidingPlace::shape`] and [`HidingPlace::second`]). Shapes that are equal for an
+/// effect are counted once.
 const SHAPES: [f64; 4] = [0.05, 0.35, 0.65, 0.95];
-/// See [`SHAPES`]. Of a phase they are a quarter turn apart.
+/// Values of the second shape number (see [`SHAPES`]). As phases, they are a quarter turn apart.
 const SECONDS: [f64; 2] = [0.0, 0.5];
-/// Relative change of a base parameter, and change of a start in units of noise, whose trace is found.
+/// Relative change of a base parameter, and change of a start in units of noise, for the computation of their traces.
 const STEP: f64 = 1e-3;
-/// A trace of a suspect is found at about this size, in units of noise: that of what is hidden.
+/// Approximate size of a suspect's trace in its computation, in units of noise: the size of the hidden term.
 const SIZE: f64 = 3.0;
-/// What is added to the squares of the traces of unit length, so that what is the same but for rounding is taken
+/// Regularisation, added to the squares of traces of unit length: traces that differ by rounding only are used
 /// once.
 const RIDGE: f64 = 1e-9;
-/// Suspects in a set.
+/// Number of suspects in a set.
 const TOGETHER: usize = 4;
 /// Powers of the angle whose terms together fit any torque over the angle.
 const POWER_SERIES: [u32; 3] = [0, 1, 3];
 
-/// A part of a log with a start of its own.
+/// A part of a log with its own start.
 struct Segment<'a> {
     record: &'a Record,
     samples: Range<usize>,
@@ -48,16 +48,16 @@ struct Segment<'a> {
     first_series: usize,
 }
 
-/// The samples of a segment that count.
+/// The samples of a segment that count in the fit.
 struct Rows {
-    /// Channel and sample of each.
+    /// Channel and sample of each row.
     places: Vec<(usize, usize)>,
-    /// Of the trace, in units of noise.
+    /// The trace at each row, in units of noise.
     values: DVector<f64>,
 }
 
 impl Segment<'_> {
-    /// The motion of these true parameters and terms.
+    /// The motion with these true parameters and hidden terms.
     fn motion(&self, truth: &Truth, from: &Beginning) -> Vec<[f64; 3]> {
         let log = (
             self.record.time_s.as_slice(),
@@ -77,7 +77,7 @@ impl Segment<'_> {
     }
 }
 
-/// The parts of all logs, beginning as the base fit says.
+/// The segments of all logs, with starts from the base fit.
 fn segments<'a>(records: &[&'a Record], fit: &BaseFit) -> Vec<Segment<'a>> {
     let mut segments = vec![];
     let mut first_series = 0;
@@ -111,7 +111,7 @@ fn segments<'a>(records: &[&'a Record], fit: &BaseFit) -> Vec<Segment<'a>> {
     segments
 }
 
-/// What the base fit leaves of a segment.
+/// The residual of the base fit in a segment.
 fn left(segment: &Segment, traces: &[identify::PredictedSeries]) -> Rows {
     let record = segment.record;
     let mut places = vec![];
@@ -131,7 +131,7 @@ fn left(segment: &Segment, traces: &[identify::PredictedSeries]) -> Rows {
     }
 }
 
-/// Every suspect in every shape that makes a difference, as a function of its amplitude.
+/// Every suspect in each of its different shapes.
 fn terms(suspects: &[EffectId], place: &HidingPlace) -> Vec<(EffectId, HidingPlace)> {
     let mut terms = vec![];
     for &effect in suspects {
@@ -171,7 +171,7 @@ fn sets(members: &[EffectId], count: usize) -> Vec<Vec<EffectId>> {
     }
 }
 
-/// Whether a set fits any torque over the angle.
+/// Whether a set can fit any torque over the angle.
 fn fits_any_curve(set: &[EffectId]) -> bool {
     let has = |power: &u32| {
         let mut powers = set.iter().map(|effect| effect.info().angle_power);
@@ -180,7 +180,7 @@ fn fits_any_curve(set: &[EffectId]) -> bool {
     POWER_SERIES.iter().all(has)
 }
 
-/// The shares of the traces at these positions in the least-squares fit, and the squares that they take.
+/// The least-squares coefficients of the traces at these positions, and the squares that they explain.
 fn least_squares(
     normal: &DMatrix<f64>,
     right: &DVector<f64>,
@@ -196,9 +196,9 @@ fn least_squares(
     Some((shares, taken))
 }
 
-/// What is left of the trace of what hides in logs without noise by every small combination of four suspects,
-/// of the base parameters and of the starts: the root mean square of the worst series, in units of its noise.
-/// `None` where the motion leaves the finite numbers.
+/// The part of the hidden term's trace, in logs without noise, that no small combination of four suspects, of base
+/// parameters and of starts explains: root mean square of the worst series, in units of its noise.
+/// `None` if the motion does not stay finite.
 pub fn left_by_combinations(
     clean: &FitProblem,
     fit: &BaseFit,
@@ -231,7 +231,7 @@ pub fn left_by_combinations(
         .par_iter()
         .map(|segment| segment.motion(&truth, &segment.from))
         .collect();
-    // The trace of other parameters or terms, segment by segment.
+    // The trace of changed parameters or terms, segment by segment.
     let trace = |truth: &Truth| -> Vec<DVector<f64>> {
         segments
             .iter()
@@ -271,12 +271,12 @@ pub fn left_by_combinations(
                 (Some(effect), trace)
             }),
     );
-    // What goes where it means nothing is no direction.
+    // A trace that is not finite is left out.
     varied.retain(|(_, trace)| {
         let sum: f64 = trace.iter().map(DVector::norm_squared).sum();
         sum > 0.0 && sum.is_finite()
     });
-    // Every start is free: what it can do is taken out of all traces of its segment.
+    // Every start is free: its directions are projected out of all traces of its segment.
     for (index, segment) in segments.iter().enumerate() {
         let starts: Vec<DVector<f64>> = start_steps(segment)
             .into_iter()
@@ -294,7 +294,7 @@ pub fn left_by_combinations(
             without(&mut trace[index]);
         }
     }
-    // Linear least squares over all segments, by the normal equations of traces of unit length.
+    // Linear least squares over all segments, from the normal equations of traces of unit length.
     for (_, trace) in &mut varied {
         let norm = trace.iter().map(DVector::norm_squared).sum::<f64>().sqrt();
         for part in trace.iter_mut() {
@@ -333,7 +333,7 @@ pub fn left_by_combinations(
     Some(worst(&segments, &rows, &left))
 }
 
-/// The beginnings of a segment with one of its unknowns moved each.
+/// The starts of a segment, each with one unknown changed.
 fn start_steps(segment: &Segment) -> Vec<Beginning> {
     let noise = |output: Output| {
         let channel = segment.record.channel(output);
@@ -355,13 +355,13 @@ fn start_steps(segment: &Segment) -> Vec<Beginning> {
                 wheel_speed_rad_s: from.wheel_speed_rad_s + noise(Output::WheelSpeed),
                 ..from
             }),
-            // The exam's logs have a recorded current and whole angles; the others act with an effect alone.
+            // The exam's logs have a recorded current and no quantised angle; the other unknowns act with certain effects only.
             _ => None,
         })
         .collect()
 }
 
-/// An orthonormal basis of what these span; `None` if they span nothing.
+/// An orthonormal basis of the space that the columns span; `None` if it is empty.
 fn orthonormal(columns: &[DVector<f64>]) -> Option<DMatrix<f64>> {
     let columns: Vec<DVector<f64>> = columns
         .iter()

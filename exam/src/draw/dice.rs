@@ -1,4 +1,4 @@
-//! Draws that every file needs.
+//! Random draws that several files use.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,4 @@
-//! The pendulum of a seed, its sensors and its experiments.
+//! The pendulum of a seed, with its sensors and experiments.
 
 use std::f64::consts::{PI, TAU};
 
@@ -43,7 +43,7 @@ pub fn draw_noise(rng: &mut ChaCha8Rng) -> SensorNoise {
     }
 }
 
-/// What the experiments must have so that a hidden term can show.
+/// The equipment that is needed for a hidden term to be visible.
 #[derive(Clone, Copy, Debug)]
 pub struct Needs {
     /// A rate sensor.
@@ -52,15 +52,15 @@ pub struct Needs {
     pub motor: bool,
 }
 
-/// Which experiments there are.
+/// The drawn experiments.
 pub struct Choice {
     /// The experiments.
     pub plans: Vec<ExperimentPlan>,
-    /// The rate is measured.
+    /// Whether the rate is measured.
     pub has_rate: bool,
     /// Which of Θ, j_w, G, τ are known.
     pub known: [Option<f64>; 4],
-    /// Largest current of a spin-up (A) and wheel speed that it reaches (rad/s).
+    /// Largest current of a spin-up (A), and the wheel speed that it reaches (rad/s).
     pub top: (f64, f64),
 }
 
@@ -84,7 +84,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
     if rng.random_bool(0.75) {
         plans.push(swing(small));
     }
-    // A bench without a motor, one time in eight.
+    // One bench in eight has no motor.
     let swings_only = rng.random_bool(0.125) && !needs.motor;
     let speed = rng.random_range(300.0..700.0);
     let duration_s = 3.0;
@@ -171,7 +171,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
     }
 }
 
-/// The thesis' weights, scaled to the current that this bench needs.
+/// Gains from the weights of the thesis, scaled to the current of this bench; `None` if there is no design.
 fn gains(truth: &Truth, sample_s: f64, limit_a: f64) -> Option<[f64; 3]> {
     let values = [
         truth.base[0],

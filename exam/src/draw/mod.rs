@@ -1,24 +1,24 @@
-//! The draw: which bench a seed stands for.
+//! The draw: the bench that belongs to a seed.
 //!
-//! Forty seeds make a round. In every round each effect of the library is hidden once
-//! alone and once in one of nine pairs, each of the eight outsiders is hidden once, one effect of
-//! the library is hidden and taken out of the suspects, and four benches hide nothing. Everything
-//! else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and the diagnosis is
-//! never asked.
+//! Forty seeds make a round. In every round, each effect of the library is hidden once
+//! alone and once in one of nine pairs. Each of the eight outsiders is hidden once. One effect of
+//! the library is hidden and removed from the suspects, and four benches hide nothing. Everything
+//! else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone; the diagnosis has no
+//! influence.
 //!
-//! The size of a hidden term is log-uniform from 1 to 30: the root mean square of what is left of
-//! its trace, after the base model is refitted, in the channel that it hits worst, in units of that
-//! channel's noise. An outsider counts only if three times the noise is left that no small combination of
-//! what the suspects do can take (`combinations`), and is drawn again until it does (its size from 3 to 30).
+//! The size of a hidden term is log-uniform from 1 to 30. It is the root mean square of its trace after the base model
+//! has been refitted, in the channel with the largest trace, in units of that channel's noise. An outsider counts only
+//! if no small combination of suspects explains its trace to less than three times the noise (`combinations`). It is
+//! drawn again until it counts (with a size from 3 to 30).
 //!
 //! | file | job |
 //! |---|---|
-//! | `dice` | draws that every file needs |
-//! | `question` | what a seed asks |
+//! | `dice` | random draws that several files use |
+//! | `question` | the question of a seed |
 //! | `experiments` | the pendulum, its sensors, its experiments |
 //! | `shape` | the shape of a hidden term |
-//! | `size` | the logs, and the amplitude of a size |
-//! | `combinations` | what no small combination of suspects can take of a trace |
+//! | `size` | the logs, and the amplitude that gives a size |
+//! | `combinations` | the part of a trace that no small combination of suspects can explain |
 
 mod combinations;
 mod dice;
@@ -42,22 +42,22 @@ use self::size::{base_fit, make, sized};
 use crate::bench_plan::SensorNoise;
 use crate::truth::{StatedTorque, Truth};
 
-/// An outsider counts if this is left, in units of noise, by every small combination of suspects.
+/// An outsider counts if every small combination of suspects leaves at least this much of its trace, in units of noise.
 pub const LEFT_BY_SUSPECTS: f64 = 3.0;
-/// Sizes that are drawn, in units of noise.
+/// Range of the drawn sizes, in units of noise.
 pub const SIZES: (f64, f64) = (1.0, 30.0);
-/// Times that a bench is drawn again if its hidden terms cannot have the size that was drawn, or an
+/// Number of further draws for a bench if its hidden terms cannot reach the drawn size, or an
 /// outsider does not count.
 const REDRAWS: u64 = 20;
 
-/// A bench with its answer.
+/// A bench of the exam, with its answer.
 #[derive(Clone, Debug)]
 pub struct ExamBench {
     /// The seed.
     pub seed: u64,
-    /// What is asked.
+    /// The question.
     pub question: Question,
-    /// The truth.
+    /// The true parameters and hidden terms.
     pub truth: Truth,
     /// The logs, ready for the fit.
     pub problem: FitProblem,
@@ -69,20 +69,20 @@ pub struct ExamBench {
     pub suspects: Vec<EffectId>,
 }
 
-/// The bench of a seed; `None` if no draw gave hidden terms of the size that was wanted.
+/// The bench of a seed; `None` if no draw gave hidden terms of the drawn size.
 pub fn draw(seed: u64) -> Option<ExamBench> {
     let question = question(seed);
     (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), None))
 }
 
-/// A bench in which an effect hides alone that is no part of this program; it is a suspect beside those of the library.
-/// The exam needs its equation a second time. `None` if no draw of this seed has the size that was wanted.
+/// A bench with one hidden effect that is not part of this program; it is a suspect beside those of the library. The exam
+/// needs its equation a second time. `None` if no draw of this seed has the drawn size.
 pub fn draw_stated(seed: u64, effect: EffectId, torque: &StatedTorque) -> Option<ExamBench> {
     let question = Question::One(effect);
     (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), Some(torque)))
 }
 
-/// What the experiments of a question must have.
+/// The equipment that a question needs.
 fn needs(question: &Question) -> Needs {
     let hidden = question.hidden();
     let any = |holds: fn(EffectId) -> bool| hidden.iter().any(|&effect| holds(effect));

@@ -1,4 +1,4 @@
-//! Which question a seed asks.
+//! The question of a seed.
 
 use plant::{EffectId, Model};
 use rand::{RngExt, SeedableRng};
@@ -6,10 +6,10 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::truth::Outsider;
 
-/// Seeds in a round.
+/// Number of seeds in a round.
 pub const ROUND: u64 = 40;
 
-/// What kind of question a bench asks.
+/// The question that a bench asks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
     /// Nothing is hidden.
@@ -18,14 +18,14 @@ pub enum Question {
     One(EffectId),
     /// Two effects.
     Two(EffectId, EffectId),
-    /// A term of nobody's library.
+    /// A term that is not in the library.
     Outside(Outsider),
-    /// An effect of the library that is no suspect.
+    /// An effect of the library that is removed from the suspects.
     Withheld(EffectId),
 }
 
 impl Question {
-    /// The effects of the library that hide.
+    /// The hidden effects of the library.
     pub fn hidden(&self) -> Vec<EffectId> {
         match self {
             Question::Nothing | Question::Outside(_) => vec![],
@@ -34,12 +34,12 @@ impl Question {
         }
     }
 
-    /// Whether something hides that no suspect accounts for.
+    /// Whether a hidden term is not among the suspects.
     pub fn is_outside(&self) -> bool {
         matches!(self, Question::Outside(_) | Question::Withheld(_))
     }
 
-    /// What hides, in words, one entry a term.
+    /// The hidden terms in words, one entry per term.
     pub fn truth(&self) -> Vec<String> {
         match self {
             Question::Nothing => vec!["nothing".to_owned()],
@@ -51,7 +51,7 @@ impl Question {
     }
 }
 
-/// The effects that may hide: all of the library but the two of the base model.
+/// The effects that may be hidden: all of the library except the two of the base model.
 pub fn effects() -> Vec<EffectId> {
     EffectId::ALL
         .iter()
@@ -82,7 +82,7 @@ pub fn question(seed: u64) -> Question {
         0 => Question::Withheld(effects[(seed / ROUND) as usize % effects.len()]),
         1..=4 => Question::Nothing,
         pair => {
-            // The matching of the round: shuffled until every pair can hide together.
+            // The pairs of the round: shuffled until the effects of every pair can be hidden together.
             let mut order = effects;
             loop {
                 for last in (1..order.len()).rev() {

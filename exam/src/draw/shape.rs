@@ -1,4 +1,4 @@
-//! The shape of a hidden term, whose amplitude is still open.
+//! The shape of a hidden term, before its amplitude is determined.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use super::dice::sign;
 use crate::truth::{Hidden, Outsider, StatedTorque, Truth};
 
-/// A hidden term whose amplitude is still open.
+/// A hidden term whose amplitude is not determined yet.
 pub struct TermShape {
     /// The term for an amplitude.
     pub make: Box<dyn Fn(f64) -> Hidden + Send + Sync>,
@@ -17,7 +17,7 @@ pub struct TermShape {
     pub guess: f64,
 }
 
-/// The bench as effects look at it that are hidden there; their shape is drawn apart.
+/// The properties of the bench that effects use to hide in it. Their shape is drawn separately.
 pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) -> HidingPlace {
     let [
         total_inertia,
@@ -38,7 +38,7 @@ pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) 
     }
 }
 
-/// An effect with a drawn shape; one that is no part of this program with its equation.
+/// An effect with a drawn shape; an effect that is not part of this program comes with its equation.
 pub fn shape_of_effect(
     rng: &mut ChaCha8Rng,
     effect: EffectId,
@@ -92,8 +92,7 @@ pub fn shape_of_outsider(rng: &mut ChaCha8Rng, outsider: Outsider, truth: &Truth
     }
 }
 
-/// Whether the numbers of a library effect lie where its description says that they lie on benches
-/// of this size.
+/// Whether the parameters of a library effect lie within the plausible range of its description.
 pub fn is_plausible(hidden: &Hidden) -> bool {
     let Some((effect, p)) = hidden.effect() else {
         return true;
@@ -102,7 +101,7 @@ pub fn is_plausible(hidden: &Hidden) -> bool {
     !info.hides_within_plausible()
         || info.parameters.iter().zip(p).all(|(info, value)| {
             let (low, high) = info.plausible;
-            // The size that is drawn decides how small an amplitude is.
+            // The lower limit is not checked: the drawn size determines how small an amplitude is.
             value.abs() <= high.abs().max(low.abs())
         })
 }

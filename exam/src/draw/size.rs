@@ -1,4 +1,4 @@
-//! The logs of a bench, and the amplitude at which a hidden term has the size that was drawn.
+//! The logs of a bench, and the amplitude with which a hidden term has the drawn size.
 
 use bench_files::Known;
 use identify::{
@@ -11,15 +11,15 @@ use super::shape::TermShape;
 use crate::bench_plan::{ExamLog, SensorNoise, is_usable, record};
 use crate::truth::{Hidden, Truth};
 
-/// A seed's logs as the fit sees them, with the noise that was really put in and without it.
+/// The logs of a seed as the fit uses them, with and without noise. Their noise level is the true one.
 pub struct Made {
-    /// What the exam hands out.
+    /// The bench that the exam gives to the diagnosis.
     pub noisy: FitProblem,
-    /// The same without noise; the channels keep the noise as their scale.
+    /// The same without noise; the channels keep the noise level as their scale.
     pub clean: FitProblem,
 }
 
-/// The logs of a bench; `None` if they cannot be read as one.
+/// Simulates the logs of a bench; `None` if they do not form a usable bench.
 pub fn make(truth: &Truth, choice: &Choice, noise: &SensorNoise, seed: u64) -> Option<Made> {
     let mut records = vec![];
     let mut logs: Vec<ExamLog> = vec![];
@@ -80,17 +80,17 @@ pub fn worst(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> f64 {
 pub struct BaseFit {
     /// The fit.
     pub minimum: Minimum,
-    /// For every record and channel, model against measurement.
+    /// For every record and channel: the prediction compared with the measurement.
     pub traces: Vec<Vec<PredictedSeries>>,
 }
 
-/// What is left of the hidden terms' trace after the base model is refitted, in units of noise.
+/// The trace of the hidden terms after the base model has been refitted, in units of noise.
 fn size_of(clean: &FitProblem, truth: &Truth) -> Option<f64> {
     let fit = base_fit(clean, truth)?;
     Some(worst(&clean.all_records(), &fit.traces))
 }
 
-/// The base model refitted to the logs without noise, from the true parameters.
+/// Refits the base model to the logs without noise, from the true parameters.
 pub fn base_fit(clean: &FitProblem, truth: &Truth) -> Option<BaseFit> {
     let records = clean.all_records();
     let model = Model::base();
@@ -127,7 +127,7 @@ pub fn base_fit(clean: &FitProblem, truth: &Truth) -> Option<BaseFit> {
     Some(BaseFit { minimum, traces })
 }
 
-/// The amplitude at which a term has the size that was drawn: a secant in the logarithms.
+/// The amplitude with which a term has the drawn size: a secant method in the logarithms.
 pub fn sized(
     truth: &Truth,
     choice: &Choice,
@@ -137,8 +137,8 @@ pub fn sized(
     wanted: f64,
 ) -> Option<(Hidden, f64)> {
     const ROUNDS: usize = 8;
-    // Beyond this from the guess no bench is meant any more; a lag of nanoseconds would take the
-    // simulation hours.
+    // Farther from the first guess, no real bench is meant, and a lag of nanoseconds would make the
+    // simulation take hours.
     const FARTHEST: f64 = 1e4;
     let mut s = shape.guess;
     let mut before: Option<(f64, f64)> = None;

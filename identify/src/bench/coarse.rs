@@ -1,10 +1,10 @@
-//! The noise of coarse logs, by what the base model leaves of them over short windows.
+//! The noise of coarse logs, estimated from the residual of the base model over short windows.
 //!
-//! Differences of samples tell noise from motion only where the motion is smooth from sample to sample: not in a
-//! swing of a dozen samples a period, nor where the current switches every few samples, and a log of fifty
-//! samples has too few differences. There a model is the smoother curve: the base model with dry friction, fitted
-//! over windows of a dozen samples, each with a start of its own, follows the motion whatever effect it lacks. What
-//! it leaves is not less than the noise.
+//! Differences between samples separate noise from motion only where the motion is smooth from sample to sample.
+//! They fail in a swing with a dozen samples per period, in a log whose current switches every few samples, and
+//! in a log of fifty samples. There, a model gives the smooth curve: the base model with dry friction, fitted over
+//! windows of a dozen samples, each with its own start. Such a fit follows the motion even if the model lacks an
+//! effect. Its residual is not smaller than the noise.
 
 use nalgebra::{DMatrix, DVector};
 use plant::{EffectId, Kind, Model, period_s};
@@ -13,23 +13,25 @@ use super::problem::FitProblem;
 use crate::fit::{Effort, Unknowns, Window, guess, minimise, normal_observed, relevant};
 use crate::records::{NOISE_RELATIVE_STD_ROOT_N, NoiseEstimate, Record, noise_by_differences};
 
-/// A log of fewer samples than this has too few differences: their scatter is then beyond a tenth.
+/// A log with fewer samples than this has too few differences: the noise estimate scatters by more than 10 %.
 const FEW_SAMPLES: usize = 256;
-/// Samples in a period of a swing below which its curvature shows in differences of every order.
+/// Samples per period of a swing below which the curvature of the motion dominates differences of every order.
 const FEW_PER_PERIOD: f64 = 20.0;
-/// Samples between two steps of the current below which hardly a difference of high order is without one.
+/// Samples between two steps of the current below which nearly every high-order difference contains a step.
 const FEW_PER_STEP: f64 = 20.0;
-/// Samples in a window: four for each unknown of its own.
+/// Samples per window: four for each of its own unknowns.
 const WINDOW_SAMPLES: f64 = 12.0;
-/// Fits, each with the noise that the one before has left: the first are weighted by the differences.
+/// Number of fits. Each is weighted with the noise from the residual of the one before, the first with the noise from
+/// differences.
 const ROUNDS: usize = 3;
-/// Share of the largest entry of a window's information below which an unknown is not determined.
+/// An unknown counts as not determined if its information is below this share of the window's largest.
 const SINGULAR: f64 = 1e-12;
-/// Standard errors up to which the two estimates agree; the model's is then the better one.
+/// The estimate from the model's residual replaces the one from differences unless it is larger by more than this many
+/// standard errors: a larger one contains misfit of the model.
 const AGREE: f64 = 3.0;
 
 impl FitProblem {
-    /// Corrects the noise of records that are too coarse for differences of samples.
+    /// Corrects the noise of records that are too coarse for an estimate from differences.
     pub(super) fn estimate_coarse_noise(&mut self) {
         let model = Model::base()
             .with(EffectId::BodyCoulombFriction)
@@ -84,7 +86,7 @@ impl FitProblem {
     }
 }
 
-/// Whether a record is one whose noise the differences of its samples do not show.
+/// Whether a record is too coarse for an estimate of its noise from differences.
 fn is_coarse(record: &Record, period_s: f64) -> bool {
     let n = record.len();
     if record.kind == Kind::Balance || n < 2 {
@@ -96,7 +98,7 @@ fn is_coarse(record: &Record, period_s: f64) -> bool {
     n < FEW_SAMPLES || swings || steps as f64 * FEW_PER_STEP > n as f64
 }
 
-/// Windows of a dozen samples, with the starts that the samples show.
+/// Windows of a dozen samples, with starts guessed from the samples.
 fn short_windows(record: &Record, values: &[f64]) -> Vec<Window> {
     let n = record.len();
     let interval_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
@@ -107,9 +109,9 @@ fn short_windows(record: &Record, values: &[f64]) -> Vec<Window> {
         .collect()
 }
 
-/// Standard deviation of what is left of each channel, after the unknowns of the windows and `shared` parameters
-/// have taken their degrees of freedom: each channel has lost the leverages of its own samples (the diagonal of
-/// the hat matrix; Hoaglin & Welsch 1978).
+/// Standard deviation of the residual of each channel. The degrees of freedom are those left after the fit of the
+/// windows' own unknowns and of the `shared` parameters: each channel loses the leverages of its own samples (the
+/// diagonal of the hat matrix; Hoaglin & Welsch 1978).
 fn left_by(
     record: &Record,
     windows: &[Window],
@@ -128,7 +130,7 @@ fn left_by(
             counts[one.channel] += 1;
             rows.push((one.channel, DVector::from_column_slice(one.sensitivity)));
         });
-        // What a window cannot tell apart it takes nothing for.
+        // A combination of unknowns that the window does not determine uses no degree of freedom.
         let Some(inverse) = pseudo_inverse(&system.hessian) else {
             continue;
         };

@@ -1,4 +1,4 @@
-//! Which logs are denser than their motion, and by how much.
+//! Which logs are sampled far more densely than their motion needs, and by how much.
 
 use plant::{Kind, Model, period_s};
 
@@ -6,24 +6,26 @@ use super::problem::FitProblem;
 use crate::fit::ratios;
 use crate::records::{BALANCE_WINDOW_S, Record};
 
-/// A log of fewer samples is fitted as it was recorded.
+/// A log with fewer samples is fitted as recorded.
 const MANY_SAMPLES: usize = 30_000;
-/// Samples that are left at least: averages make a long log short, but no shorter.
+/// Smallest number of block averages that a log is reduced to.
 const ENOUGH_SAMPLES: usize = 10_000;
-/// Blocks in a period of the pendulum, at least: what the mean over one smooths is then 5e-4 of the amplitude, of
-/// which [`Record::averaged`] leaves 1e-5.
+/// Smallest number of blocks per period of the pendulum. The mean over a block then flattens the motion by 5e-4 of
+/// its amplitude, and [`Record::averaged`] corrects this to 1e-5.
 const BLOCKS_PER_PERIOD: f64 = 60.0;
-/// Longest block of a log in which the wheel turns alone, s: the teeth of a motor still show at a turn a second, and
-/// faster ones make its speed ripple by less than a sensor shows.
+/// Longest block, in s, in a log in which only the wheel turns. The cogging of a motor that makes one turn per second
+/// is still resolved; at higher speeds the ripple of the wheel speed is below the sensor's noise.
 const LONGEST_WHEEL_BLOCK_S: f64 = 0.01;
-/// The same where it moves the body too, s: upright the motion is as fast as its controller, which the window knows,
-/// and on a free body teeth show at higher speeds.
+/// Longest block, in s, in a log in which the wheel also moves the body. Near the upright position the motion is as
+/// fast as the controller, whose time scale sets the window; on a body that moves freely, cogging shows at higher
+/// wheel speeds.
 const LONGEST_FREE_BLOCK_S: f64 = BALANCE_WINDOW_S / BLOCKS_PER_PERIOD;
-/// Blocks from one step of the current to the next, at least: in the block of a step the mean is not the middle.
+/// Smallest number of blocks between two steps of the current: the mean of a block that contains a step is not the
+/// value at its middle.
 const BLOCKS_PER_STEP: usize = 50;
 
 impl FitProblem {
-    /// Puts averages in the place of logs that are far denser than their motion.
+    /// Replaces logs that are far denser than their motion by block averages.
     pub(super) fn average_dense_logs(&mut self) {
         if self
             .records
@@ -46,7 +48,7 @@ impl FitProblem {
     }
 }
 
-/// How many samples of a log make a block.
+/// Number of samples per block for a log; 1 if it is not averaged.
 fn block_of(record: &Record, period_s: Option<f64>) -> usize {
     let n = record.len();
     if n < MANY_SAMPLES {

@@ -1,17 +1,17 @@
-//! Why a bench cannot be identified.
+//! The reasons why a bench cannot be identified.
 
 use plant::{LearnedCoordinate, Role};
 
 use crate::fit::NoBetterThanMean;
 use crate::progress::Cancelled;
 
-/// Why a bench cannot be identified.
+/// The reason why a bench cannot be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
     /// No experiment has a usable channel.
-    #[error("the bench has no experiment from which anything could be identified")]
+    #[error("no experiment of the bench has a channel from which a parameter could be identified")]
     NoExperiments,
-    /// The minimisation found no finite simulation.
+    /// No start gave a simulation with finite numbers.
     #[error(
         "the model could not be simulated from any start that the logs suggest; check units, signs \
          and kinds of the experiments in bench.toml (first suspect: {suspect})"
@@ -20,18 +20,17 @@ pub enum IdentifyError {
         /// The experiment with the largest misfit at the start.
         suspect: String,
     },
-    /// The fit has failed: it costs more than the means of the series do.
+    /// The fit has failed: its cost is not clearly below that of predicting the mean of every series.
     #[error(
-        "the fit has failed: {}. No parameter can be had from that. Check units, signs and kind of {} in \
-         bench.toml; the log must also be long enough to show its motion (a spin-up a change of speed well above \
-         the noise, a swing a good part of a period) at several samples a period. Where all of that is right, \
-         `flywheel diagnose` looks for what the model lacks",
+        "the fit has failed: {}. No parameter of this fit is usable. Check units, signs and kind of {} in \
+         bench.toml. The log must also show its motion: a spin-up needs a change of speed well above the noise, a \
+         swing a good part of a period, both with several samples per period. If all of that is right, \
+         `flywheel diagnose` looks for an effect that the model lacks",
         no_better(series),
         if series.len() == 1 { "the experiment" } else { "these experiments" }
     )]
     NoBetterThanMeans {
-        /// The series that the model predicts no better than their means, of logs that share parameters and
-        /// together cost more than their means.
+        /// The series that the model predicts no better than their means, in groups of logs that share parameters.
         series: Vec<NoBetterThanMean>,
     },
     /// No log moves over the coordinate, or none shows the torque that acts along it.
@@ -59,7 +58,7 @@ fn would_show(coordinate: LearnedCoordinate) -> &'static str {
 /// Most series that a message names.
 const MOST_NAMED: usize = 4;
 
-/// The series with their errors, for a message.
+/// The series with their errors, as text for a message.
 fn no_better(series: &[NoBetterThanMean]) -> String {
     let named: Vec<String> = series
         .iter()
@@ -67,7 +66,7 @@ fn no_better(series: &[NoBetterThanMean]) -> String {
         .map(|one| {
             let (output, unit) = (one.output.name(), one.output.unit());
             format!(
-                "{}/{output} is predicted no better than by its mean (error {:.3} {unit}, about its mean {:.3} {unit})",
+                "{}/{output} is predicted no better than by its mean (rms error {:.3} {unit}; around the mean {:.3} {unit})",
                 one.experiment, one.rmse, one.spread
             )
         })

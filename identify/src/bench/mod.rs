@@ -1,4 +1,4 @@
-//! A whole bench as the fits take it: what is known, what is free, in which units.
+//! A whole bench, prepared for the fits: which parameters are known, which are free, and in which units.
 
 mod coarse;
 mod dense;

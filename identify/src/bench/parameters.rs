@@ -10,8 +10,8 @@ use crate::fit::{Ratios, base_values, driving_samples, ratios};
 use crate::records::Record;
 
 impl FitProblem {
-    /// The positions of the parameter vector that a fit of `model` moves: everything that is not
-    /// known or a whole number and that some experiment can show.
+    /// The positions of the parameters of `model` that a fit adjusts: neither known nor a whole number, and visible in
+    /// at least one experiment.
     pub fn free(&self, model: &Model) -> Vec<usize> {
         let (body, wheel) = self.moved();
         let infos = model.parameters();
@@ -40,8 +40,7 @@ impl FitProblem {
             .collect()
     }
 
-    /// The unit of a parameter of `model` as the bench allows it: "… per kg m2" where the scale of
-    /// its torques is not known.
+    /// The unit of a parameter of `model` on this bench; "… per kg m2" where the scale of its torques is unknown.
     pub fn unit(&self, model: &Model, position: usize) -> String {
         let info = model.parameters()[position];
         let is_wheel = match position {
@@ -63,17 +62,17 @@ impl FitProblem {
         }
     }
 
-    /// A parameter vector for `model` from which a fit can start: base parameters from the samples,
-    /// effects at the first of their stated starts.
+    /// Start values for a fit of `model`, SI: base parameters from the samples, each effect at the first of its stated
+    /// starts.
     pub fn start_values(&self, model: &Model) -> Vec<f64> {
         self.values_from(&ratios(&self.all_records()), model)
     }
 
-    /// The same with base parameters from these ratios.
+    /// As [`FitProblem::start_values`], with base parameters from these ratios.
     pub(crate) fn values_from(&self, ratios: &Ratios, model: &Model) -> Vec<f64> {
         let (base, body_friction, wheel_friction) = base_values(ratios, &self.known);
         let mut values = base.to_vec();
-        // The stated starts are torques of a bench of Θ ≈ 2e-3 kg m².
+        // The stated starts hold for torques of a bench with Θ ≈ 2e-3 kg m².
         for &effect in model.effects() {
             match (effect.info().start_from, effect.info().role) {
                 (StartFrom::Damping, Role::Wheel) => values.push(wheel_friction),
@@ -84,8 +83,8 @@ impl FitProblem {
         values
     }
 
-    /// Parameters from which the fit of an effect may start on this bench, beside base parameters `base`:
-    /// those that it states, and those that the logs suggest.
+    /// Parameter sets from which the fit of an effect may start on this bench, beside the base parameters `base`: those
+    /// that the effect states, and those that the logs suggest.
     pub fn starts(
         &self,
         records: &[&Record],
@@ -106,7 +105,7 @@ impl FitProblem {
         starts
     }
 
-    /// A stated start, what it has of torques scaled to the size of the bench.
+    /// A stated start, with its torques scaled to the size of the bench.
     fn scaled(
         &self,
         effect: EffectId,
@@ -127,9 +126,9 @@ impl FitProblem {
             .collect()
     }
 
-    /// The size of the bench against the one for which the library states its starts, Θ = 2.3e-3 and
-    /// j_w = 1.4e-4 kg m² (thesis). What a motor is supplied with does not grow with the wheel, but stands per
-    /// unit of inertia where the torque constant, which is its back-EMF, does.
+    /// The size of this bench relative to the one for which the library states its starts: Θ = 2.3e-3 kg m² and
+    /// j_w = 1.4e-4 kg m² (thesis). A motor's supply voltage does not grow with the wheel. It is scaled only where the
+    /// torque constant, which is also the back-EMF constant, is per unit of inertia.
     fn scale(&self, role: Role, base: &[f64; BASE_PARAMETERS.len()]) -> f64 {
         match role {
             Role::Body => base[TOTAL_INERTIA] / 2.3e-3,

@@ -1,4 +1,4 @@
-//! A bench prepared for fits: its records without pushes, what is known of it, and how it is looked at.
+//! A bench prepared for fits: its records with pushes left out, its known values, and how its logs are windowed.
 
 use std::borrow::Cow;
 
@@ -11,29 +11,29 @@ use crate::fit::{base_values, ratios};
 use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
 use crate::residuals::{PushModel, find_disturbances, leave_out};
 
-/// A bench prepared for fits: its records, and which parameters are given.
+/// A bench prepared for fits: its records, and the values that are given.
 #[derive(Clone, Debug)]
 pub struct FitProblem {
     /// The experiments, in the order of bench.toml.
     pub records: Vec<Record>,
-    /// Values of the base parameters (positions 0 to 3) that are known or fix the scale.
+    /// Values of the base parameters (positions 0 to 3) that are given, or set to 1 to fix the scale.
     pub known: [Option<f64>; 4],
-    /// Whether torques of the body are known in N m; else they are per unit of Θ.
+    /// Whether torques on the body are known in N m; otherwise they are per unit of Θ.
     pub body_scale_known: bool,
-    /// Whether torques of the wheel are known in N m; else they are per unit of j_w.
+    /// Whether torques on the wheel are known in N m; otherwise they are per unit of j_w.
     pub wheel_scale_known: bool,
     /// Whether an experiment moves body and wheel together, so that they share one scale.
     pub coupled: bool,
-    /// Masses and lengths, for the inertia of the body alone.
+    /// Masses and lengths, from which the inertia of the body alone follows.
     pub masses: Known,
 }
 
 impl FitProblem {
-    /// Prepares a bench that was loaded from disk. Logs that are far denser than their motion are taken as
+    /// Prepares a bench that was loaded from disk. Logs that are far denser than their motion are replaced by block
     /// averages ([`Record::averaged`]).
     ///
     /// # Errors
-    /// [`IdentifyError::NoExperiments`] if nothing in it can be used.
+    /// [`IdentifyError::NoExperiments`] if no experiment has a usable channel.
     pub fn new(bench: &Bench) -> Result<FitProblem, IdentifyError> {
         let records: Vec<Record> = bench
             .experiments
@@ -49,7 +49,7 @@ impl FitProblem {
         FitProblem::prepared(records, known, bench.known, true)
     }
 
-    /// Prepares records with what is known of the base parameters.
+    /// Prepares records with the given base parameters.
     ///
     /// # Errors
     /// [`IdentifyError::NoExperiments`] if there is no record.
@@ -104,8 +104,8 @@ impl FitProblem {
             problem.average_dense_logs();
         }
         let (known, mut records) = (problem.known, std::mem::take(&mut problem.records));
-        // Pushes spoil the first guess and the guess decides what is a push: twice around is enough,
-        // since a push is a matter of factors and the guess one of percents.
+        // The guess of the parameters decides what is a push, and pushes distort the guess. Two rounds are enough: a
+        // push exceeds its threshold by a factor, while the guess is off by some percent.
         for _ in 0..2 {
             let all: Vec<&Record> = records.iter().collect();
             let (base, body_friction, wheel_friction) = base_values(&ratios(&all), &known);
@@ -124,13 +124,13 @@ impl FitProblem {
         Ok(problem)
     }
 
-    /// The records as the fits take them.
+    /// All records, in the order of the bench.
     pub fn all_records(&self) -> Vec<&Record> {
         self.records.iter().collect()
     }
 
-    /// The same bench without the pushes that a fitted model finds besides those that the first
-    /// guess of its parameters found; `None` if there are no others.
+    /// The same bench with pushes left out that only the fitted model reveals, in addition to those that the first guess
+    /// revealed; `None` if there are no more.
     pub fn with_more_pushes(&self, model: &Model, values: &[f64]) -> Option<FitProblem> {
         let push_model = PushModel::of(model, values);
         let mut again = self.clone();
@@ -147,11 +147,11 @@ impl FitProblem {
         changed.then_some(again)
     }
 
-    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`]; `None` where none would change.
+    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`]; `None` if no log would change.
     ///
-    /// The teeth of a motor make a long run of the wheel depend on every standstill in between: at the
-    /// crest of a tooth it may turn back or pass, by less than any sensor shows. A free run then says
-    /// nothing about the model, as in a balance log.
+    /// With cogging, a long run of the wheel depends on every standstill: at the crest of a tooth, the wheel turns back
+    /// or passes depending on differences that no sensor shows. A free-running simulation of the whole log then says
+    /// nothing about the model. The same holds for a balance log.
     pub fn in_windows(&self) -> Option<FitProblem> {
         let mut cut = self.clone();
         let mut changed = false;
@@ -167,7 +167,7 @@ impl FitProblem {
         changed.then_some(cut)
     }
 
-    /// The bench as a model can be compared with it: [`FitProblem::in_windows`] for one with cogging.
+    /// The bench with the windows that suit a model: [`FitProblem::in_windows`] for a model with cogging.
     pub fn suited_to(&self, model: &Model) -> Cow<'_, FitProblem> {
         let cut = if model.find(|info| info.ripple.is_some()).is_some() {
             self.in_windows()
@@ -177,12 +177,11 @@ impl FitProblem {
         cut.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
-    /// The same bench with its logs thinned to about `per_period` samples in a period of the pendulum, where
-    /// a current acts to twice as many, and for each record the step by which it was thinned. A swing
-    /// that is sampled a thousand times in a period says no more about the shape of a missing effect than one
-    /// that is sampled a hundred times. Of the current every sample counts.
+    /// The same bench with thinned logs, and the thinning step of each record. About `per_period` samples remain per period
+    /// of the pendulum, twice as many where a current acts. A swing with a thousand samples per period says no more about
+    /// the shape of a missing effect than one with a hundred. The current keeps all its samples.
     ///
-    /// The period is that of the samples: a model that lacks something need not have it.
+    /// The period is taken from the samples, since an incomplete model may have a wrong one.
     pub fn thinned(&self, per_period: f64) -> (FitProblem, Vec<usize>) {
         let period_s = plant::period_s(&self.start_values(&Model::base()));
         let mut thin = self.clone();
@@ -210,7 +209,7 @@ impl FitProblem {
         (thin, steps)
     }
 
-    /// Whether any experiment moves the body, and whether any moves the wheel.
+    /// Whether any experiment moves the body, and whether any moves the wheel, in this order.
     pub fn moved(&self) -> (bool, bool) {
         let body = self.records.iter().any(|record| {
             record.kind != Kind::SpinUp

@@ -1,4 +1,4 @@
-//! The inertia of the body alone, by masses and lengths, and whether it is possible.
+//! The inertia of the body alone, computed from masses and lengths, and whether its value is physically possible.
 
 use plant::{BASE_PARAMETERS, TOTAL_INERTIA, WHEEL_INERTIA};
 
@@ -33,17 +33,16 @@ pub fn body_inertia(problem: &FitProblem, fit: &Fit) -> Option<(f64, Option<f64>
     Some((value, (variance > 0.0).then(|| variance.sqrt())))
 }
 
-/// What masses and lengths say against the inertia that was found, in a sentence; `None` where they
-/// agree or not all is known.
+/// One sentence if masses and lengths contradict the identified inertia; `None` if they agree or are not all known.
 pub fn body_inertia_contradiction(problem: &FitProblem, fit: &Fit) -> Option<String> {
     let (value, std) = body_inertia(problem, fit)?;
     let spread = std.unwrap_or(0.0);
     let name = BASE_PARAMETERS[TOTAL_INERTIA].name;
     if value + sigmas_for(1) * spread <= 0.0 {
         return Some(format!(
-            "contradiction: masses and lengths of [known] alone make more inertia than {name} = \
-             {:.3e} kg m2: body_inertia would be {value:.2e} ± {spread:.0e} kg m2, and no body has a \
-             negative one",
+            "contradiction: masses and lengths of [known] alone give more inertia than {name} = \
+             {:.3e} kg m2: body_inertia would be {value:.2e} ± {spread:.0e} kg m2, and an inertia \
+             cannot be negative",
             fit.values[TOTAL_INERTIA]
         ));
     }
@@ -51,8 +50,8 @@ pub fn body_inertia_contradiction(problem: &FitProblem, fit: &Fit) -> Option<Str
     let sigmas = (given - value).abs() / std?;
     (sigmas > sigmas_for(1)).then(|| {
         format!(
-            "contradiction: [known] says body_inertia = {given:.4e} kg m2, the logs with masses and \
-             lengths {value:.4e} ± {spread:.1e} ({sigmas:.1} standard errors)"
+            "contradiction: [known] says body_inertia = {given:.4e} kg m2, but the logs with masses and \
+             lengths give {value:.4e} ± {spread:.1e} ({sigmas:.1} standard errors)"
         )
     })
 }

@@ -1,26 +1,26 @@
 //! Experiments, or values of `[known]`, that contradict each other.
 //!
-//! A fit of everything together averages over logs that disagree. So each record is asked what it
-//! would rather have, and each known what the logs would rather have.
+//! A common fit averages over logs that disagree. Therefore each record is tested for the parameter value
+//! that it would prefer on its own, and each known value for the one that the logs would prefer.
 //!
 //! Let Hᵣ and gᵣ be the information and the gradient of record r at the common parameters (the
 //! windows' starts eliminated), H and g their sums. A parameter j that record r may have for itself,
-//! θⱼ + δ, or a known j that becomes free by δ, is one more unknown with
-//!
+//! windows' starts eliminated), H and g their sums. Two kinds of extra unknown δ are tested: a value
+//! θⱼ + δ of parameter j for record r alone, and a known parameter j that becomes free by δ:
 //! ```text
 //! h = Hᵣ eⱼ (or H eⱼ),   S = hⱼ − hᵀH⁻¹h,   δ = (gᵣⱼ − hᵀH⁻¹g)/S
 //! ```
 //!
-//! (h and g over the unknowns that are free anyway), one Newton step from the common fit. δ is a sum
-//! of the records' gradients, δ = Σₛ wₛᵀgₛ, and has the variance Σₛ wₛᵀMₛwₛ, with Mₛ the covariance
-//! of a gradient under correlated residuals ([`super::covariance`]). The residuals are those that
-//! record s has left at its own best parameters, else a contradiction would hide in the noise that it
-//! makes itself. δ/σ is standard normal where nothing contradicts (a Wald test of homogeneity;
-//! Morelli & Klein, J. Aircraft 34 (1997), for σ).
+//! Here h and g run over the unknowns that are free anyway, and δ is one Newton step from the common fit. δ
+//! is a sum over the records' gradients, δ = Σₛ wₛᵀgₛ, with the variance Σₛ wₛᵀMₛwₛ. Mₛ is the
+//! covariance of a gradient under correlated residuals ([`super::covariance`]). It is computed from the residual
+//! of record s at its own best parameters; at the common parameters, a contradiction would enlarge the
+//! residual, and so hide itself. Without a contradiction, δ/σ is standard normal (a Wald test of
+//! homogeneity; Morelli & Klein, J. Aircraft 34 (1997), for σ).
 //!
-//! The largest significant contradiction is reported, and then lifted: the record is left out, or the
-//! known made free. Then the rest is asked again, so that one wrong record is reported once and not
-//! with every parameter and every record that it disagrees with.
+//! The largest significant contradiction is reported and then resolved: the record is left out, or the known
+//! value is made free. The test is then repeated with the rest. One wrong record is therefore reported once, not
+//! for every parameter and every record that disagrees with it.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use plant::{Model, TOTAL_INERTIA, WHEEL_INERTIA};
@@ -32,41 +32,41 @@ use crate::bench::FitProblem;
 use crate::fit::{RecordScore, Unknowns, Window, score_test};
 use crate::records::Record;
 
-/// Probability that a bench without any contradiction has one reported, over all its tests.
+/// Probability of a false report on a bench without any contradiction, over all its tests.
 const FALSE_ALARM: f64 = 1e-3;
-/// Share of an unknown's information that must be left once the others may adapt. Less is rounding:
-/// nothing else determines the unknown, so nothing can contradict it.
+/// Smallest share of an unknown's information that must remain after the other unknowns have adapted. A smaller share
+/// is rounding error: nothing else determines the unknown, so nothing can contradict it.
 const DETERMINED: f64 = 1e-8;
-/// Most contradictions that one bench is asked for: one wrong log and one wrong known. More than that
-/// is the work of an effect that the model lacks, which every sentence names as the other cause.
+/// Largest number of contradictions reported for one bench: one wrong log and one wrong known value. More of them
+/// point to an effect that the model lacks; every sentence names that as the other possible cause.
 const MOST: usize = 2;
 
 /// One of the two sides of a contradiction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Side {
-    /// Who says so, such as `experiment "coast-down"` or `[known]`.
+    /// The source, such as `experiment "coast-down"` or `[known]`.
     pub who: String,
-    /// The value of the parameter that it wants.
+    /// The value of the parameter according to this side.
     pub value: f64,
-    /// Its standard error; `None` for a value that was given.
+    /// Its standard error; `None` for a stated value.
     pub std: Option<f64>,
 }
 
-/// Two sides that cannot both be right about a parameter.
+/// Two sides that disagree about a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contradiction {
     /// The parameter's name.
     pub parameter: &'static str,
-    /// Its unit, as the bench allows it.
+    /// Its unit on this bench.
     pub unit: String,
     /// The side that stands alone: one experiment, or `[known]`.
     pub one: Side,
-    /// What the others say.
+    /// The other side: the remaining experiments, or the logs.
     pub other: Side,
-    /// Their difference in standard errors of the difference.
+    /// Difference of the two values, in standard errors of the difference.
     pub sigmas: f64,
-    /// Other values of `[known]` that would lift the contradiction as well if they were different:
-    /// name, given value, wanted value, its standard error.
+    /// Other values of `[known]` whose change would resolve the contradiction as well: name, stated value, value that the
+    /// logs prefer, its standard error.
     pub instead: Vec<(&'static str, f64, f64, f64)>,
 }
 
@@ -91,7 +91,7 @@ impl Contradiction {
         if self.one.std.is_some() {
             return format!(
                 "{head}; one of the two is wrong, or the model lacks an effect that acts \
-                 differently in them; the fit lies in between and is no average to trust"
+                 differently in them; the fitted value lies in between and must not be trusted"
             );
         }
         let instead: String = self
@@ -99,38 +99,40 @@ impl Contradiction {
             .iter()
             .map(|(name, given, wanted, std)| {
                 format!(
-                    "; or it is {name}, given as {given:.4e}, wanted as {wanted:.4e} ± {std:.1e}"
+                    "; or {name} is wrong: given as {given:.4e}, but the logs give {wanted:.4e} ± {std:.1e}"
                 )
             })
             .collect();
-        format!("{head}{instead}; the fit kept the values of [known], or the model lacks an effect")
+        format!(
+            "{head}{instead}; the fit kept the values of [known]; the model may also lack an effect"
+        )
     }
 }
 
-/// What the records say at the common parameters, about the free parameters and the knowns.
+/// The records' statistics at the common parameters, for the free parameters and the known ones.
 struct Statistics<'a> {
     records: Vec<&'a Record>,
     unknowns: Unknowns,
     values: Vec<f64>,
     names: Vec<&'static str>,
     units: Vec<String>,
-    /// For each record, information and gradient.
+    /// Information and gradient of each record.
     promised: Vec<RecordScore>,
     /// Covariance of each gradient.
     scatter: Vec<DMatrix<f64>>,
 }
 
-/// A possible contradiction that was looked at.
+/// A tested contradiction.
 struct Candidate {
     unknown: usize,
-    /// The record that may differ; `None` where a known is made free.
+    /// The record that may have its own value; `None` if a known value is made free.
     record: Option<usize>,
     /// δ and its standard error, in the fit's coordinates.
     change: f64,
     std: f64,
-    /// For the others: the step of the shared parameter and its standard error.
+    /// For the other records: the step of the shared parameter, and its standard error.
     shared: (f64, f64),
-    /// For the one: the same.
+    /// For this record: its own step, and its standard error.
     own: (f64, f64),
 }
 
@@ -140,8 +142,8 @@ impl Candidate {
     }
 }
 
-/// The contradictions of a bench at the parameters `values` of `model`, the largest first. `windows`
-/// are those of the fit; `held` names the positions of parameters that lie on a bound.
+/// The contradictions of a bench at the parameters `values` of `model`, the largest first. `windows` are those of the
+/// fit. `held` lists the positions of parameters that lie on a bound.
 pub fn contradictions(
     problem: &FitProblem,
     model: &Model,
@@ -194,7 +196,7 @@ pub fn contradictions(
     found
 }
 
-/// Whether a base parameter's value was measured, and not set to 1 to fix the scale.
+/// Whether a known base parameter was stated by the user, and not set to 1 to fix the scale.
 fn is_measured(problem: &FitProblem, position: usize) -> bool {
     match position {
         TOTAL_INERTIA => problem.body_scale_known,
@@ -245,7 +247,7 @@ impl<'a> Statistics<'a> {
         }
     }
 
-    /// Every test that can be made with the records that are kept.
+    /// All tests that are possible with the records in `kept`.
     fn candidates(&self, active: &[bool], kept: &[bool]) -> Vec<Candidate> {
         let count = active.len();
         let mut information = DMatrix::zeros(count, count);
@@ -292,8 +294,8 @@ impl<'a> Statistics<'a> {
         self.promised[record].information[(unknown, unknown)] > 0.0
     }
 
-    /// Frees `unknown` for `record` alone, or for all where it is a known; `information` and
-    /// `gradient` are those of whoever gets it free, `inverse` is H⁻¹ of the common fit.
+    /// Tests `unknown` with its own value for `record`, or freed for all records if it is a known one. `information` and
+    /// `gradient` are those of the records that get the new value; `inverse` is H⁻¹ of the common fit.
     fn test(
         &self,
         unknown: usize,
@@ -304,7 +306,7 @@ impl<'a> Statistics<'a> {
         kept: &[bool],
     ) -> Option<Candidate> {
         let count = gradient.len();
-        // H⁻¹ has zero rows for what is not free, so that whole vectors can be used.
+        // H⁻¹ has zero rows for parameters that are not free, so whole vectors can be used.
         let solved = inverse * information.column(unknown);
         let whole = information[(unknown, unknown)];
         let left = whole - information.column(unknown).dot(&solved);
@@ -334,7 +336,7 @@ impl<'a> Statistics<'a> {
         let (change, variance) = sum(&in_change);
         let with_std = |(value, variance): (f64, f64)| (value, variance.max(0.0).sqrt());
         let (shared, own) = (sum(&in_shared), sum(&in_own));
-        // A side without variance is one that nothing but rounding determines.
+        // If one side has no variance, only rounding error determines it.
         let is_told = record.is_none() || (shared.1 > 0.0 && own.1 > 0.0);
         (is_told && variance > 0.0 && change.is_finite()).then(|| Candidate {
             unknown,
@@ -429,8 +431,8 @@ impl<'a> Statistics<'a> {
     }
 }
 
-/// The shortest x (each unknown in units of its own information) that minimises |H x − g|: what a
-/// record does not tell stays where it is.
+/// The shortest x (each unknown in units of its own information) that minimises |H x − g|. Combinations of
+/// parameters that the record does not determine keep their values.
 fn shortest_solution(information: &DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
     let scale = information.diagonal().map(|value| {
         if value > 0.0 {

@@ -1,7 +1,7 @@
 //! Standard errors that account for correlated residuals.
 //!
-//! The textbook covariance H⁻¹ holds if the residuals are white with the stated noise. Residuals of
-//! a fit that misses something are correlated over hundreds of samples. With s the sensitivities of
+//! The textbook covariance H⁻¹ holds if the residuals are white with the stated noise. The residuals of
+//! an incomplete model are correlated over hundreds of samples. With s the sensitivities of
 //! one observation (the windows' starts eliminated) and R the autocovariance of the residuals,
 //!
 //!   cov θ = H⁻¹ ( Σᵢⱼ sᵢ R(i−j) sⱼᵀ ) H⁻¹
@@ -9,18 +9,18 @@
 //! (Morelli & Klein, J. Aircraft 34 (1997), eq. 21). The double sum is evaluated in the frequency
 //! domain: ∫ S(f) s(f) s(f)ᴴ df, with S a smoothed periodogram of the residual.
 //!
-//! The recorded current has noise of its own, which the wheel integrates to a random walk and which swings
-//! the body. The fit takes that for motion, so that it is hardly seen in the residual; it enters as a
-//! second term. An error δi of the current over the interval after a sample moves the state at the next one by
-//! ∂x/∂i δi, which the motion carries to every later sample, and with it the gradient: both are exact
-//! derivatives of the model's own steps, with all of its effects, the chain of the motor and the sensors
-//! among them ([`crate::fit`]). A delay moves all errors by the same time, which changes nothing
-//! but at the ends of a window. While balancing the current answers to the noise of the sensors; that part of
-//! it flows, and what the column adds cannot be told from it: nothing is added there.
+//! The recorded current has noise of its own. The wheel integrates it to a random walk, which also swings
+//! the body. The fit takes this motion for real, so it hardly appears in the residual; it enters as a second
+//! term. An error δi of the current over one interval changes the state at the next sample by ∂x/∂i δi. The
+//! motion carries this change to every later sample, and so into the gradient. Both derivatives are exact derivatives
+//! of the model's own steps, with all its effects, the motor and the sensors included ([`crate::fit`]). A delay
+//! shifts all errors by the same time, which matters only at the ends of a window. In a balance log, no such term
+//! is added: there the current responds to the sensors' noise, that part of it really flows, and the
+//! noise of the current's own measurement cannot be separated from it.
 //!
-//! A real joint sticks, the model's dry friction passes through zero over the speed v₀. What that does
-//! to the outputs is taken as one standard error of them, common to all logs: v₀ is a parameter that
-//! is considered and not estimated (Schmidt 1966; Bierman 1977, chapter VIII).
+//! A real joint sticks, while the model's dry friction passes through zero over the speed v₀. The resulting
+//! change of the outputs counts as one standard error, common to all logs: v₀ is a "considered" parameter, one
+//! that is uncertain but not estimated (Schmidt 1966; Bierman 1977, chapter VIII).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6xX};
 use plant::{Kind, Model, Smoothing};
@@ -34,8 +34,8 @@ use crate::fit::{
 use crate::records::{Record, input_noise_std};
 
 /// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
-/// logarithm), from the final windows of a fit; `None` where the information is singular.
-/// `held` marks unknowns that lie on a bound: they count as given.
+/// logarithm), from the final windows of a fit; `None` if the information matrix is singular.
+/// `held` marks unknowns that lie on a bound: they are treated as given.
 pub fn covariance(
     records: &[&Record],
     windows: &[Vec<Window>],
@@ -68,7 +68,7 @@ pub fn covariance(
     Some(&inverse * middle * &inverse)
 }
 
-/// H⁻¹ over the unknowns that are not held and have a trace; zero rows for the others.
+/// H⁻¹ over the unknowns that are not held and have some information; zero rows for the others.
 pub fn pseudo_inverse(information: &DMatrix<f64>, held: &[bool]) -> Option<DMatrix<f64>> {
     let count = information.nrows();
     let kept: Vec<usize> = (0..count)
@@ -91,26 +91,25 @@ pub fn pseudo_inverse(information: &DMatrix<f64>, held: &[bool]) -> Option<DMatr
     Some(full)
 }
 
-/// How far one record's gradient can be from that of a perfect measurement and a perfect model.
+/// The uncertainty of one record's gradient, against a perfect measurement and a perfect model.
 #[derive(Clone, Debug)]
 pub struct GradientError {
-    /// Covariance by the noise of the sensors and of the recorded current.
+    /// Covariance from the noise of the sensors and of the recorded current.
     pub noise: DMatrix<f64>,
-    /// What a joint that sticks would change.
+    /// Change of the gradient if the joint sticks.
     pub stick: DVector<f64>,
 }
 
 impl GradientError {
-    /// Both together, for this record alone.
+    /// Covariance from both causes, for this record alone.
     pub fn covariance(&self) -> DMatrix<f64> {
         &self.noise + &self.stick * self.stick.transpose()
     }
 }
 
-/// One record's share of the middle sum Σᵢⱼ sᵢ R(i−j) sⱼᵀ, with R of
-/// the residual that is left once the free parameters have taken `step` (in the fit's coordinates;
-/// to first order). A record that is to be compared with others takes its own step, so that its
-/// disagreement with them does not count as its noise.
+/// One record's share of the middle sum Σᵢⱼ sᵢ R(i−j) sⱼᵀ. R is the autocovariance of the residual after the free
+/// parameters have made `step` (in the fit's coordinates; to first order). A record that is compared with
+/// others makes its own step, so that its disagreement with them does not count as noise.
 pub fn gradient_error(
     record: &Record,
     windows: &[Window],
@@ -175,7 +174,7 @@ pub fn gradient_error(
         }
     }
     let total: usize = counts.iter().sum();
-    // Unbiased variance: the fitted unknowns took their share of the residual.
+    // Unbiased variance: the fitted unknowns used up degrees of freedom.
     let freedom = total as f64 / total.saturating_sub(p + locals_total).max(1) as f64;
     for channel in 0..channels {
         if counts[channel] > 0 {
@@ -197,7 +196,7 @@ pub fn gradient_error(
     }
 }
 
-/// The observations of a window once its start may adapt.
+/// The observations of a window, after its start has adapted.
 struct Projected {
     observed: Vec<Observed>,
     /// For each of them a row of `width` numbers, of which the first are s̃ = s_g − Hgl Hll⁻¹ s_l for each parameter
@@ -206,7 +205,7 @@ struct Projected {
     width: usize,
 }
 
-/// Where an observation stands, and what is left of it.
+/// The place of an observation, and its residual.
 struct Observed {
     sample: usize,
     channel: usize,
@@ -272,11 +271,11 @@ fn is_dry_friction(model: &Model, position: usize) -> bool {
         .is_some_and(|effect| effect.info().has_kink)
 }
 
-/// Share of the smoothing speed at which dry friction is that of a joint that sticks.
+/// Factor on the smoothing speed v₀ at which dry friction stands for a joint that sticks.
 const STICKS: f64 = 0.1;
 
-/// What a joint that sticks would change in every output of a model with dry friction, sample by
-/// sample in units of the channel's noise: the same motion with a sign that is ten times as sharp.
+/// The change of every output if the joint of a model with dry friction sticks, sample by sample, in units of the
+/// channel's noise. "Sticks" means the same motion with a sign that is ten times as sharp.
 pub fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Vec<f64>> {
     let v0 = Smoothing::SIMULATION;
     let sticks = Smoothing {
@@ -299,8 +298,8 @@ pub fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64])
     changes
 }
 
-/// Covariance that the noise of the recorded current gives the gradient of one window. `sensitivities`
-/// is for each channel and parameter the normalised series over the record.
+/// Covariance of the gradient of one window that comes from the noise of the recorded current. `sensitivities` holds,
+/// for each channel and parameter, the normalised series over the record.
 fn input_walk(
     record: &Record,
     window: &Window,
@@ -317,7 +316,7 @@ fn input_walk(
     if noise_a == 0.0 {
         return walk;
     }
-    // Sum over all later samples of the sensitivity times what is left there of a change of the state.
+    // Sum over all later samples: the sensitivity times the remaining part of a change of the state.
     let mut later = Matrix6xX::<f64>::zeros(p);
     transitions_backwards(record, window, model, values, |k, transition| {
         for (channel, series) in record.channels.iter().zip(sensitivities) {

@@ -12,28 +12,27 @@ use crate::records::Record;
 pub struct Fit {
     /// Which effects the model has.
     pub model: Model,
-    /// Its whole parameter vector, SI.
+    /// All its parameters, SI.
     pub values: Vec<f64>,
-    /// Which of it was free.
+    /// Which of them were free.
     pub unknowns: Unknowns,
     /// The minimum that was found.
     pub minimum: Minimum,
-    /// Covariance of the free parameters, in their own units; `None` where the data leave a
-    /// combination of them open.
+    /// Covariance of the free parameters, in their own units; `None` if the data do not determine some combination of
+    /// them.
     pub covariance: Option<DMatrix<f64>>,
 }
 
 impl Fit {
-    /// Standard error of the parameter at this position; `None` if it was not free or is open.
+    /// Standard error of the parameter at this position; `None` if it was not free or is not determined.
     pub fn std(&self, position: usize) -> Option<f64> {
         let index = self.unknowns.free.iter().position(|&at| at == position)?;
         let variance = self.covariance.as_ref()?[(index, index)];
         (variance > 0.0).then(|| variance.sqrt())
     }
 
-    /// The parameters that have a standard error, by position, and the correlations of their errors
-    /// in that order: symmetric, ones on the diagonal, no negative eigenvalue. `None` where fewer
-    /// than two have one.
+    /// The positions of the parameters that have a standard error, and the correlation matrix of their errors in that
+    /// order: symmetric, ones on the diagonal, no negative eigenvalue. `None` if fewer than two have one.
     pub fn correlation(&self) -> Option<(Vec<usize>, DMatrix<f64>)> {
         let covariance = self.covariance.as_ref()?;
         let (indices, stds): (Vec<usize>, Vec<f64>) = (0..self.unknowns.free.len())
@@ -47,8 +46,8 @@ impl Fit {
             let (a, b) = (indices[row], indices[column]);
             0.5 * (covariance[(a, b)] + covariance[(b, a)]) / (stds[row] * stds[column])
         });
-        // Strong correlations are differences of large numbers: rounding can leave an eigenvalue a
-        // little below zero, which stands for zero.
+        // A strong correlation is a difference of large numbers. Rounding can leave an eigenvalue slightly
+        // below zero; it is set to zero.
         let mut eigen = SymmetricEigen::new(scaled);
         eigen.eigenvalues.apply(|value| *value = value.max(0.0));
         let possible = eigen.recompose();
@@ -66,7 +65,7 @@ impl Fit {
     }
 }
 
-/// Adds standard errors to a minimum.
+/// Computes the standard errors of a minimum.
 pub fn finish(records: &[&Record], model: &Model, free: &[usize], minimum: Minimum) -> Fit {
     let unknowns = Unknowns::new(model, free);
     let covariance = covariance(

@@ -1,11 +1,11 @@
-//! How sure a fit is, and where its sources disagree.
+//! The uncertainty of a fit, and contradictions between its sources.
 //!
 //! | file | job |
 //! |---|---|
 //! | `spectral`, `covariance` | standard errors that account for correlated residuals |
-//! | `estimate` | a minimum with them |
-//! | `contradiction` | experiments and knowns that cannot all be right |
-//! | `body_inertia` | what masses and lengths say against the inertia that was found |
+//! | `estimate` | a minimum with its standard errors |
+//! | `contradiction` | experiments and known values that cannot all be right |
+//! | `body_inertia` | whether masses and lengths agree with the identified inertia |
 
 mod body_inertia;
 mod contradiction;

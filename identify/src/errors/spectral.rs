@@ -20,8 +20,8 @@ pub(super) fn correlated_sum(
         .map(|bin| bin.norm_sqr() / count as f64)
         .collect();
     let bins = power.len();
-    // The mean over all frequencies is the variance. Nowhere is less assumed: the fit itself has
-    // emptied the frequencies at which its sensitivities live.
+    // The mean over all frequencies is the variance. No frequency is assigned less than that: at the frequencies of
+    // its own sensitivities, the fit has removed power from the residual.
     let level = (power.iter().sum::<f64>() * 2.0 - power[0] - power[bins - 1]) / length as f64;
     // n^(1/3) neighbouring frequencies are averaged (Daniell window); `length` is 2n or more, so
     // that many more bins.

@@ -1,5 +1,5 @@
-//! Where a fit of cogging may start: its order is a whole number, which no fit can find from afar, and so is
-//! the tooth on which the wheel rests while a window begins.
+//! Starts for a fit of cogging. Two quantities cannot be found by descent from afar: the order of the cogging, which
+//! is a whole number, and the tooth at which the wheel rests when a window begins.
 
 use plant::{EffectId, Model};
 use rayon::prelude::*;
@@ -11,18 +11,18 @@ use super::unknowns::{Nuisance, Window};
 use super::windows::guess;
 use crate::records::{Output, Record, StraightLine};
 
-/// Where a fit of cogging may start.
+/// A start for a fit of cogging.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoggingStart {
     /// Torque in N m, order, phase in rad.
     pub parameters: Vec<f64>,
-    /// χ² that it takes from the wheel speed to first order.
+    /// The gain in χ² that it promises in the wheel speed, to first order.
     pub gain: f64,
 }
 
 impl CoggingStart {
-    /// The parameters of an effect that is such a ripple: what this start does not give is as the effect
-    /// states it.
+    /// The parameters of `effect` at this start. Parameters that the start does not determine take the values that the
+    /// effect states.
     pub fn parameters_of(&self, effect: EffectId) -> Vec<f64> {
         let info = effect.info();
         let mut parameters = info.starts[0].to_vec();
@@ -38,13 +38,13 @@ impl CoggingStart {
     }
 }
 
-/// A start for cogging: the order whose trace is largest in the wheel speed; `None` where no log shows
-/// the wheel's speed.
+/// The start for a fit of cogging: the order with the largest trace in the wheel speed; `None` if no log has
+/// the wheel speed.
 ///
-/// A torque a sin(nφ + ψ) against the wheel leaves the speed error −(a/j_w) ∫ sin(nφ + ψ) dt. For every
-/// whole order n up to 60 the residual is projected on ∫cos(nφ) dt and ∫sin(nφ) dt, window by window and
-/// without the straight line that a window's start and a constant torque take up; φ is the integral of
-/// the measured wheel speed. A cogging order is a whole number: a common multiple of poles and slots.
+/// A torque a sin(nφ + ψ) against the wheel causes the speed error −(a/j_w) ∫ sin(nφ + ψ) dt, with φ the integral of
+/// the measured wheel speed. For every whole order n up to 60, the residual is projected on ∫cos(nφ) dt and
+/// ∫sin(nφ) dt, window by window. A straight line is removed first, because the window's start and a constant
+/// torque absorb it. The order is a whole number: a common multiple of poles and slots.
 pub fn cogging_start(
     records: &[&Record],
     model: &Model,
@@ -93,11 +93,11 @@ pub fn cogging_start(
     starts.into_iter().max_by(|x, y| x.gain.total_cmp(&y.gain))
 }
 
-/// The start of one order: of a torque whose phase is the same throughout, or, where far more shows so, of one whose
-/// phase is lost from stretch to stretch of long logs.
+/// The start for one order. The phase is taken as constant over all logs, unless stretches with phases of their own
+/// gain plainly more: in long logs, the phase can be lost from stretch to stretch.
 fn start_of_order(order: f64, stretches: &[Stretch], wheel_inertia: f64) -> Option<CoggingStart> {
     let mut all = Projection::default();
-    // The angle of the wheel is known best while a log begins.
+    // At the beginning of a log, the wheel's angle is known best.
     let mut first = Projection::default();
     let (mut gain, mut weight, mut square, mut count) = (0.0, 0.0, 0.0, 0.0);
     let mut record = None;
@@ -120,7 +120,8 @@ fn start_of_order(order: f64, stretches: &[Stretch], wheel_inertia: f64) -> Opti
         gain,
     };
     let whole = all.solved()?;
-    // χ² of two unknowns a stretch, and three of its standard deviations.
+    // The gain beyond what noise gives: the mean of χ² with two unknowns per stretch, plus three of its standard
+    // deviations.
     let apart = gain - 2.0 * count - 6.0 * count.sqrt();
     if apart > PLAINLY_MORE * whole.gain.max(1.0)
         && let Some(first) = first.solved()
@@ -131,14 +132,15 @@ fn start_of_order(order: f64, stretches: &[Stretch], wheel_inertia: f64) -> Opti
     Some(start(whole.a.hypot(whole.b), whole.phase(), whole.gain))
 }
 
-/// Factor by which stretches with phases of their own must gain more than with a common one.
+/// Factor by which stretches with phases of their own must gain more than stretches with a common phase.
 const PLAINLY_MORE: f64 = 2.0;
-/// Phase in rad by which the noise of the wheel speed, added up, may turn a stretch of a log.
+/// Limit for the error of the ripple's phase in rad that the integrated noise of the wheel speed causes over a
+/// stretch.
 const IN_PHASE_RAD: f64 = 0.5;
-/// Shortest stretch, s: as long as the windows in which cogging is looked at.
+/// Shortest stretch, s: the length of the windows in which cogging is compared.
 const SHORTEST_STRETCH_S: f64 = 0.25;
 
-/// A part of a log over which the wheel's angle is known well enough.
+/// A part of a log over which the wheel's angle is known precisely enough.
 struct Stretch {
     record: usize,
     start_s: f64,
@@ -155,11 +157,11 @@ struct Projection {
     se: f64,
 }
 
-/// What a projection has found.
+/// The result of a projection.
 struct Projected {
     a: f64,
     b: f64,
-    /// χ² that it takes.
+    /// Gain in χ².
     gain: f64,
 }
 
@@ -201,20 +203,20 @@ impl Projection {
     }
 }
 
-/// What the wheel speed of one window lacks, over the angle of the wheel.
+/// The residual of the wheel speed in one window, with the wheel's angle.
 struct WheelSpeedError {
     /// Index of the record.
     record: usize,
     time_s: Vec<f64>,
     wheel_angle_rad: Vec<f64>,
-    /// Measured − model without its straight line, rad/s.
+    /// Measured minus model, with its straight line removed, rad/s.
     error: Vec<f64>,
     noise_std: f64,
 }
 
 impl WheelSpeedError {
-    /// Time over which the phase of a ripple of this order stays within [`IN_PHASE_RAD`]: the wheel's angle is the
-    /// integral of its speed, whose noise σ makes it walk by σ √(h t).
+    /// Time in s over which the phase of a ripple of this order stays within [`IN_PHASE_RAD`]. The wheel's angle is the
+    /// integral of its measured speed; noise σ with sampling interval h makes it drift by σ √(h t).
     fn in_phase_s(&self, order: f64) -> f64 {
         let last = self.time_s.len() - 1;
         let interval_s = (self.time_s[last] - self.time_s[0]) / last as f64;
@@ -291,8 +293,8 @@ impl Turns {
     }
 }
 
-/// ∫ cos nφ dt and ∫ sin nφ dt over a window, sample by sample, with the wheel turning evenly between
-/// samples: the antiderivative over φ where it turns, the function itself where it rests.
+/// ∫ cos nφ dt and ∫ sin nφ dt over a window, sample by sample. The wheel is taken to turn evenly between samples. The
+/// antiderivative over φ is used where it turns, the function itself where it rests.
 fn integrals(window: &WheelSpeedError, turns: &Turns, n: f64) -> (Vec<f64>, Vec<f64>) {
     let (mut cosine, mut sine) = (vec![0.0], vec![0.0]);
     let mut sums = (0.0, 0.0);
@@ -322,13 +324,13 @@ fn remove_line(time_s: &[f64], values: &mut [f64]) {
     }
 }
 
-/// Wheel angles that are tried for the start of a window, in standard deviations of what is known of it.
+/// Wheel angles that are tried for the start of a window, in standard deviations of its prior.
 const TRIED_STD: [f64; 5] = [0.0, -2.0, -1.0, 1.0, 2.0];
 
-/// The windows with their starts moved to where the model fits best, among the given ones, those that the
-/// samples show, and the same a little further on the wheel. Cogging pulls the wheel towards a tooth; a
-/// window that starts on the wrong side of it is a local minimum, and so is one that starts with the speed
-/// which a model without cogging needed. Windows of a model without cogging stay as they are.
+/// Moves the start of every window to where the model fits best. Three kinds of start are compared: the given ones,
+/// those guessed from the samples, and those with the wheel turned a little. Cogging pulls the wheel towards a
+/// tooth. A window that starts on the wrong side of the tooth is in a local minimum; so is one that starts with
+/// the speed that a model without cogging needed. Windows of a model without cogging are returned unchanged.
 pub fn settled(
     records: &[&Record],
     model: &Model,

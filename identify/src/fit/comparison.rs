@@ -1,4 +1,4 @@
-//! Model against measurement, channel by channel.
+//! The prediction of a model, compared with the measurement, channel by channel.
 
 use plant::Model;
 
@@ -6,21 +6,21 @@ use super::simulation::simulate;
 use super::unknowns::Window;
 use crate::records::{Output, Record, RecordedChannel};
 
-/// Model against measurement, for one channel of one record.
+/// The prediction of one channel of one record, compared with the measurement.
 #[derive(Clone, Debug)]
 pub struct PredictedSeries {
-    /// Which output.
+    /// The output of the channel.
     pub output: Output,
     /// The model's output at every sample, SI.
     pub predicted: Vec<f64>,
-    /// Root mean square of measured − predicted over the samples that count.
+    /// Root mean square of measured minus predicted, over the samples with weight, in the unit of the channel.
     pub rmse: f64,
-    /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖).
+    /// Fit in percent: 100 (1 − ‖y − ŷ‖/‖y − mean y‖), with y measured and ŷ predicted.
     pub fit_percent: f64,
 }
 
 impl PredictedSeries {
-    /// Compares a channel with what is predicted of it, at the samples whose weight is not 0.
+    /// Compares a channel with its prediction, at the samples whose weight is not 0.
     pub fn new(channel: &RecordedChannel, predicted: Vec<f64>, weight: &[f64]) -> PredictedSeries {
         let counted: Vec<(f64, f64)> = channel
             .samples

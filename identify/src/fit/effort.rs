@@ -1,20 +1,19 @@
-//! How long a minimisation goes on, and how it ended.
+//! How long a minimisation continues, and the reasons why it ends.
 
-/// How a minimisation ended.
+/// The reason why a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The last step was far below what the data can resolve.
+    /// Converged: the last step was far below the resolution of the data.
     Converged,
-    /// No smaller cost could be found in any direction tried, or only crumbs for many steps.
+    /// Stalled: no direction lowered the cost, or the gains were negligible for many steps.
     Stalled,
     /// The number of iterations ran out.
     OutOfIterations,
-    /// Ended before its minimum: at its pace it would not have come to where it matters
-    /// ([`Effort::goal`]).
+    /// Abandoned before its minimum: at its pace it would not have reached [`Effort::goal`].
     Outclassed,
     /// The model could not be simulated from the given start.
     NotFinite,
-    /// Called off ([`Effort::cancelled`]).
+    /// Cancelled by the caller ([`Effort::cancelled`]).
     Cancelled,
 }
 
@@ -25,68 +24,69 @@ impl Outcome {
     }
 }
 
-/// Steps of the minimisation.
+/// The limits of a minimisation.
 #[derive(Clone, Copy)]
 pub struct Effort<'a> {
-    /// Most evaluations of the normal equations.
+    /// Largest number of evaluations of the normal equations.
     pub evaluations: usize,
-    /// The minimisation ends when a step promises to lower the cost by less than this, relative to
-    /// the mean squared residual: 1 is the change that one unknown's own standard error makes.
+    /// The minimisation ends when a step promises to lower the cost by less than this, relative to the mean squared
+    /// residual. A move of one unknown by its standard error changes the cost by 1.
     pub tolerance: f64,
-    /// The cost at which the fit begins to matter. One that would not come there with the evaluations
-    /// that are left, at the pace of its last ones, ends.
+    /// The cost below which the fit is of interest. A fit is abandoned if, at its recent pace, it would not reach this
+    /// cost with the evaluations that are left.
     pub goal: f64,
-    /// Asked before every evaluation but the first: `true` ends the fit as [`Outcome::Cancelled`].
+    /// Called before every evaluation except the first. If it returns `true`, the fit ends as [`Outcome::Cancelled`].
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Effort<'a> {
-    /// The same for a fit that matters only if its cost comes down to `goal`.
+    /// The same limits, for a fit that is of interest only if its cost falls to `goal`.
     pub fn towards(self, goal: f64) -> Effort<'a> {
         Effort { goal, ..self }
     }
 
-    /// The same for a fit that ends when `cancelled` says so.
+    /// The same limits, for a fit that ends when `cancelled` returns `true`.
     pub fn until(self, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Effort<'a> {
         Effort { cancelled, ..self }
     }
 }
 
 impl Effort<'static> {
-    /// To a hundredth of a standard error.
+    /// To a hundredth of a standard error; for final results.
     pub const FULL: Effort<'static> = Effort {
         evaluations: 30,
         tolerance: 1e-4,
         goal: f64::INFINITY,
         cancelled: &|| false,
     };
-    /// The same for a minimum at the end of a long curved valley (the speed of Stribeck's curve and
-    /// its levels), which takes many short steps.
+    /// As [`Effort::FULL`] with more evaluations, for a minimum at the end of a long curved valley (such as the speed and
+    /// the levels of a Stribeck curve), which takes many short steps.
     pub const PATIENT: Effort<'static> = Effort {
         evaluations: 200,
         ..Effort::FULL
     };
-    /// To a third of a standard error: which of several starts or models is better.
+    /// To a third of a standard error; for deciding which of several starts or models is better.
     pub const SCORE: Effort<'static> = Effort {
         tolerance: 1e-1,
         ..Effort::FULL
     };
-    /// Enough to hand over to the next stage of a schedule.
+    /// Coarse; for handing over to the next stage of a schedule.
     pub const ROUGH: Effort<'static> = Effort {
         evaluations: 12,
         ..Effort::SCORE
     };
 }
 
-/// Evaluations over which the pace of a fit is taken. A fit that goes straight to its minimum needs no
-/// more than these, and one that has lost its way refuses up to six steps before it finds it again.
+/// Number of recent evaluations that define the pace of a fit. A direct path to the minimum takes no more than these.
+/// A fit that has strayed has up to six steps refused before it gains again.
 const PACE: usize = 8;
-/// Steps whose gains make a series: where the damping has gone, least squares converge at least linearly.
+/// Number of steps whose gains are extrapolated as a geometric series: without damping, least squares converge at
+/// least linearly.
 const SERIES: usize = 3;
 
-/// The cost that a fit may still come down to in so many more evaluations: at the pace of its last [`PACE`],
-/// or as a geometric series where its last [`SERIES`] steps all gained, each less than the one before. `costs`
-/// has one entry for every evaluation; a refused step repeats the one before it.
+/// The cost that a fit may still reach within so many more `evaluations`: at the pace of its last [`PACE`], or by a
+/// geometric series if each of its last [`SERIES`] steps gained less than the one before. `costs` has one entry
+/// per evaluation; a refused step repeats the previous cost.
 pub(super) fn within_pace(costs: &[f64], evaluations: usize) -> f64 {
     let Some(&cost) = costs.last() else {
         return f64::NEG_INFINITY;

@@ -1,8 +1,8 @@
-//! The equations of motion integrated over windows of samples, for logs that are too short or too coarse for
-//! the bumps of the weak form.
+//! The equations of motion, integrated over windows of samples. They serve logs that are too short or too coarse for
+//! the test functions ("bumps") of the weak form.
 //!
-//! ∫ of an equation over time turns its accelerations into measured rates, up to a constant that every window
-//! has for itself, and leaves it linear in the ratios of its parameters:
+//! Integration over time turns accelerations into measured rates, up to a constant c of each window. The result is
+//! linear in the ratios of the parameters:
 //!
 //! ```text
 //! α̇ = c − (G/Θ) ∫sin α − (G'/Θ) ∫cos α − (r_b/Θ) α                       wheel locked
@@ -10,20 +10,20 @@
 //! φ̇ + α̇ = c + (τ/j_w) ∫i − (r_w/j_w) ∫φ̇                                  wheel driven
 //! ```
 //!
-//! Where the rate was not measured, the first is integrated once more, and a window has a constant and a slope
-//! for itself. Those are taken out of every term by projection; a handful of samples is enough.
+//! If the rate was not measured, the first equation is integrated once more, and each window has its own constant
+//! and slope. Both are projected out of every term. A handful of samples is enough.
 
 use plant::{Kind, Output};
 
 use super::start::{Ratios, Rows};
 use crate::records::{Record, RecordedCurrent, angle_samples};
 
-/// Fewest samples of a window: five unknowns of an equation, and two of its own.
+/// Smallest number of samples in a window: five for the unknowns of an equation, two for those of the window.
 const FEWEST_SAMPLES: usize = 5;
-/// Most windows of a record that count: more do not make a start better.
+/// Largest number of windows used per record; more do not improve a start.
 const MOST_WINDOWS: usize = 64;
 
-/// The ratios that the integrated equations give, over windows of at most `window_samples` samples.
+/// Computes the ratios from the integrated equations, over windows of at most `window_samples` samples.
 pub(crate) fn integrated_ratios(records: &[&Record], window_samples: usize) -> Ratios {
     let mut locked = Rows::new(3);
     let mut free = Rows::new(5);
@@ -54,7 +54,7 @@ fn windows(n: usize, window_samples: usize) -> Vec<std::ops::Range<usize>> {
         .collect()
 }
 
-/// The series of a record without gaps, and their running integrals.
+/// The measured series of a record with gaps filled, and their running integrals.
 struct Motion {
     angle: Option<Vec<f64>>,
     rate: Option<Vec<f64>>,
@@ -163,7 +163,7 @@ impl Motion {
     }
 }
 
-/// The series with missing samples on the straight line between their neighbours.
+/// The series with each missing sample interpolated linearly between its neighbours.
 fn without_gaps(samples: &[f64]) -> Vec<f64> {
     let mut filled = samples.to_vec();
     let known: Vec<usize> = (0..samples.len())
@@ -184,11 +184,11 @@ fn without_gaps(samples: &[f64]) -> Vec<f64> {
     filled
 }
 
-/// Relative difference of neighbouring intervals up to which they count as equal.
+/// Relative difference up to which neighbouring sampling intervals count as equal.
 const EQUAL_STEPS: f64 = 1e-3;
 
-/// The running integral of sampled values: of the cubic through the four samples around an interval where they
-/// are equally spaced, else by the trapezoidal rule.
+/// The running integral of sampled values. Where samples are equally spaced, the cubic through the four samples around
+/// each interval is integrated; elsewhere, the trapezoidal rule is used.
 fn integral(time_s: &[f64], values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let step = |k: usize| time_s[k + 1] - time_s[k];
@@ -210,7 +210,7 @@ fn integral(time_s: &[f64], values: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// Takes the mean out of a series, and where `own` is 2 its trend over time too.
+/// Projects the mean out of a series, and also its linear trend over time if `own` is 2.
 fn project_out(time_s: &[f64], own: usize, series: &mut [f64]) {
     let n = series.len().max(1) as f64;
     let mean_t = time_s.iter().sum::<f64>() / n;

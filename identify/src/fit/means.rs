@@ -1,4 +1,4 @@
-//! A model against the means of the series: what a fit must beat to be one.
+//! A fit compared with predicting the mean of every series: a usable fit must be better than that.
 
 use plant::Model;
 
@@ -7,21 +7,21 @@ use super::solver::cost;
 use super::unknowns::{Unknowns, Window, relevant};
 use crate::records::{Output, Record};
 
-/// A series that a fit predicts no better than its mean does, or hardly.
+/// A series that a fit predicts no better, or hardly better, than its mean does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoBetterThanMean {
-    /// The experiment.
+    /// The experiment's name.
     pub experiment: String,
-    /// What was measured.
+    /// The measured output.
     pub output: Output,
-    /// Root mean square of measured − predicted, in the unit of the output.
+    /// Root mean square of measured minus predicted, in the unit of the output.
     pub rmse: f64,
-    /// Root mean square of measured − its mean (of each window, where the log is compared in windows).
+    /// Root mean square of measured minus its mean (the mean of each window, if the log is compared in windows), same unit.
     pub spread: f64,
 }
 
-/// Sum of squared normalised deviations of each channel of a record from its mean over every window: what a fit
-/// would cost that predicts no motion at all.
+/// Squared normalised deviations of each channel of a record from its mean over every window, with the number of
+/// samples: the cost of a prediction without any motion.
 fn squares_about_means(record: &Record, windows: &[Window]) -> Vec<(f64, usize)> {
     let of_channel = |samples: &[f64]| {
         let mut squares = 0.0;
@@ -51,23 +51,24 @@ fn squares_about_means(record: &Record, windows: &[Window]) -> Vec<(f64, usize)>
         .collect()
 }
 
-/// What the means of a record's series cost, in the units of [`cost`].
+/// The cost of predicting every series of a record by its mean, in the units of [`cost`].
 pub fn cost_of_means(record: &Record, windows: &[Window]) -> f64 {
     let channels = squares_about_means(record, windows);
     channels.iter().map(|(squares, _)| squares).sum()
 }
 
-/// Share of what the means miss that a fit must take away at least: a body of endless inertia stands still at the
-/// mean, and takes nothing. A model that lacks an effect takes most.
+/// Smallest share of the squares about the mean (beyond the noise) that a fit must explain. A body of infinite inertia
+/// stays at the mean and explains nothing. A model that lacks one effect explains most.
 const LEAST_TAKEN: f64 = 0.05;
-/// Standard errors by which the means must miss more than noise: else there is no motion to be followed.
+/// Standard errors by which the squares about the mean must exceed those of noise; otherwise there is no motion to be
+/// predicted.
 const MOVES: f64 = 5.0;
 
-/// The series of those logs that the fit has failed: records that share parameters, directly or through others,
-/// and together cost as much as their means do, to a twentieth. Empty where the fit beats them everywhere, and where
-/// a log shows nothing but noise about its mean.
+/// The series of the logs that the fit fails to predict. Records that share parameters, directly or through others,
+/// form a group; a group fails if its cost is within a twentieth of the cost of the means. Empty if the fit is better
+/// in every group. A group that shows only noise about its means does not fail.
 ///
-/// The means have no parameter of the model: whatever is then said of one is not founded on these logs.
+/// The means use no parameter of the model. A parameter that comes from a failed group has no basis in the logs.
 pub fn failed_series(
     records: &[&Record],
     model: &Model,
@@ -99,7 +100,7 @@ pub fn failed_series(
                 record.channels.iter().zip(squares).zip(&traces)
             {
                 let spread = channel.noise_std * (squares / count.max(1) as f64).sqrt();
-                // A prediction that left the finite numbers has no error to compare.
+                // A prediction that is not finite always counts as failed.
                 if trace.rmse < (1.0 - LEAST_TAKEN) * spread
                     && trace.predicted.iter().all(|value| value.is_finite())
                 {
@@ -117,7 +118,7 @@ pub fn failed_series(
     failed
 }
 
-/// Records by the free parameters that they share, directly or through others.
+/// Groups of records that share free parameters, directly or through others.
 fn groups(records: &[&Record], model: &Model, unknowns: &Unknowns) -> Vec<Vec<usize>> {
     let mut groups: Vec<(Vec<usize>, Vec<usize>)> = vec![];
     for (at, record) in records.iter().enumerate() {

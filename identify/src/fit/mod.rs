@@ -1,21 +1,21 @@
-//! From records and a model to the minimum of the misfit.
+//! The fit: from records and a model to the minimum of the squared residuals.
 //!
 //! | file | job |
 //! |---|---|
-//! | `start` | a first guess of the base parameters, straight from the samples |
-//! | `integrated` | the same for logs of few samples, from the integrated equations |
-//! | `unknowns` | shared parameters, and the unknowns of a window |
-//! | `simulation` | one window simulated |
+//! | `start` | a first guess of the base parameters, computed from the samples |
+//! | `integrated` | the same for logs with few samples, from the integrated equations |
+//! | `unknowns` | shared parameters, and the nuisance parameters of a window |
+//! | `simulation` | the simulation of one window |
 //! | `sensitivity` | the same with exact derivatives, summed into normal equations |
-//! | `normal_equations` | all windows together, their own unknowns eliminated |
-//! | `solver`, `effort` | Levenberg–Marquardt on them, and when it ends |
-//! | `score_test` | what one step promises, without taking it |
+//! | `normal_equations` | all windows together, with their nuisance parameters eliminated |
+//! | `solver`, `effort` | the Levenberg–Marquardt iteration, and when it ends |
+//! | `score_test` | the gain that one step promises, without taking it |
 //! | `transition` | the motion from sample to sample, linearised |
 //! | `windows` | where windows begin, and their starts |
-//! | `comparison` | model against measurement |
-//! | `means` | what a fit must beat: the mean of every series |
-//! | `cogging` | where a fit of cogging may start |
-//! | `schedule` | the growing windows of a fit from a plain start |
+//! | `comparison` | the prediction compared with the measurement |
+//! | `means` | whether a fit is better than predicting the mean of every series |
+//! | `cogging` | starts for a fit of cogging |
+//! | `schedule` | the growing windows of a fit that starts from scratch |
 
 mod cogging;
 mod comparison;

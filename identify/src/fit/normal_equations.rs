@@ -1,6 +1,6 @@
-//! The normal equations of a fit. They have the shape of an arrow: every window couples its own few unknowns
-//! with the shared ones and with nothing else. The windows' unknowns are eliminated by Schur complements
-//! (the structure of bundle adjustment; Triggs et al. 2000, section 6), so that the cost is linear in the
+//! The normal equations of a fit. Their matrix has the shape of an arrow: the nuisance parameters of a window are
+//! coupled with each other and with the shared parameters only. They are eliminated by Schur complements
+//! (the structure of bundle adjustment; Triggs et al. 2000, section 6). The computing time is therefore linear in the
 //! number of windows.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -52,7 +52,7 @@ pub(super) fn assemble(
     Assembled { windows, cost }
 }
 
-/// The reduced system in the free parameters, and for each window what gives its own unknowns back.
+/// The reduced system in the free parameters, and for each window the data from which its nuisance parameters follow.
 pub(super) struct Reduced {
     pub(super) matrix: DMatrix<f64>,
     pub(super) gradient: DVector<f64>,
@@ -60,7 +60,7 @@ pub(super) struct Reduced {
 }
 
 pub(super) struct Eliminated {
-    /// The window's unknowns that act, as indices into [`Window::nuisances`].
+    /// The window's nuisance parameters that act, as indices into [`Window::nuisances`].
     pub(super) nuisances: Vec<usize>,
     pub(super) inverse: Cholesky<f64, nalgebra::Dyn>,
     pub(super) coupling: DMatrix<f64>,
@@ -70,7 +70,7 @@ pub(super) struct Eliminated {
 fn damped(matrix: &mut DMatrix<f64>, damping: f64) {
     for index in 0..matrix.nrows() {
         let diagonal = matrix[(index, index)];
-        // An unknown without any trace stays where it is.
+        // An unknown without any influence on the outputs keeps its value.
         matrix[(index, index)] = if diagonal > 0.0 {
             diagonal * (1.0 + damping)
         } else {
@@ -119,8 +119,8 @@ pub(super) fn reduce_record(
         let p = globals.len();
         let l = normal.gradient.len() - p;
         let mut own = normal.hessian.view((p, p), (l, l)).into_owned();
-        // A tiny relative damping keeps a window whose unknowns its few samples cannot tell apart
-        // from spoiling the whole.
+        // A tiny relative damping: a window whose few samples do not determine all its nuisance parameters would
+        // otherwise make the whole system singular.
         damped(&mut own, damping.max(1e-10));
         let coupling = normal.hessian.view((p, 0), (l, p)).into_owned();
         let own_gradient = normal.gradient.rows(p, l).into_owned();
@@ -156,7 +156,7 @@ pub(super) fn reduce_record(
     }
 }
 
-/// Solves the reduced system for the unknowns that are not held, scaled to a unit diagonal.
+/// Solves the reduced system, scaled to a unit diagonal, for the unknowns that are not held.
 pub(super) fn solve(
     matrix: &DMatrix<f64>,
     gradient: &DVector<f64>,

@@ -1,9 +1,9 @@
-//! A fit from a plain start to the minimum.
+//! A fit from a first guess to the minimum.
 //!
-//! A free run over a hundred periods has a cost with a local minimum for every period by which the
-//! phase may slip. The fit therefore begins with windows of two periods, each with a start of its
-//! own (multiple shooting; Bock 1983), whose cost is nearly quadratic, and lengthens the windows
-//! until one of them spans the log.
+//! Over a hundred periods, the cost of a free-running simulation has a local minimum for every period by which
+//! the phase may slip. The fit therefore begins with windows of two periods, each with its own start
+//! (multiple shooting; Bock 1983), whose cost is nearly quadratic. It then lengthens the windows
+//! until one window spans the log.
 
 use plant::{Kind, Model, Timing, period_s};
 
@@ -20,8 +20,8 @@ const WINDOW_GROWTH: f64 = 4.0;
 /// Periods in the first windows.
 const FIRST_PERIODS: f64 = 2.0;
 
-/// Fits from a plain start: the schedule of growing windows. `effort` is that of the last stage; one that is
-/// called off ends the schedule.
+/// Fits from a first guess, by the schedule of growing windows. `effort` is that of the last stage; if it is cancelled,
+/// the schedule ends.
 pub fn fit_from_scratch(
     records: &[&Record],
     model: &Model,
@@ -33,7 +33,7 @@ pub fn fit_from_scratch(
     fit_in_stages(records, model, values, free, effort, &mut nothing)
 }
 
-/// As [`fit_from_scratch`]; `first` is shown the minimum over the first windows, whose cost is nearly quadratic.
+/// As [`fit_from_scratch`]. `first` receives the minimum over the first windows, whose cost is nearly quadratic.
 pub(crate) fn fit_in_stages(
     records: &[&Record],
     model: &Model,
@@ -92,8 +92,8 @@ pub(crate) fn fit_in_stages(
     }
 }
 
-/// Fits with windows of `window_s` seconds (where the kind allows a choice), each with a start of
-/// its own. The cost is then nearly quadratic, whatever the model lacks.
+/// Fits with windows of `window_s` seconds (where the kind of experiment allows a choice), each with its own start. The
+/// cost is then nearly quadratic, even if the model lacks an effect.
 pub fn fit_windowed(
     records: &[&Record],
     model: &Model,
@@ -112,7 +112,7 @@ pub fn fit_windowed(
     refit(records, model, values, windows, free, effort)
 }
 
-/// Fits again from a good start: parameters and windows of a neighbouring fit.
+/// Fits again from a good start: the parameters and windows of a neighbouring fit.
 pub fn refit(
     records: &[&Record],
     model: &Model,
@@ -127,16 +127,17 @@ pub fn refit(
     over_samples(records, model, minimum, &unknowns, effort)
 }
 
-/// What the delay of the next sample must promise, in χ², for a fit to start there.
+/// Gain in χ² that the score test must promise for a delay of one sample more or less, before a fit is started there.
 const WORTH_A_SAMPLE: f64 = 1.0;
-/// Evaluations that show whether it keeps that: from the middle of an interval the cost is nearly quadratic.
+/// Evaluations of that fit, which show whether it keeps the promise. From the middle of a sampling interval the cost
+/// is nearly quadratic.
 const LOOK_AT_A_SAMPLE: usize = 3;
 
-/// Takes a delay on from sample to sample of the command while that lowers the cost.
+/// Moves a delay by whole samples of the command as long as that lowers the cost.
 ///
-/// A held command that is late by a part of a sample is a mean of itself, late by one sample more and by one
-/// less. Where noise has a share in it (a controller passes that of its sensors on), the mean has less of it,
-/// and the cost a minimum between any two samples.
+/// With a held command, a delay by a fraction of a sample predicts a weighted mean of two neighbouring commands. The
+/// mean contains less of the noise in the command (a controller passes the sensors' noise on). The cost can
+/// therefore have a local minimum between any two samples, where a descent gets stuck.
 fn over_samples(
     records: &[&Record],
     model: &Model,
@@ -184,7 +185,7 @@ fn over_samples(
             best = next;
             has_moved = true;
         }
-        // What lies behind was worse.
+        // After a move in one direction, the other direction leads back to higher costs.
         if has_moved {
             break;
         }
@@ -195,7 +196,7 @@ fn over_samples(
     best
 }
 
-/// The shortest time for which a recorded command is held, in s; `None` where none is.
+/// The shortest time for which a recorded command is held, in s; `None` if no record has a held command.
 fn shortest_sample_s(records: &[&Record]) -> Option<f64> {
     let held = records.iter().filter_map(|record| match &record.current {
         RecordedCurrent::Known(input) if record.kind != Kind::FreeSwing => input.held_s(),

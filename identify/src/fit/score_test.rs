@@ -1,5 +1,5 @@
-//! What a model would gain by further parameters, from one evaluation of its normal equations: the score test
-//! (Rao, Proc. Cambridge Phil. Soc. 44 (1948)).
+//! The score test (Rao, Proc. Cambridge Phil. Soc. 44 (1948)): the gain that further parameters promise, from one
+//! evaluation of the normal equations.
 
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
@@ -8,54 +8,54 @@ use super::normal_equations::{assemble, reduce_record, solve};
 use super::unknowns::{Unknowns, Window, moves_alike, relevant};
 use crate::records::Record;
 
-/// What a full Gauss–Newton step from a point promises, without taking it: the score test.
+/// The normal equations at a point, from which the gain of a full Gauss–Newton step follows without taking it.
 #[derive(Clone, Debug)]
 pub struct ScoreTest {
-    /// For each record its share.
+    /// The share of each record.
     pub records: Vec<RecordScore>,
 }
 
 /// One record's share of a [`ScoreTest`].
 #[derive(Clone, Debug)]
 pub struct RecordScore {
-    /// Cost at the point.
+    /// Cost (χ²) at the point.
     pub cost: f64,
-    /// Information on the free parameters (the windows' unknowns eliminated), in the fit's
-    /// coordinates.
+    /// Information matrix of the free parameters, in the fit's coordinates, with the windows' nuisance parameters
+    /// eliminated.
     pub information: DMatrix<f64>,
-    /// Gradient, likewise.
+    /// Gradient, with the same elimination and coordinates.
     pub gradient: DVector<f64>,
-    /// What the windows' own unknowns take from the cost while the free parameters stay.
+    /// Gain from the windows' nuisance parameters alone, with the free parameters held.
     own_promise: f64,
 }
 
-/// A step that is promised.
+/// A step, and the cost that it promises.
 #[derive(Clone, Debug)]
 pub struct ScoreStep {
-    /// Cost that the quadratic model promises after the step.
+    /// Cost that the quadratic model predicts after the step.
     pub cost: f64,
-    /// The step of the free parameters, in the fit's coordinates; 0 for those that stay.
+    /// The step of the free parameters, in the fit's coordinates; 0 for those that are held.
     pub step: DVector<f64>,
 }
 
-/// A model with parameters at a point whose promise is known.
+/// A point whose score test is known.
 #[derive(Clone, Copy)]
 pub struct KnownScore<'a> {
     /// The model.
     pub model: &'a Model,
-    /// Its parameter vector.
+    /// All its parameters, SI.
     pub values: &'a [f64],
-    /// Its unknowns.
+    /// Its free parameters.
     pub unknowns: &'a Unknowns,
-    /// What it promises.
+    /// Its score test.
     pub score_test: &'a ScoreTest,
-    /// Whether what the other model has more does not come into play in a record.
+    /// Whether the additional effects of the other model have no influence in a record.
     pub leaves_no_trace: &'a (dyn Fn(&Record) -> bool + Sync),
 }
 
-/// Evaluates the normal equations once. Records in which the model moves as one whose promise is
-/// `known` (with the same windows) are not simulated again: those in which nothing acts that differs,
-/// and those for which [`KnownScore::leaves_no_trace`] says so.
+/// Evaluates the normal equations once. Some records need no new simulation, because the model moves there as the
+/// `known` one does with the same windows: records in which no differing effect acts, and those for which
+/// [`KnownScore::leaves_no_trace`] returns `true`.
 pub fn score_test(
     records: &[&Record],
     model: &Model,
@@ -119,8 +119,7 @@ pub fn score_test(
 }
 
 impl RecordScore {
-    /// The same share among `count` unknowns of another model; `place` says where an unknown stands
-    /// there.
+    /// The same share, reordered for the `count` unknowns of another model; `place` maps an unknown's index.
     fn reordered(
         &self,
         known: KnownScore,
@@ -148,7 +147,7 @@ impl RecordScore {
     }
 }
 
-/// Share of the cost at a point by which rounding may put what a step promises below nothing.
+/// Share of the cost at a point by which rounding may push a promised cost below zero.
 const ROUNDING: f64 = 1e-6;
 
 impl ScoreTest {
@@ -167,9 +166,8 @@ impl ScoreTest {
         self.records.iter().map(|record| &record.gradient).sum()
     }
 
-    /// The step of those free parameters that `moves` marks, and what it promises; the others stay
-    /// where they are, as in a model without them. Unknowns on a bound that would leave their range
-    /// are held there.
+    /// The step of the free parameters that `moves` marks, and the cost that it promises. The others are held, as in a
+    /// model without them. An unknown that would leave its range is held on its bound.
     pub fn step(&self, values: &[f64], unknowns: &Unknowns, moves: &[bool]) -> ScoreStep {
         let count = unknowns.free.len();
         let total = self.information();
@@ -180,15 +178,15 @@ impl ScoreTest {
             cost: self.cost(),
             step: DVector::zeros(count),
         };
-        // A step that leaves the range of an unknown is taken again with that unknown held.
+        // If a step leaves the range of an unknown, the step is computed again with that unknown held.
         for _ in 0..3 {
             let Some(step) = solve(&total, &right, &held) else {
                 break;
             };
             let cost = self.cost() - own_promise - step.dot(&right);
             if cost < -ROUNDING * self.cost() {
-                // A sum of squares is not negative: the derivatives of a wild motion have drowned in their
-                // own rounding, and promise nothing.
+                // A sum of squares cannot be negative. The derivatives of a chaotic motion are dominated by rounding errors, and
+                // their promise is void.
                 break;
             }
             promised.cost = cost.max(0.0);

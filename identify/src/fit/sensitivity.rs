@@ -1,4 +1,4 @@
-//! One window of a log: simulated with exact derivatives, compared, summed into normal equations.
+//! One window of a log: simulated with exact derivatives, compared with the measurement, summed into normal equations.
 
 use nalgebra::{DMatrix, DVector};
 use plant::{Dual, Kind, Model, Scalar, Smoothing};
@@ -7,26 +7,26 @@ use super::simulation::{run, simulate};
 use super::unknowns::{Nuisance, Unknowns, Window};
 use crate::records::Record;
 
-/// Normal equations of one window: (Hgg Hgl; Hlg Hll) and right-hand sides, for the unknowns in the
-/// order globals, acting locals. Residuals are divided by the noise of their channel.
+/// The normal equations of one window: the matrix (Hgg Hgl; Hlg Hll) and the right-hand side. The unknowns are the
+/// shared parameters ("globals"), then the acting nuisance parameters of the window ("locals"). Residuals are
+/// divided by the noise of their channel.
 #[derive(Clone, Debug)]
 pub struct WindowNormal {
-    /// Sum over the samples of sensitivity times its transpose, (p+l)×(p+l).
+    /// Sum over the samples of sensitivity times its transpose, (p+l)×(p+l), for p globals and l locals.
     pub hessian: DMatrix<f64>,
-    /// Sum of sensitivity times residual, p+l.
+    /// Sum of sensitivity times residual, length p+l.
     pub gradient: DVector<f64>,
-    /// Sum of squared residuals; infinite if the simulation left the finite numbers.
+    /// Sum of squared residuals; infinite if the simulation did not stay finite.
     pub cost: f64,
-    /// Which of the window's unknowns act, as indices into [`Window::nuisances`].
+    /// The locals that act, as indices into [`Window::nuisances`].
     pub nuisances: Vec<usize>,
 }
 
-/// What carries derivatives in the simulation of a window, in this order.
+/// The unknowns that carry derivatives in the simulation of a window, in this order.
 struct Lanes<'a> {
-    /// Indices into the unknowns.
+    /// Globals: indices into the unknowns.
     globals: &'a [usize],
-    /// The unknowns of the window on which the motion of the model depends, as indices into
-    /// [`Window::nuisances`].
+    /// Locals on which the motion of the model depends, as indices into [`Window::nuisances`].
     nuisances: Vec<usize>,
 }
 
@@ -44,7 +44,7 @@ impl Lanes<'_> {
         self.globals.len() + self.nuisances.len()
     }
 
-    /// At most `most` of these lanes, from the lane `first` on.
+    /// At most `most` of these lanes, beginning with the lane `first`.
     fn part(&self, first: usize, most: usize) -> Lanes<'_> {
         let end = (first + most).min(self.count());
         let globals = self.globals.len();
@@ -55,14 +55,14 @@ impl Lanes<'_> {
         }
     }
 
-    /// The lane of an unknown of the window, if it has one.
+    /// The lane of a local, if it has one.
     fn of_nuisance(&self, local: usize) -> Option<usize> {
         let at = self.nuisances.iter().position(|&acting| acting == local)?;
         Some(self.globals.len() + at)
     }
 }
 
-/// What a window's simulation hands out for one observation.
+/// One observation of a simulated window.
 pub struct Observation<'a> {
     /// Index of the sample in the log.
     pub sample: usize,
@@ -74,10 +74,10 @@ pub struct Observation<'a> {
     pub sensitivity: &'a [f64],
 }
 
-/// The most unknowns, globals and locals together, that one simulation of a window carries.
+/// Largest number of unknowns, globals and locals together, that one simulation of a window carries.
 const MAX_LANES: usize = 12;
-/// The unknowns, globals and locals together, that are worth taking together where many effects are scored at one
-/// point: two simulations of every window. A window may have more.
+/// Number of unknowns, globals and locals together, up to which it pays to score many effects at one point together:
+/// two simulations of every window. A window may have more.
 pub const MAX_UNKNOWNS: usize = 2 * MAX_LANES;
 
 fn run_lanes<const N: usize>(
@@ -116,7 +116,7 @@ fn run_lanes<const N: usize>(
     );
 }
 
-/// The normal equations of a window. Samples of weight 0 and missing measurements do not count.
+/// The normal equations of a window. Samples of weight 0 and missing samples do not count.
 pub fn normal(
     record: &Record,
     window: &Window,
@@ -136,7 +136,7 @@ pub fn normal(
     )
 }
 
-/// As [`normal`]; every observation that counts is handed to `each` as well, sample by sample.
+/// As [`normal`], and passes every observation that counts to `each`, sample by sample.
 pub fn normal_observed(
     record: &Record,
     window: &Window,
@@ -156,8 +156,8 @@ pub fn normal_observed(
             nuisances: lanes.nuisances,
         };
     }
-    // The integrator is compiled for each of these numbers of lanes, and lanes that nobody needs cost their share of a
-    // simulation: few numbers, close together where most fits are.
+    // The integrator is compiled for each of these numbers of lanes. Unused lanes cost simulation time. The numbers are
+    // therefore few, and closest together where most fits lie.
     let solve = match lanes.count() {
         0..=4 => normal_lanes::<4>,
         5..=6 => normal_lanes::<6>,
@@ -168,8 +168,8 @@ pub fn normal_observed(
     solve(record, window, model, values, unknowns, lanes, each)
 }
 
-/// What a simulation with `N` lanes says of every measurement that counts at one sample: channel, residual,
-/// sensitivities, the latter two divided by the noise.
+/// From a simulation with `N` lanes: channel, residual and sensitivities of every measurement that counts at one
+/// sample. Residual and sensitivities are divided by the noise.
 fn observations<const N: usize>(
     record: &Record,
     k: usize,
@@ -244,8 +244,8 @@ fn normal_lanes<const N: usize>(
     with_priors(record, window, &lanes, normal)
 }
 
-/// As [`normal_lanes`], for more unknowns than one simulation carries: as many simulations as it takes, each with
-/// a part of the lanes.
+/// As [`normal_lanes`], for more unknowns than one simulation carries: several simulations, each with a part of the
+/// lanes.
 fn normal_wide(
     record: &Record,
     window: &Window,
@@ -309,7 +309,7 @@ fn normal_wide(
     with_priors(record, window, &lanes, normal)
 }
 
-/// The normal equations with what is known beforehand of the window's unknowns.
+/// Adds the priors of the window's nuisance parameters to the normal equations.
 fn with_priors(
     record: &Record,
     window: &Window,
@@ -330,7 +330,7 @@ fn with_priors(
     normal
 }
 
-/// The unknowns of a window that are known beforehand: index, value, standard deviation.
+/// The nuisance parameters of a window that have a prior: index, mean, standard deviation.
 fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
     let nuisances = Nuisance::of(record).into_iter().zip(&window.nuisances);
     nuisances
@@ -342,13 +342,13 @@ fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
         .collect()
 }
 
-/// Whether the wheel alone would have more inertia than body and wheel together.
+/// Whether the wheel's inertia would exceed that of body and wheel together.
 fn is_impossible(record: &Record, values: &[f64]) -> bool {
     matches!(record.kind, Kind::Balance | Kind::Driven)
         && values[plant::WHEEL_INERTIA] >= values[plant::TOTAL_INERTIA]
 }
 
-/// The cost of [`normal`] without derivatives.
+/// The cost of [`normal`], computed without derivatives.
 pub fn window_cost(record: &Record, window: &Window, model: &Model, values: &[f64]) -> f64 {
     if is_impossible(record, values) {
         return f64::INFINITY;

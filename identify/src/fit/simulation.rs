@@ -1,13 +1,13 @@
-//! One window of a log simulated: its start from the unknowns of the window, with what the log says of the
-//! time before it.
+//! The simulation of one window of a log. Its start comes from the window's nuisance parameters, and from what the log
+//! says about the time before the window.
 
 use plant::{Current, Model, Plant, Reading, Scalar, Smoothing, State};
 
 use super::unknowns::{Nuisance, Window};
 use crate::records::{Record, RecordedCurrent};
 
-/// The start of a window from its local unknowns: the state with the current before it, a held current, the
-/// angle's zero.
+/// The start of a window from its nuisance parameters: the state (with the current before the log), a held current in
+/// A, and the zero of the angle in rad.
 fn start_state<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> (State<S>, S, S) {
     let mut state = State::rest();
     let mut current = S::zero();
@@ -26,7 +26,7 @@ fn start_state<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> (State<S>, S,
     (state, current, angle_zero)
 }
 
-/// The plant of a record: without what lies between command and current where the record holds the current.
+/// The plant of a record; without the motor's delay, lag and static stages if the record has the measured current.
 pub(super) fn plant_of<S: Scalar>(
     record: &Record,
     model: &Model,
@@ -41,12 +41,12 @@ pub(super) fn plant_of<S: Scalar>(
     }
 }
 
-/// Presliding friction is followed over this many times its presliding distance μ/σ before a window
-/// begins; it has then forgotten what was before (e⁻⁴ of it is left).
+/// Distance over which presliding friction is simulated before a window begins, in units of its presliding distance
+/// μ/σ. After this distance, e⁻⁴ of the initial state is left.
 const MEMORY_DISTANCES: f64 = 4.0;
 
-/// The start of a window in the middle of a log with what the log says of the time before it: the
-/// angle of the wheel for cogging, the torque of presliding friction.
+/// Adds to the start of a window the memory that the log provides: the wheel's angle for cogging, and the torque of
+/// presliding friction.
 fn with_memory<S: Scalar>(
     record: &Record,
     window: &Window,
@@ -87,10 +87,10 @@ fn current_of<S: Scalar>(record: &Record, held: S) -> Current<'_, S> {
     }
 }
 
-/// What is done at every sample of a window: its index, what the sensors read, the state.
+/// Called at every sample of a window with its index, the sensors' reading and the state.
 type EachSample<'a, S> = dyn FnMut(usize, &Reading<S>, &State<S>) + 'a;
 
-/// Simulates a window for parameters of the model and unknowns of the window in any kind of number.
+/// Simulates a window for given parameters of the model and of the window, generic over the number type.
 // `each` is not generic, so that the integrator is compiled once for each kind of number.
 pub(super) fn run<S: Scalar>(
     record: &Record,
@@ -117,7 +117,7 @@ pub(super) fn run<S: Scalar>(
     );
 }
 
-/// Simulates a window without derivatives; `each` gets the index of the sample, the model's reading and its state.
+/// Simulates a window without derivatives. `each` receives the sample's index, the model's reading and its state.
 pub fn simulate(
     record: &Record,
     window: &Window,
@@ -128,7 +128,7 @@ pub fn simulate(
     simulate_smoothed(record, window, model, values, Smoothing::SIMULATION, each);
 }
 
-/// As [`simulate`], with another smoothing of dry friction.
+/// As [`simulate`], with another smoothing speed of dry friction.
 pub fn simulate_smoothed(
     record: &Record,
     window: &Window,

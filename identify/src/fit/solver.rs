@@ -1,5 +1,5 @@
-//! Nonlinear least squares over parameters that all windows share and starts that each window has
-//! for itself.
+//! Nonlinear least squares over parameters that all windows share and nuisance parameters of each window, such as
+//! its start.
 //!
 //! Levenberg–Marquardt (Marquardt, SIAM J. 11 (1963); damping scaled by the diagonal as in Moré
 //! 1978) on the [`super::normal_equations`].
@@ -15,37 +15,36 @@ use super::unknowns::{Unknowns, Window, relevant};
 use crate::learned::penalty_of;
 use crate::records::Record;
 
-/// The records of a fit with their windows, and where the minimisation stands.
+/// The result of a minimisation.
 #[derive(Clone, Debug)]
 pub struct Minimum {
-    /// The whole parameter vector.
+    /// All parameters, SI.
     pub values: Vec<f64>,
-    /// For each record its windows.
+    /// The windows of each record.
     pub windows: Vec<Vec<Window>>,
-    /// Sum of squared normalised residuals.
+    /// Sum of squared normalised residuals (χ²).
     pub cost: f64,
     /// Information about the free parameters after the windows' unknowns are eliminated, in the
     /// fit's coordinates; with what is known beforehand of learned curves.
     pub information: DMatrix<f64>,
-    /// Which free parameters lie on a bound, so that the data pull them out of their range.
+    /// Which free parameters lie on a bound of their range, where the data pull them outwards.
     pub on_bound: Vec<bool>,
-    /// How it ended.
+    /// The reason why the minimisation ended.
     pub outcome: Outcome,
     /// Number of evaluations of the normal equations.
     pub evaluations: usize,
 }
 
-/// A step that promises less than this, in units of the mean squared residual, and is refused ends the fit:
-/// a tenth of a standard error is below what the kinks of dry friction leave of a smooth cost.
+/// The fit ends if a refused step promised less than this, in units of the mean squared residual. A tenth of a
+/// standard error is below the roughness that the kinks of dry friction give the cost.
 const ROUGHNESS: f64 = 1e-2;
-/// For so many steps after a refused one the next is first tried without derivatives.
+/// For this many steps after a refused one, the next step is first tried without derivatives.
 const DOUBTFUL: usize = 2;
-/// A fit whose last so many evaluations together gained less than the standard error of one unknown
-/// would, or less than [`CRUMB`] of what the model misses, is creeping, and ends: what is left to gain
-/// decides nothing.
+/// Number of evaluations after which a slow fit ends: if together they gained less than one unknown's standard error
+/// is worth, or less than [`CRUMB`] of the misfit. The remaining gain would not change a decision.
 const CREEPING: usize = 8;
-/// Share of the χ² beyond the noise: of a model that misses much, the minimum need not be known to what
-/// its noise would allow.
+/// Share of the χ² beyond the noise. A model that misses much needs its minimum less precisely than its noise
+/// would allow.
 const CRUMB: f64 = 1e-2;
 
 /// Minimises the sum of squared normalised residuals over the free parameters and the windows'
@@ -122,9 +121,9 @@ pub fn minimise(
         let mut taken = step.clone();
         for (index, &position) in unknowns.free.iter().enumerate() {
             let (low, high) = unknowns.bounds[index];
-            // Of a product a b the step (da, db) promises the change b da + a db; b + a db/(a + da) brings
-            // just that. With b + db the way of a fit from one cable to another that is as taut would lie
-            // along a hyperbola, a curved valley of hundreds of steps.
+            // In a product a b, the step (da, db) promises the change b da + a db. The value b + a db/(a + da) gives exactly
+            // that change. With b + db, the path between two equally taut cables would follow a hyperbola, a curved valley of
+            // hundreds of steps.
             if let Some(factor) = factors[position]
                 && next_values[factor] > 0.0
             {
@@ -137,7 +136,7 @@ pub fn minimise(
                 continue;
             }
             let next = if unknowns.logarithmic[index] {
-                // More than a factor of e² at once leaves the range where the step means anything.
+                // A change by more than a factor of e² leaves the range in which the linearised step is valid.
                 values[position] * step[index].clamp(-2.0, 2.0).exp()
             } else {
                 values[position] + step[index]
@@ -149,7 +148,7 @@ pub fn minimise(
                 next_values[position] - values[position]
             };
         }
-        // The windows' own steps belong to the step that is really taken.
+        // The windows' own steps follow from the step that is really taken.
         let mut next_windows = windows.clone();
         let mut promised = taken.dot(&reduced.gradient);
         for ((list, eliminated), globals) in
@@ -163,7 +162,7 @@ pub fn minimise(
                 let own = eliminated
                     .inverse
                     .solve(&(&eliminated.gradient - &eliminated.coupling * &shared));
-                // What the window's own unknowns take beside the shared step, whose gradient is reduced by it.
+                // The gain from the windows' nuisance parameters, in addition to the gain of the shared step.
                 promised += eliminated
                     .gradient
                     .dot(&eliminated.inverse.solve(&eliminated.gradient));
@@ -236,7 +235,7 @@ pub fn minimise(
     }
 }
 
-/// The cost that [`minimise`] lowers, without derivatives.
+/// The cost that [`minimise`] lowers, computed without derivatives.
 pub fn cost(records: &[&Record], model: &Model, values: &[f64], windows: &[Vec<Window>]) -> f64 {
     let jobs: Vec<(&Record, &Window)> = records
         .iter()
@@ -247,12 +246,12 @@ pub fn cost(records: &[&Record], model: &Model, values: &[f64], windows: &[Vec<W
         .par_iter()
         .map(|&(record, window)| window_cost(record, window, model, values))
         .collect();
-    // In the order of the windows, so that it does not depend on how the work was shared out.
+    // Summed in the order of the windows, so that the result does not depend on the number of threads.
     costs.into_iter().sum()
 }
 
-/// For every position of the parameter vector the position of the factor a with which it forms a product
-/// a b, in which the torque is linear ([`plant::EffectInfo::product`]).
+/// For every parameter b in whose product a b with another parameter a the torque is linear: the position of a
+/// ([`plant::EffectInfo::product`]); `None` for all others.
 fn factors(model: &Model) -> Vec<Option<usize>> {
     let mut factors = vec![None; model.parameter_count()];
     for &effect in model.effects() {

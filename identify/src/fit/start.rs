@@ -1,10 +1,10 @@
-//! A first guess of the base parameters, straight from the samples.
+//! A first guess of the base parameters, computed from the samples without simulation.
 //!
-//! The equations of motion are linear in G/Θ, τ/j_w and the friction ratios. Multiplied by a bump
-//! ψ(t) that vanishes with its derivative at both ends of a short interval, and integrated by
-//! parts, they hold for the measured angle and wheel speed themselves: no noise is differentiated
+//! The equations of motion are linear in G/Θ, τ/j_w and the friction ratios. They are multiplied by a test function
+//! ("bump") ψ(t), which vanishes with its derivative at both ends of a short interval, and integrated by parts. The
+//! result holds for the measured angle and wheel speed themselves, so no noise is differentiated
 //! (the weak form, or modulating-function method of Shinbrot, Trans. ASME 79 (1957)). One linear
-//! least squares then gives the ratios; what was measured directly turns them into parameters.
+//! least-squares problem then gives the ratios. Values that were measured directly turn them into parameters.
 
 use nalgebra::{DMatrix, DVector};
 use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
@@ -12,13 +12,13 @@ use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA}
 use super::integrated::integrated_ratios;
 use crate::records::{BUMP_S, Output, Record, angle_samples, bumps};
 
-/// Length of the bump in a balance log: as short as a push by hand, so that most of the answer to a
-/// push lies under other bumps than the push.
+/// Length of the bump in a balance log, s. It is as short as a push by hand, so that most of the response to a push
+/// falls into other bumps than the push itself.
 const BALANCE_BUMP_S: f64 = 0.1;
-/// A log of fewer samples may have no bump, or fewer than the equation has unknowns: those of a spin-up at a few
-/// samples a second, or of one period of a swing.
+/// A log with fewer samples may be too short for a bump, or have fewer bumps than the equation has unknowns: a spin-up
+/// at a few samples per second, or one period of a swing.
 const FEW_SAMPLES: usize = 256;
-/// Rounds of reweighting: each brings the fit a good part of the way.
+/// Rounds of reweighting. Each round brings the fit a good part of the way.
 const REWEIGHTINGS: usize = 30;
 
 /// Rows of a linear least squares.
@@ -49,8 +49,8 @@ impl Rows {
             return None;
         }
         let mut matrix = DMatrix::from_row_slice(self.right.len(), self.columns, &self.left);
-        // Columns are scaled so that the pseudo-inverse drops what is negligible, not what is small
-        // because of its unit.
+        // Columns are scaled, so that the pseudo-inverse drops directions that are negligible and not those that are
+        // small only because of their unit.
         let scale: Vec<f64> = matrix
             .column_iter()
             .map(|column| column.norm().max(1e-300))
@@ -69,8 +69,8 @@ impl Rows {
 }
 
 impl Rows {
-    /// Least absolute deviations by reweighted least squares (Schlossmacher, JASA 68 (1973)): rows
-    /// that a push has shifted pull no harder than others.
+    /// Least absolute deviations by iteratively reweighted least squares (Schlossmacher, JASA 68 (1973)). A row that is
+    /// shifted by a push has no more influence than any other.
     fn solve_absolute(&self) -> Option<DVector<f64>> {
         let mut x = self.solve()?;
         let n = self.right.len();
@@ -97,14 +97,14 @@ impl Rows {
     }
 }
 
-/// Ratios of the parameters that the samples give directly.
+/// Ratios of the parameters that follow directly from the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ratios {
-    /// G/Θ in 1/s², from free swings; else from the momentum of body and wheel while all is free.
+    /// G/Θ in 1/s²: from free swings; otherwise from the momentum of body and wheel in logs with everything free.
     pub gravity_over_total: Option<f64>,
-    /// The angle that a hanging body shows in free swings, in rad.
+    /// The angle in rad that the sensor shows while the body hangs, from free swings.
     pub angle_zero_rad: Option<f64>,
-    /// r_b/Θ in 1/s, likewise.
+    /// r_b/Θ in 1/s, from the same logs as G/Θ.
     pub friction_over_total: Option<f64>,
     /// G/(Θ − j_w) in 1/s², from logs with everything free.
     pub gravity_over_free: Option<f64>,
@@ -118,8 +118,8 @@ pub struct Ratios {
     pub friction_over_wheel: Option<f64>,
 }
 
-/// The samples in which the motor drives the wheel, current and speed having one sign: wheel speed in rad/s
-/// and current in A, as amounts.
+/// The samples in which the motor drives the wheel (current and speed have the same sign): absolute wheel speed in
+/// rad/s and absolute current in A.
 pub(crate) fn driving_samples(records: &[&Record]) -> Vec<(f64, f64)> {
     let mut driven: Vec<(f64, f64)> = vec![];
     for record in records {
@@ -133,7 +133,7 @@ pub(crate) fn driving_samples(records: &[&Record]) -> Vec<(f64, f64)> {
     driven
 }
 
-/// The ratios that these records give.
+/// Computes the ratios from these records.
 pub fn ratios(records: &[&Record]) -> Ratios {
     let mut locked = Rows::new(3);
     let mut free = Rows::new(5);
@@ -186,13 +186,13 @@ pub fn ratios(records: &[&Record]) -> Ratios {
             let spin = -integral(&|k| speed.samples[k], 1);
             let sine = integral(&|k| angle[k].sin(), 0);
             let cosine = integral(&|k| angle[k].cos(), 0);
-            // Solved for the wheel: its two large terms nearly cancel, and its noise is the largest.
+            // Solved for the wheel's acceleration: its two large terms nearly cancel, and its noise is the largest.
             momentum.push(&[-second, -first, -sine, -cosine], spin);
         });
     }
     let mut ratios = Ratios::of_solutions(locked.solve(), free.solve(), wheel.solve());
     if let Some(solution) = momentum.solve_absolute() {
-        // Θ α̈ + j_w φ̈ + r_b α̇ + G sin α = 0 knows neither the motor nor the friction of the wheel.
+        // Θ α̈ + j_w φ̈ + r_b α̇ + G sin α = 0 contains neither the motor nor the friction of the wheel.
         let gravity = solution[2].hypot(solution[3]);
         ratios.gravity_over_wheel = positive(gravity);
         if ratios.gravity_over_total.is_none() {
@@ -200,7 +200,7 @@ pub fn ratios(records: &[&Record]) -> Ratios {
             ratios.friction_over_total = positive(solution[1] / solution[0]);
         }
     }
-    // A log of a few samples has no bump; its equations can be integrated all the same.
+    // A log of a few samples has no bump, but its equations can be integrated.
     let is_short = |record: &&&Record| record.len() < FEW_SAMPLES;
     if records.iter().any(|record| is_short(&record)) {
         ratios = ratios.or(integrated_ratios(records, FEW_SAMPLES));
@@ -213,7 +213,7 @@ fn positive(value: f64) -> Option<f64> {
 }
 
 impl Ratios {
-    /// From the solutions for a locked wheel, for all free, and for the wheel.
+    /// Collects the ratios from three solutions: wheel locked, everything free, wheel driven.
     pub(super) fn of_solutions(
         locked: Option<DVector<f64>>,
         free: Option<DVector<f64>>,
@@ -221,7 +221,7 @@ impl Ratios {
     ) -> Ratios {
         let mut ratios = Ratios::default();
         if let Some(solution) = locked {
-            // A shifted zero of the angle splits G/Θ into its sine and cosine parts.
+            // A shifted zero of the angle splits G/Θ into a sine and a cosine part.
             ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
             ratios.angle_zero_rad = Some((-solution[1]).atan2(solution[0]));
             ratios.friction_over_total = positive(solution[2]);
@@ -237,7 +237,7 @@ impl Ratios {
         ratios
     }
 
-    /// These, and what they lack from others.
+    /// These ratios; those that are missing are taken from `others`.
     fn or(self, others: Ratios) -> Ratios {
         let zero = self.angle_zero_rad;
         Ratios {
@@ -253,15 +253,15 @@ impl Ratios {
     }
 }
 
-/// Fills the base parameters (positions 0 to 3 of the parameter vector) that are not known, and
-/// returns them with r_b and r_w. What nothing speaks of gets a harmless placeholder.
+/// Fills in the base parameters (positions 0 to 3) that are not known, and returns them with r_b and r_w. A parameter
+/// about which the samples say nothing gets a harmless placeholder.
 pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64, f64) {
     let mut total = known[TOTAL_INERTIA];
     let mut wheel = known[WHEEL_INERTIA];
     let mut gravity = known[GRAVITY_TORQUE];
     let mut torque = known[TORQUE_CONSTANT];
     let r = ratios;
-    // Each rule may make another one applicable; four rounds reach everything that can be reached.
+    // One rule can make another applicable. Four rounds are enough for all of them.
     for _ in 0..4 {
         if let (None, Some(g), Some(a)) = (total, gravity, r.gravity_over_total) {
             total = Some(g / a);
@@ -269,7 +269,7 @@ pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64,
         if let (None, Some(t), Some(a)) = (gravity, total, r.gravity_over_total) {
             gravity = Some(t * a);
         }
-        // First what no friction of the wheel can falsify.
+        // The rules that do not depend on the wheel's friction come first.
         if let (None, Some(g), Some(a)) = (wheel, gravity, r.gravity_over_wheel) {
             wheel = Some(g / a);
         }
@@ -306,12 +306,12 @@ pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64,
         }
     }
     let total = total.or(wheel.map(|j| 20.0 * j)).unwrap_or(1.0);
-    // A guess must leave Θ > j_w; a given value (also the 1 that stands for an unknown scale) stays.
+    // A guess must satisfy Θ > j_w. A given value (also the 1 for an unknown scale) is kept.
     let wheel =
         known[WHEEL_INERTIA].unwrap_or_else(|| wheel.unwrap_or(0.05 * total).min(0.9 * total));
     let gravity = gravity.unwrap_or(100.0 * total);
     let torque = torque.unwrap_or(100.0 * wheel);
-    // Friction may come out negative from noise; the fit needs a start inside its bounds.
+    // Noise can make the estimated friction negative; the fit needs a start inside its bounds.
     let body_friction = r.friction_over_total.unwrap_or(0.01).clamp(1e-3, 10.0) * total;
     let wheel_friction = r.friction_over_wheel.unwrap_or(0.1).clamp(1e-3, 10.0) * wheel;
     (

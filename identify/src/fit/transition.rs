@@ -1,11 +1,11 @@
-//! The motion of a window from sample to sample, linearised along itself: what is left at the next sample of a
-//! small change of the state or of the current.
+//! The motion of a window from sample to sample, linearised along itself: how a small change of the state or of the
+//! current at one sample changes the state at the next.
 //!
-//! Both are the exact derivatives of the plant's own step, so that every effect of the model counts, the
-//! sensors and the chain of the motor among them. Dry friction has the slope μ/v₀ at rest, of a sign that is
-//! smoothed over v₀; a step that takes a joint through rest is repeated by the plant in finer parts, and
-//! its derivative holds the mean slope over the way, not the large one at the instant of rest. A joint that
-//! stays at rest really forgets: there an error of the current moves nothing.
+//! These are the exact derivatives of the plant's own step. They contain every effect of the model, including
+//! the sensors and the motor. Dry friction, whose sign is smoothed over the speed v₀, has the slope μ/v₀ at rest. The
+//! plant splits a step that takes a joint through rest into finer parts. The derivative then contains the mean
+//! slope along the path, not the large slope at the instant of rest. A joint that stays at rest really forgets: an
+//! error of the current does not move it.
 
 use nalgebra::{SMatrix, SVector};
 use plant::{Drive, Dual, Model, Output, Scalar, Smoothing, State};
@@ -14,23 +14,23 @@ use super::simulation::{plant_of, simulate};
 use super::unknowns::Window;
 use crate::records::{Record, RecordedCurrent};
 
-/// Components of the state: angle, rate, wheel angle, wheel speed, the torque of friction that remembers, the
-/// current behind a lag.
+/// Components of the state: body angle, body rate, wheel angle, wheel speed, torque of friction with memory, current
+/// behind a lag.
 const STATES: usize = 6;
 
-/// The state and the current, in a number of lanes for which the integrator is compiled anyway.
+/// Dual numbers for the state and the current, with a number of lanes for which the integrator is compiled anyway.
 type Numbers = Dual<8>;
 /// The lane of the current.
 const CURRENT: usize = STATES;
 
-/// What a step from one sample to the next makes of small changes.
+/// The linearised step from one sample to the next.
 #[derive(Clone, Debug)]
 pub struct Transition {
     /// ∂(state at the next sample)/∂(state at this one).
     pub state: SMatrix<f64, STATES, STATES>,
     /// ∂(state at the next sample)/∂(current over the step), per ampere.
     pub input: SVector<f64, STATES>,
-    /// ∂(what the sensors say at the next sample)/∂(state there), in the order of [`Output::ALL`].
+    /// ∂(sensor readings at the next sample)/∂(state there), in the order of [`Output::ALL`].
     pub shown: [SVector<f64, STATES>; 3],
 }
 
@@ -62,9 +62,9 @@ fn gradient(number: Numbers) -> SVector<f64, STATES> {
     SVector::from_fn(|row, _| number.derivatives[row])
 }
 
-/// The transitions between the samples of a window of a log with a recorded current, along the motion of the
-/// model; none for any other. `each` is given the sample before each of them and the transition, the last one first:
-/// of a long log only the motion is kept, a tenth of what its transitions would take.
+/// The transitions between the samples of a window, along the motion of the model; none for a log whose current was
+/// not recorded. `each` receives the index of the sample before the transition and the transition itself, the last one
+/// first. Only the motion is kept in memory, which needs a tenth of the memory of all transitions.
 pub fn transitions_backwards(
     record: &Record,
     window: &Window,

@@ -1,11 +1,11 @@
-//! The unknowns of a fit: parameters that all windows share, and those of one window alone (its start, and
-//! what nobody recorded); and which of them a record can say anything about.
+//! The unknowns of a fit: the parameters that all windows share, and the nuisance parameters of one window (its start,
+//! and quantities that nobody recorded); and which of them a record depends on.
 
 use plant::{EffectId, Kind, Model};
 
 use crate::records::{Output, Record, RecordedCurrent};
 
-/// An unknown that belongs to one window: its start, or the current that nobody wrote down.
+/// A nuisance parameter, which belongs to one window: its start, or a quantity that nobody recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Nuisance {
     /// Body angle at the start, rad.
@@ -14,22 +14,22 @@ pub enum Nuisance {
     Rate,
     /// Wheel speed at the start, rad/s.
     WheelSpeed,
-    /// Current held throughout, A.
+    /// Constant current during the whole window, A, if the current was not recorded.
     Current,
-    /// Zero of a quantised angle, rad. Rounding or truncation: the zero of a channel with step q is
-    /// known to ±q/2 only, so that it is an unknown of the log with standard deviation q/√12.
+    /// Zero of a quantised angle, rad. Whether the sensor rounds or truncates is unknown, so the zero of a channel with
+    /// step q is known to ±q/2 only: a nuisance parameter with prior standard deviation q/√12.
     AngleZero,
-    /// Wheel angle at the start beyond the one that the measured wheel speed gives, rad. Its noise adds up
-    /// to a random walk over the log, by which a window in the middle does not know where the wheel is.
+    /// Wheel angle at the start, relative to the integral of the measured wheel speed, rad. The integrated noise is a random
+    /// walk, so a window in the middle of a log does not know the wheel's angle exactly.
     WheelAngle,
-    /// Current that was commanded before the log began, A: nobody recorded it, and a delay or a lag carries
-    /// it into the log. Only the window with the first sample has it.
+    /// Current commanded before the log began, A. Nobody recorded it, but a delay or a lag carries it into the log. Only
+    /// the window with the first sample has this nuisance parameter.
     PastCurrent,
 }
 
 impl Nuisance {
-    /// The unknowns of every window of this record, as its kind and channels allow; the last is left out
-    /// where it is [`Nuisance::PastCurrent`] and the window does not begin with the log.
+    /// The nuisance parameters of every window of this record, as its kind and channels require. The last one is left out
+    /// if it is [`Nuisance::PastCurrent`] and the window does not begin with the log.
     pub fn of(record: &Record) -> Vec<Nuisance> {
         let measures = |output| record.channel(output).is_some();
         let mut nuisances = vec![];
@@ -55,7 +55,7 @@ impl Nuisance {
         nuisances
     }
 
-    /// Whether the motion of this model depends on the unknown.
+    /// Whether the motion of this model depends on the nuisance parameter.
     pub fn acts_on(self, model: &Model) -> bool {
         match self {
             Nuisance::WheelAngle => model.find(|info| info.uses_wheel_angle).is_some(),
@@ -64,8 +64,8 @@ impl Nuisance {
         }
     }
 
-    /// Standard deviation with which the unknown of a window that begins at the sample `first` is known
-    /// beforehand, if it is.
+    /// Prior standard deviation of this nuisance parameter, in its own unit, for a window that begins at the sample
+    /// `first`; `None` if it has no prior.
     pub fn prior_std(self, record: &Record, first: usize) -> Option<f64> {
         match self {
             Nuisance::AngleZero => angle_quantum(record).map(|quantum| quantum / 12f64.sqrt()),
@@ -77,7 +77,7 @@ impl Nuisance {
                 Some((noise * span_s / steps.sqrt()).max(LEAST_WHEEL_ANGLE_STD_RAD))
             }
             Nuisance::PastCurrent => {
-                // Like the commands that were recorded.
+                // The past command is assumed to be like the recorded commands.
                 let finite = record
                     .current_a
                     .iter()
@@ -90,12 +90,12 @@ impl Nuisance {
     }
 }
 
-/// Stands for "no current" where a prior needs a width.
+/// Width of a prior for "no current", A.
 const LEAST_CURRENT_A: f64 = 1e-6;
-/// Stands for "known exactly" among the wheel angles of windows.
+/// Width of a prior for a wheel angle that is known exactly, rad.
 const LEAST_WHEEL_ANGLE_STD_RAD: f64 = 1e-4;
 
-/// The step of the angle in a log whose one window spans it.
+/// The quantisation step of the angle, in rad, for a log that is simulated in one window; `None` otherwise.
 fn angle_quantum(record: &Record) -> Option<f64> {
     match record.kind {
         Kind::FreeSwing | Kind::Driven => record.channel(Output::Angle)?.quantum,
@@ -103,24 +103,23 @@ fn angle_quantum(record: &Record) -> Option<f64> {
     }
 }
 
-/// A stretch of a log that is simulated in one piece from its own start.
+/// A stretch of a log that is simulated in one piece with its own start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// Its samples.
+    /// The indices of its samples.
     pub samples: std::ops::Range<usize>,
-    /// Values of the local unknowns, in the order of [`Nuisance::of`].
+    /// Values of the nuisance parameters, in the order of [`Nuisance::of`].
     pub nuisances: Vec<f64>,
 }
 
-/// The unknowns of a fit: which positions of the parameter vector are free. A free parameter whose
-/// description says so is moved in its logarithm.
+/// The free parameters of a fit. A parameter that is described as logarithmic is adjusted through its logarithm.
 #[derive(Clone, Debug)]
 pub struct Unknowns {
     /// Positions in the parameter vector, increasing.
     pub free: Vec<usize>,
-    /// For each free one: the fit moves ln(value).
+    /// For each free parameter: whether the fit adjusts ln(value).
     pub logarithmic: Vec<bool>,
-    /// For each free one: where it may be, in the parameter's own unit.
+    /// For each free parameter: its range, in its own unit.
     pub bounds: Vec<(f64, f64)>,
 }
 
@@ -135,7 +134,7 @@ impl Unknowns {
         }
     }
 
-    /// The derivative of the parameter with respect to what the fit moves.
+    /// The derivative of the parameter with respect to the coordinate that the fit adjusts: 1, or the value itself.
     pub fn slope(&self, unknown: usize, value: f64) -> f64 {
         if self.logarithmic[unknown] {
             value
@@ -145,8 +144,8 @@ impl Unknowns {
     }
 }
 
-/// Whether an effect can show in an experiment of this kind: body terms do not while the body is
-/// clamped, nor wheel terms while the wheel is locked.
+/// Whether an effect can act in an experiment of this kind. Body terms do not act while the body is clamped, wheel
+/// terms not while the wheel is locked.
 pub fn acts(effect: EffectId, kind: Kind) -> bool {
     match effect.info().role {
         plant::Role::Body | plant::Role::Sensor => kind != Kind::SpinUp,
@@ -154,8 +153,7 @@ pub fn acts(effect: EffectId, kind: Kind) -> bool {
     }
 }
 
-/// The free parameters that this record can say anything about, as indices into
-/// [`Unknowns::free`].
+/// The free parameters on which the predictions for this record depend, as indices into [`Unknowns::free`].
 pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usize> {
     let shows = |position: usize| match position {
         plant::TOTAL_INERTIA | plant::GRAVITY_TORQUE => record.kind != Kind::SpinUp,
@@ -169,8 +167,8 @@ pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usiz
         .collect()
 }
 
-/// Whether two models with their parameters move the same in experiments of this kind: the same
-/// effects act there, with the same values.
+/// Whether two models with their parameters move equally in experiments of this kind: the same effects act there,
+/// with the same values.
 pub fn moves_alike(kind: Kind, one: (&Model, &[f64]), other: (&Model, &[f64])) -> bool {
     let acting = |model: &Model, values: &[f64]| -> Vec<(EffectId, Vec<f64>)> {
         model

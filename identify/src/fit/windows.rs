@@ -1,11 +1,11 @@
-//! The windows of a record, and where their starts lie: continued from a fit before, or guessed from samples.
+//! The windows of a record, with their starts: continued from an earlier fit, or guessed from the samples.
 
 use plant::{TORQUE_CONSTANT, WHEEL_INERTIA};
 
 use super::unknowns::{Nuisance, Window};
 use crate::records::{Output, Record, StraightLine, angle_samples};
 
-/// Where a window's start lies, guessed from its first samples.
+/// A window with its start guessed from its first samples.
 pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<usize>) -> Window {
     let span = samples.start..samples.end.min(samples.start + 12);
     let line = |series: &[f64]| -> (f64, f64) {
@@ -46,12 +46,12 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
     Window { samples, nuisances }
 }
 
-/// Share of a window's length by which its start is moved to that of an earlier window.
+/// A window may take over the start of an earlier window that begins within this share of its length.
 const SNAP: f64 = 0.1;
 
-/// Windows of about `window_s` seconds whose starts are taken from `before` where it has one that begins
-/// there or nearly there, else guessed from the samples. (A dozen noisy samples of a fast swing give a poor
-/// guess, and four windows of 159 samples are one sample longer than one of 635.)
+/// Windows of about `window_s` seconds. A start is taken from a window of `before` that begins at the same place or
+/// nearly so, otherwise it is guessed from the samples. (Two reasons for "nearly": a dozen noisy samples of a fast swing
+/// give a poor guess, and four windows of 159 samples are one sample longer than one of 635.)
 pub(super) fn windows(
     record: &Record,
     values: &[f64],
@@ -87,12 +87,12 @@ pub(super) fn windows(
         .collect()
 }
 
-/// The windows of the last stage, guessed from the samples.
+/// The windows of the last stage, with starts guessed from the samples.
 pub fn final_windows(record: &Record, values: &[f64]) -> Vec<Window> {
     windows(record, values, f64::INFINITY, &[])
 }
 
-/// The same stretches of the log with the starts that the samples show.
+/// The same windows of the log, with starts guessed from the samples.
 pub fn guessed(record: &Record, values: &[f64], windows: &[Window]) -> Vec<Window> {
     windows
         .iter()
@@ -100,7 +100,7 @@ pub fn guessed(record: &Record, values: &[f64], windows: &[Window]) -> Vec<Windo
         .collect()
 }
 
-/// Windows of the last stage for every record, whose starts continue those of a fit over other windows.
+/// The windows of the last stage for every record, with starts that continue those of a fit over other windows.
 pub fn joined(records: &[&Record], values: &[f64], before: &[Vec<Window>]) -> Vec<Vec<Window>> {
     records
         .iter()

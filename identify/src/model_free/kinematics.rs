@@ -6,28 +6,28 @@
 //!   ∫ ψ r dt = −(1 + s) ∫ ψ̇ α dt + b ∫ ψ dt
 //!
 //! holds for the measured angle itself: no noise is differentiated (Shinbrot, Trans. ASME 79 (1957)).
-//! No torque enters, so that nothing which a model of the motion lacks can pass for a fault of the
-//! gyroscope here. Standard errors are those of least squares with the scatter that the rows show.
+//! No torque enters. An effect that a model of the motion lacks can therefore not look like a fault of the gyroscope
+//! here. Standard errors are those of least squares with the observed scatter of the rows.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::records::{BUMP_S, Output, Record, bumps};
 
-/// What the angle says of the gyroscope.
+/// The faults of the gyroscope, by comparison with the angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateAgainstAngle {
-    /// s, of unit 1.
+    /// Scale error s, dimensionless.
     pub scale_error: f64,
     /// Its standard error.
     pub scale_error_std: f64,
-    /// b in rad/s.
+    /// Bias b in rad/s.
     pub bias_rad_s: f64,
     /// Its standard error in rad/s.
     pub bias_std_rad_s: f64,
 }
 
-/// Compares the two in all records that measure both; `None` if there are too few or the body hardly
-/// moves in them.
+/// Compares rate and angle in all records that measure both; `None` if there are too few samples or the body hardly
+/// moves.
 pub fn rate_against_angle(records: &[&Record]) -> Option<RateAgainstAngle> {
     let (mut left, mut right) = (vec![], vec![]);
     for record in records {
@@ -57,7 +57,7 @@ pub fn rate_against_angle(records: &[&Record]) -> Option<RateAgainstAngle> {
     let inverse = (left.transpose() * &left).try_inverse()?;
     let found = &inverse * left.transpose() * &right;
     let scatter = (&right - &left * &found).norm_squared() / (rows - MOST_UNKNOWNS) as f64;
-    // Neighbouring bumps overlap by half: their errors are those of half as many.
+    // Neighbouring bumps overlap by half, so only half as many rows are independent.
     let variance = inverse.diagonal() * scatter * 2.0;
     let std = variance.map(f64::sqrt);
     std.iter()
@@ -70,7 +70,7 @@ pub fn rate_against_angle(records: &[&Record]) -> Option<RateAgainstAngle> {
         })
 }
 
-/// Scale error and bias.
+/// Number of unknowns: scale error and bias.
 const MOST_UNKNOWNS: usize = 2;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What the logs show without a model of the motion.
+//! Results from the logs without a model of the motion.
 
 mod decay;
 mod kinematics;

@@ -4,7 +4,7 @@ use plant::Kind;
 
 use super::record::{Output, Record};
 
-/// The angle of a record; integrated from the rate, without its trend, where no angle was measured.
+/// The angle of a record in rad. If it was not measured, it is integrated from the rate, and its trend removed.
 pub fn angle_samples(record: &Record) -> Option<Vec<f64>> {
     if let Some(channel) = record.channel(Output::Angle) {
         return Some(channel.samples.clone());

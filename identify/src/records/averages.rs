@@ -1,23 +1,23 @@
-//! Logs that are far denser than their motion, as averages over blocks of samples.
+//! Averages over blocks of samples, for logs that are far denser than their motion.
 //!
-//! A pendulum that swings in 0.6 s says no more at 1000 samples a second than in their averages over ten, whose
-//! noise is √10 times smaller; the fit has a tenth of the work. The current is kept at every sample.
+//! A pendulum with a period of 0.6 s sampled at 1000 Hz gives no more information than averages over ten samples, whose
+//! noise is √10 times smaller. The fit then has a tenth of the work. The current keeps all its samples.
 //!
-//! The mean over a block is not the value in its middle: of m samples that are h apart it is larger by ½ s² y″ with
-//! s² = (m² − 1) h²/12, the variance of their places. That is taken out with y″ from a parabola through nine blocks
-//! (Savitzky & Golay, Anal. Chem. 36 (1964)), whose noise adds half a percent to that of a block. Of a swing in
-//! blocks of a sixtieth of its period 4.6e-4 of the amplitude is so reduced to some 1e-5.
+//! The mean over a block differs from the value in its middle. For m samples with spacing h, it is larger by ½ s² y″ with
+//! s² = (m² − 1) h²/12, the variance of the sampling times. This bias is subtracted, with y″ from a parabola through
+//! nine blocks (Savitzky & Golay, Anal. Chem. 36 (1964)). The noise of y″ adds half a percent to that of a block. For a
+//! swing in blocks of a sixtieth of its period, the correction reduces the bias from 4.6e-4 of the amplitude to some 1e-5.
 
 use std::ops::Range;
 
-/// Weights of y″ at the middle of nine equally spaced values, times their spacing squared.
+/// Weights that give y″ in the middle of nine equally spaced values, multiplied by their spacing squared.
 const SECOND_DERIVATIVE: [f64; 9] = [28.0, 7.0, -8.0, -17.0, -20.0, -17.0, -8.0, 7.0, 28.0];
 const DIVISOR: f64 = 462.0;
-/// Blocks on either side of the middle one.
+/// Number of blocks on either side of the middle one.
 const HALF: usize = SECOND_DERIVATIVE.len() / 2;
 
-/// Ranges of `block` samples each over `n` samples; what is left at the end is a block too if it has at least half
-/// as many, and belongs to the last one otherwise.
+/// Divides `n` samples into ranges of `block` samples. A remainder forms its own block if it has at least half as many
+/// samples; otherwise it is joined to the last block.
 pub(crate) fn blocks(n: usize, block: usize) -> Vec<Range<usize>> {
     let mut blocks: Vec<Range<usize>> = (0..n)
         .step_by(block.max(1))
@@ -32,7 +32,7 @@ pub(crate) fn blocks(n: usize, block: usize) -> Vec<Range<usize>> {
     blocks
 }
 
-/// The mean of the samples that are there; NaN where fewer than half are.
+/// The mean of the finite samples; NaN if fewer than half are finite.
 fn mean(samples: &[f64]) -> f64 {
     let finite = samples.iter().filter(|sample| sample.is_finite());
     let count = finite.clone().count();
@@ -48,13 +48,13 @@ pub(crate) fn means(samples: &[f64], blocks: &[Range<usize>]) -> Vec<f64> {
     blocks.iter().map(of_block).collect()
 }
 
-/// Values in the middle of blocks, from their means; NaN for the block in which the motion has a kink. Where the
-/// nine blocks around one are not all there and smooth, y″ is that of the nearest that has such, up to four away;
-/// else the mean stands.
+/// The values in the middle of blocks, from the blocks' means; NaN for a block in which the motion has a kink. If the
+/// nine blocks around a block are not all present and smooth, y″ is taken from the nearest block where they are, up to
+/// four blocks away; if there is none, the mean is returned uncorrected.
 pub(crate) fn middles(samples: &[f64], blocks: &[Range<usize>], kinks: &[usize]) -> Vec<f64> {
     let means = means(samples, blocks);
     let kinks_in = |span: Range<usize>| {
-        // From the kink itself on the motion is smooth again.
+        // After the kink, the motion is smooth again.
         let first = kinks.partition_point(|&kink| kink <= span.start);
         kinks.get(first).is_some_and(|&kink| kink < span.end)
     };
@@ -72,7 +72,7 @@ pub(crate) fn middles(samples: &[f64], blocks: &[Range<usize>], kinks: &[usize])
         })
         .collect();
     let length = blocks.first().map_or(1, Range::len) as f64;
-    // s²/2 over the square of the blocks' spacing.
+    // s²/2, divided by the square of the spacing of the blocks.
     let share = (length * length - 1.0) / (24.0 * length * length);
     (0..means.len())
         .map(|at| {

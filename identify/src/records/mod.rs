@@ -1,4 +1,4 @@
-//! Logs as the fit sees them, and what is done to their samples before any model.
+//! Logs as the fit uses them, and the processing of their samples that needs no model.
 
 mod angle;
 mod averages;

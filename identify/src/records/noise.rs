@@ -1,18 +1,18 @@
 //! The noise of a sensor, estimated from the log alone.
 //!
-//! Differences of order d annihilate every polynomial of degree below d, so that what is left of a
-//! smooth motion falls quickly with d while white noise of standard deviation σ keeps the variance
+//! Differences of order d remove every polynomial of degree below d. The part of a smooth motion in them falls quickly
+//! with d, while white noise of standard deviation σ keeps the variance
 //! σ² C(2d, d) (Kendall & Stuart, vol. 3, "variate-difference method"). The order is raised until
-//! the estimate no longer falls. The median over blocks keeps pushes and jolts out of it.
+//! the estimate no longer falls. A median over blocks makes the estimate insensitive to pushes and jolts.
 
 use super::statistics::median;
 
-/// Highest order of difference that is tried.
+/// Highest order of differences.
 const MAX_ORDER: usize = 10;
 /// Number of blocks over which the median is taken.
 const BLOCKS: usize = 20;
-/// Fraction of the signal's spread below which no model of a bench is believed, however quiet its
-/// log: it stands for the error of the integration and of the log's own rounding.
+/// Lower limit of the noise estimate, as a share of the signal's spread. It stands for the errors of the integration
+/// and of the log's own rounding: no model is more exact than that.
 const RELATIVE_FLOOR: f64 = 1e-4;
 
 /// Relative standard deviation of [`noise_std`] from n samples, times √n: 1.25 over simulated swings of 500 to
@@ -21,14 +21,14 @@ pub(crate) const NOISE_RELATIVE_STD_ROOT_N: f64 = 1.25;
 
 /// Standard deviation of the noise of a channel, in the unit of the channel.
 ///
-/// Samples that are not finite are gaps. The estimate is never below the resolution
-/// q of the channel (q/√12, the standard deviation of a rounding error) nor below 1e-4 of its spread; a
-/// channel that never changes gets the smallest positive number that keeps weights finite.
+/// Samples that are not finite are gaps. The estimate is never below q/√12 for a channel with resolution
+/// q (the standard deviation of a rounding error), nor below 1e-4 of its spread. A channel that
+/// never changes gets the smallest positive number that keeps weights finite.
 pub fn noise_std(samples: &[f64]) -> f64 {
     noise_by_differences(samples, &[]).std
 }
 
-/// The floors of [`noise_std`] for a channel with these samples, all finite.
+/// The lower limits of [`noise_std`] for a channel with these samples, which must be finite.
 pub(crate) fn least_noise_std(finite: &[f64]) -> f64 {
     let n = finite.len().max(1) as f64;
     let mean = finite.iter().sum::<f64>() / n;
@@ -38,17 +38,17 @@ pub(crate) fn least_noise_std(finite: &[f64]) -> f64 {
         .max(1e-12)
 }
 
-/// A noise with what it was estimated from.
+/// A noise estimate, and the amount of data behind it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NoiseEstimate {
     /// Its standard deviation.
     pub(crate) std: f64,
-    /// Number of differences that it comes from.
+    /// Number of differences behind the estimate.
     pub(crate) differences: usize,
 }
 
-/// [`noise_std`] with the number of differences behind it. `kinks` are the samples at which the motion has a kink,
-/// in rising order, because the current steps there: no difference reaches across one.
+/// As [`noise_std`], with the number of differences. `kinks` are the samples, in rising order, at which the
+/// motion has a kink because the current steps there. No difference is taken across a kink.
 pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEstimate {
     let finite: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
     if finite.len() < 2 {
@@ -68,7 +68,7 @@ pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEst
         }
         let mut kept = differences[..differences.len() - order].to_vec();
         for &kink in kinks {
-            // From the kink itself on the motion is smooth again.
+            // After the kink, the motion is smooth again.
             let across = (kink + 1).saturating_sub(order)..kink.min(kept.len());
             kept[across].fill(f64::NAN);
         }
@@ -83,7 +83,7 @@ pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEst
         };
         let scatter = 1.0 / (kept.len() as f64).sqrt();
         match best {
-            // A fall of less than the estimate's own scatter is no fall.
+            // A fall by less than the estimate's own scatter does not count.
             Some(previous) if estimate.std > previous.std * (1.0 - scatter) => {
                 break;
             }
@@ -96,24 +96,24 @@ pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEst
     }
 }
 
-/// Differences between neighbouring samples that are this many standard deviations of a difference are
-/// steps of the command: of Gaussian noise one in 500 million is.
+/// A difference between neighbouring samples beyond this many standard deviations of a difference is a step of the
+/// command. Gaussian noise exceeds it once in 500 million.
 const STEP_DEVIATIONS: f64 = 6.0;
-/// A difference below this share of the largest current is never called a step: it may be the last digit of a
+/// A difference below this share of the largest current is never a step: it may be the last digit of a
 /// quantised column, whose flicker is noise.
 const LEAST_STEP_SHARE: f64 = 0.02;
-/// Share of the differences that are no steps even where a command switches at nearly every sample.
+/// Share of the differences that contain no step, even if a command switches at nearly every sample.
 const CALM_SHARE: f64 = 0.1;
-/// Most rounds in which steps are told from noise; each is a pass over the differences.
+/// Largest number of rounds of separating steps from noise; each is one pass over the differences.
 const ROUNDS: usize = 20;
-/// |z| below which this share of a standard normal lies.
+/// The value z with P(|Z| < z) = [`CALM_SHARE`] for a standard normal Z.
 const CALM_QUANTILE: f64 = 0.125_661;
 
-/// A step of a command is a change by at least this share of its largest value: smaller ones bend the motion by
-/// less than the noise of most sensors, and a smooth command has none that are larger.
+/// A command has a step where it changes by at least this share of its largest value. Smaller changes bend the motion
+/// by less than the noise of most sensors, and a smooth command has no larger ones.
 const STEP_OF_COMMAND: f64 = 0.1;
 
-/// The samples from which on a command has another level than before.
+/// The samples at which a command has a step; each is the first at the new level.
 pub(crate) fn steps_of_command(current_a: &[f64]) -> Vec<usize> {
     let largest = current_a.iter().filter(|current| current.is_finite());
     let largest = largest.fold(0.0f64, |largest, current| largest.max(current.abs()));
@@ -123,11 +123,12 @@ pub(crate) fn steps_of_command(current_a: &[f64]) -> Vec<usize> {
     (1..current_a.len()).filter(steps).collect()
 }
 
-/// Standard deviation of the noise of a recorded input, in its unit, without the floors of [`noise_std`], so
-/// that a clean command of a few levels has none.
+/// Standard deviation of the noise of a recorded input, in its unit, without the lower limits of [`noise_std`]. A clean
+/// command of a few levels therefore has zero noise.
 ///
-/// The smaller of two upper bounds: by third differences, in which a smooth command cancels, and by the
-/// differences that are no steps ([`STEP_DEVIATIONS`]), in which the levels of a switching one do.
+/// The result is the smaller of two upper bounds. One comes from third differences, which remove a smooth command. The
+/// other comes from the differences that are no steps ([`STEP_DEVIATIONS`]), which removes the levels of a switching
+/// command.
 pub fn input_noise_std(samples: &[f64]) -> f64 {
     /// C(6, 3)
     const BINOMIAL: f64 = 20.0;
@@ -168,7 +169,7 @@ fn noise_between_steps(samples: &[f64]) -> f64 {
     deviation / std::f64::consts::SQRT_2
 }
 
-/// Median over blocks of the mean square, with the number of values behind it; `None` if nothing finite is left.
+/// Median over blocks of the mean square, with the number of values behind it; `None` if no value is finite.
 fn median_of_blocks(values: &[f64]) -> Option<(f64, usize)> {
     let size = (values.len() / BLOCKS).max(8);
     let mut used = 0;
@@ -184,8 +185,9 @@ fn median_of_blocks(values: &[f64]) -> Option<(f64, usize)> {
     median(squares).map(|median| (median, used))
 }
 
-/// The step of a quantised channel: the smallest between two different values, if the others are multiples of it;
-/// 0 where they are not, so that it is chance (a wheel that gains speed has no two equal samples).
+/// The step of a quantised channel: the smallest difference between two different values, if most other differences are
+/// multiples of it. Otherwise 0, since the smallest difference is then accidental (a wheel that gains speed has no two
+/// equal samples).
 pub fn resolution(samples: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
     if sorted.is_empty() {
@@ -211,9 +213,9 @@ pub fn resolution(samples: &[f64]) -> f64 {
     }
 }
 
-/// Share of a step by which a multiple of it may be off: a column that was rounded after it had been quantised.
+/// Tolerance for a multiple of a step, in steps: the column may have been rounded after it had been quantised.
 const MULTIPLE: f64 = 0.1;
-/// Share of all steps that must be multiples; of steps by chance a fifth is.
+/// Share of all differences that must be multiples of the step. Of random differences, a fifth are.
 const MOSTLY: f64 = 0.9;
 
 #[cfg(test)]

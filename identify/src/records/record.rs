@@ -1,5 +1,5 @@
-//! A log as the fit sees it: channels with their noise, the current, and what is simulated in one
-//! piece.
+//! A log as the fit uses it: its channels with their noise, its current, and the length of the windows in which it is
+//! simulated.
 
 use std::sync::OnceLock;
 
@@ -15,17 +15,16 @@ use super::noise::{least_noise_std, noise_by_differences, resolution, steps_of_c
 pub struct RecordedChannel {
     /// Which output of the model it measures.
     pub output: Output,
-    /// The samples in SI units; NaN where one dropped out.
+    /// The samples in SI units; NaN where a sample is missing.
     pub samples: Vec<f64>,
     /// Standard deviation of the sensor's noise, in the unit of the output.
     pub noise_std: f64,
-    /// The step of a channel whose noise is mostly its own rounding, in the unit of the output;
-    /// `None` where the noise hides it.
+    /// The quantisation step in the unit of the output, if rounding makes up most of the noise; otherwise `None`.
     pub quantum: Option<f64>,
 }
 
 impl RecordedChannel {
-    /// Samples with a noise of this standard deviation, which is never below that of their own rounding.
+    /// A channel with this noise; `noise_std` is raised to the noise of the channel's own rounding if it is below.
     fn new(output: Output, samples: Vec<f64>, noise_std: f64) -> RecordedChannel {
         let mut channel = RecordedChannel {
             output,
@@ -37,7 +36,7 @@ impl RecordedChannel {
         channel
     }
 
-    /// Puts another standard deviation in the place of the noise's.
+    /// Replaces the standard deviation of the noise.
     pub(crate) fn set_noise(&mut self, noise_std: f64) {
         let step = resolution(&self.samples);
         let rounding_std = step / 12f64.sqrt();
@@ -49,8 +48,8 @@ impl RecordedChannel {
     }
 }
 
-/// The samples at which the motion has a kink because the current steps. Not while balancing: there the current
-/// answers to every sample.
+/// The samples at which the motion has a kink because the current steps. Empty for a balance log: there the current
+/// changes with every sample.
 fn kinks(kind: Kind, current_a: &[f64]) -> Vec<usize> {
     match kind {
         Kind::SpinUp | Kind::Driven => steps_of_command(current_a),
@@ -61,28 +60,28 @@ fn kinks(kind: Kind, current_a: &[f64]) -> Vec<usize> {
 /// Length of the windows of a balance log in s, and of any other log whose free run diverges.
 pub const BALANCE_WINDOW_S: f64 = 0.25;
 
-/// Time over which the rate is averaged before the way of the body is taken from it, s: a balanced body moves
-/// over tenths of a second, and the noise of single samples would add to the length of its way.
+/// Time in s over which the rate is averaged before the body's travel is integrated from it. A balanced body moves over
+/// tenths of a second; the noise of single samples would add to the length of its path.
 const TRAVEL_AVERAGE_S: f64 = 0.02;
 
-/// A channel is taken as quantised if rounding (q/√12) makes at least this share of its noise.
+/// A channel counts as quantised if rounding (q/√12) makes up at least this share of its noise.
 const QUANTISED_SHARE: f64 = 0.5;
 
 /// The current of a log.
 #[derive(Clone, Debug)]
 pub enum RecordedCurrent {
-    /// Recorded: the command, or what flowed.
+    /// Recorded: the command, or the measured current.
     Known(Input),
-    /// Held at a value that nobody wrote down.
+    /// Constant, at a value that nobody recorded.
     Unknown,
 }
 
-/// What the samples say of the time before a window. A clone of a record computes its own: it may be
-/// given other samples.
+/// What the samples say about the time before a window. It is computed once; a clone of a record computes its own,
+/// because its samples may be changed.
 #[derive(Debug, Default)]
 struct Past {
     wheel_angle_rad: OnceLock<Vec<f64>>,
-    /// What [`Record::body_travel_before`] hands out, over the whole log.
+    /// The cache of [`Record::body_travel_before`], over the whole log.
     travel_rad: OnceLock<Travel>,
 }
 
@@ -92,13 +91,12 @@ impl Clone for Past {
     }
 }
 
-/// The movement of the body from each sample to the next, as its sensors say.
+/// The movement of the body from each sample to the next, as measured.
 #[derive(Debug)]
 struct Travel {
-    /// By the rate where there is one, else by the angle.
+    /// From the rate if there is one, otherwise from the angle, rad.
     step_rad: Vec<f64>,
-    /// By how much angle and rate disagree over the samples before each one, added up; empty where they
-    /// are not both measured.
+    /// Accumulated disagreement between angle and rate up to each sample, rad; empty unless both are measured.
     disagreement_rad: Vec<f64>,
 }
 
@@ -111,37 +109,37 @@ pub struct Record {
     pub kind: Kind,
     /// Sample times in s, increasing.
     pub time_s: Vec<f64>,
-    /// The measured channels that this kind has, at least one.
+    /// The measured channels that this kind of experiment uses, at least one.
     pub channels: Vec<RecordedChannel>,
     /// The motor current.
     pub current: RecordedCurrent,
-    /// The samples of the current in A, as recorded; empty where it was not.
+    /// The samples of the current in A, as recorded; empty if it was not recorded.
     pub current_a: Vec<f64>,
-    /// The current is what flowed, not what was asked for.
+    /// Whether the current was measured; otherwise it is the command.
     pub current_is_measured: bool,
-    /// Weight of each sample in the fit: 0 leaves it out (an unrecorded push acted), 1 counts.
+    /// Weight of each sample in the fit: 1, or 0 to leave it out (an unrecorded push acted).
     pub weight: Vec<f64>,
-    /// Longest stretch that is simulated in one piece, from a start of its own, s: a whole log, but
-    /// [`BALANCE_WINDOW_S`] where the free run diverges.
+    /// Longest stretch in s that is simulated in one piece, with its own start: the whole log (infinite), or
+    /// [`BALANCE_WINDOW_S`] if the free run diverges.
     pub window_s: f64,
-    /// The measured angle leaves ±π.
+    /// Whether the measured angle leaves ±π.
     pub passes_over_the_top: bool,
-    /// How many samples of the log each of these is the average of; 1 for the log as it was recorded.
+    /// How many samples of the recorded log each sample here is the average of; 1 for a log as recorded.
     pub averaged_over: usize,
-    /// What [`Record::wheel_angles`] hands out, where it is known better than from these samples.
+    /// The wheel angles of [`Record::wheel_angles`], if more samples were available than this record has.
     turned_rad: Option<Vec<f64>>,
     past: Past,
 }
 
-/// The mean of the samples that are there; NaN where none is.
+/// The mean of the finite samples; NaN if there is none.
 fn mean(samples: &[f64]) -> f64 {
     let finite = samples.iter().filter(|sample| sample.is_finite());
     finite.clone().sum::<f64>() / finite.count() as f64
 }
 
 impl Record {
-    /// Prepares a record from samples in SI units. `angle`, `rate` and `wheel_speed` may be missing;
-    /// those that the kind holds still are ignored.
+    /// Prepares a record from samples in SI units. `angle`, `rate` and `wheel_speed` may be missing; those that this kind
+    /// of experiment holds still are ignored.
     pub fn new(
         name: &str,
         kind: Kind,
@@ -192,7 +190,7 @@ impl Record {
             current_is_measured,
             window_s: match kind {
                 Kind::Balance => BALANCE_WINDOW_S,
-                // On the way over the top the least difference grows as it does about upright.
+                // While the body passes over the top, the smallest difference grows, as it does near the upright position.
                 Kind::Driven if passes_over_the_top => BALANCE_WINDOW_S,
                 Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
             },
@@ -220,18 +218,17 @@ impl Record {
         )
     }
 
-    /// Part of the record, as if it had been recorded on its own (the noise is that of the whole).
+    /// A part of the record, as if it had been recorded on its own. The noise is that of the whole record.
     pub fn slice(&self, samples: std::ops::Range<usize>) -> Record {
         self.part(&samples.collect::<Vec<_>>())
     }
 
-    /// Every `step`-th sample of the record, as if nothing had been recorded between.
+    /// Every `step`-th sample of the record, as if the samples between had not been recorded.
     pub fn every(&self, step: usize) -> Record {
         self.part(&(0..self.len()).step_by(step).collect::<Vec<_>>())
     }
 
-    /// The same log read at every `step`-th sample: the motion that led there stays known in full, from all
-    /// samples of the current and of the wheel's speed.
+    /// Every `step`-th sample of the log. The current and the wheel's angle still use all samples.
     pub fn thinned(&self, step: usize) -> Record {
         let mut thin = self.every(step);
         let kept = (0..self.len()).step_by(step);
@@ -249,8 +246,8 @@ impl Record {
         thin
     }
 
-    /// The same log as averages over `block` samples, with a noise of their own: what every block says of its middle
-    /// (see [`super::averages`]). Of the current and of the wheel's way every sample counts.
+    /// The log as averages over `block` samples, each corrected to the value in the middle of its block
+    /// (see [`super::averages`]), with the noise of such values. The current and the wheel's angle still use all samples.
     pub fn averaged(&self, block: usize) -> Record {
         let blocks = blocks(self.len(), block);
         let kinks = self.kinks();
@@ -317,8 +314,8 @@ impl Record {
             .find(|channel| channel.output == output)
     }
 
-    /// Angle in rad that the wheel has turned since the log began, at every sample, from the measured
-    /// wheel speed (trapezoidal rule; a missing sample repeats the one before); zeros without one.
+    /// Angle in rad by which the wheel has turned since the log began, at every sample: the integral of the measured wheel
+    /// speed (trapezoidal rule; a missing sample repeats the one before). Zeros if the wheel speed was not measured.
     pub fn wheel_angles(&self) -> &[f64] {
         if let Some(turned_rad) = &self.turned_rad {
             return turned_rad;
@@ -346,15 +343,14 @@ impl Record {
         })
     }
 
-    /// The same at one sample; 0 beyond the log.
+    /// That angle at one sample; 0 beyond the end of the log.
     pub fn wheel_angle_before(&self, sample: usize) -> f64 {
         self.wheel_angles().get(sample).copied().unwrap_or(0.0)
     }
 
-    /// Angle in rad by which the body moves from each of the samples before `end` to the next, as
-    /// measured, backwards from `end`: the rate (averaged over [`TRAVEL_AVERAGE_S`], less its mean offset
-    /// against the angle) times the interval; without a rate the differences of the angle, averaged over nine
-    /// samples.
+    /// Angles in rad by which the body moves from each sample before `end` to the next, as measured, backwards from `end`.
+    /// They are the rate times the interval; the rate is averaged over [`TRAVEL_AVERAGE_S`], and its mean offset against
+    /// the angle is subtracted. Without a rate, they are differences of the angle averaged over nine samples.
     pub fn body_travel_before(&self, end: usize) -> impl Iterator<Item = f64> {
         let travel = self.past.travel_rad.get_or_init(|| self.travel());
         let end = end.min(travel.step_rad.len());
@@ -419,7 +415,7 @@ impl Record {
         self.time_s.is_empty()
     }
 
-    /// Number of samples that count, over all channels.
+    /// Number of finite samples with weight, over all channels.
     pub fn observations(&self) -> usize {
         self.channels
             .iter()
@@ -434,8 +430,8 @@ impl Record {
             .sum()
     }
 
-    /// Splits the samples into windows of `window_s` seconds (the last one may be shorter; one of
-    /// fewer than 8 samples joins the one before).
+    /// Divides the samples into windows of `window_s` seconds. The last window may be shorter; if it has fewer than
+    /// 8 samples, it is joined to the one before.
     pub fn windows(&self, window_s: f64) -> Vec<std::ops::Range<usize>> {
         let mut windows: Vec<std::ops::Range<usize>> = vec![];
         let mut start = 0;

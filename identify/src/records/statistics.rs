@@ -1,6 +1,6 @@
 //! Small statistics of samples.
 
-/// The middle one of the finite values (the upper of two); `None` where there is none.
+/// The median of the finite values (for an even number, the upper of the two middle ones); `None` if there is none.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut finite: Vec<f64> = values
         .into_iter()
@@ -13,19 +13,19 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(*finite.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// A straight line through points.
+/// A straight line fitted to points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StraightLine {
     /// Mean of the abscissas.
     pub(crate) mean_t: f64,
-    /// The line there.
+    /// Value of the line at the mean abscissa.
     pub(crate) mean: f64,
-    /// Its slope; 0 where all points have one abscissa.
+    /// Slope of the line; 0 if all points have the same abscissa.
     pub(crate) slope: f64,
 }
 
 impl StraightLine {
-    /// The least-squares line; zero through no points.
+    /// The least-squares line; zero if there are no points.
     pub(crate) fn through(
         points: impl ExactSizeIterator<Item = (f64, f64)> + Clone,
     ) -> StraightLine {
@@ -45,7 +45,7 @@ impl StraightLine {
         }
     }
 
-    /// The line at `t`.
+    /// Value of the line at `t`.
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.mean + self.slope * (t - self.mean_t)
     }

@@ -1,22 +1,23 @@
-//! The weak form of an equation of motion: multiplied by a bump ψ = (t − a)² (b − t)², which vanishes with
-//! its derivative at both ends of a short interval, and integrated by parts. It then holds for the measured
-//! series themselves: no noise is differentiated (modulating functions; Shinbrot, Trans. ASME 79 (1957)).
+//! The weak form of an equation of motion: the equation is multiplied by a test function ("bump")
+//! ψ = (t − a)² (b − t)², which vanishes with its derivative at both ends of a short interval, and integrated by parts.
+//! The result holds for the measured series, so no noise is differentiated (modulating functions; Shinbrot,
+//! Trans. ASME 79 (1957)).
 //!
-//! Two quadratures of it. [`bumps`] has the trapezoidal rule over the samples, for ψ and its first two
-//! derivatives: sums of a series. [`Bump`] has weights over the intervals between samples that sum to 1,
-//! by which a constant acceleration comes out exactly, however few samples there are.
+//! There are two quadratures. [`bumps`] applies the trapezoidal rule over the samples to ψ and its first two
+//! derivatives. [`Bump`] has weights over the intervals between samples, which sum to 1, so that a constant
+//! acceleration is exact with any number of samples.
 
 use super::record::Record;
 
-/// Length of the bump in s: well below a period of the pendula in question, well above the noise.
+/// Length of a bump in s: well below a period of the pendulum, and long enough to average the noise.
 pub(crate) const BUMP_S: f64 = 0.4;
-/// Fewest samples under a bump.
+/// Smallest number of samples under a bump.
 const BUMP_SAMPLES: usize = 12;
 
-/// Fewest samples on either side of a bump's centre.
+/// Smallest number of samples on either side of the centre of a bump.
 pub(crate) const FEWEST_HALF_SAMPLES: usize = 4;
 
-/// ψ at the time t between a and b, or its derivative of order 1 or 2.
+/// ψ at time t for a bump from a to b, or its derivative of order 1 or 2.
 fn bump(t: f64, (a, b): (f64, f64), order: usize) -> f64 {
     let (u, v) = (t - a, b - t);
     match order {
@@ -26,9 +27,9 @@ fn bump(t: f64, (a, b): (f64, f64), order: usize) -> f64 {
     }
 }
 
-/// Calls `each` with the integrals over every bump: `integrals(f, order)` is ∫ f dᵒψ/dtᵒ dt by the
-/// trapezoidal rule, corrected at the ends for the first order. A bump lasts `bump_s` seconds, at least twelve
-/// samples; neighbouring bumps overlap by half.
+/// Calls `each` for every bump with a function `integrals(f, order)`. It returns ∫ f dᵒψ/dtᵒ dt by the trapezoidal
+/// rule, corrected at the ends for the first order. A bump lasts `bump_s` seconds, and at least twelve samples.
+/// Neighbouring bumps overlap by half.
 pub fn bumps(
     record: &Record,
     bump_s: f64,
@@ -53,7 +54,7 @@ pub fn bumps(
                 sum += 0.5 * step * (f(k) * weight(k, order) + f(k + 1) * weight(k + 1, order));
             }
             if order == 1 {
-                // Euler–Maclaurin: dψ/dt vanishes at the ends, its slope 2 (b − a)² does not.
+                // Euler–Maclaurin: dψ/dt vanishes at the ends, but its slope 2 (b − a)² does not.
                 let (first, last) = (window.start, window.end - 1);
                 let steps = (record.time_s[first + 1] - a, b - record.time_s[last - 1]);
                 let ends = steps.1.powi(2) * f(last) - steps.0.powi(2) * f(first);
@@ -69,23 +70,23 @@ pub fn bumps(
 }
 
 /// The weights of a bump over the intervals from `centre − half` to `centre + half`, and over the
-/// samples between them; each sums to 1.
+/// samples between them. Each set sums to 1.
 ///
-/// With v linear between samples, ∫ψ̇ v = −Σ (Δv/Δt) ∫ψ: the integration by parts is exact on the
-/// samples themselves, so that a constant acceleration comes out exactly, however few there are.
+/// With v linear between samples, ∫ψ̇ v = −Σ (Δv/Δt) ∫ψ. The integration by parts is exact for the samples
+/// themselves, so a constant acceleration is exact with any number of samples.
 pub(crate) struct Bump {
-    /// Of the `2 half` intervals.
+    /// Weights of the `2 half` intervals.
     pub(crate) intervals: Vec<f64>,
-    /// Of the `2 half − 1` samples between them.
+    /// Weights of the `2 half − 1` samples between them.
     pub(crate) samples: Vec<f64>,
 }
 
 impl Bump {
-    /// The bump with its centre at a sample.
+    /// The bump centred at a sample.
     pub(crate) fn around(time_s: &[f64], centre: usize, half: usize) -> Bump {
         let (a, b) = (time_s[centre - half], time_s[centre + half]);
-        // ψ as in `bump`, but for the order of its factors: the last bits decide on which side of the edge of a bin
-        // the equal values of a quantised log fall, and so by percents which share of an error lies there.
+        // The same ψ as in `bump`, with the factors in another order. The order affects the last bits, and these decide into
+        // which bin the equal values of a quantised log fall, which changes a bin's share of an error by percents.
         let bump = |t: f64| ((t - a) * (b - t)).powi(2);
         let span = centre - half..centre + half;
         let mut intervals: Vec<f64> = span

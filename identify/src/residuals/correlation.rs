@@ -1,31 +1,31 @@
-//! Does a residual remember itself or the input, and how many independent values is it worth?
+//! Whether a residual is correlated with itself or with the input, and its effective number of independent values.
 //!
-//! The tests that the field expects (Ljung, *System Identification*, 1999, 16.6).
+//! The usual tests of system identification (Ljung, *System Identification*, 1999, 16.6).
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::fourier::Fourier;
 
-/// Lags that the correlation tests look at, in samples (the field's habit: 25).
+/// Number of lags in the correlation tests, in samples (25 is usual in the field).
 pub const LAGS: usize = 25;
 /// Two-sided 99 % point of the normal distribution.
 const NORMAL_99: f64 = 2.575_829_303_548_901;
 
-/// A correlation function of a residual with the band that 99 % of white residuals keep.
+/// A correlation function of a residual, with the band that contains 99 % of the coefficients of a white residual.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CorrelationTest {
-    /// Lags in samples; a positive one means that the residual comes later.
+    /// Lags in samples; at a positive lag, the residual comes later.
     pub lags: Vec<i64>,
     /// Correlation coefficient at each lag.
     pub values: Vec<f64>,
-    /// Each coefficient of a white residual lies within ± this in 99 % of all cases.
+    /// Each coefficient of a white residual lies within ± this value with a probability of 99 %.
     pub bound_99: f64,
-    /// Probability that a white residual correlates as strongly over all lags together.
+    /// Probability that a white residual shows at least this much correlation over all lags together.
     pub p_value: f64,
 }
 
 impl CorrelationTest {
-    /// Whether the residual passes at 99 %: all lags together.
+    /// Whether the residual passes the joint test over all lags at 99 %.
     pub fn passes(&self) -> bool {
         self.p_value >= 0.01
     }
@@ -67,11 +67,11 @@ pub fn autocorrelation(residual: &[f64], weight: &[f64]) -> Option<CorrelationTe
 
 /// Correlation of a residual with an input (the current) at lags −[`LAGS`] to [`LAGS`].
 ///
-/// If the model explains all that the input does, the coefficient at each lag is Gaussian with
-/// variance P/n, P = Σ ρ_e(k) ρ_u(k) over all lags (Ljung 1999, 16.6). Only the lags from 0 on
-/// count in the joint test: correlation at negative ones comes of feedback. The correlated
-/// coefficients enter the joint test with their own correlation through the effective number of
-/// lags. `None` where fewer than 2·[`LAGS`] samples count or the input never changes.
+/// If the model explains the whole response to the input, the coefficient at each lag is Gaussian with
+/// variance P/n, P = Σ ρ_e(k) ρ_u(k) over all lags (Ljung 1999, 16.6). The joint test uses only the lags from 0 on:
+/// correlation at negative lags comes from feedback. The coefficients are correlated with each other; the joint test
+/// accounts for that by an effective number of lags. `None` if fewer than 2·[`LAGS`] samples count or the input never
+/// changes.
 pub fn cross_correlation(
     residual: &[f64],
     input: &[f64],
@@ -90,7 +90,7 @@ pub fn cross_correlation(
         .collect();
     let rho = |series: &[f64], lag: usize| series.get(lag).map_or(0.0, |value| value / series[0]);
     let reach = correlation.own.len().min(correlation.input.len());
-    // Far lags hold nothing but the scatter of the estimate.
+    // The estimates at large lags are only scatter.
     let reach = reach.min((n / 4.0) as usize).max(1);
     let inflation = (1.0
         + 2.0
@@ -99,8 +99,8 @@ pub fn cross_correlation(
                 .sum::<f64>())
     .max(1.0 / n);
     let variance = inflation / n;
-    // Neighbouring coefficients move together as the input's and the residual's memories overlap:
-    // their sum of squares has the mean of LAGS + 1 and the scatter of fewer, independent ones.
+    // Neighbouring coefficients are correlated, as the memories of input and residual overlap. Their sum of squares has
+    // the mean of LAGS + 1 independent coefficients, and the scatter of fewer.
     let together = |shift: usize| -> f64 {
         let mut sum = 0.0;
         for lag in -(reach as i64) + 1..reach as i64 {
@@ -139,13 +139,13 @@ fn chi_squared_tail(x: f64, degrees: f64) -> f64 {
     ChiSquared::new(degrees).map_or(f64::NAN, |distribution| distribution.sf(x))
 }
 
-/// The number of independent values that a residual series is worth: n for white noise.
+/// The effective number of independent values of a residual series; n for white noise.
 ///
-/// n over the larger of two correlation lengths: 1 + 2 Σ ρ(k) (that of a mean; Priestley 1981,
-/// 5.3.2) up to where ρ first vanishes, and 1 + 2 Σ ρ(k)² (that of a mean square, which is what a
-/// likelihood is made of; it does not cancel for a residual that oscillates). Coefficients that
-/// white noise of n samples would show as well (beyond √(2 ln n / n), exceeded by none of n lags in
-/// most cases) are taken as zero. The mean is not subtracted: a constant offset is one value.
+/// It is n divided by the larger of two correlation lengths. The first is 1 + 2 Σ ρ(k) (that of a mean; Priestley 1981,
+/// 5.3.2), summed up to the first zero of ρ. The second is 1 + 2 Σ ρ(k)² (that of a mean square, on which a likelihood
+/// depends); it does not cancel for a residual that oscillates. Coefficients that white noise of n samples could show
+/// as well are set to zero: those below √(2 ln n / n), which none of n lags exceeds in most cases. The
+/// mean is not subtracted: a constant offset counts as one value.
 pub fn effective_samples(residual: &[f64], weight: &[f64]) -> f64 {
     let correlation = Correlation::of(residual, None, weight);
     let n = correlation.count;
@@ -178,7 +178,7 @@ struct Correlation {
     own: Vec<f64>,
     /// Σ u(k) u(k + lag), the mean subtracted; empty without input.
     input: Vec<f64>,
-    /// Σ e(k + lag) u(k), negative lags at the end of the circle; empty without input.
+    /// Σ e(k + lag) u(k), negative lags at the end; empty without input.
     circular: Vec<f64>,
 }
 

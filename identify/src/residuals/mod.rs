@@ -1,11 +1,11 @@
-//! What a model leaves of the measurements: noise, or something that it lacks, and where.
+//! The residual of a model: noise, or a missing effect, and where it acts.
 //!
 //! | file | job |
 //! |---|---|
-//! | `correlation` | does a residual remember itself or the input |
-//! | `structure` | how much of it is more than noise |
-//! | `residual_torque` | the torque that a model lacks, over time |
-//! | `pushes` | pushes that nobody recorded: found, sized, kept out of the fit |
+//! | `correlation` | whether the residual is correlated with itself or with the input |
+//! | `structure` | how much of the residual is more than noise |
+//! | `residual_torque` | the missing torque, over time |
+//! | `pushes` | unrecorded pushes: found, sized, left out of the fit |
 //! | `breakdown` | where a model fails: its residual over time, amplitude, angle, speed, current |
 
 mod breakdown;

@@ -1,15 +1,15 @@
-//! Pushes on the body that no column records: found, located, sized, and kept out of the fit.
+//! Pushes on the body that no column records: found, located, sized, and left out of the fit.
 //!
-//! A push is a torque on the body that the model lacks, and [`super::residual_torque`] has it in two
-//! ways: by the momentum of body and wheel, and by the command. The second has the lower noise, but an
-//! error of the motor's model (a lag, a dead zone) looks like a push in it; the first knows no motor.
-//! A push is what either shows and the other does not contradict.
+//! A push is a torque on the body that the model lacks. [`super::residual_torque`] gives two estimates of it: from
+//! the momentum of body and wheel, and from the command. The second has less noise, but an error of the motor's
+//! model (a lag, a dead zone) looks like a push in it. The first does not involve the motor.
+//! A push is reported if one estimate shows it and the other does not contradict it.
 //!
-//! In a log that is sampled more slowly than the loop answers, nobody knows the current and the angle
-//! between two samples, and the fit that sees neither well is off by a large share of either torque:
-//! every push has echoes in the answer to it. There a push is only what exceeds the shares of motor and
-//! gravity that are missing over the whole log; the rest is left out of the fit like a push, but not
-//! reported as one.
+//! In a log that is sampled more slowly than the controller responds, current and angle between two samples are
+//! unknown. The model's torques of motor and gravity are then wrong by a large share, and the response to
+//! every push looks like further pushes ("echoes"). In such a log, a push is reported only if it exceeds the shares of
+//! motor and gravity that are missing over the whole log. The others are left out of the fit as well, but not
+//! reported.
 
 use nalgebra::{Matrix2, Vector2};
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
@@ -17,26 +17,26 @@ use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT};
 use super::residual_torque::{MeasuredMotion, TorqueOn, residual_torque};
 use crate::records::{BALANCE_WINDOW_S, Output, Record, half_samples, median};
 
-/// Half-width of the bump in s: shorter than a push by hand.
+/// Half-width of the bump in s; shorter than a push by hand.
 const HALF_BUMP_S: f64 = 0.025;
-/// The same for a log without a rate, in s: about as long as a push by hand. The angle is
-/// differentiated twice there, and the noise of the torque falls with the width to the power 5/2.
+/// Half-width of the bump in s for a log without a rate; about as long as a push by hand. There the angle is
+/// differentiated twice, and the noise of the torque falls with the width to the power 5/2.
 const HALF_BUMP_OF_ANGLE_S: f64 = 0.06;
-/// Threshold in robust standard deviations of the torque estimate. In a minute of log there are
-/// some thousand independent values; six Gaussian standard deviations are exceeded by one in 5e8.
+/// Threshold in robust standard deviations of the torque estimate. A minute of log has about a thousand independent
+/// values; a Gaussian value exceeds six standard deviations once in 5e8.
 const THRESHOLD: f64 = 6.0;
-/// A push ends where the torque estimate falls below this many standard deviations,
+/// A push ends where the torque estimate falls below this many standard deviations.
 const FOOT: f64 = 2.0;
-/// or below this fraction of its peak: what remains beyond is 1.4 % of the impulse of a Gaussian
-/// push, while a friction that the model lacks would go on adding for as long as the body moves.
+/// A push also ends where the estimate falls below this share of its peak. The cut loses 1.4 % of the impulse of a
+/// Gaussian push; without it, a friction that the model lacks would add impulse as long as the body moves.
 const FOOT_OF_PEAK: f64 = 0.05;
-/// Length of the running median that is taken as the torque's slow part (offsets, drift), in s.
+/// Length in s of the running median that is subtracted as the slow part of the torque (offsets, drift).
 const BASELINE_S: f64 = 2.0;
 
 /// A push on the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundPush {
-    /// When it acted: the centre of its torque, s.
+    /// Time of the push, s: the centre of its torque.
     pub time_s: f64,
     /// Its impulse ∫ f dt in N m s, positive in the direction of positive angle.
     pub impulse_nms: f64,
@@ -44,11 +44,11 @@ pub struct FoundPush {
     pub impulse_std_nms: f64,
     /// Largest torque of the smoothed estimate, N m.
     pub peak_nm: f64,
-    /// First and last instant at which it acted, s.
+    /// First and last instant of the push, s.
     pub span_s: (f64, f64),
 }
 
-/// Numbers of the model that the search needs, in SI units.
+/// The parameters of the model that the search needs, in SI units.
 #[derive(Clone, Copy, Debug)]
 pub struct PushModel {
     /// Θ, j_w, G, τ (positions of the parameter vector).
@@ -60,7 +60,7 @@ pub struct PushModel {
 }
 
 impl PushModel {
-    /// That of a model with its parameter vector; friction that it lacks is zero.
+    /// The parameters of a model; a friction that the model does not have is zero.
     pub fn of(model: &Model, values: &[f64]) -> PushModel {
         let friction = |name: &str| model.position_of(name).map_or(0.0, |at| values[at]);
         PushModel {
@@ -78,8 +78,8 @@ fn half_bump_s(record: &Record) -> f64 {
     }
 }
 
-/// The smoothed torque on the body at every sample, by the momentum of body and wheel (first) and
-/// by the command (second); NaN at the ends and where samples are missing.
+/// The smoothed torque on the body at every sample, N m: from the momentum of body and wheel (first) and from
+/// the command (second). NaN at the ends and where samples are missing.
 fn torque_on_body(record: &Record, model: &PushModel) -> Option<(Option<Vec<f64>>, Vec<f64>)> {
     if record.current_a.len() != record.len() || record.is_empty() {
         return None;
@@ -90,7 +90,7 @@ fn torque_on_body(record: &Record, model: &PushModel) -> Option<(Option<Vec<f64>
     let base = Model::base();
     let motion = MeasuredMotion::new(record, &[], &base, &values, half)?;
     let series = |on: TorqueOn| -> Option<Vec<f64>> {
-        // All samples: what a push spoils is what is looked for.
+        // All samples are used: those that a push spoils are the ones to be found.
         let found = residual_torque(record, &[], &motion, &base, &values, on, (half, 1))?;
         let mut series = vec![f64::NAN; record.len()];
         for (centre, torque) in found.centres.iter().zip(&found.torque_nm) {
@@ -101,12 +101,12 @@ fn torque_on_body(record: &Record, model: &PushModel) -> Option<(Option<Vec<f64>
     Some((series(TorqueOn::Body), series(TorqueOn::BodyByCommand)?))
 }
 
-/// Subtracts the running median and returns the robust standard deviation of what is left.
+/// Subtracts the running median, and returns the robust standard deviation of the rest.
 fn centre(series: &mut [f64], time_s: &[f64]) -> f64 {
     let n = series.len();
     let step_s = (time_s[n - 1] - time_s[0]) / (n - 1).max(1) as f64;
     let half = ((0.5 * BASELINE_S / step_s) as usize).max(8);
-    // The median moves slowly: it is computed at intervals and interpolated as a staircase.
+    // The median changes slowly. It is computed at intervals and held between.
     let stride = (half / 8).max(1);
     let original = series.to_vec();
     for block in (0..n).step_by(stride) {
@@ -118,26 +118,26 @@ fn centre(series: &mut [f64], time_s: &[f64]) -> f64 {
             }
         }
     }
-    // 1.4826 makes the median absolute deviation of a Gaussian its standard deviation.
+    // The factor 1.4826 converts the median absolute deviation of a Gaussian to its standard deviation.
     1.4826 * median(series.iter().map(|value| value.abs())).unwrap_or(0.0)
 }
 
-/// Whether a log has too few samples to follow the loop's answer to a push: windows of
-/// [`BALANCE_WINDOW_S`] hold fewer than a window needs.
+/// Whether a log has too few samples to follow the controller's response to a push: windows of
+/// [`BALANCE_WINDOW_S`] hold fewer samples than a window needs.
 pub(crate) fn is_slow(record: &Record) -> bool {
     // `Record::windows` makes no window shorter than this.
     let least = record.windows(0.0).first().map_or(0, |window| window.len());
     record.kind == Kind::Balance && samples_in_window(record) < least as f64
 }
 
-/// Samples in [`BALANCE_WINDOW_S`].
+/// Number of samples in [`BALANCE_WINDOW_S`].
 pub(crate) fn samples_in_window(record: &Record) -> f64 {
     let span_s = record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
     BALANCE_WINDOW_S * (record.len().max(1) - 1) as f64 / span_s.max(1e-300)
 }
 
-/// The pushes in a balance log; none in other kinds. In a slow log only those that exceed what motor
-/// and gravity, as wrong as they are in it, may have done while they acted.
+/// The pushes in a balance log; none in other kinds. In a slow log, only pushes that exceed the possible error of motor
+/// and gravity while they acted.
 pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<FoundPush> {
     let mut pushes = find_disturbances(record, model);
     if !pushes.is_empty()
@@ -153,12 +153,12 @@ pub fn find_pushes(record: &Record, model: &PushModel) -> Vec<FoundPush> {
     pushes
 }
 
-/// Motor and gravity at every sample of a record, N m. The current counts from the middle of the log's,
-/// which holds the body where it leans and has the sensor's offset.
+/// The torques of motor and gravity at every sample of a record, N m. The current is taken relative to the median of the
+/// log, which contains the sensor's offset and the current that holds the body where it leans.
 fn own_torques_nm(record: &Record, model: &PushModel) -> Vec<Vector2<f64>> {
     let middle = median(record.current_a.iter().copied()).unwrap_or(0.0);
     let angle = record.channel(Output::Angle);
-    // A missing sample says nothing of what acted.
+    // A missing sample gives no information about the torque.
     let known = |torque: f64| if torque.is_finite() { torque } else { 0.0 };
     (0..record.len())
         .map(|k| {
@@ -171,8 +171,8 @@ fn own_torques_nm(record: &Record, model: &PushModel) -> Vec<Vector2<f64>> {
         .collect()
 }
 
-/// The shares of motor and gravity that explain the most of a missing torque, by least squares: how
-/// wrong either is in this log. Real pushes add to them, which errs towards not reporting.
+/// The shares of motor and gravity that best explain a missing torque, by least squares: the relative errors of
+/// both in this log. Real pushes increase the shares, so fewer pushes are reported.
 fn wrong_shares(missing_nm: &[f64], own_nm: &[Vector2<f64>]) -> Vector2<f64> {
     let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
     let rows = missing_nm.iter().zip(own_nm);
@@ -186,7 +186,7 @@ fn wrong_shares(missing_nm: &[f64], own_nm: &[Vector2<f64>]) -> Vector2<f64> {
     shares.abs()
 }
 
-/// Impulse in N m s that the wrong shares of motor and gravity may have while a push acted.
+/// Impulse in N m s that the errors of motor and gravity may have caused while a push acted.
 fn own_impulse_nms(
     record: &Record,
     own_nm: &[Vector2<f64>],
@@ -203,7 +203,7 @@ fn own_impulse_nms(
         .sum()
 }
 
-/// Everything in a balance log that looks like a push, echoes in a slow log included.
+/// All disturbances in a balance log that look like a push, including the echoes in a slow log.
 pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<FoundPush> {
     if record.kind != Kind::Balance {
         return vec![];
@@ -225,9 +225,9 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Found
             _ => true,
         }
     });
-    // Where the command is no guide (the cogging of the wheel moves it all the time), a push may show
-    // in the momentum alone, or better, as long as the command does not speak against it.
-    // Not in a slow log, where every push has echoes in the answer to it.
+    // Where the command is unreliable (cogging of the wheel moves it all the time), the momentum alone may show a push,
+    // or show it better. It counts if the command does not contradict it. Slow logs are excluded: there, every push
+    // has echoes.
     if let (Some(series), Some(std), false) = (&momentum, momentum_std, is_slow(record)) {
         let others = pushes_in(record, series, std, |push, sum| {
             let error = push.std_of(std).hypot(push.std_of(command_std));
@@ -250,31 +250,31 @@ pub(crate) fn find_disturbances(record: &Record, model: &PushModel) -> Vec<Found
     pushes
 }
 
-/// Whether what another estimate says of an impulse goes with it: within a factor of two, or, where the
-/// noise of the two hides the push, without a contradiction.
+/// Whether another estimate of an impulse agrees with it: within a factor of two or, if noise hides the push in the other
+/// estimate, without a contradiction.
 fn agrees(other_nms: f64, impulse_nms: f64, error_nms: f64) -> bool {
     (0.5..2.0).contains(&(other_nms / impulse_nms))
         || (error_nms > impulse_nms.abs() && (other_nms - impulse_nms).abs() < 3.0 * error_nms)
 }
 
-/// A push as one estimate of the torque shows it.
+/// A push as one of the torque estimates shows it.
 struct Shown {
     impulse_nms: f64,
-    /// How long it acted, s, and how many bumps of the estimate that is.
+    /// Duration of the push, s, and the number of bumps of the estimate in it.
     span_s: f64,
     independent: f64,
 }
 
 impl Shown {
-    /// Standard error of an impulse over the same time, from that of the torque. Values closer than a
-    /// bump are one value.
+    /// Standard error of an impulse over the same duration, from the standard deviation of the torque. Values closer than
+    /// one bump count as one value.
     fn std_of(&self, torque_std_nm: f64) -> f64 {
         torque_std_nm * self.span_s / self.independent.sqrt()
     }
 }
 
-/// The pushes that a centred estimate of the torque on the body with this standard deviation shows, in N m,
-/// and that `is_confirmed`; it is handed the push, and what sums any other estimate over the same time.
+/// The pushes in a centred estimate of the torque on the body (N m) with standard deviation `std_nm`, if `is_confirmed`
+/// accepts them. That function receives the push, and a function that integrates any other estimate over the same time.
 fn pushes_in(
     record: &Record,
     torque_nm: &[f64],
@@ -294,7 +294,7 @@ fn pushes_in(
     let mut pushes = vec![];
     let mut k = 0;
     while k < n {
-        // A NaN compares as false, so that it is passed over here and ends a push below.
+        // A NaN compares as false: it is skipped here, and ends a push below.
         let exceeds = torque_nm[k].abs() > THRESHOLD * std_nm;
         if !exceeds {
             k += 1;
@@ -336,13 +336,13 @@ fn pushes_in(
                 span_s: (time_s[from] - half_s, time_s[to] + half_s),
             });
         }
-        // What is left of this push beyond its foot is no push of its own.
+        // The tail of this push is not a push of its own.
         k = end.max(to + 1);
     }
     pushes
 }
 
-/// Gives weight 0 to every window of `window_s` that a push touches, and weight 1 to all others.
+/// Sets the weight of every window of `window_s` that a push touches to 0, and that of all others to 1.
 pub fn leave_out(record: &mut Record, pushes: &[FoundPush], window_s: f64) {
     for window in record.windows(window_s) {
         let (from, to) = (

@@ -1,52 +1,51 @@
-//! How large is what a better model could explain of a residual, in units of the sensor's noise?
+//! The part of a residual that a better model could explain, in units of the sensor's noise.
 //!
-//! The correlation tests have the answer "yes, something" for every real log of many samples, because they
-//! reject whatever is detectable; this one says whether it matters.
+//! The correlation tests reject every real log with many samples, because they detect even the smallest structure. This
+//! statistic says how large the structure is.
 
 use crate::records::NOISE_RELATIVE_STD_ROOT_N;
 
-/// How large the part of a residual is that is not sensor noise.
+/// The size of the part of a residual that is not sensor noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResidualStructure {
-    /// Root mean square of the structured part over the noise of the channel: a lower bound that
-    /// the truth exceeds with a probability of 84 % (one standard error), 0 where there is none.
+    /// Root mean square of the structured part, in units of the channel's noise. It is a lower bound that the true value
+    /// exceeds with a probability of 84 % (one standard error); 0 if there is no structure.
     pub rms_over_noise: f64,
-    /// How surely there is any, in standard deviations of a Gaussian: the largest over all window
+    /// Significance of the structure in standard deviations of a Gaussian: the largest over all window
     /// lengths. White noise stays below [`SIGNIFICANT`] in more than 99.5 % of all residuals.
     pub significance: f64,
 }
 
 impl ResidualStructure {
-    /// Whether there is structure beyond reasonable doubt.
+    /// Whether the structure is significant.
     pub fn is_significant(&self) -> bool {
         self.significance > SIGNIFICANT
     }
 }
 
-/// Significance above which there is structure. A Gaussian exceeds four standard deviations on one
+/// Significance above which a residual counts as structured. A Gaussian exceeds four standard deviations on one
 /// side in 3e-5; with some ten window lengths tried and the noise estimated from the log, white noise
 /// is flagged in less than 0.2 % of all residuals (see the tests).
 pub const SIGNIFICANT: f64 = 4.0;
-/// Relative standard deviation of the noise beyond that: real noise is not quite Gaussian, white
-/// and constant.
+/// Additional relative uncertainty of the noise estimate: real noise is not exactly Gaussian, white and constant.
 const NOISE_RELATIVE_STD: f64 = 0.02;
-/// Fewest windows over which a mean square is formed.
+/// Smallest number of windows over which a mean square is formed.
 const FEWEST_WINDOWS: usize = 6;
 
-/// How much of a residual is structure rather than sensor noise.
+/// Measures how much of a residual is structure rather than sensor noise.
 ///
 /// The residual is averaged over windows of m = 1, 2, 4, … samples. White noise of standard
-/// deviation σ leaves the mean square σ²/m, with the scatter of a χ² variable of as many degrees of
-/// freedom as there are windows; structure that varies slowly against m samples leaves its own mean
-/// square S² besides. Whatever the time scale of the structure is, some m shows it best: the largest
-/// S² (less its standard error) counts. The scatter of σ itself enters the significance, so that an
+/// deviation σ leaves the mean square σ²/m, with the scatter of a χ² variable with as many degrees of
+/// freedom as there are windows. Structure that varies slowly over m samples adds its own mean
+/// square S². For every time scale of the structure, some m shows it best: the largest
+/// S² (minus its standard error) is reported. The uncertainty of σ itself enters the significance, so that an
 /// error of a few percent in the noise is not taken for structure.
 ///
-/// `residual` and `noise_std` in the unit of the channel; samples that are not finite or have
-/// `weight` 0 do not count (an empty `weight` counts them all). The samples are taken as equally
-/// spaced. A prediction that was fitted to these very samples only lowers both numbers.
+/// `residual` and `noise_std` are in the unit of the channel. Samples that are not finite or have
+/// `weight` 0 do not count (an empty `weight` counts all samples). The samples are treated as equally
+/// spaced. If the prediction was fitted to these same samples, both results are slightly too low.
 ///
-/// For a quantised channel pass the residual through [`without_rounding`] first: rounding errors
+/// Pass the residual of a quantised channel through [`without_rounding`] first: rounding errors
 /// are white only while the motion crosses steps faster than it is sampled.
 pub fn structure(residual: &[f64], noise_std: f64, weight: &[f64]) -> ResidualStructure {
     let counted: Vec<Option<f64>> = residual
@@ -75,7 +74,7 @@ pub fn structure(residual: &[f64], noise_std: f64, weight: &[f64]) -> ResidualSt
                 });
             if count > 0 && 2 * count >= length {
                 windows += 1;
-                // Variance 1 for white noise, however many samples of the window count.
+                // Variance 1 for white noise, for any number of counting samples in the window.
                 sum_of_squares += sum * sum / count as f64;
             }
         }
@@ -96,7 +95,7 @@ pub fn structure(residual: &[f64], noise_std: f64, weight: &[f64]) -> ResidualSt
     }
 }
 
-/// The Gaussian deviate of a mean square with mean 1 and this variance, taken as χ²/ν with
+/// The standard normal deviate of a mean square with mean 1 and this variance, treated as χ²/ν with
 /// ν = 2/variance (Wilson & Hilferty, PNAS 17 (1931): its cube root is nearly Gaussian).
 fn gaussian_of_chi_squared(ratio: f64, variance: f64) -> f64 {
     let ninth = variance / 9.0;
@@ -104,12 +103,12 @@ fn gaussian_of_chi_squared(ratio: f64, variance: f64) -> f64 {
 }
 
 /// The residual of a quantised channel without the rounding error that the prediction itself
-/// foresees: measured − E[round(predicted + noise)], where the noise before rounding has the
+/// implies: measured − E[round(predicted + noise)], where the noise before rounding has the
 /// variance noise_std² − q²/12.
 ///
-/// A pendulum that swings within one step of its encoder leaves a residual as large as a step that
-/// no model could lower; this removes it as far as the prediction says where in its step the angle
-/// is. `quantum` is the step q and `noise_std` the whole noise of the channel, rounding included.
+/// A pendulum that swings within one step of its encoder leaves a residual as large as a step, which
+/// no model could lower. This function removes it, as far as the prediction determines the position of the angle
+/// within its step. `quantum` is the step q, and `noise_std` the whole noise of the channel, rounding included.
 /// The zero of the steps is that of the measured values.
 pub fn without_rounding(
     measured: &[f64],

@@ -1,4 +1,4 @@
-//! Series on which the tests of residuals agree.
+//! Random series that the tests of residuals share.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

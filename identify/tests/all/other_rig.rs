@@ -75,7 +75,7 @@ fn the_balance_log_is_fitted_per_unit_of_inertia_and_its_pushes_are_found() {
         found
             .statements
             .iter()
-            .any(|each| each.contains("fit percent says little"))
+            .any(|each| each.contains("fit percentage says little"))
     );
     for trace in &found.traces[0] {
         assert!(trace.fit_percent > 0.0, "{}", trace.output.name());

@@ -100,7 +100,7 @@ fn in_a_log_at_20_hz_no_echo_of_a_push_is_reported_as_one() {
             assert!(is_true, "{said}");
         }
         reported += found.pushes[1].len();
-        let sentence = "cannot be told from the answer";
+        let sentence = "cannot be distinguished";
         assert!(found.statements.iter().any(|each| each.contains(sentence)));
     }
     eprintln!("{reported} of {} pushes reported", 6 * large.len());

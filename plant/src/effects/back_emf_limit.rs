@@ -1,11 +1,11 @@
-//! The supply cannot drive the full current into a fast motor.
+//! The supply voltage limits the current of a fast motor.
 
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Driving, Effect, EffectInfo, Instant, ParameterInfo, Role, StartFrom};
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
-/// |i| ≤ (V − k_e |φ̇|)/R where current and speed have one sign, k_e = τ
+/// |i| ≤ (V − k_e |φ̇|)/R where current and speed have the same sign, k_e = τ
 #[derive(Clone, Copy, Debug)]
 pub struct BackEmfLimit;
 
@@ -45,7 +45,7 @@ impl Effect for BackEmfLimit {
         is_limit: true,
         start_from: StartFrom::Driving(supplies),
         hiding: Some(Hiding {
-            // The limit sets in at the share 1/(1 + s) of the highest speed at the highest current.
+            // The limit is reached at the share 1/(1 + s) of the highest speed, with the highest current.
             parameters: |s, bench| {
                 let (current_a, speed) = (bench.top_current_a, bench.top_wheel_speed_rad_s);
                 let torque_constant = bench.torque_constant;
@@ -84,14 +84,14 @@ impl Effect for BackEmfLimit {
     }
 }
 
-/// Resistances of a winding in Ohm from which the limit of a supply may be fitted.
+/// Winding resistances in ohm that are tried as starts for a fit of the supply limit.
 const RESISTANCES_OHM: [f64; 3] = [1.0, 3.0, 10.0];
-/// Shares of the driven samples for which a supply suffices from which its fit may start.
+/// Shares of the driving samples within the supply limit that are tried as starts.
 const SUFFICES: [f64; 2] = [0.8, 0.97];
 
-/// Supplies (V and Ohm) that hold in a part of what the logs asked for and not in the rest: quantiles of
-/// R |i| + k_e |φ̇| over the samples in which the motor drives the wheel. A supply that is never reached leaves
-/// no trace, and one that is always reached is a motor without current.
+/// Starts for the supply (V and ohm) that suffice for some of the requested operating points and not for the others:
+/// quantiles of R |i| + k_e |φ̇| over the samples in which the motor drives the wheel. A supply whose limit is never
+/// reached has no influence; one whose limit is always reached gives a motor without current.
 fn supplies(driving: &Driving) -> Vec<Vec<f64>> {
     let mut starts = vec![];
     for resistance in RESISTANCES_OHM.map(|resistance| resistance * driving.ohm) {

@@ -69,7 +69,7 @@ impl Effect for BodyPreslidingFriction {
     #[inline(always)]
     fn remember<S: Scalar>(p: &[S], memory: S, displacement_rad: S) -> S {
         let limit = if displacement_rad.value() < 0.0 { -p[0] } else { p[0] };
-        // A vanishing μ leaves no contact at all; the guard keeps the exponent finite.
+        // With μ = 0 there is no contact; the guard keeps the exponent finite.
         let relaxed = if p[0].value() <= 0.0 {
             S::zero()
         } else {

@@ -1,4 +1,4 @@
-//! A constant current that nobody asked for.
+//! A constant current without a command.
 
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role};

@@ -4,8 +4,8 @@ use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing};
 use crate::external::External;
 use crate::{Reading, Scalar};
 
-/// The equation of an effect where it has the role that is asked for. The role is a constant, so that a loop over the
-/// terms of the body holds no code for those of the wheel.
+/// The equation of an effect if it has the requested role. The role is a constant, so a loop over the
+/// terms of the body contains no code for those of the wheel.
 macro_rules! of_role {
     ($effect:path, $role:pat, $equation:ident($($argument:expr),*), $otherwise:expr) => {
         match <$effect as Effect>::INFO.role {
@@ -15,20 +15,20 @@ macro_rules! of_role {
     };
 }
 
-/// Declares the modules and the enum that stands for them. The order of the list is the order in
-/// which terms are evaluated (it matters in the motor chain and for the sensors) and reported.
+/// Declares the modules and the enum of their effects. The order of the list is the order in
+/// which terms are evaluated (which matters in the motor chain and for the sensors) and reported.
 macro_rules! effects {
     ($($module:ident :: $effect:ident),* $(,)?) => {
         $(mod $module;)*
 
-        /// An effect: one of the library, or one that came while the program runs.
+        /// An effect: one of the library, or one that was defined while the program runs.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum EffectId {
             $(
                 #[doc = concat!("See the file `effects/", stringify!($module), ".rs`.")]
                 $effect,
             )*
-            /// One that came while the program runs ([`EffectId::external`]).
+            /// One that was defined while the program runs ([`EffectId::external`]).
             External(External),
         }
 
@@ -151,8 +151,8 @@ impl EffectId {
         self.info().name
     }
 
-    /// Whether a limit is reached: the stage of the motor with these parameters changes this current in A at
-    /// this wheel speed in rad/s. `torque_constant` in N m/A.
+    /// Whether a limit is reached: the motor stage with the parameters `p` changes this current in A at
+    /// this wheel speed in rad/s. `torque_constant` is in N m/A.
     pub fn is_reached(
         self,
         p: &[f64],
@@ -170,7 +170,7 @@ impl EffectId {
         self.current(p, current_a, &at, torque_constant) != current_a
     }
 
-    /// [`Effect::torque`]: against the motion of body or wheel, whichever it acts on, in N m.
+    /// [`Effect::torque`] for body or wheel, whichever the effect acts on: torque against the motion in N m.
     pub fn torque<S: Scalar>(self, p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
         match self.info().role {
             Role::Body => self.torque_on_body(p, at, v0),

@@ -32,7 +32,7 @@ impl Effect for MotorSaturation {
         absent: Some(&[1e9]),
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         hiding: Some(Hiding {
-            // To lowest order the torque is short by (i/i_s)²/2; the knee goes with the currents of the bench.
+            // To lowest order the torque is reduced by the share (i/i_s)²/2; i_s scales with the currents of the bench.
             parameters: |s, bench| vec![bench.top_current_a / s.sqrt()],
             first_guess: 0.05,
             beyond_plausible: true,

@@ -1,4 +1,4 @@
-//! How a plant is put together: which terms act where, and how long a step may be.
+//! The assembly of a plant: which terms act where, and how long an integration step may be.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use crate::effect::{Instant, Memory, Ripple, Role, Smoothing};
 use crate::model::{GRAVITY_TORQUE, TOTAL_INERTIA, WHEEL_INERTIA};
 use crate::{EffectId, Kind, LearnedCoordinate, Model, Timing};
 
-/// An effect with the place of its parameters, as a model in use holds it.
+/// An effect with the position of its parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Term {
     pub effect: EffectId,
@@ -19,20 +19,20 @@ pub(super) struct Term {
 }
 
 impl Term {
-    /// Where its parameters stand in the parameter vector.
+    /// The positions of its parameters in the parameter vector.
     #[inline(always)]
     pub fn own(&self) -> Range<usize> {
         self.first..self.end
     }
 
-    /// Level and stiffness of the memory, out of the parameters of the term.
+    /// Level in N m and stiffness in N m/rad of the memory, from the parameters of the term.
     pub fn memory_of<S: Copy>(&self, p: &[S]) -> Option<(S, S)> {
         let memory = self.memory?;
         Some((p[memory.level], p[memory.stiffness]))
     }
 }
 
-/// What of a plant does not depend on the kind of number with which it computes.
+/// The parts of a plant that do not depend on its number type.
 #[derive(Clone, Debug)]
 pub(super) struct Structure {
     pub kind: Kind,
@@ -42,30 +42,30 @@ pub(super) struct Structure {
     pub motor: Vec<Term>,
     pub sensor: Vec<Term>,
     timed: Vec<Term>,
-    /// The term of the body that remembers.
+    /// The term of the body that has a memory.
     pub memory: Option<Term>,
-    /// The order of the ripple that steps must follow.
+    /// The order of the ripple that integration steps must resolve.
     pub ripple_order: Option<f64>,
     pub smoothing: Smoothing,
     /// A torque on the body has a kink at rest.
     pub body_kink: bool,
     /// A torque on the wheel has a kink at rest.
     pub wheel_kink: bool,
-    /// The longest step that is accurate and stable.
+    /// The longest integration step that is accurate and stable, s.
     pub longest_step_s: f64,
 }
 
-/// Steps are at most this fraction of a radian of the pendulum's own oscillation: the phase error
+/// Largest integration step, in radians of the pendulum's own oscillation. The phase error
 /// of RK4, (ω h)⁴/120 per radian, is then below 1e-6.
 const STEP_RAD: f64 = 0.1;
-/// Angle over which the stiffness of springs is probed.
+/// Angle in rad over which the stiffness of springs is evaluated.
 const STIFFNESS_PROBE_RAD: f64 = 1e-3;
-/// Steps are at most this long, in s, whatever the parameters say: a coarsely sampled log may hold
-/// motion that they do not foresee.
+/// Longest integration step in s, for any parameters: a coarsely sampled log may contain
+/// motion that the parameters do not suggest.
 const LONGEST_STEP_S: f64 = 0.02;
-/// Steps are at most this many time constants of the fastest friction (RK4 is stable to 2.78).
+/// Largest integration step, in time constants of the fastest friction (RK4 is stable up to 2.78).
 const STEP_TIME_CONSTANTS: f64 = 1.0;
-/// Shortest step that presliding friction asks for.
+/// Shortest integration step in s that presliding friction may require.
 const CONTACT_STEP_S: f64 = 2e-3;
 
 impl Structure {
@@ -120,18 +120,18 @@ impl Structure {
         structure
     }
 
-    /// The stage of the motor chain that needs the time in this way.
+    /// The stage of the motor chain with this kind of time dependence.
     pub fn timed(&self, timing: Timing) -> Option<&Term> {
         self.timed.iter().find(|term| term.timing == Some(timing))
     }
 
-    /// Leaves out the stages that lie between the command and the current.
+    /// Removes the stages between the command and the current.
     pub fn leave_out_electrical(&mut self) {
         self.motor.retain(|term| !term.is_electrical);
         self.timed.retain(|term| !term.is_electrical);
     }
 
-    /// The longest step that is accurate and stable, from the slopes of the torques at rest.
+    /// The longest accurate and stable integration step in s, from the slopes of the torques at rest.
     fn stable_step_s(&self, values: &[f64]) -> f64 {
         let body_inertia = match self.kind {
             Kind::FreeSwing => values[TOTAL_INERTIA],
@@ -168,7 +168,7 @@ impl Structure {
             && let Some((_, contact)) = term.memory_of(&values[term.own()])
         {
             // The contact's own oscillation is resolved down to steps of two milliseconds. A stiffer
-            // contact yields before any sensor could see it bend; its force stays bounded by μ.
+            // contact yields before any sensor could show its deflection; its force stays bounded by μ.
             let stiffness = stiffness + contact.abs();
             step = step.min((STEP_RAD / (stiffness * inverse_body).sqrt()).max(CONTACT_STEP_S));
         }
@@ -219,7 +219,7 @@ impl Structure {
                 };
             step = step.min(STEP_TIME_CONSTANTS / (slope * inverse).max(1e-9));
         }
-        // A step below a microsecond would only be asked for by parameters without meaning.
+        // Only parameters that are not physical would require a step below a microsecond.
         step.max(1e-6)
     }
 }

@@ -1,11 +1,11 @@
-//! The motion over time: steps of the classical Runge–Kutta method, as long as accuracy and stability allow.
+//! The motion over time: classical Runge–Kutta steps, as long as accuracy and stability allow.
 
 use super::{Plant, State};
 use crate::effect::Instant;
 use crate::input::Input;
 use crate::{Kind, Reading, Scalar};
 
-/// What acts on the pendulum during a step.
+/// The inputs of the pendulum during a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Drive<S> {
     /// Mean commanded current in A, after any delay.
@@ -14,36 +14,36 @@ pub struct Drive<S> {
     pub push: [f64; 3],
 }
 
-/// The commanded (or measured) current during a run.
+/// The current during a run, commanded or measured.
 #[derive(Clone, Copy, Debug)]
 pub enum Current<'a, S> {
     /// As recorded.
     Recorded(&'a Input),
-    /// Held at this value in A, possibly unknown to whoever recorded the log.
+    /// Constant at this value in A; for logs whose current was not recorded.
     Held(S),
 }
 
-/// What is done with index, reading and state at every sample of a run.
+/// Called at every sample of a run with its index, the sensors' reading and the state.
 type Each<'a, S> = dyn FnMut(usize, &Reading<S>, &State<S>) + 'a;
 
-/// Most parts into which the interval between two samples is divided. Parameters that would need
-/// more have no meaning on the bench that was sampled at this rate; a fit that strays there must be
-/// told so by a bad result, not by one that never comes.
+/// Largest number of steps between two samples. Parameters that would need more are not physical on a bench that was
+/// sampled at this rate. A fit that reaches such parameters should get a bad result quickly, not a good one after an
+/// endless computation.
 const MOST_PARTS: f64 = 64.0;
-/// A step in which dry friction changes its sign is repeated in this many parts.
+/// A step in which dry friction changes its sign is repeated in this many steps.
 const KINK_PARTS: usize = 8;
-/// Below this step the repetition gains nothing that a sensor could show.
+/// Shortest step in s that is repeated in finer steps; below, no sensor would show the difference.
 const KINK_STEP_S: f64 = 1.1e-3;
-/// Time constants after which a lag has forgotten its past (e⁻¹⁰).
+/// Number of time constants after which a lag has forgotten its initial state (e⁻¹⁰ is left).
 const LAG_MEMORY: f64 = 10.0;
-/// Steps turn the wheel by at most this much of a cogging period, in rad.
+/// Largest change of the cogging's phase in one step, rad.
 const RIPPLE_STEP_RAD: f64 = 1.0;
-/// Cogging that asks for more parts of a step than this is left out.
+/// Largest number of parts of a step that cogging may require; faster cogging is left out.
 const RIPPLE_MOST_PARTS: f64 = 8.0;
 
 impl<S: Scalar> Plant<S> {
-    /// Whether cogging of this wheel speed is slow enough against a step to be followed; a faster
-    /// ripple averages out, and its speed (below a/(j_w n φ̇)) is far below any sensor's noise.
+    /// The change of the cogging's phase in a step of `step_s` seconds, rad; `None` if that is too fast to be resolved. A
+    /// faster ripple averages out; its amplitude in speed (below a/(j_w n φ̇)) is far below any sensor's noise.
     fn ripples(&self, wheel_speed_rad_s: f64, step_s: f64) -> Option<f64> {
         let order = self.structure.ripple_order?;
         let phase = (order * wheel_speed_rad_s * step_s).abs();
@@ -51,8 +51,8 @@ impl<S: Scalar> Plant<S> {
     }
 
     /// One step of the classical Runge–Kutta method (Hairer, Nørsett, Wanner I, table II.1.2),
-    /// without any check of its length. Lag and presliding friction use their exact solutions over
-    /// the step, so that neither limits it. `with_ripple`: cogging acts.
+    /// whose length is not checked. Lag and presliding friction use their exact solutions over
+    /// the step, so they do not limit its length. `with_ripple` says whether cogging acts.
     // Not inlined: it is used twice, and large.
     #[inline(never)]
     fn rk4(&self, start: &State<S>, drive: &Drive<S>, step_s: f64, with_ripple: bool) -> State<S> {
@@ -104,8 +104,8 @@ impl<S: Scalar> Plant<S> {
         end
     }
 
-    /// The state after `step_s` seconds under `drive`: as many equal steps as accuracy and
-    /// stability ask for, and a finer repetition where dry friction changes its sign.
+    /// The state after `step_s` seconds under `drive`. The interval is divided into as many equal steps as accuracy and
+    /// stability require, and into finer ones where dry friction changes its sign.
     pub fn step(&self, start: &State<S>, drive: &Drive<S>, step_s: f64) -> State<S> {
         let ripple = self.ripples(start.wheel_speed_rad_s.value(), step_s);
         let with_ripple = self.structure.ripple_order.is_none() || ripple.is_some();
@@ -118,7 +118,7 @@ impl<S: Scalar> Plant<S> {
         }
         let part_s = step_s / parts;
         let push = |fraction: f64| {
-            // The parabola through the three given values.
+            // The parabola through the three given values of the push.
             let [a, b, c] = drive.push;
             let x = 2.0 * fraction - 1.0;
             b + 0.5 * (c - a) * x + (0.5 * (a + c) - b) * x * x
@@ -161,10 +161,10 @@ impl<S: Scalar> Plant<S> {
     /// Runs from `start` at `time_s[first]` to `time_s[last]` under the recorded current and calls
     /// `each` with the index, the reading and the state at every sample, both ends included.
     ///
-    /// In a run from the first sample the current of the start is the one that was commanded before the log
-    /// began, for as long as a delay or a lag remembers it; in any other the first command held before the
-    /// log. `push` gives the torque on the body in N m at a time in s. Between two samples a log that holds
-    /// more samples of the current is driven by the mean of what the motor makes of them.
+    /// A run from the first sample takes the current of the start as the command from before the log, for as long as a delay
+    /// or a lag remembers it. Any other run assumes that the first command was already held before the log. `push` gives
+    /// the torque on the body in N m at a time in s. A thinned log has several samples of the current between two of its
+    /// samples; the mean of the motor's response to them drives that interval.
     pub fn run(
         &self,
         start: State<S>,
@@ -177,7 +177,7 @@ impl<S: Scalar> Plant<S> {
         self.follow(start, time_s, samples, current, push, &mut each);
     }
 
-    /// [`Plant::run`], compiled once whatever is done with the motion.
+    /// [`Plant::run`], compiled only once for all callers.
     #[inline(never)]
     fn follow(
         &self,
@@ -193,7 +193,7 @@ impl<S: Scalar> Plant<S> {
             && state.current_a.value() == 0.0
             && lag.value() >= 0.0
         {
-            // A window in the middle of a log starts with the current that its past commands left.
+            // A window in the middle of a log starts with the current that earlier commands left behind the lag.
             let forgotten_s = time_s[samples.start] - LAG_MEMORY * lag.value();
             let first = time_s[..samples.start]
                 .partition_point(|&time| time < forgotten_s)
@@ -214,7 +214,7 @@ impl<S: Scalar> Plant<S> {
             }
             _ => start.current_a,
         };
-        // A log that was thinned has more samples of the current than of anything else.
+        // A thinned log has more samples of the current than of the other channels.
         let is_thinned = |input: &Input| input.len() > time_s.len();
         let has_motor = !self.structure.motor.is_empty() || self.lag_s.is_some();
         let averaged = match current {
@@ -228,7 +228,7 @@ impl<S: Scalar> Plant<S> {
             if k + 1 >= samples.end {
                 break;
             }
-            // Where the command steps within the interval of a thinned log the motion is followed up to there first.
+            // If the command steps within an interval of a thinned log, the interval is divided at the step.
             let delay_s = self.delay_s.as_ref().map_or(0.0, |delay| delay.value());
             let steps: &[f64] = match current {
                 Current::Recorded(input) if is_thinned(input) => {
@@ -251,7 +251,7 @@ impl<S: Scalar> Plant<S> {
                 }
                 continue;
             }
-            // A delayed command changes within the interval: one step up to there, one from there.
+            // If a delayed command changes within the interval, the interval is divided there.
             let change = match (current, &self.delay_s) {
                 (Current::Recorded(input), Some(delay)) if !is_thinned(input) => {
                     input.change_within(time_s[k], time_s[k + 1], delay.value(), k)

@@ -7,8 +7,8 @@
 //! - wheel locked (`free-swing`): Θ α̈ = f − T_b,
 //! - body clamped (`spin-up`): j_w φ̈ = M − T_w.
 //!
-//! This file holds the one right-hand side. `assembly` puts a plant together and says how long its steps may be,
-//! `motor` is the chain from command to current, `integrator` follows the motion.
+//! This file holds the only right-hand side. `assembly` puts a plant together and decides how long its integration
+//! steps may be, `motor` is the chain from command to current, and `integrator` computes the motion over time.
 
 mod assembly;
 mod integrator;
@@ -33,14 +33,14 @@ pub struct State<S> {
     pub wheel_angle_rad: S,
     /// Wheel speed φ̇ relative to the body in rad/s.
     pub wheel_speed_rad_s: S,
-    /// Torque in N m of the friction that remembers the way of the body.
+    /// Torque in N m of the friction with memory (presliding).
     pub friction_torque: S,
     /// Current behind the lag of the motor in A.
     pub current_a: S,
 }
 
 impl<S: Scalar> State<S> {
-    /// At rest, hanging.
+    /// At rest in the hanging position.
     pub fn rest() -> State<S> {
         State {
             angle_rad: S::zero(),
@@ -53,7 +53,7 @@ impl<S: Scalar> State<S> {
     }
 }
 
-/// A model with numbers, under the constraint of one kind of experiment.
+/// A model with parameter values, under the constraint of one kind of experiment.
 #[derive(Clone, Debug)]
 pub struct Plant<S> {
     structure: Structure,
@@ -61,7 +61,7 @@ pub struct Plant<S> {
     values: Vec<S>,
     gravity_torque: S,
     torque_constant: S,
-    /// 1/Θ where the wheel is locked, 1/(Θ − j_w) where it is free, in 1/(kg m²).
+    /// 1/Θ if the wheel is locked, 1/(Θ − j_w) if it is free, in 1/(kg m²).
     inverse_body: S,
     /// 1/j_w in 1/(kg m²).
     inverse_wheel: S,
@@ -70,7 +70,7 @@ pub struct Plant<S> {
 }
 
 impl<S: Scalar> Plant<S> {
-    /// The model with its parameter vector (layout of [`Model::parameters`], SI units) in an
+    /// Builds the plant from a model and its parameter vector (layout of [`Model::parameters`], SI units) for an
     /// experiment of this kind.
     pub fn new(model: &Model, values: &[S], kind: Kind) -> Plant<S> {
         Plant::smoothed(model, values, kind, Smoothing::SIMULATION)
@@ -105,8 +105,8 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
-    /// Leaves out what lies between the command and the current that flowed: delay, lag and the
-    /// limit of the supply. For logs whose current is the measured one.
+    /// Removes the stages between the command and the current: delay, lag and the
+    /// supply limit. For logs with measured current.
     pub fn with_measured_current(mut self) -> Plant<S> {
         self.lag_s = None;
         self.delay_s = None;
@@ -167,8 +167,8 @@ impl<S: Scalar> Plant<S> {
         )
     }
 
-    /// (α̈, φ̈) in rad/s² in a state, with the current that flows and a push in N m: the one
-    /// right-hand side of simulation, fit and linearisation.
+    /// (α̈, φ̈) in rad/s² in a state, for the motor current in A and a push on the body in N m. Simulation, fit and
+    /// linearisation all use this right-hand side.
     pub fn derivative(&self, state: &State<S>, current_a: S, push: f64) -> (S, S) {
         let mut at = Instant {
             angle_rad: state.angle_rad,
@@ -180,8 +180,8 @@ impl<S: Scalar> Plant<S> {
         self.accelerations(&mut at, state.friction_torque, current_a, push, true)
     }
 
-    /// The torque in N m of the friction that remembers the way of the body, after the body has moved by
-    /// `displacement_rad` in one direction since it was `memory`; unchanged in a model without it.
+    /// The torque in N m of the friction with memory, after the body has moved by `displacement_rad` in one direction since
+    /// the torque was `memory`; unchanged in a model without such friction.
     #[inline(always)]
     pub fn remember(&self, memory: S, displacement_rad: S) -> S {
         match &self.structure.memory {
@@ -190,7 +190,7 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
-    /// The distance in rad over which the friction that remembers yields (its level over its stiffness), if
+    /// The distance in rad over which the friction with memory yields (its level divided by its stiffness), if
     /// the model has it.
     pub fn memory_distance_rad(&self) -> Option<f64> {
         let term = self.structure.memory.as_ref()?;
@@ -199,7 +199,7 @@ impl<S: Scalar> Plant<S> {
         distance_rad.is_finite().then_some(distance_rad)
     }
 
-    /// What the sensors say in a state.
+    /// The readings of the sensors in a state.
     #[inline(always)]
     pub fn read(&self, state: &State<S>) -> Reading<S> {
         let mut reading = Reading {

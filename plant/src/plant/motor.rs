@@ -11,7 +11,7 @@ impl<S: Scalar> Plant<S> {
         self.delay_s
     }
 
-    /// The current that makes the torque, in A, from the one behind the lag.
+    /// The current in A that makes the torque, computed from the current behind the lag.
     #[inline(always)]
     pub(super) fn through_motor(&self, current_a: S, at: &Instant<S>) -> S {
         if self.structure.motor.is_empty() {
@@ -21,7 +21,7 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
-    // Not inlined: most models have no such stage.
+    // Not inlined: most models do not have such a stage.
     #[inline(never)]
     fn through_stages(&self, current_a: S, at: &Instant<S>) -> S {
         let mut current_a = current_a;
@@ -32,7 +32,7 @@ impl<S: Scalar> Plant<S> {
         current_a
     }
 
-    /// The same plant driven by the current that makes the torque.
+    /// The same plant, with the torque-making current as its input.
     pub(super) fn without_motor(&self) -> Plant<S> {
         let mut driven = self.clone();
         driven.structure.motor.clear();
@@ -41,7 +41,7 @@ impl<S: Scalar> Plant<S> {
         driven
     }
 
-    /// The mean command in A that reaches the motor over [from_s, to_s], delayed where the model says so;
+    /// The mean command in A that reaches the motor over [from_s, to_s], after the model's delay, if it has one.
     /// `before_a` was commanded before the log began. `hint` is the index of a sample nearby.
     pub fn command(
         &self,
@@ -54,7 +54,7 @@ impl<S: Scalar> Plant<S> {
         let (Some(delay), Some((first_s, first_a))) = (self.delay_s, input.first()) else {
             return mean;
         };
-        // So long what was commanded before still flows.
+        // For this long, the command from before the log is still effective.
         let late = delay + (first_s - from_s);
         let span_s = to_s - from_s;
         if late.value() <= 0.0 {
@@ -62,15 +62,15 @@ impl<S: Scalar> Plant<S> {
         } else if late.value() > span_s * (1.0 + LEAST_SHARE) {
             before_a
         } else {
-            // Also where it just ends with the interval, which is where `run` cuts: a longer delay then costs
-            // this interval what the next one would still get.
+            // The end of the interval counts as inside, because `run` divides intervals there: a longer delay takes from this
+            // interval what the next one still gets.
             mean + (before_a - first_a) * late * (1.0 / span_s)
         }
     }
 
-    /// The mean of the current that makes the torque over [from_s, to_s], and the one that flows behind the
-    /// lag at its end, in A: each sample of the command passes the motor by itself.
-    // Not inlined: only a log that was thinned asks for it.
+    /// The mean of the torque-making current over [from_s, to_s], and the current behind the lag at its end, in A. Each
+    /// sample of the command passes through the motor separately.
+    // Not inlined: only thinned logs use it.
     #[inline(never)]
     pub(super) fn through_motor_on_average(
         &self,
@@ -100,7 +100,7 @@ impl<S: Scalar> Plant<S> {
         (charge_as * (1.0 / (to_s - from_s)), flowing_a)
     }
 
-    /// The current behind the lag at the end of a step, from which the next one starts.
+    /// The current behind the lag at the end of a step, with which the next step starts.
     #[inline(always)]
     pub(super) fn left_behind_lag(&self, start_a: S, drive_a: S, step_s: f64) -> S {
         match self.lag_s {
@@ -111,8 +111,8 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
-    /// The current in A behind the lag, `after_s` into an interval of `step_s`: `start_a` flowed at
-    /// its beginning, `drive_a` is the mean command over it (after any delay).
+    /// The current in A behind the lag, `after_s` into an interval of `step_s`. `start_a` is the current at
+    /// its beginning, `drive_a` the mean command over it (after any delay).
     #[inline(never)]
     pub fn flowing_current(&self, start_a: S, drive_a: S, after_s: f64, step_s: f64) -> S {
         match self.lag_s {
@@ -120,22 +120,22 @@ impl<S: Scalar> Plant<S> {
                 let decay = (S::constant(-after_s) / lag).exp();
                 drive_a + (start_a - drive_a) * decay
             }
-            // The lag T → 0 delays the current by T: −T di/dt is left to first order so that the
+            // A lag T → 0 delays the current by T. The first-order term −T di/dt is kept, so that the
             // derivative with respect to T exists at T = 0.
             Some(lag) => drive_a - lag * (drive_a - start_a) * (1.0 / step_s),
             None => drive_a,
         }
     }
 
-    /// The current during a step as a straight line: its value in A in the middle and what it gains
+    /// The current during a step as a straight line: its value in A in the middle, and its change in A
     /// from start to end.
     ///
-    /// Behind a lag T the current runs along an exponential, which the three points of a Runge–Kutta
-    /// step cannot follow where T is short against the step h. The line has the same integral and the
-    /// same first moment, ∫c ds = M₀ and ∫(1 − s) c ds = M₁ over s = t/h, so that the speed and the
-    /// angle which it gives are right for every lag and the limit T → 0 is the model without lag:
-    /// with θ = T/h and E = exp(−1/θ), M₀ = θ (1 − E) and M₁ = θ − θ² (1 − E); RK4 gives a line
-    /// A + B (s − 1/2) the moments A and A/2 − B/12.
+    /// Behind a lag T, the current follows an exponential. The three points of a Runge–Kutta
+    /// step do not resolve it if T is short against the step h. The line has the same integral and the
+    /// same first moment, ∫c ds = M₀ and ∫(1 − s) c ds = M₁ over s = t/h. The resulting speed and
+    /// angle are correct for every lag, and the limit T → 0 is the model without lag. With
+    /// θ = T/h and E = exp(−1/θ): M₀ = θ (1 − E) and M₁ = θ − θ² (1 − E). For a line
+    /// A + B (s − 1/2), RK4 gives the moments A and A/2 − B/12.
     #[inline(always)]
     pub(super) fn current_line(&self, start_a: S, drive_a: S, step_s: f64) -> (S, S) {
         match self.lag_s {
@@ -144,7 +144,7 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
-    // Not inlined: most models have no lag.
+    // Not inlined: most models do not have a lag.
     #[inline(never)]
     fn line_behind_lag(lag: S, start_a: S, drive_a: S, step_s: f64) -> (S, S) {
         let theta = lag * (1.0 / step_s);

@@ -6,33 +6,33 @@ use crate::error::{SimulateError, check_positive};
 use plant::{Drive, Kind, Model, Plant, State};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// The linear free swing over the nonlinear one.
+/// The linear free swing compared with the nonlinear one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwingComparison {
-    /// Angle at which the body is let go, in rad.
+    /// Angle at which the body is released, in rad.
     pub amplitude_rad: f64,
     /// Time in s.
     pub time_s: Vec<f64>,
-    /// Angle of the whole model in rad.
+    /// Angle of the whole model, with all effects, in rad.
     pub whole_rad: Vec<f64>,
-    /// Angle of the nonlinear model with only the terms that were linearised, in rad.
+    /// Angle of the nonlinear model with only those terms that have a linearisation, in rad.
     pub smooth_rad: Vec<f64>,
     /// Angle of the linear model in rad.
     pub linear_rad: Vec<f64>,
     /// Period of the linear model in s.
     pub linear_period_s: f64,
-    /// First period of the whole model in s; none where it does not complete one.
+    /// First period of the whole model in s; `None` if it does not complete one.
     pub first_period_s: Option<f64>,
-    /// Root mean square of linear − whole over the first period, over the amplitude.
+    /// Root mean square of linear − whole over the first period, relative to the amplitude.
     pub error_over_first_period: f64,
-    /// Root mean square of linear − smooth over the first period, over the amplitude.
+    /// Root mean square of linear − smooth over the first period, relative to the amplitude.
     pub geometric_error_over_first_period: f64,
 }
 
-/// Samples of a linear period.
+/// Number of samples per linear period.
 const SAMPLES_A_PERIOD: usize = 200;
 
-/// Lets the body go at `amplitude_rad` for `duration_s` seconds in all three models.
+/// Releases the body at `amplitude_rad` for `duration_s` seconds in all three models.
 ///
 /// # Errors
 /// An amplitude or a duration that is not positive; a model that does not swing.
@@ -69,7 +69,7 @@ pub fn compare_free_swing(
 }
 
 /// The largest amplitude in rad at which the linear swing follows the nonlinear one with the same
-/// terms over `periods` periods to within `share` of the amplitude (root mean square).
+/// terms over `periods` periods within `share` of the amplitude (root mean square).
 ///
 /// # Errors
 /// Quantities that are not positive; a model that does not swing.
@@ -91,7 +91,7 @@ pub fn largest_linear_amplitude(
         let nonlinear = swing(&model, &values, amplitude, &time_s);
         Ok(relative_error(&linear_rad, &nonlinear, amplitude, samples))
     };
-    // The error grows with the amplitude; half way to upright it is beyond any use.
+    // The error grows with the amplitude; at half of the way to upright, the linear model is useless.
     let (mut good, mut bad) = (0.0, FRAC_PI_2);
     if error(bad)? <= share {
         return Ok(bad);
@@ -107,14 +107,14 @@ pub fn largest_linear_amplitude(
     Ok(good)
 }
 
-/// A measured free swing and the whole model over it; angle 0 hanging, SI units.
+/// A measured free swing, and the whole model for it; angle 0 hanging, SI units.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredSwing<'a> {
     /// Time in s, increasing.
     pub time_s: &'a [f64],
     /// Measured angle in rad; NaN where a sample is missing.
     pub angle_rad: &'a [f64],
-    /// What the sensor would read of the whole model, in rad.
+    /// Sensor reading according to the whole model, in rad.
     pub whole_rad: &'a [f64],
     /// True angle (rad) and rate (rad/s) of the whole model at the first sample.
     pub start: [f64; 2],
@@ -123,7 +123,7 @@ pub struct MeasuredSwing<'a> {
 /// Both models over the first periods of a measured swing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwingOverMeasurement {
-    /// Amplitude that the linear model has from the common start, in rad.
+    /// Amplitude of the linear model from the common start, in rad.
     pub amplitude_rad: f64,
     /// Time in s from the first sample.
     pub time_s: Vec<f64>,
@@ -139,11 +139,11 @@ pub struct SwingOverMeasurement {
     pub linear_error: f64,
 }
 
-/// Lays the linear free swing over the first `periods` of its periods of a measured one (or the
-/// whole log, where it is shorter), from the start of the whole model.
+/// Compares the linear free swing with the first `periods` periods of a measured one (or with the
+/// whole log, if it is shorter), from the start of the whole model.
 ///
 /// # Errors
-/// Series of different length or fewer than two samples; a model that does not swing, or is at rest
+/// If the series have different lengths or fewer than two samples; if the model does not swing, or is at rest
 /// at the start.
 pub fn over_measurement(
     model: &Model,
@@ -172,7 +172,7 @@ pub fn over_measurement(
     let time_s: Vec<f64> = swing.time_s[..count].iter().map(|t| t - first_s).collect();
     let measured_rad = swing.angle_rad[..count].to_vec();
     let whole_rad = swing.whole_rad[..count].to_vec();
-    // An offset of the sensor belongs to the reading of either model.
+    // An offset of the sensor belongs to the reading of both models.
     let offset_rad = whole_rad[0] - swing.start[0];
     let linear_rad: Vec<f64> = linear
         .run(swing.start, &time_s)?
@@ -191,7 +191,7 @@ pub fn over_measurement(
     })
 }
 
-/// The period of a measured swing at one of its amplitudes.
+/// The period of a measured swing at one amplitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredPeriod {
     /// Amplitude in rad.
@@ -202,24 +202,24 @@ pub struct MeasuredPeriod {
     pub std_s: f64,
 }
 
-/// Measured periods against that of the linear model.
+/// Measured periods compared with that of the linear model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearRange {
     /// Period of the linear model in s.
     pub linear_period_s: f64,
-    /// Smallest and largest amplitude in rad at which a period was measured well enough.
+    /// Smallest and largest amplitude in rad with a sufficiently precise period.
     pub measured_rad: (f64, f64),
-    /// The amplitudes in rad between which the measured periods are those of the linear model to
-    /// within the share asked for; none where they nowhere are.
+    /// Range of amplitudes in rad in which the measured periods equal that of the linear model
+    /// within the required share; `None` if there is no such range.
     pub good_rad: Option<(f64, f64)>,
-    /// The next larger amplitude in rad at which a period was measured, where the linear model is no
-    /// longer good; none where it is good up to the largest.
+    /// The next larger amplitude in rad with a measured period, at which the linear model is
+    /// no longer valid; `None` if it is valid up to the largest.
     pub off_from_rad: Option<f64>,
 }
 
-/// Where the linear model has the measured periods to within `share`: the range of amplitudes with
-/// the most periods inside, those outside counted against it by how far they are off. A period whose
-/// standard error exceeds the share says nothing and is left out; none where no other is left.
+/// Where the linear model has the measured periods within `share`: the range of amplitudes that contains
+/// the most such periods; other periods inside count against it in proportion to their deviation. A period whose
+/// standard error exceeds the share is left out. `None` if none remains.
 ///
 /// # Errors
 /// A share that is not positive; a model that does not swing.
@@ -240,7 +240,7 @@ pub fn linear_range(
     let (Some(first), Some(last)) = (known.first(), known.last()) else {
         return Ok(None);
     };
-    // The run with the largest sum (Kadane).
+    // The run with the largest sum (Kadane's algorithm).
     let (mut best, mut best_sum) = (None, 0.0);
     let (mut from, mut sum) = (first.amplitude_rad, 0.0);
     for period in &known {
@@ -281,7 +281,7 @@ fn swing(model: &Model, values: &[f64], amplitude_rad: f64, time_s: &[f64]) -> V
     angles
 }
 
-/// Root mean square of the difference over the first `samples` steps, over the amplitude.
+/// Root mean square of the difference over the first `samples` steps, relative to the amplitude.
 fn relative_error(left: &[f64], right: &[f64], amplitude_rad: f64, samples: usize) -> f64 {
     let squares: f64 = left
         .iter()
@@ -292,7 +292,7 @@ fn relative_error(left: &[f64], right: &[f64], amplitude_rad: f64, samples: usiz
     (squares / (samples + 1) as f64).sqrt() / amplitude_rad
 }
 
-/// Twice the time between the first two zero crossings, each found on a straight line between
+/// Twice the time between the first two zero crossings, each interpolated linearly between
 /// samples.
 fn first_period_s(time_s: &[f64], angle_rad: &[f64]) -> Option<f64> {
     let mut crossings = time_s

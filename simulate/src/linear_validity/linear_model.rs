@@ -1,5 +1,5 @@
-//! The linear models: free swing about hanging, spin-up about standstill, each the exact Jacobian at rest of
-//! the terms that have one there.
+//! The linear models: free swing around hanging, and spin-up around standstill. Each is the exact Jacobian at rest of
+//! those terms that have one there.
 
 use crate::error::{SimulateError, check_positive};
 use crate::transient::values_of;
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 pub(super) struct LinearSwing {
     /// [[0, 1], [∂α̈/∂α, ∂α̈/∂α̇]].
     matrix: DMatrix<f64>,
-    /// Angle at which it comes to rest, rad: not 0 where a cable pulls the body aside.
+    /// Angle of rest, rad; not 0 if a cable pulls the body aside.
     pub(super) rest_rad: f64,
 }
 
@@ -47,7 +47,7 @@ impl LinearSwing {
         let mut angles = vec![start[0]];
         let (mut step_s, mut step) = (0.0, DMatrix::identity(2, 2));
         for pair in time_s.windows(2) {
-            // A log has one sample time, give or take the digits of its clock.
+            // A log has one sampling interval, up to the digits of its clock.
             if ((pair[1] - pair[0]) - step_s).abs() > 1e-9 * step_s {
                 step_s = pair[1] - pair[0];
                 step = exponential(&(&self.matrix * step_s))?;

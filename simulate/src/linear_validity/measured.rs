@@ -1,8 +1,8 @@
-//! A measurement with the models over it.
+//! A measurement compared with the models.
 
 use crate::error::SimulateError;
 
-/// Errors unless all of these series have as many samples as the first, and at least two.
+/// An error unless all series have the same number of samples, and at least two.
 pub(super) fn check_lengths(series: &[(&'static str, usize)]) -> Result<(), SimulateError> {
     let expected = series.first().map_or(2, |(_, length)| (*length).max(2));
     for &(what, found) in series {
@@ -17,7 +17,7 @@ pub(super) fn check_lengths(series: &[(&'static str, usize)]) -> Result<(), Simu
     Ok(())
 }
 
-/// Root mean square of measured − modelled over the samples that are there.
+/// Root mean square of measured − modelled over the finite samples.
 pub(super) fn rmse(measured: &[f64], modelled: &[f64]) -> f64 {
     let differences = measured.iter().zip(modelled).map(|(y, m)| y - m);
     let counted: Vec<f64> = differences.filter(|d| d.is_finite()).collect();

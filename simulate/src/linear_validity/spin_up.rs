@@ -5,7 +5,7 @@ use super::measured::{check_lengths, rmse};
 use crate::error::{SimulateError, check_positive};
 use plant::{Current, Kind, Model, Plant, State};
 
-/// The linear spin-up over the nonlinear one, body clamped.
+/// The linear spin-up compared with the nonlinear one, body clamped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpinUpComparison {
     /// The current in A.
@@ -16,14 +16,14 @@ pub struct SpinUpComparison {
     pub whole_rad_s: Vec<f64>,
     /// Wheel speed of the linear model in rad/s.
     pub linear_rad_s: Vec<f64>,
-    /// Speed of the whole model in rad/s at which the linear one is first off by more than the
-    /// share asked for; none where it never is.
+    /// Speed of the whole model in rad/s at which the error of the linear one first exceeds the
+    /// required share; `None` if it never does.
     pub good_up_to_rad_s: Option<f64>,
 }
 
-/// Drives the wheel from rest with a constant current for `duration_s`, body clamped. The linear
-/// model counts as good while its error is below `share` of the larger of the speed and a hundredth
-/// of the largest speed (without that floor the first instant would decide).
+/// Drives the wheel from rest with a constant current for `duration_s` seconds, body clamped. The linear
+/// model is valid while its error is below `share` of the larger of the speed and a hundredth
+/// of the largest speed (without that lower limit, the first instant would decide).
 ///
 /// # Errors
 /// Quantities that are not positive.
@@ -72,7 +72,7 @@ pub fn compare_spin_up(
     })
 }
 
-/// A measured spin-up and the whole model over it; SI units.
+/// A measured spin-up, and the whole model for it; SI units.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredSpinUp<'a> {
     /// Time in s, increasing.
@@ -85,7 +85,7 @@ pub struct MeasuredSpinUp<'a> {
     pub whole_rad_s: &'a [f64],
 }
 
-/// Both models over a measured spin-up.
+/// Both models compared with a measured spin-up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpinUpOverMeasurement {
     /// Time in s from the first sample.
@@ -98,13 +98,13 @@ pub struct SpinUpOverMeasurement {
     pub linear_rad_s: Vec<f64>,
     /// Largest speed of the whole model in rad/s.
     pub largest_rad_s: f64,
-    /// Root mean square of measurement − whole model, over the largest speed.
+    /// Root mean square of measurement − whole model, relative to the largest speed.
     pub whole_error: f64,
-    /// Root mean square of measurement − linear model, over the largest speed.
+    /// Root mean square of measurement − linear model, relative to the largest speed.
     pub linear_error: f64,
 }
 
-/// Lays the linear spin-up over a measured one, from the start of the whole model.
+/// Compares the linear spin-up with a measured one, from the start of the whole model.
 ///
 /// # Errors
 /// Series of different length or fewer than two samples; a wheel that never turns.

@@ -16,7 +16,7 @@ use rand_chacha::ChaCha8Rng;
 /// The bench around an emitted controller.
 #[derive(Clone, Debug)]
 pub struct RawLoop<'a> {
-    /// What moves.
+    /// The plant.
     pub plant: &'a Plant<f64>,
     /// Sensors and drive.
     pub sensors: RawSensors,
@@ -24,10 +24,10 @@ pub struct RawLoop<'a> {
     pub drive_limit_a: f64,
     /// Time between samples, s.
     pub sample_time_s: f64,
-    /// How long the body is held at its start before the controller is armed and the body let go,
-    /// s; the filter aligns meanwhile.
+    /// How long the body is held at its start before the controller is armed and the body is released,
+    /// s; the filter aligns during that time.
     pub held_s: f64,
-    /// Pushes on the body; time counts from the release.
+    /// Pushes on the body; their times count from the release.
     pub pushes: Vec<Push>,
     /// Seed of the sensors' noise.
     pub seed: u64,
@@ -47,9 +47,9 @@ impl<'a> RawLoop<'a> {
         }
     }
 
-    /// Holds the body at `angle_rad` from upright while the filter aligns, then arms `controller`
-    /// and runs it for `duration_s`, or until the body is horizontal if `until_fall`. The measured
-    /// angle of the record is the filter's, the measured wheel speed that of the converter's counts;
+    /// Holds the body at `angle_rad` from upright while the filter aligns. Then arms `controller`
+    /// and runs it for `duration_s`, or, if `until_fall` is set, until the body is horizontal. The measured
+    /// angle in the record is that of the filter, the measured wheel speed that of the converter's counts;
     /// the rate is the true one.
     ///
     /// # Errors
@@ -105,7 +105,7 @@ impl<'a> RawLoop<'a> {
         .map(|(trace, _)| trace)
     }
 
-    /// The largest angle from which `controller` brings the body back, found to within
+    /// The largest angle from which `controller` brings the body back, with the error
     /// `resolution_rad`.
     ///
     /// # Errors

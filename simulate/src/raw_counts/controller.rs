@@ -1,18 +1,18 @@
-//! Emitted controllers from raw counts to the duty, run from their source.
+//! Emitted controllers, from raw counts to the duty, executed from their source.
 
 use crate::interpreted::words_of;
 use crate::law::LawFailure;
 use checker::program::Program;
 use checker::{Machine, Module};
 
-/// What the sensors said at one instant, in counts: the input of an emitted controller.
+/// The sensors' readings at one instant, in counts: the input of an emitted controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawSample {
     /// Gyroscope.
     pub gyro: [i16; 3],
     /// Accelerometer.
     pub accel: [i16; 3],
-    /// Magnetometer, where there is a new reading.
+    /// Magnetometer, if there is a new reading.
     pub mag: Option<[i16; 3]>,
     /// The drive's speed output, counts of its converter.
     pub wheel_adc: u16,
@@ -20,48 +20,47 @@ pub struct RawSample {
 
 /// An emitted controller: one step from raw counts to the duty.
 pub trait RawController {
-    /// Back to the state after power-up: not aligned, not armed.
+    /// Returns to the state after power-up: not aligned, not armed.
     fn reset(&mut self);
 
-    /// From the next step on, the motor is driven, where the controller allows it; returns whether it
-    /// does.
+    /// Allows the controller to drive the motor from the next step on. Returns whether the controller accepts that.
     ///
     /// # Errors
     /// [`LawFailure`] where the controller cannot be run.
     fn arm(&mut self) -> Result<bool, LawFailure>;
 
-    /// Reports a missed tick or a bus error.
+    /// Reports a missed tick or a bus error to the controller.
     ///
     /// # Errors
     /// [`LawFailure`] where the controller cannot be run.
     fn fault(&mut self) -> Result<(), LawFailure>;
 
-    /// The status as the emitted `Status` counts it: 0 not aligned, 1 ready, 2 running, from 3 on
+    /// The status as the emitted `Status` encodes it: 0 not aligned, 1 ready, 2 running, 3 or more
     /// tripped.
     ///
     /// # Errors
     /// [`LawFailure`] where the controller cannot be run.
     fn status(&self) -> Result<u8, LawFailure>;
 
-    /// One step; the duty in counts.
+    /// Executes one step and returns the duty in counts.
     ///
     /// # Errors
     /// [`LawFailure`] where the emitted code would panic.
     fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure>;
 
-    /// The angle from upright that the attitude filter believes, rad.
+    /// The angle from upright according to the attitude filter, rad.
     ///
     /// # Errors
     /// [`LawFailure`] where the emitted code would panic.
     fn angle_rad(&self) -> Result<f64, LawFailure>;
 }
 
-/// The controller of any emitted crate, run bit for bit from its source.
+/// The controller of any emitted crate, executed bit for bit from its source.
 #[derive(Clone, Debug)]
 pub struct InterpretedController {
     step: Program,
     angle: Program,
-    /// For each word of the attitude, its place among those of the controller.
+    /// For each word of the attitude: its index among the words of the controller.
     attitude: Vec<usize>,
     arm: Program,
     fault: Program,

@@ -1,28 +1,28 @@
-//! What goes wrong with sensors, bus and firmware, laid over an emitted controller.
+//! Faults of sensors, bus and firmware, applied to an emitted controller.
 
 use super::controller::{RawController, RawSample};
 use crate::law::LawFailure;
 
-/// A fault from one instant on.
+/// A fault that persists from one instant on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// The gyroscope's registers are no longer refreshed.
+    /// The gyroscope's registers are no longer updated.
     GyroscopeFrozen,
     /// An axis of the gyroscope stays at the end of its range.
     GyroscopeClipped,
     /// An axis of the accelerometer stays at the end of its range.
     AccelerometerClipped,
-    /// The accelerometer reads zero on every axis: a supply or a bus that is gone.
+    /// The accelerometer reads zero on every axis: its supply or bus has failed.
     AccelerometerDead,
     /// The converter of the wheel's speed stays at the lower end of its range.
     WheelLow,
-    /// It stays at the upper end.
+    /// The converter of the wheel's speed stays at the upper end of its range.
     WheelHigh,
-    /// Every register reads zero: the bus answers with nothing.
+    /// Every register reads zero: the bus does not answer.
     BusDead,
     /// The firmware misses a tick and reports it.
     MissedTick,
-    /// The gyroscope's axis along the pivot reads the reverse: a wire of two came loose.
+    /// The gyroscope's axis along the pivot reads with the wrong sign.
     GyroscopeReversed,
 }
 
@@ -41,14 +41,14 @@ impl Fault {
     ];
 }
 
-/// A controller whose samples go wrong from one of its steps on, and the record of what it did.
+/// A controller whose samples are faulty from one of its steps on, with the record of its outputs.
 #[derive(Clone, Debug)]
 pub struct Faulty<C> {
     /// The controller.
     pub controller: C,
-    /// What goes wrong.
+    /// The fault.
     pub fault: Fault,
-    /// From which step of the controller on, counted from its reset.
+    /// The step of the controller at which the fault begins, counted from its reset.
     pub from_step: usize,
     /// Counts at the ends of the converter's range.
     pub wheel_ends: [u16; 2],

@@ -1,8 +1,8 @@
-//! The loop as the firmware closes it: raw counts of the sensors in, duty of the drive out.
+//! The loop as the firmware closes it: from the sensors' raw counts to the duty of the drive.
 //!
-//! Nothing between is idealised: the accelerometer feels the body's own acceleration where it
-//! sits, every reading has noise, a bias and the steps of its converter, the attitude is found by
-//! the emitted filter, and the current is what the duty says.
+//! Nothing in it is idealised: the accelerometer measures the body's own acceleration at its
+//! position, every reading has noise, a bias and quantisation, the emitted filter estimates the
+//! attitude, and the current follows from the duty.
 
 mod bench;
 mod controller;

@@ -1,4 +1,4 @@
-//! The sensors in counts, and the drive, as they truly are.
+//! The true sensors in counts, and the true drive.
 
 use super::controller::RawSample;
 use crate::error::{SimulateError, check_positive};
@@ -20,7 +20,7 @@ pub struct CountsLine {
 }
 
 impl CountsLine {
-    /// The sensor that `line` calibrates perfectly, but for `left_counts` of bias on each axis.
+    /// The sensor that `line` calibrates perfectly, except for a bias of `left_counts` on each axis.
     ///
     /// # Errors
     /// A matrix without inverse.
@@ -36,7 +36,7 @@ impl CountsLine {
         })
     }
 
-    /// The counts of `value`, which end at those of a 16-bit word.
+    /// The counts of `value`, saturated at the ends of a 16-bit word.
     fn read(&self, value: Vector3<f64>) -> [i16; 3] {
         let counts = self.per_unit * value + self.bias_counts;
         // A cast saturates, as the converter does.
@@ -44,8 +44,8 @@ impl CountsLine {
     }
 }
 
-/// The sensors in counts and the drive's line, as they truly are: what the controller believes of
-/// them is in its own constants.
+/// The true properties of the sensors in counts and of the drive. The controller's own constants describe
+/// what it assumes about them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawSensors {
     /// Gyroscope, 16 bit.
@@ -58,7 +58,7 @@ pub struct RawSensors {
     pub accel_noise_m_s2: f64,
     /// Gravity, m/s².
     pub gravity_m_s2: f64,
-    /// Place of the accelerometer from the pivot axis, in the aligned sensor's x and y, m.
+    /// Position of the accelerometer relative to the pivot axis, along the aligned sensor's x and y, m.
     pub lever_arm_m: [f64; 2],
     /// Angle about the pivot axis from the body's axis to the sensor's x axis, rad.
     pub mounting_angle_rad: f64,
@@ -77,11 +77,11 @@ pub struct RawSensors {
 }
 
 impl RawSensors {
-    /// Sensors that `spec` calibrates and mounts rightly, on converter and drive of the thesis:
+    /// Sensors that `spec` calibrates and mounts correctly, with converter and drive of the thesis:
     /// 12 bit with rpm = 8.53108 count − 6594.5; 10 % to 90 % of a 16-bit duty for ∓2.2 A.
     ///
-    /// Assumed, since the thesis states neither: noise densities of the data sheets over 500 Hz
-    /// (0.025 °/s/√Hz and 126 µg/√Hz), 0.6 rad/s on the wheel; what a calibration leaves, 0.1 °/s
+    /// Two values are assumed, since the thesis does not state them. The noise: densities of the data sheets over 500 Hz
+    /// (0.025 °/s/√Hz and 126 µg/√Hz), 0.6 rad/s on the wheel. The remaining bias after calibration: 0.1 °/s
     /// and 1 mg on each axis (1.6 and 4.1 counts of the thesis' sensors).
     ///
     /// # Errors
@@ -109,10 +109,10 @@ impl RawSensors {
 
     /// The hardware of the thesis: gyroscope FXAS21002 at ±2000 °/s (62.5 m°/s per count),
     /// accelerometer FXOS8700 at 4096 counts/g, the rest as in [`RawSensors::calibrated_by`]. The
-    /// sensor sits 50 mm from the pivot towards the wheel, of which the filter knows nothing.
+    /// sensor sits 50 mm from the pivot towards the wheel; the filter does not correct for that.
     ///
     /// # Errors
-    /// None in fact: the matrices are diagonal.
+    /// Never: the matrices are diagonal.
     pub fn of_the_thesis() -> Result<RawSensors, SimulateError> {
         Ok(RawSensors {
             lever_arm_m: [0.05, 0.0],
@@ -120,10 +120,10 @@ impl RawSensors {
         })
     }
 
-    /// The counts at `state`, whose body accelerates by `acceleration_rad_s2`.
+    /// The counts in `state`, with the body's angular acceleration `acceleration_rad_s2`.
     ///
-    /// The accelerometer reads the reaction to gravity and the acceleration of its own place r,
-    /// α̈ (−r_y, r_x) − α̇² r (see crate `attitude`, lever arm); upwards is
+    /// The accelerometer measures the reaction to gravity and the acceleration of its own position r,
+    /// α̈ (−r_y, r_x) − α̇² r (see crate `attitude`, lever arm). The upward direction is
     /// (cos(θ + m), −sin(θ + m)) at the angle θ from upright.
     pub fn sample(
         &self,
@@ -152,7 +152,7 @@ impl RawSensors {
         }
     }
 
-    /// The current that a duty asks for, A.
+    /// The current that a duty commands, A.
     pub fn current_a(&self, duty: u16) -> f64 {
         (f64::from(duty) - f64::from(self.duty_zero)) * self.current_per_count_a
     }

@@ -2,7 +2,7 @@
 
 use generated::constants::LIMITS;
 use generated::supervisor::{
-    Counters, EMPTY_WINDOW, Status, Window, counted, gathered, judged, may_arm, observed,
+    Counters, EMPTY_WINDOW, SUM_MAX, Status, Window, counted, gathered, judged, may_arm, observed,
 };
 use generated::{Controller, Sample, ZERO_CURRENT};
 
@@ -66,6 +66,12 @@ pub fn windows_are_of_quiet_samples(window: &Window, up: [i32; 3], is_quiet: boo
         (0..=LIMITS.window).contains(&next.count),
         "a window too long"
     );
+    for sum in next.sum {
+        assert!(
+            (-SUM_MAX..=SUM_MAX).contains(&sum),
+            "a sum out of its range"
+        );
+    }
     assert!(
         is_quiet || next == EMPTY_WINDOW,
         "a sample that is not quiet"

@@ -1,4 +1,4 @@
-//! Gyroscope, accelerometer and compass: their lines, where they clip, how they sit on the body.
+//! Gyroscope, accelerometer and magnetometer: calibration, clipping, and orientation on the body.
 
 use attitude::{AttitudeSpec, SensorLine};
 use bench_files::{Hardware, InertialSensor, StoredSensorCalibration};
@@ -7,20 +7,20 @@ use nalgebra::{Matrix3, Rotation2, Vector2};
 use super::{DIFFER, HardwareError, Work};
 use crate::numbers::significant;
 
-/// What a gyroscope's bias may drift by after its calibration, with warmth above all, rad/s: 0.5 °/s,
-/// of data sheets that allow 0.01 to 0.05 °/s per kelvin.
+/// Largest assumed drift of a gyroscope's bias after its calibration, mainly from temperature, rad/s: 0.5 °/s.
+/// Data sheets allow 0.01 to 0.05 °/s per kelvin.
 const GYRO_DRIFT_RAD_S: f64 = 8.726_646e-3;
 
-/// How many times that drift the correction must be able to outrun: with less the error that the
-/// drift leaves grows beyond the ripple of the correction.
+/// Factor by which the filter's largest correction must exceed that drift. With a smaller one, the error from the
+/// drift would exceed the ripple of the correction.
 const DRIFT_MARGIN: f64 = 3.0;
 
-/// The most that the other axes may make of a reading, as a share of its own axis: data sheets allow
-/// 2 %, a sensor that is soldered aslant some more.
+/// Largest share that the other axes may contribute to a reading, relative to its own axis: data sheets allow
+/// 2 %, a sensor that is soldered at an angle has more.
 const CROSS_AXIS_MAX: f64 = 0.5;
 
-/// A calibration is in the sensor's own axes: each output follows its own axis, upwards. One that
-/// does not is another mounting, which no calibration of lengths can find.
+/// A calibration must be in the sensor's own axes: each output mainly follows its own axis. If it does
+/// not, the mounting is different, and a calibration by field strength alone cannot find the mounting.
 fn require_own_axes(name: &str, matrix: &[[f64; 3]; 3]) -> Result<(), HardwareError> {
     for (row, entries) in matrix.iter().enumerate() {
         let own = entries[row];
@@ -71,7 +71,7 @@ impl Work<'_> {
             "FXOS8700 at ±8 g, 4096 counts/g",
             "part = \"MPU-6050\", or scale in m/s2 per count",
         );
-        // A compass does nothing for the angle: one that is not stated is not used.
+        // The angle does not need a magnetometer: one that is not stated is not used.
         let mag = if magnetometer.is_some() || self.calibration.magnetometer.is_some() {
             self.sensor(
                 "magnetometer",
@@ -120,10 +120,10 @@ impl Work<'_> {
         }))
     }
 
-    /// β as calibrated, or raised to what the gyroscope's drift asks for.
+    /// The calibrated β, increased if the assumed drift of the gyroscope requires it.
     fn beta(&mut self, otherwise: f64) -> f64 {
         let found = self.calibration.beta_rad_s.unwrap_or(otherwise);
-        // The correction turns the estimate by at most 2 β.
+        // The filter corrects the estimate by at most 2 β.
         let least = 0.5 * DRIFT_MARGIN * GYRO_DRIFT_RAD_S;
         if found < least {
             self.registers.push(format!(
@@ -136,7 +136,7 @@ impl Work<'_> {
         found.max(least)
     }
 
-    /// A sensor's line in its own axes, and where it clips.
+    /// A sensor's calibration in its own axes, and where it clips.
     fn sensor(
         &mut self,
         name: &'static str,
@@ -177,7 +177,7 @@ impl Work<'_> {
         };
         let clip = match stated {
             Some(sensor) => sensor.clip,
-            // Named already where the line is the preset's, too.
+            // If the calibration comes from the preset, too, the preset has been named already.
             None if calibrated.is_none() => preset.1,
             None => {
                 let from_preset = format!("clips at {:?} counts", preset.1);
@@ -200,8 +200,8 @@ impl Work<'_> {
         Some((line, clip))
     }
 
-    /// From the axes of gyroscope, accelerometer and magnetometer to those of the filter, and the
-    /// mounting angle that is left.
+    /// The rotations from the axes of gyroscope, accelerometer and magnetometer to those of the filter, and the
+    /// remaining mounting angle.
     fn turns(
         &mut self,
         gyroscope: Option<&InertialSensor>,
@@ -217,7 +217,7 @@ impl Work<'_> {
             let turn = calibrate::alignment(&mounting.axis.into()).into_inner();
             if let Some(stated) = matrix(accelerometer) {
                 self.compare_turns(&stated, &turn, mounting.angle_rad);
-                // What turns the compass against the housing, and the housing as it was found.
+                // The rotation of the magnetometer relative to the housing, and the measured orientation of the housing.
                 let against_housing = stated.transpose() * of_compass;
                 return Some(([turn, turn, turn * against_housing], mounting.angle_rad));
             }
@@ -254,10 +254,10 @@ impl Work<'_> {
         }
     }
 
-    /// Stated axes against the found mounting: 20° apart is another mounting.
+    /// Compares the stated axes with the measured mounting: a difference of 20° means that one of them is wrong.
     fn compare_turns(&mut self, stated: &Matrix3<f64>, turn: &Matrix3<f64>, angle_rad: f64) {
         let (sin, cos) = angle_rad.sin_cos();
-        // The aligned sensor's x axis stands at the mounting angle from the body's.
+        // The x axis of the aligned sensor is at the mounting angle from that of the body.
         let about_pivot = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
         let found = about_pivot * turn;
         let apart = (((stated.transpose() * found).trace() - 1.0) / 2.0)

@@ -1,6 +1,6 @@
-//! From what a model says of its bench's sensors and drive (`[hardware]`, `[calibration]`) to what
-//! the generator is told. Nothing is assumed: what nobody stated is named, or taken from a bench
-//! that the caller names, and then said.
+//! From a model's statements about its bench's sensors and drive (`[hardware]`, `[calibration]`) to the inputs of
+//! the generator. Nothing is assumed: what is not stated is either reported as missing, or taken from a preset
+//! that the caller names, and then reported as assumed.
 
 mod inertial;
 #[cfg(test)]
@@ -12,7 +12,7 @@ use codegen::hardware::HardwareSpec;
 use codegen::spec::PwmDrive;
 use serde::{Deserialize, Serialize};
 
-/// A known bench whose sensors and drive may stand in for what a model does not state.
+/// A known bench whose sensors and drive can replace those that a model does not state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
@@ -27,16 +27,16 @@ pub(crate) struct BenchHardware {
     pub(crate) sensors: HardwareSpec,
     /// Drive.
     pub(crate) drive: PwmDrive,
-    /// What was taken from the preset; sentences.
+    /// Properties that were taken from the preset, as sentences.
     pub(crate) assumed: Vec<String>,
-    /// What is not as it should be; sentences.
+    /// Properties that may be wrong, as sentences.
     pub(crate) warnings: Vec<String>,
 }
 
-/// Why there is no such hardware.
+/// The reason why the hardware is not usable.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HardwareError {
-    /// Something is stated nowhere.
+    /// A required property is not stated.
     #[error(
         "the bench's hardware is not stated: {}; state it in bench.toml or model.toml, or take what is missing from the bench of the thesis with --preset thesis-bench",
         .missing.join("; ")
@@ -45,19 +45,19 @@ pub enum HardwareError {
         /// What is missing, each with an example.
         missing: Vec<String>,
     },
-    /// What is stated contradicts the preset, or itself.
+    /// A statement contradicts the preset or another statement.
     #[error("{0}")]
     Contradiction(String),
-    /// What is stated cannot be emitted.
+    /// The stated hardware cannot be emitted.
     #[error("{0}")]
     NotEmitted(String),
 }
 
-/// [hardware] and [calibration] that differ by more than this factor are not of the same part or
-/// setting: data sheets allow 5 % at most, ranges differ by factors of two.
+/// Two values of [hardware] and [calibration] that differ by more than this factor belong to different parts or
+/// settings: data sheets allow 5 % at most, ranges differ by factors of two.
 const DIFFER: f64 = 1.2;
 
-/// Resolves what `file` states; `preset` fills what it does not.
+/// Evaluates the statements of `file`; missing ones are filled from `preset`, if there is one.
 pub(crate) fn bench_hardware(
     file: &ModelFile,
     preset: Option<Preset>,
@@ -121,7 +121,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Whether the preset may fill this in; where not, it is missing.
+    /// Fills in a property from the preset, if there is one; otherwise reports it as missing.
     fn fill(&mut self, what: &str, from_preset: &str, example: &str) -> bool {
         if self.preset.is_some() {
             let what = what.replace(['[', ']'], "");
@@ -140,7 +140,7 @@ impl Work<'_> {
                 "[hardware.angle] kind = \"encoder\": this generator emits the inertial angle only"
                     .to_owned(),
             )),
-            // An inertial sensor is there for the angle; without one it is missed below.
+            // Inertial sensors serve the angle; if they are missing, that is reported below.
             None => Ok(()),
         }
     }

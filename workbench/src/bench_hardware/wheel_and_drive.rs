@@ -7,11 +7,11 @@ use codegen::spec::PwmDrive;
 use super::{DIFFER, HardwareError, Work};
 use crate::numbers::significant;
 
-/// A converter whose line passes no speed further below zero than this share of the highest shows
-/// one sense of turning only.
+/// If the range of a converter ends closer to zero than this share of its highest speed, it shows only one direction of
+/// rotation.
 const ONE_WAY: f64 = 0.05;
 
-/// A converter's line and its ends.
+/// The line of a converter, with the ends of its range.
 pub(super) struct Converter {
     pub(super) slope: f64,
     pub(super) offset: f64,
@@ -93,8 +93,8 @@ impl Work<'_> {
         }
     }
 
-    /// The sign of a slope that was found must be the stated one, its size nearly so. Without a
-    /// statement a rising count is a rising speed.
+    /// Compares the calibrated slope with the stated one: the sign must be equal, the size nearly so. Without a
+    /// statement, a rising count must mean a rising speed.
     fn compare_slopes(
         &mut self,
         found: &LineCalibration,
@@ -139,7 +139,7 @@ impl Work<'_> {
                 None => thesis,
                 Some(line) => calibrated_drive(&line, &thesis)?,
             };
-            // A timer with other bits has its zero elsewhere.
+            // A timer with another number of bits has its zero elsewhere.
             let off = f64::from(drive.duty_zero) - f64::from(thesis.duty_zero);
             if off.abs() > (DIFFER - 1.0) * f64::from(thesis.counts()) {
                 return Err(HardwareError::Contradiction(format!(
@@ -242,7 +242,7 @@ impl Work<'_> {
     }
 }
 
-/// `preset` with the line that was found.
+/// `preset` with the calibrated line.
 fn calibrated_drive(line: &LineCalibration, preset: &PwmDrive) -> Result<PwmDrive, HardwareError> {
     if !line.slope.is_finite() || line.slope == 0.0 {
         return Err(HardwareError::Contradiction(

@@ -14,18 +14,18 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use work::Work;
 
-/// What the recordings of `[calibration]` give: the result of [`calibrate()`].
+/// The results from the recordings of `[calibration]`: the result of [`calibrate()`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SensorCalibrationReport {
-    /// m/s² of counts.
+    /// Accelerometer, from counts to m/s².
     pub accelerometer: Option<CalibratedSensor>,
-    /// rad/s of counts.
+    /// Gyroscope, from counts to rad/s.
     pub gyroscope: Option<CalibratedSensor>,
-    /// µT of counts.
+    /// Magnetometer, from counts to µT.
     pub magnetometer: Option<CalibratedSensor>,
-    /// How the sensor sits on the body.
+    /// Orientation of the sensor on the body.
     pub mounting: Option<SensorMounting>,
-    /// Where the accelerometer sits, along x and y of the aligned sensor.
+    /// Position of the accelerometer, along x and y of the aligned sensor.
     pub lever_arm: Option<LeverArmReport>,
     /// Wheel speed in rad/s over converter counts.
     pub wheel_speed: Option<CalibratedLine>,
@@ -33,12 +33,12 @@ pub struct SensorCalibrationReport {
     pub current: Option<CalibratedLine>,
     /// Centre of mass of the body, from plumb lines.
     pub centre_of_mass: Option<PlumbedCentre>,
-    /// What is not trustworthy, and what would help; sentences.
+    /// Warnings about results that are not reliable, with remedies; sentences.
     pub warnings: Vec<String>,
     /// The magnetometer's samples before and after.
     #[serde(skip)]
     pub magnetometer_points: Option<MagnetometerPoints>,
-    /// The same as model.toml has it.
+    /// The results as they are written to model.toml.
     #[serde(skip)]
     found: Calibration,
 }
@@ -52,7 +52,7 @@ pub struct CalibratedSensor {
     pub bias_counts: [f64; 3],
     /// Standard errors of the bias, counts.
     pub bias_std: [f64; 3],
-    /// Row by row.
+    /// The matrix, row by row.
     pub matrix: [[f64; 3]; 3],
     /// Standard errors; zero for entries that are not identified.
     pub matrix_std: [[f64; 3]; 3],
@@ -60,50 +60,50 @@ pub struct CalibratedSensor {
     pub quality: Vec<(String, f64)>,
 }
 
-/// How the sensor sits on the body.
+/// The orientation of the sensor on the body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorMounting {
     /// The pivot axis in the sensor's frame.
     pub axis: [f64; 3],
-    /// Its standard error.
+    /// Standard error of its direction, rad.
     pub axis_std_rad: f64,
-    /// From the body's axis to the sensor's x axis.
+    /// Angle from the body's axis to the sensor's x axis, rad.
     pub angle_rad: f64,
     /// Its standard error.
     pub angle_std_rad: f64,
 }
 
-/// Where the accelerometer sits.
+/// The position of the accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeverArmReport {
-    /// What went into the model, if anything.
+    /// The position that goes into the model, m, if there is one.
     pub position_m: Option<[f64; 2]>,
     /// Its standard errors.
     pub position_std_m: Option<[f64; 2]>,
-    /// What was measured with a ruler, if it was.
+    /// The position measured with a ruler, m, if it was.
     pub stated_m: Option<[f64; 2]>,
     /// Its standard errors.
     pub stated_std_m: Option<[f64; 2]>,
-    /// What the swing gives.
+    /// The position from the accelerations of the swing.
     pub from_swing: Option<LeverArmOfSwing>,
 }
 
-/// The lever arm that the accelerations of a swing show.
+/// The lever arm from the accelerations of a swing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeverArmOfSwing {
-    /// Along x and y of the aligned sensor.
+    /// Position along x and y of the aligned sensor, m.
     pub position_m: [f64; 2],
     /// Standard errors.
     pub position_std_m: [f64; 2],
-    /// The true rate about the pivot axis is (1 + this) times the calibrated one.
+    /// Scale error s of the gyroscope: the true rate about the pivot axis is (1 + s) times the calibrated one.
     pub gyro_scale_error: f64,
     /// Its standard error.
     pub gyro_scale_error_std: f64,
-    /// What is left of the acceleration.
+    /// Standard deviation of the residual of the acceleration, m/s².
     pub residual_std_m_s2: f64,
 }
 
-/// A straight line with its errors.
+/// A straight line with its standard errors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibratedLine {
     /// Slope.
@@ -114,46 +114,46 @@ pub struct CalibratedLine {
     pub offset: f64,
     /// Its standard error.
     pub offset_std: f64,
-    /// Standard deviation about the line.
+    /// Standard deviation of the points about the line.
     pub residual_std: f64,
 }
 
 /// A centre of mass from plumb lines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlumbedCentre {
-    /// Where it is.
+    /// Its position in the drawing, m.
     pub position_m: [f64; 2],
-    /// From the pivot.
+    /// Its distance from the pivot, m.
     pub pivot_to_com_m: f64,
-    /// Standard error of that.
+    /// Standard error of that distance, m.
     pub pivot_to_com_std_m: f64,
     /// Largest angle between two of the lines.
     pub crossing_angle_rad: f64,
-    /// How far each line passes from it.
+    /// Distance of each line from it, m.
     pub residuals_m: Vec<f64>,
 }
 
 /// Samples of a magnetometer that was turned into all directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MagnetometerPoints {
-    /// Counts.
+    /// Raw readings, counts.
     pub before: Vec<[f64; 3]>,
-    /// µT.
+    /// Calibrated readings, µT.
     pub after_ut: Vec<[f64; 3]>,
     /// Strength of the field, µT.
     pub field_ut: f64,
-    /// Variation of the length before, as a share.
+    /// Relative variation of the field strength before calibration.
     pub spread_before: f64,
-    /// And after.
+    /// Relative variation of the field strength after calibration.
     pub spread_after: f64,
-    /// Share of all directions that were covered.
+    /// Share of all directions that the samples cover.
     pub coverage: f64,
 }
 
 /// Calibrates everything that the recordings allow.
 ///
 /// # Errors
-/// [`Error::Calibrate`] with the recording that does not allow its calibration.
+/// [`Error::Calibrate`] with the recording that is not sufficient.
 pub fn calibrate(recordings: &CalibrationRecordings) -> Result<SensorCalibrationReport, Error> {
     let mut work = Work {
         recordings,
@@ -178,7 +178,7 @@ pub fn calibrate(recordings: &CalibrationRecordings) -> Result<SensorCalibration
 }
 
 impl SensorCalibrationReport {
-    /// Puts what was found into a model; what was found before stays where nothing new was.
+    /// Writes the results into a model. Earlier results remain where there is no new one.
     pub fn apply_to(&self, file: &mut ModelFile) {
         file.calibration = Some(merged(file.calibration, self.found));
         if let Some(centre) = &self.centre_of_mass {
@@ -193,7 +193,7 @@ impl SensorCalibrationReport {
     }
 }
 
-/// What was found now, and for the rest what was found before.
+/// The new results, and the earlier ones where there is no new one.
 fn merged(before: Option<Calibration>, now: Calibration) -> Calibration {
     let before = before.unwrap_or_default();
     Calibration {
@@ -208,7 +208,7 @@ fn merged(before: Option<Calibration>, now: Calibration) -> Calibration {
     }
 }
 
-/// A calibration error with the recording that it is about.
+/// Adds the recording to a calibration error.
 fn in_recording(file: &Path) -> impl Fn(CalibrationError) -> Error {
     move |source| Error::Calibrate {
         recording: file.to_path_buf(),

@@ -1,4 +1,4 @@
-//! The calibrations one by one, and what is wrong with their recordings.
+//! The individual calibrations, and the checks of their recordings.
 
 use ::calibrate::{Counts, LineFit, PlumbLine};
 use bench_files::{
@@ -15,18 +15,18 @@ use crate::numbers::significant;
 /// Scale of the magnetometer's data sheet (FXOS8700), µT per count.
 const MAGNETOMETER_UT_PER_COUNT: f64 = 0.1;
 
-/// A lever arm from the swing that is less certain than this is not used, m: at 30 rad/s², as near
-/// 15° from upright, it moves the apparent vertical by a third of a degree.
+/// Largest standard error with which a lever arm from the swing is used, m. At an acceleration of 30 rad/s², as for
+/// 15° from upright, such an error tilts the apparent vertical by a third of a degree.
 const LEVER_ARM_STD_MAX_M: f64 = 2e-3;
 
-/// Standard errors between ruler and swing beyond which they contradict each other.
+/// Standard errors beyond which ruler and swing contradict each other.
 const CONTRADICTION: f64 = 4.0;
 
-/// A gyroscope's scale that is off by more than this is that of another range, or a slip: data sheets
+/// Largest scale error of a gyroscope. A larger one means another range or a mistake: data sheets
 /// allow a few per cent.
 const SCALE_ERROR_MAX: f64 = 0.05;
 
-/// A calibration under way.
+/// A calibration in progress.
 pub(super) struct Work<'a> {
     pub(super) recordings: &'a CalibrationRecordings,
     pub(super) report: SensorCalibrationReport,
@@ -136,7 +136,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// The readings within the sensor's range; what was left out is warned of.
+    /// The readings within the sensor's range. A warning reports those that were left out.
     fn usable_readings(&mut self, recording: &CountsRecording) -> Vec<[i16; 3]> {
         let hardware = self.recordings.hardware.as_ref();
         let stated = hardware.and_then(|hardware| hardware.magnetometer.as_ref());
@@ -173,7 +173,7 @@ impl Work<'_> {
         let hardware = self.recordings.hardware.as_ref();
         let stated = hardware.and_then(|hardware| hardware.accelerometer.as_ref()?.rotation);
         let is_stated = stated.is_some();
-        // The body's z axis in the sensor's frame is the last row.
+        // The last row of the rotation is the body's z axis in the sensor's frame.
         let nearer_to = stated.map_or([0.0, 0.0, 1.0], |rotation| rotation[2]);
         let found = ::calibrate::mounting(
             &swing.counts,
@@ -235,7 +235,7 @@ impl Work<'_> {
         .map_err(in_recording(&swing.file))
     }
 
-    /// The lever arm by the ruler, or else by the swing where that is certain enough.
+    /// The lever arm from the ruler, or else from the swing, if that is precise enough.
     pub(super) fn lever_arm(&mut self, of_swing: Option<::calibrate::LeverArmEstimate>) {
         let stated = self.recordings.lever_arm;
         if stated.is_none() && of_swing.is_none() {
@@ -319,7 +319,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Points that do not lie on a line, with the worst.
+    /// Warns of points that do not lie on a line, with the worst one.
     fn warn_of_left_out(&mut self, what: &str, [unit, result]: [&str; 2], line: &LineFit) {
         let size = |point: &::calibrate::LeftOut| point.residual.abs();
         let worst = line
@@ -338,7 +338,7 @@ impl Work<'_> {
         ));
     }
 
-    /// A converter that was recorded one way only.
+    /// Warns of a converter that was recorded in one direction only.
     fn warn_of_one_way(&mut self) {
         let points = self.recordings.wheel_speed.iter().flatten();
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -346,7 +346,7 @@ impl Work<'_> {
             least = least.min(*speed);
             most = most.max(*speed);
         }
-        // A twentieth of the range beyond zero is no turning the other way.
+        // Less than a twentieth of the range beyond zero is not a rotation in the other direction.
         if least > -0.05 * most || most < -0.05 * least {
             self.report.warnings.push(format!(
                 "the converter was recorded one way only, from {} to {} rad/s, and the wheel turns \

@@ -1,4 +1,4 @@
-//! The closed loop: runs, attitude filters, and where the linear model stops.
+//! Figures of the closed loop: runs, attitude filters, and the validity of the linear model.
 
 use figures::{Line, LineRole, Panel, Quantity};
 use simulate::{LoggedLoop, LoopTrace};
@@ -13,12 +13,12 @@ use crate::words;
 /// Columns of a table, with their names.
 type Columns<'a> = Vec<(String, &'a [f64])>;
 
-/// Both models over the log of one experiment.
+/// Both models compared with the log of one experiment.
 struct ModelsOverLog<'a> {
     time_s: &'a [f64],
     /// Linear model, measurement, nonlinear model.
     series: [Vec<f64>; 3],
-    /// What stands beside the panel.
+    /// The text beside the panel.
     note: String,
 }
 
@@ -165,13 +165,13 @@ impl SimulationReport {
         let truth = degrees(&found.truth_rad);
         let mut angles = vec![line("truth", LineRole::Measurement, &truth[..])];
         let mut errors = Vec::new();
-        // The accelerometer alone would hide the others; its error stands in the text.
+        // The error of the accelerometer alone is so large that its curve would hide the others; it is given as text.
         for (name, role, angle, error) in estimates.iter().skip(1) {
             angles.push(line(name, *role, angle));
             errors.push(line(name, *role, error));
         }
         Ok(figures::series(&figures::Series {
-            title: &format!("{}: ways to the angle", self.model),
+            title: &format!("{}: methods for the angle", self.model),
             subtitle: &format!(
                 "One simulated free swing, the same raw counts for all; sensor {} mm off the pivot, \
                  for which Madgwick's filter corrects",
@@ -186,7 +186,7 @@ impl SimulationReport {
         })?)
     }
 
-    /// Where the linear model stops: one figure, three tables.
+    /// The validity of the linear model: one figure, three tables.
     fn linear_files(&self, linear: &LinearRangeReport) -> Result<Vec<OutputFile>, Error> {
         let ([small, large], Some(spin_up)) = (&linear.swings[..], &linear.spin_up) else {
             return Ok(Vec::new());
@@ -213,7 +213,7 @@ impl SimulationReport {
         let from_large: [Line; 2] = lines(&large.time_s, &series[1].0, &series[1].1);
         let speeds: [Line; 2] = lines(&spin_up.time_s, &spin_up.whole_rad_s, &spin_up.linear_rad_s);
         let svg = figures::series(&figures::Series {
-            title: &format!("{}: where the linear model stops", self.model),
+            title: &format!("{}: where the linear model is no longer valid", self.model),
             subtitle: "Free swings from 20° and 60°, and a spin-up with the body clamped",
             x: TIME,
             panels: &[
@@ -244,7 +244,7 @@ impl SimulationReport {
         Ok(files)
     }
 
-    /// Measurement, nonlinear and linear model, one panel a swing.
+    /// Measurement, nonlinear and linear model, one panel per swing.
     fn swings_figure(&self, found: &MeasuredSwings) -> Result<String, Error> {
         let swings = found.swings.iter().filter_map(|swing| {
             let over = swing.curves.as_ref()?;
@@ -259,7 +259,7 @@ impl SimulationReport {
         let swings: Vec<ModelsOverLog> = swings.collect();
         self.models_over_measurement(
             &format!(
-                "{}: where the linear model leaves the measured swing",
+                "{}: where the linear model deviates from the measured swing",
                 self.model
             ),
             &format!("First {PERIODS} periods; {}", words::linear_range(found)),
@@ -268,7 +268,7 @@ impl SimulationReport {
         )
     }
 
-    /// Measurement, nonlinear and linear model, one panel a spin-up.
+    /// Measurement, nonlinear and linear model, one panel per spin-up.
     fn spin_ups_figure(&self) -> Result<String, Error> {
         let spin_ups = self.measured_spin_ups.iter().filter_map(|spin_up| {
             let SpinUpLinearity {
@@ -290,16 +290,16 @@ impl SimulationReport {
         let spin_ups: Vec<ModelsOverLog> = spin_ups.collect();
         self.models_over_measurement(
             &format!(
-                "{}: where the linear model leaves the measured spin-up",
+                "{}: where the linear model deviates from the measured spin-up",
                 self.model
             ),
-            "Body clamped; RMS error of each model, of the largest speed",
+            "Body clamped; RMS error of each model, relative to the largest speed",
             ("wheel speed", "rad/s"),
             &spin_ups,
         )
     }
 
-    /// One panel an experiment.
+    /// One panel per experiment.
     fn models_over_measurement(
         &self,
         title: &str,
@@ -375,7 +375,7 @@ impl SimulationReport {
                 "{}: simulated loop over the log \"{experiment}\"",
                 self.model
             ),
-            subtitle: "Noise differs from sample to sample, so size and shape compare, not samples",
+            subtitle: "The noise differs, so compare size and shape, not single samples",
             x: TIME,
             panels: &panels,
             ..Default::default()
@@ -383,7 +383,7 @@ impl SimulationReport {
     }
 }
 
-/// The horizontal axis of all of them.
+/// The horizontal axis of all panels.
 const TIME: Quantity = Quantity {
     name: "time",
     unit: "s",
@@ -410,7 +410,7 @@ fn degrees(radians: &[f64]) -> Vec<f64> {
 
 fn off_by(experiment: &str, nonlinear: f64, linear: f64) -> String {
     format!(
-        "{experiment}: off by {} (nonlinear), {} (linear)",
+        "{experiment}: RMS error {} (nonlinear), {} (linear)",
         percent(nonlinear),
         percent(linear)
     )

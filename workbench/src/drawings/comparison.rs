@@ -1,4 +1,4 @@
-//! A model beside the measurements: one figure an experiment, and the residuals in which it fails.
+//! Figures of a model compared with the measurements: one per experiment, and the residuals in which it fails.
 
 use identify::{Coordinate, Output, ResidualBreakdown, ResidualKind};
 
@@ -9,15 +9,15 @@ use crate::numbers::{significant, with_prefix};
 use crate::output_file::{OutputFile, file_name};
 use crate::words::spoken;
 
-/// Most figures of broken-down residuals that are drawn.
+/// Largest number of figures of broken-down residuals.
 const MOST_BREAKDOWNS: usize = 4;
 
 impl ComparisonReport {
-    /// Every experiment, overlay and residual on one time axis, and the residuals in which the model
-    /// fails most plainly over every coordinate.
+    /// Every experiment with prediction and residual on one time axis, and the most significant residuals
+    /// over every coordinate.
     ///
     /// # Errors
-    /// [`Error::Figure`] where curves of one experiment differ in length.
+    /// [`Error::Figure`] if curves of one experiment differ in length.
     pub fn drawings(&self) -> Result<Vec<OutputFile>, Error> {
         let mut files = Vec::new();
         for experiment in &self.curves {
@@ -41,7 +41,7 @@ impl ComparisonReport {
                 )
             })
             .collect();
-        // Where samples are left out (pushes), the model claims nothing.
+        // Where samples are left out (pushes), the model makes no prediction.
         let models: Vec<Vec<f64>> = experiment
             .channels
             .iter()
@@ -109,7 +109,7 @@ impl ComparisonReport {
         })?)
     }
 
-    /// The residuals in which the model's failure is plainest, each over every coordinate.
+    /// The most significant residuals, each over every coordinate.
     fn residuals(&self) -> Vec<OutputFile> {
         let mut shown: Vec<(&str, &str, ResidualKind)> = Vec::new();
         for place in self.places.iter().filter(|place| place.significant) {
@@ -152,7 +152,7 @@ impl ComparisonReport {
         let bins: Vec<Vec<figures::ResidualBin>> = parts
             .iter()
             .map(|part| {
-                // Bins are shared by all experiments; those that this one never visits say nothing.
+                // Bins are shared by all experiments; those without values of this experiment are left out.
                 let visited = part.bins.iter().filter(|bin| bin.count > 0.0);
                 let bins = visited.map(|bin| figures::ResidualBin {
                     from: bin.from,

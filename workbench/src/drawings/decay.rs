@@ -10,7 +10,7 @@ use crate::swing_decay::{SwingDecay, over_amplitude};
 use crate::words::amplitude_law;
 
 impl SwingDecay {
-    /// The swing's decay, measured and by the model; `None` where the curves are not at hand.
+    /// The swing's decay, measured and according to the model; `None` if the curves are not available.
     ///
     /// # Errors
     /// [`Error::Figure`].

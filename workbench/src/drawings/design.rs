@@ -1,4 +1,4 @@
-//! The poles with their uncertainty, and what the wheel can recover.
+//! Figures of a design: the poles with their uncertainty, and the angles from which the wheel recovers.
 
 use figures::{Line, LineRole, Panel, Plane, PoleSet, Quantity};
 
@@ -8,7 +8,7 @@ use crate::numbers::significant;
 use crate::output_file::OutputFile;
 
 impl DesignReport {
-    /// The poles without and with the controller, and what wheels of three sizes recover.
+    /// The poles without and with the controller, and the angles from which wheels of three sizes recover.
     ///
     /// # Errors
     /// [`Error::Figure`].
@@ -86,7 +86,7 @@ impl DesignReport {
         let recovered_lines = lines(&names, &roles, &speeds, &recovered);
         let energy_lines = lines(&names, &roles, &speeds, &energies);
         Ok(figures::series(&figures::Series {
-            title: &format!("{}: what the wheel can recover", self.model),
+            title: &format!("{}: angles from which the wheel recovers", self.model),
             subtitle: "Largest angle at rest from which the body comes up, by the wheel's top speed",
             x: Quantity {
                 name: "top speed of the wheel",
@@ -112,7 +112,7 @@ impl DesignReport {
                     },
                     lines: &recovered_lines,
                     limits: &[],
-                    note: "what the body lacks at that angle",
+                    note: "energy that the body lacks at that angle",
                 },
                 Panel {
                     quantity: Quantity {

@@ -1,11 +1,11 @@
-//! The staircase of errors, the suspects, the decays, and the last model against every experiment.
+//! Figures of a diagnosis: the errors after each step, the suspects, the decays, and the last model.
 
 use crate::diagnosis::DiagnosisReport;
 use crate::error::Error;
 use crate::output_file::OutputFile;
 
 impl DiagnosisReport {
-    /// The error after each step, the suspects, how the swings die out, and the last model beside
+    /// The error after each step, the suspects, the decay of the swings, and the last model compared with
     /// the measurements.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Figures of the results, as the text of SVG files: each result has a method that draws it.
+//! Figures of the results as SVG texts: each result has a method that draws it.
 
 mod calibration;
 mod closed_loop;
@@ -6,4 +6,7 @@ mod comparison;
 mod decay;
 mod design;
 mod diagnosis;
+mod loops;
 mod torque_curve;
+
+pub use loops::{NamedLoop, loop_drawings};

@@ -1,15 +1,15 @@
-//! A swing cut into half cycles: zero crossings and the peaks between them, each fitted to many samples.
+//! A swing divided into half cycles: zero crossings, and the peaks between them. Each is fitted to many samples.
 //!
-//! Between two crossings the angle is fitted with the first two harmonics of a pendulum,
-//! A (cos θ − A²/192 cos 3θ) (the third one from Duffing's equation with the cubic term of the sine;
-//! Nayfeh & Mook, *Nonlinear Oscillations*, 1979, 2.3), around zero with a sine: many samples for
-//! each number, so that neither noise nor the steps of an encoder matter much.
+//! Between two crossings, the angle is fitted with the first two harmonics of a pendulum,
+//! A (cos θ − A²/192 cos 3θ) (the third harmonic from Duffing's equation with the cubic term of the sine;
+//! Nayfeh & Mook, *Nonlinear Oscillations*, 1979, 2.3). Around zero, it is fitted with a sine. Each number comes from
+//! many samples, so neither noise nor the steps of an encoder have much influence.
 
 use nalgebra::{Matrix2, Vector2};
 
-/// Cosine of the phase up to which a half cycle belongs to its peak (60°).
+/// Samples belong to the peak where the cosine of the phase exceeds this value (within 60° of the peak).
 const PEAK_PART: f64 = 0.5;
-/// Sine of the phase up to which it belongs to the crossing (30°).
+/// Samples belong to the crossing where the sine of the phase is below this value (within 30°).
 const CROSSING_PART: f64 = 0.5;
 
 /// A zero crossing.
@@ -23,19 +23,19 @@ pub(super) struct Crossing {
 #[derive(Clone, Copy)]
 pub(super) struct Peak {
     pub(super) time_s: f64,
-    /// With its sign.
+    /// Angle at the peak, rad, with its sign.
     pub(super) angle: f64,
     pub(super) variance: f64,
 }
 
-/// All crossings and the peaks between them: peak k lies between crossings k and k + 1.
+/// All crossings, and the peaks between them: peak k lies between crossings k and k + 1.
 pub(super) fn half_cycles(
     samples: &[(f64, f64)],
     least: f64,
     noise: f64,
     quantum: Option<f64>,
 ) -> (Vec<Crossing>, Vec<Peak>) {
-    // Rough crossings: a change of sign counts once the angle has got clear of the noise.
+    // Rough crossings: a change of sign counts once the angle is clear of the noise.
     let clear = 0.5 * least;
     let mut rough: Vec<f64> = vec![];
     let mut side = 0.0;
@@ -57,7 +57,7 @@ pub(super) fn half_cycles(
         let last = samples.partition_point(|sample| sample.0 <= to);
         &samples[first..last.max(first)]
     };
-    // Samples on one step of the encoder are one value.
+    // Samples on the same step of the encoder count as one value.
     let inflation = |count: usize, range: f64| match quantum {
         Some(quantum) => (count as f64 / (1.0 + range / quantum)).max(1.0),
         None => 1.0,
@@ -122,7 +122,7 @@ pub(super) fn half_cycles(
     (crossings, peaks)
 }
 
-/// Least squares with two functions of time (the first may depend on its own coefficient): both
+/// Least squares with two functions of time (the first may depend on its own coefficient). Returns both
 /// coefficients, and their variances for noise of variance 1.
 fn fit_two(
     samples: &[(f64, f64)],
@@ -147,8 +147,8 @@ fn fit_two(
     found.0.is_finite().then_some(found)
 }
 
-/// From the largest peak on, as long as the swing stands out of the noise: what comes before was
-/// pushed by hand.
+/// The part of the swing from its largest peak until it disappears in the noise. Before the largest peak, the body
+/// was pushed by hand.
 pub(super) fn dying_part(
     (crossings, peaks): (Vec<Crossing>, Vec<Peak>),
 ) -> (Vec<Crossing>, Vec<Peak>) {

@@ -1,4 +1,4 @@
-//! The law by which amplitudes fall, dA/dt = −(C + V A + Q A²), with some of its terms.
+//! The law of decay of the amplitude, dA/dt = −(C + V A + Q A²), with any of its terms.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -7,19 +7,19 @@ use super::point::{AtAmplitude, Estimate};
 /// A law dA/dt = −(C + V A + Q A²), fitted with some of its terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecayLaw {
-    /// Which of C, V and Q are there.
+    /// Which of C, V and Q the law has.
     pub has: [bool; 3],
-    /// C in rad/s, V in 1/s, Q in 1/(rad s); those that are not there are 0.
+    /// C in rad/s, V in 1/s, Q in 1/(rad s); 0 for terms that the law does not have.
     pub coefficients: [Estimate; 3],
-    /// Root mean square of what it leaves of the amplitudes, rad.
+    /// Root mean square residual of the amplitudes, rad.
     pub rms_rad: f64,
-    /// The same relative to the amplitude.
+    /// The same, relative to the amplitude.
     pub relative_rms: f64,
     /// Bayesian information criterion n ln(rms²) + p ln n over the half cycles: lower is better.
     pub criterion: f64,
 }
 
-/// The amplitudes that the law predicts at these times from the first one.
+/// The amplitudes that the law predicts at these times from the first amplitude.
 fn predict(times: &[f64], start: f64, law: &[f64; 3]) -> Vec<f64> {
     let slope = |a: f64| {
         let a = a.max(0.0);
@@ -55,9 +55,9 @@ pub(super) fn laws(amplitudes: &[AtAmplitude]) -> Vec<DecayLaw> {
     laws
 }
 
-/// Gauss–Newton with halved steps over the first amplitude and the terms of the law. Half cycles
-/// count by their own errors and by a part of their amplitude: what no law of this form can follow
-/// is a part of it.
+/// Gauss–Newton with step halving, over the first amplitude and the terms of the law. Each half cycle is weighted by
+/// its own error and by a share of its amplitude, which stands for deviations that no law of this form can
+/// follow.
 fn fit_law(amplitudes: &[AtAmplitude], has: [bool; 3]) -> Option<DecayLaw> {
     let times: Vec<f64> = amplitudes.iter().map(|point| point.time_s).collect();
     let n = times.len();

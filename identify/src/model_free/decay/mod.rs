@@ -1,14 +1,14 @@
-//! How a free swing dies out: amplitude, decay and period, half cycle by half cycle, from the angle
-//! alone and without a model.
+//! The decay of a free swing: amplitude, decay rate and period, half cycle by half cycle, from the angle alone and
+//! without a model.
 //!
-//! Opposite half cycles are averaged, and so are periods between rising and between falling crossings,
-//! which removes the unknown zero of the angle.
+//! Opposite half cycles are averaged, and so are periods between rising and between falling crossings. This removes
+//! the unknown zero of the angle.
 //!
 //! The decay is compared with dA/dt = −(C + V A + Q A²): C = 4 μ/(G T) for dry friction, V = r_b/(2 Θ)
 //! for viscous friction, Q = 4 c ω/(3 π Θ) for quadratic drag (energy lost in a cycle; Nayfeh & Mook,
 //! 3.3). The period of small swings follows from the measured one through the complete elliptic
-//! integral, T₀ = T agm(1, cos(A/2)) (Abramowitz & Stegun 17.6.3). No friction that depends on speed
-//! alone changes it; a contact that bends before it slides, or a spring, does.
+//! integral, T₀ = T agm(1, cos(A/2)) (Abramowitz & Stegun 17.6.3). A friction that depends on speed
+//! alone does not change T₀; a contact that bends before it slides does, and so does a spring.
 
 mod half_cycles;
 mod law;
@@ -23,7 +23,7 @@ use crate::records::{Output, Record, angle_samples, median, noise_std};
 pub use self::law::DecayLaw;
 pub use self::point::{AtAmplitude, Estimate};
 
-/// How a free swing dies out.
+/// The decay of a free swing.
 #[derive(Clone, Debug)]
 pub struct FreeDecay {
     /// Amplitude (value, rad) of each pair of half cycles.
@@ -32,26 +32,25 @@ pub struct FreeDecay {
     pub rates: Vec<AtAmplitude>,
     /// Measured period in s.
     pub periods: Vec<AtAmplitude>,
-    /// Period of small swings in s: the measured one without the effect of the amplitude.
+    /// Period of small swings in s: the measured period, corrected for the amplitude.
     pub small_swing_periods: Vec<AtAmplitude>,
-    /// Every law of one, two or three terms whose coefficients are not negative beyond their errors,
-    /// the best one first.
+    /// Every law of one, two or three terms in which no coefficient is negative beyond its error, the best first.
     pub laws: Vec<DecayLaw>,
     /// Change of the period of small swings from the largest to the smallest amplitude, percent.
     pub period_drift_percent: Estimate,
 }
 
-/// Half cycles below this many standard deviations of the noise are not used,
+/// Half cycles with an amplitude below this many standard deviations of the noise are not used.
 const LEAST_OVER_NOISE: f64 = 5.0;
-/// nor those below this many steps of a quantised angle.
+/// Half cycles with an amplitude below this many steps of a quantised angle are not used.
 const LEAST_OVER_QUANTUM: f64 = 3.0;
-/// Fewest half cycles from which anything is said.
+/// Smallest number of half cycles for a result.
 const FEWEST_HALF_CYCLES: usize = 8;
-/// Periods at both ends of the swing that are averaged for the drift.
+/// Number of periods averaged at each end of the swing to compute the drift.
 const DRIFT_PERIODS: usize = 5;
 
-/// The decay of a free swing; `None` where fewer than eight half cycles stand out of the noise, or
-/// for other kinds of experiment.
+/// The decay of a free swing; `None` if fewer than eight half cycles stand out of the noise, and for other kinds of
+/// experiment.
 pub fn decay(record: &Record) -> Option<FreeDecay> {
     if record.kind != Kind::FreeSwing {
         return None;
@@ -72,7 +71,7 @@ pub fn decay(record: &Record) -> Option<FreeDecay> {
         LEAST_OVER_NOISE * noise,
         LEAST_OVER_QUANTUM * quantum.unwrap_or(0.0),
     );
-    // The zero of the angle: first the middle of the range, then what makes opposite peaks equal.
+    // The zero of the angle: first the middle of the range, then the value that makes opposite peaks equal.
     let (low, high) = samples
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, x)| {
@@ -107,7 +106,7 @@ pub fn decay(record: &Record) -> Option<FreeDecay> {
     let rates = amplitudes
         .windows(3)
         .map(|three| {
-            // Non-overlapping peaks: the first pair and the third.
+            // The first and the third peak pair do not overlap.
             let (a, b) = (three[0], three[2]);
             let amplitude = 0.5 * (a.value + b.value);
             let scale = 1.0 / ((b.time_s - a.time_s) * amplitude);
@@ -165,8 +164,8 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
     a
 }
 
-/// The drift from the first periods to the last ones, with the error that the crossings give it:
-/// consecutive periods share most of theirs.
+/// The drift from the first periods to the last ones. Its error follows from the errors of the crossings:
+/// consecutive periods share most of their crossings.
 fn drift(periods: &[AtAmplitude], crossings: &[Crossing]) -> Estimate {
     let count = DRIFT_PERIODS.min(periods.len() / 2).max(1);
     let mean = |first: usize| -> Estimate {

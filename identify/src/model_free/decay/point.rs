@@ -1,4 +1,4 @@
-//! Numbers with their standard errors, and where in a swing they were found.
+//! Numbers with their standard errors, and the amplitude at which they were found.
 
 /// A number with its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Estimate {
     pub std: f64,
 }
 
-/// Something at an amplitude of the swing.
+/// A quantity at a certain amplitude of the swing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtAmplitude {
     /// Time, s.

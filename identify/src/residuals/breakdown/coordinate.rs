@@ -1,4 +1,4 @@
-//! The coordinates in which physics speaks, and their bins.
+//! The physical coordinates over which a residual is broken down, and their bins.
 
 use plant::{GRAVITY_TORQUE, Kind, TOTAL_INERTIA};
 
@@ -16,19 +16,18 @@ pub enum Coordinate {
     Angle,
     /// Motor current, A.
     Current,
-    /// Wheel angle within one turn, rad, from where the log began.
+    /// Wheel angle within one turn, rad, measured from where the log began.
     WheelAngle,
-    /// Amplitude of the swing, rad: the angle at which the body would stand still with the energy
-    /// that it has.
+    /// Amplitude of the swing, rad: the angle at which the body would come to rest with its present energy.
     Amplitude,
     /// Time of the log, s.
     Time,
 }
 
 impl Coordinate {
-    /// All coordinates. Of several that explain a torque equally well the first is named: a torque
-    /// that depends on speed also looks like one that depends on amplitude or time while a swing dies
-    /// out, but not the other way round.
+    /// All coordinates. If several explain a torque equally well, the first of them is named: a torque that
+    /// depends on speed also looks as if it depended on amplitude or time while a swing decays, but not the other way
+    /// round.
     pub const ALL: [Coordinate; 7] = [
         Coordinate::Rate,
         Coordinate::WheelSpeed,
@@ -39,7 +38,7 @@ impl Coordinate {
         Coordinate::Time,
     ];
 
-    /// The name in every report.
+    /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Coordinate::Time => "time",
@@ -62,26 +61,26 @@ impl Coordinate {
         }
     }
 
-    /// Whether a torque as a function of this coordinate is the same in every log.
+    /// Whether a torque is the same function of this coordinate in every log.
     pub(super) fn is_common(self) -> bool {
         !matches!(self, Coordinate::Time | Coordinate::WheelAngle)
     }
 
-    /// Whether a speed is the coordinate itself, so that its sign needs no coefficient of its own.
+    /// Whether the coordinate is itself a speed, so that its sign needs no separate coefficient.
     pub(super) fn is_speed(self) -> bool {
         matches!(self, Coordinate::Rate | Coordinate::WheelSpeed)
     }
 }
 
-/// Most bins for one coordinate.
+/// Largest number of bins for one coordinate.
 const MOST_BINS: usize = 32;
-/// Fewest values in a bin.
+/// Smallest number of values in a bin.
 const FEWEST_IN_BIN: usize = 20;
-/// Bins for a turn of the wheel: cogging of up to 20 periods in a turn shows.
+/// Number of bins for one turn of the wheel; they resolve cogging of up to 20 periods per turn.
 const TURN_BINS: usize = 60;
 
-/// The value of every coordinate in the middle of every interval of a record; empty where the
-/// record does not have it.
+/// The value of every coordinate in the middle of every interval of a record; empty if the record does not
+/// contain it.
 pub(super) fn coordinates(
     record: &Record,
     motion: &MeasuredMotion,
@@ -121,7 +120,7 @@ pub(super) fn coordinates(
         .collect()
 }
 
-/// Edges of bins of equal count; one of them is at zero speed, and the wheel's turn is cut evenly.
+/// Edges of bins with equal counts. One edge is at zero speed. A turn of the wheel is divided evenly instead.
 pub(super) fn edges(
     coordinate: Coordinate,
     mut values: Vec<f64>,

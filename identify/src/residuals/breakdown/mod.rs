@@ -1,28 +1,27 @@
-//! Where a model fails: its residual over the coordinates in which physics speaks.
+//! Where a model fails: its residuals over physical coordinates (speed, angle, current, …).
 //!
-//! Two residuals are broken down. The torque that the model lacks ([`super::residual_torque`]) has no
-//! memory, so that it can be asked on what it depends; the residual of the free run is what users see,
-//! and where it is large.
+//! Two residuals are broken down. The missing torque ([`super::residual_torque`]) has no memory, so its dependence on
+//! a coordinate can be fitted. The residual of the free-running simulation is what users see in a figure; for it, the
+//! breakdown says where it is large.
 //!
-//! **The missing torque.** For each coordinate x the torque is taken as a function f(x), constant within
+//! **The missing torque.** For each coordinate x, the torque is modelled as a function f(x) that is constant within
 //! each of a few bins, and fitted by least squares. A bump of the weak form sees the mean of f along
-//! its path, Σ ψₖ f(xₖ): the regression on these means undoes the smearing, so that a magnet that a
-//! swing passes within one bump is found in its place. Where friction is conceivable that depends on
-//! place or time, each bin has a second coefficient, f₂(x) sign(speed). One function serves all logs
-//! together (in time, and over the turn of a wheel whose angle counts from the start of each log, every
-//! log has its own): friction must be the same function of speed everywhere, or speed is not what it
-//! depends on.
+//! its path, Σ ψₖ f(xₖ). The regression on these means undoes the smearing, so a magnet that a
+//! swing passes within one bump is located correctly. Where friction may depend on place or time, each bin has a
+//! second coefficient, f₂(x) sign(speed). One function serves all logs together: friction must be the same function of
+//! speed in every log, otherwise it does not depend on speed. Two coordinates have one function per log instead:
+//! time, and the wheel's angle, which counts from the start of each log.
 //!
-//! Before that, what mere changes of the parameters explain is taken out: a fit whose model lacks
-//! something bends its parameters, and the bending is everywhere.
+//! Before that, the part that changes of the parameters explain is removed: the fit of an incomplete model has biased
+//! parameters, and their bias adds to the missing torque everywhere.
 //!
-//! The sum of squares that a coordinate explains is compared with what it would explain of noise
-//! alone, tr(P Σ) with P the projection and Σ the known covariance of overlapping bumps; it scatters
-//! with 2 tr(P Σ P Σ) (Seber & Lee, *Linear Regression Analysis*, 2003, theorem 1.6). The coordinate
-//! that explains most names the place; the shortest run of bins that holds four fifths of it bounds it.
+//! The sum of squares that a coordinate explains is compared with the sum that it would explain of noise
+//! alone: tr(P Σ), with P the projection and Σ the known covariance of overlapping bumps, and variance
+//! 2 tr(P Σ P Σ) (Seber & Lee, *Linear Regression Analysis*, 2003, theorem 1.6). The region is given in the coordinate
+//! that explains most: the shortest run of bins that holds four fifths of the explained squares.
 //!
-//! **The residual of the free run** grows from its causes with the memory of a pendulum. It is only
-//! said where its square is above the sensor's noise.
+//! **The residual of the free run** lags behind its causes, because a pendulum has memory. It is reported only where its
+//! square exceeds the sensor's noise.
 
 mod coordinate;
 mod failure_map;
@@ -45,15 +44,15 @@ pub use self::failure_map::{
     BreakdownBin, ExplainedTorque, FailureMap, FailureRegion, ResidualBreakdown, ResidualKind,
 };
 
-/// Most regions that are named.
+/// Largest number of regions that are named.
 const MOST_REGIONS: usize = 12;
 
-/// What one record shows.
+/// The residuals of one record.
 struct Seen {
     motion: Option<MeasuredMotion>,
     /// For each coordinate its value in every interval.
     places: Vec<Vec<f64>>,
-    /// The missing torques with their slopes.
+    /// The missing torques, with their slopes with respect to the parameters.
     torques: Vec<(TorqueOn, ResidualSeries, Vec<Vec<f64>>)>,
     outputs: Vec<ResidualSeries>,
 }
@@ -95,8 +94,7 @@ fn seen(
     }
 }
 
-/// Breaks the residuals of a model down. `windows` and `traces` are those of the fit, in the order of
-/// the records.
+/// Breaks down the residuals of a model. `windows` and `traces` are those of the fit, in the order of the records.
 pub fn breakdown(
     records: &[Record],
     windows: &[Vec<Window>],

@@ -1,4 +1,4 @@
-//! The residual of the free run in one channel, and where it is large.
+//! The residual of the free-running simulation in one channel, and where it is large.
 
 use super::super::correlation::effective_samples;
 use super::super::structure::structure;
@@ -7,13 +7,13 @@ use super::failure_map::{BreakdownBin, FailureRegion, ResidualBreakdown, Residua
 use super::series::{Context, ResidualSeries};
 use super::steps::shortest_run;
 
-/// Structure in an output below this part of its noise is not worth a place: it raises the RMSE by
-/// less than 5 % (√(1 + 1/9)), and the noise of a recorded current leaves about as much.
+/// Structure in an output below this share of its noise is not reported. It raises the RMS error by less
+/// than 5 % (√(1 + 1/9)), and the noise of a recorded current leaves about as much.
 const IMMATERIAL: f64 = 1.0 / 3.0;
 
 impl Context<'_> {
-    /// Breaks one output down and returns the place where it is worst: of all coordinates the one
-    /// in which four fifths of the excess lie in the smallest part of the samples.
+    /// Breaks one output down and returns its worst region: in the coordinate in which four fifths of the excess lie in
+    /// the smallest share of the samples.
     pub(super) fn break_output_down(
         &self,
         series: &ResidualSeries,
@@ -27,11 +27,11 @@ impl Context<'_> {
         let found = structure(&series.values, 1.0, &[]);
         let is_significant = found.is_significant() && found.rms_over_noise > IMMATERIAL;
         let all: f64 = series.excess();
-        // Values follow each other: neighbours within a bin are worth as much as the whole series is.
+        // The values are correlated: within a bin, the share of independent values is that of the whole series.
         let worth = effective_samples(&series.values, &[]) / n as f64;
         for (index, &coordinate) in Coordinate::ALL.iter().enumerate() {
             let place = &self.places[series.record][index];
-            // What acts within a turn is integrated away on its way to the output.
+            // A torque that varies within a turn is smoothed by the integration to the output.
             if place.is_empty() || coordinate == Coordinate::WheelAngle {
                 continue;
             }

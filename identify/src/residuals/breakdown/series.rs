@@ -1,4 +1,4 @@
-//! Residuals ready to be broken down: torques that are missing, and the outputs of the free run.
+//! The residuals, prepared for a breakdown: missing torques, and outputs of the free run.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use plant::Kind;
@@ -8,31 +8,31 @@ use super::super::structure::without_rounding;
 use crate::fit::PredictedSeries;
 use crate::records::{Output, Record};
 
-/// Uncertainty of a sum of squares in a balance log, as a part of the squared noise. The controller
-/// answers to the noise of the sensors, so that the motion depends on it; and dry friction near
-/// standstill turns the error of the rate into torque. In 24 simulated logs of the right model the
-/// coordinates explained 3 % of the squared noise on average and 8 % at most: four of these.
+/// Uncertainty of a sum of squares in a balance log, as a share of the squared noise. Two causes: the controller
+/// responds to the noise of the sensors, so the motion depends on that noise; and dry friction near
+/// standstill turns the error of the rate into torque. In 24 simulated logs with the right model, the
+/// coordinates explained 3 % of the squared noise on average, and 8 % at most: four times this value.
 const FEEDBACK: f64 = 0.02;
 
-/// One residual of one record, ready to be broken down.
+/// One residual of one record, prepared for a breakdown.
 pub(super) struct ResidualSeries {
     pub(super) record: usize,
     pub(super) channel: &'static str,
     pub(super) noise_std: f64,
-    /// Values over their noise.
+    /// Values divided by their noise.
     pub(super) values: Vec<f64>,
-    /// For each value the interval of the log where it begins to look, and its weights from there on.
+    /// For each value: the first interval of the log that it averages over, and the weights of the intervals from there.
     pub(super) looks: Vec<(usize, Vec<f64>)>,
-    /// Correlation of the noise of values that follow at 0, 1, 2, … strides.
+    /// Correlation of the noise between values that are 0, 1, 2, … strides apart.
     pub(super) noise_correlation: Vec<f64>,
-    /// For each value its number in strides, so that gaps are seen.
+    /// For each value: its position in strides, from which gaps follow.
     pub(super) position: Vec<usize>,
-    /// The speed whose sign the second coefficient takes.
+    /// Whether the second coefficient uses the sign of the wheel speed; otherwise that of the body rate.
     pub(super) wheel: bool,
 }
 
 impl ResidualSeries {
-    /// Squared values above the noise.
+    /// Sum of the squared values above the noise.
     pub(super) fn excess(&self) -> f64 {
         self.values.iter().map(|value| value * value - 1.0).sum()
     }
@@ -67,7 +67,7 @@ pub(super) fn torque_series(
     }
 }
 
-/// The residuals of the channels of a record, without the rounding that the model foresees.
+/// The residuals of the channels of a record, without the part that rounding explains.
 pub(super) fn output_series(
     index: usize,
     record: &Record,
@@ -112,9 +112,9 @@ pub(super) fn output_series(
         .collect()
 }
 
-/// Takes out of a torque what wrong parameters explain, by least squares over all logs. A fit whose
-/// model lacks something bends its parameters, and the torque that then seems to be missing is the
-/// lack and, everywhere else, the bending.
+/// Removes from a torque the part that wrong parameters explain, by least squares over all logs. The fit of an
+/// incomplete model has biased parameters; the missing torque then contains the missing effect and, everywhere else,
+/// the bias.
 pub(super) fn adjust(group: &mut [(&mut ResidualSeries, &[Vec<f64>])], parameters: usize) {
     let mut square = DMatrix::<f64>::zeros(parameters, parameters);
     let mut right = DVector::<f64>::zeros(parameters);
@@ -129,7 +129,7 @@ pub(super) fn adjust(group: &mut [(&mut ResidualSeries, &[Vec<f64>])], parameter
             }
         }
     }
-    // Parameters have many units; one without trace, or in step with another, stays out.
+    // The parameters have different units. One without influence, or collinear with another, is left out.
     let scale = DVector::from_fn(parameters, |k, _| match square[(k, k)] {
         own if own > 0.0 => 1.0 / own.sqrt(),
         _ => 0.0,
@@ -155,7 +155,7 @@ pub(super) fn adjust(group: &mut [(&mut ResidualSeries, &[Vec<f64>])], parameter
 
 pub(super) struct Context<'a> {
     pub(super) records: &'a [Record],
-    /// For each record, each coordinate: its value in every interval.
+    /// For each record and coordinate: the value in every interval.
     pub(super) places: &'a [Vec<Vec<f64>>],
     pub(super) motions: &'a [Option<MeasuredMotion>],
 }
@@ -172,7 +172,7 @@ impl Context<'_> {
         })
     }
 
-    /// What the motion seems to explain of noise alone because a controller makes motion of noise.
+    /// The share of noise that the motion seems to explain because a controller turns noise into motion.
     pub(super) fn feedback(&self, series: &ResidualSeries) -> f64 {
         match self.records[series.record].kind {
             Kind::Balance => FEEDBACK * series.values.len() as f64,
@@ -180,7 +180,7 @@ impl Context<'_> {
         }
     }
 
-    /// Where the values of a series lie in a coordinate.
+    /// The coordinate of every interval that a series averages over.
     pub(super) fn seen(&self, series: &ResidualSeries, coordinate: usize) -> Vec<f64> {
         let place = &self.places[series.record][coordinate];
         series

@@ -5,34 +5,34 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::coordinate::bin_of;
 use super::series::ResidualSeries;
 
-/// A region is the shortest run of bins with this part of what the coordinate explains: enough to
-/// bound a thing as a whole (a magnet pulls on one side of its place and pushes on the other, each
-/// half of it), and not its faint ends.
+/// A region is the shortest run of bins with this share of the explained squares. The share is large enough to contain a
+/// whole cause (a magnet pulls on one side of its place and pushes on the other, half the squares each), and small
+/// enough to exclude its faint ends.
 const REGION_PART: f64 = 0.8;
-/// Relative uncertainty of a sum of squares that is due to the estimate of the noise itself.
+/// Relative uncertainty of a sum of squares that comes from the noise estimate itself.
 const NOISE_SQUARE_RELATIVE_STD: f64 = 0.06;
 
 /// A least-squares fit of a step function to one or several series.
 pub(super) struct StepFit {
-    /// Coefficients: the bins' constants, then (if asked for) their parts along the motion.
+    /// Coefficients: the constants of the bins, then, if fitted, their parts along the motion.
     pub(super) beta: DVector<f64>,
     /// Standard error of each.
     pub(super) std: DVector<f64>,
-    /// Sum of squares that the function explains, in units of the noise.
+    /// Sum of squares that the function explains, in units of the squared noise.
     pub(super) explained: f64,
-    /// What it would explain of noise alone, and the variance of that.
+    /// The sum of squares that it would explain of noise alone, and the variance of that sum.
     pub(super) of_noise: (f64, f64),
-    /// For each series the explained squares in each bin above those of noise.
+    /// For each series: explained squares in each bin above those of noise.
     pub(super) energy: Vec<Vec<f64>>,
-    /// For each series what noise alone would explain in each bin; it was subtracted.
+    /// For each series: the squares that noise alone would explain in each bin, already subtracted.
     pub(super) noise_energy: Vec<Vec<f64>>,
-    /// For each series the number of values in each bin.
+    /// For each series: number of values in each bin.
     pub(super) count: Vec<Vec<f64>>,
 }
 
-/// Fits f(x) with these edges; `at` gives the coordinate and the speed for series and interval.
-/// `is_turn`: the coordinate goes round; a bump in which the wheel turns by half a turn or more says
-/// nothing of any angle.
+/// Fits f(x) with these bin edges; `at` gives coordinate and speed for a series and an interval.
+/// `is_turn` marks a cyclic coordinate (the wheel's angle): a bump during which the wheel turns by half a turn or more
+/// is left out, since it averages over all angles.
 pub(super) fn fit_steps(
     series: &[&ResidualSeries],
     edges: &[f64],
@@ -101,7 +101,7 @@ pub(super) fn fit_steps(
     }
     let mean_diagonal = square.trace() / columns as f64;
     for index in 0..columns {
-        // Keeps bins that no value tells apart from growing without bound.
+        // Keeps the coefficients of bins that the data do not distinguish from growing without bound.
         square[(index, index)] += 1e-6 * mean_diagonal.max(1e-300);
     }
     let inverse = Cholesky::new(square)?.inverse();
@@ -111,7 +111,7 @@ pub(super) fn fit_steps(
     let mean = of_noise.trace();
     let variance =
         2.0 * (&of_noise * &of_noise).trace() + (NOISE_SQUARE_RELATIVE_STD * mean).powi(2);
-    // What the coordinate leaves unexplained stands for noise as well.
+    // The residual that the coordinate does not explain counts as noise, too.
     let left = ((total - explained) / (values as f64 - mean).max(1.0)).max(1.0);
     let spread = &of_noise * &inverse;
     let std = DVector::from_fn(columns, |k, _| (left * spread[(k, k)].max(0.0)).sqrt());
@@ -129,7 +129,7 @@ pub(super) fn fit_steps(
             }
         }
     }
-    // The noise's own part, shared out by how many values each series has in the bin.
+    // The noise's share is distributed by the number of values that each series has in the bin.
     for bin in 0..bins {
         let all: f64 = count.iter().map(|count| count[bin]).sum();
         let mut own = of_noise[(bin, bin)];
@@ -152,7 +152,7 @@ pub(super) fn fit_steps(
     })
 }
 
-/// The shortest run of bins that holds [`REGION_PART`] of what is positive, as first and last index.
+/// The shortest run of bins that holds [`REGION_PART`] of the positive energy, as first and last index.
 pub(super) fn shortest_run(energy: &[f64], edges: &[f64]) -> Option<(usize, usize)> {
     let positive: Vec<f64> = energy.iter().map(|value| value.max(0.0)).collect();
     let goal = REGION_PART * positive.iter().sum::<f64>();

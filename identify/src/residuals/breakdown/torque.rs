@@ -1,4 +1,4 @@
-//! A missing torque explained by one coordinate after the other.
+//! The attempts to explain a missing torque by one coordinate after the other.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -12,11 +12,11 @@ use super::failure_map::{
 use super::series::{Context, ResidualSeries};
 use super::steps::{StepFit, fit_steps, shortest_run};
 
-/// Coordinates whose shares differ by less than this factor explain a torque equally well: a function
-/// of steps cannot say more.
+/// Two coordinates explain a torque equally well if the ratio of their shares exceeds this value: step functions
+/// cannot resolve a smaller difference.
 const AS_GOOD: f64 = 0.9;
 
-/// What came of explaining a torque by one coordinate.
+/// The attempt to explain a torque by one coordinate.
 struct Attempt {
     explained: ExplainedTorque,
     breakdowns: Vec<ResidualBreakdown>,
@@ -33,7 +33,7 @@ impl Context<'_> {
         let all_excess: f64 = group.iter().map(|series| series.excess()).sum();
         let coordinates: Vec<usize> = (0..Coordinate::ALL.len())
             .filter(|&index| {
-                // A wheel's friction does not know how the body hangs.
+                // The friction of the wheel does not depend on the position of the body.
                 let of_body = matches!(
                     Coordinate::ALL[index],
                     Coordinate::Rate | Coordinate::Angle | Coordinate::Amplitude
@@ -61,7 +61,7 @@ impl Context<'_> {
         }
     }
 
-    /// Explains the torque of a group of series by one coordinate.
+    /// Attempts to explain the torque of a group of series by one coordinate.
     fn attempt(
         &self,
         index: usize,
@@ -107,7 +107,7 @@ impl Context<'_> {
                     .iter()
                     .map(|series| self.feedback(series).powi(2))
                     .sum::<f64>();
-            // The place is one for all logs that share the function.
+            // All logs that share the function share the region.
             let pooled: Vec<f64> = (0..edges.len() - 1)
                 .map(|bin| fit.energy.iter().map(|energy| energy[bin]).sum())
                 .collect();
@@ -131,14 +131,14 @@ impl Context<'_> {
                 if sum <= 0.0 {
                     continue;
                 }
-                // A square of Gaussian noise has twice its squared mean as variance.
+                // The square of a Gaussian variable has twice its squared mean as variance.
                 let scatter: f64 = fit.noise_energy[number]
                     .iter()
                     .zip(&fit.count[number])
                     .filter(|(_, count)| **count > 0.0)
                     .map(|(own, _)| 2.0 * own.max(1.0).powi(2))
                     .sum();
-                // A bin may be wider than what this log has seen of it.
+                // A bin can be wider than the range that this log covers.
                 let finite = || seen[number].iter().copied().filter(|x| x.is_finite());
                 let lowest = finite().fold(f64::INFINITY, f64::min);
                 let highest = finite().fold(f64::NEG_INFINITY, f64::max);

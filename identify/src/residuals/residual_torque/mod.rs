@@ -1,4 +1,4 @@
-//! The torque that a model lacks, over time.
+//! The missing torque, over time.
 
 mod motion;
 mod torque;

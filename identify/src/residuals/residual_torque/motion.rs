@@ -1,51 +1,49 @@
-//! The measured motion: the state between the samples of a record as the model's sensors would have seen it.
+//! The measured motion: the true state between the samples of a record, with the sensor effects of the model undone.
 
 use plant::{Current, Kind, Model, Plant, State, period_s};
 
 use crate::fit::{Nuisance, Window, simulate};
 use crate::records::{Bump, Output, Record, RecordedCurrent, angle_samples, dot, half_samples};
 
-/// Length over which the drift of an integrated rate is averaged, in periods of the pendulum.
+/// Length, in periods of the pendulum, over which the drift of an integrated rate is averaged.
 const DRIFT_PERIODS: f64 = 4.0;
-/// Half of the span over which a measured speed is averaged before friction is computed from it, in
-/// half-widths of the bump: dry friction of a speed with noise is less than dry friction of the speed.
+/// Half of the span over which a measured speed is averaged before friction is computed from it, in half-widths of the
+/// bump. Dry friction computed from a noisy speed would be too small on average.
 const SPEED_MEAN: f64 = 0.25;
-/// A simulated speed agrees with a measured one within this many standard deviations of its noise: a
-/// Gaussian leaves them once in 16,000 times.
+/// A simulated speed agrees with a measured one if they differ by at most this many standard deviations of the noise. A
+/// Gaussian exceeds that once in 16,000.
 const AGREEMENT: f64 = 4.0;
 
-/// The measured motion, the sensor effects of the model undone, at the middle of every interval
-/// between two samples.
+/// The measured motion in the middle of every interval between two samples, with the sensor effects of the model
+/// undone.
 pub struct MeasuredMotion {
     /// Middle of the interval, s.
     pub time_s: Vec<f64>,
     /// Length of the interval, s.
     pub step_s: Vec<f64>,
-    /// State in the middle; NaN where a sample is missing. The wheel angle counts from the start of
-    /// the log.
+    /// State in the middle of the interval; NaN if a sample is missing. The wheel angle counts from the start of the log.
     pub state: Vec<State<f64>>,
-    /// Change of the angle over the interval by its length, rad/s.
+    /// Change of the angle over the interval, divided by its length, rad/s.
     pub angle_slope: Vec<f64>,
-    /// Change of the measured rate over the interval by its length, rad/s²; empty if not measured.
+    /// Change of the measured rate over the interval, divided by its length, rad/s²; empty if not measured.
     pub rate_slope: Vec<f64>,
-    /// Change of the wheel speed over the interval by its length, rad/s²; empty if not measured.
+    /// Change of the wheel speed over the interval, divided by its length, rad/s²; empty if not measured.
     pub wheel_speed_slope: Vec<f64>,
-    /// Whether speeds that agree with the fit's free run within their noise are those of the free run.
+    /// Whether measured speeds are replaced by those of the fit's free run where both agree within the noise.
     pub speeds_are_simulated: bool,
-    /// Whether the rate was measured; else it is that of the smoothed angle and serves the friction
-    /// terms only.
+    /// Whether the rate was measured. If not, it is computed from the smoothed angle and used for friction terms only.
     pub rate_measured: bool,
-    /// Whether the wheel speed was measured; else it is that of the fit's free run (`driven`) or 0.
+    /// Whether the wheel speed was measured. If not, it is that of the fit's free run (`driven`), or 0.
     pub wheel_speed_measured: bool,
-    /// Standard deviations of the noise of angle, rate and wheel speed in the true unit, 0 where not
-    /// measured.
+    /// Standard deviations of the noise of angle (rad), rate (rad/s) and wheel speed (rad/s), converted to the true
+    /// scale; 0 if not measured.
     pub noise_std: [f64; 3],
 }
 
 impl MeasuredMotion {
-    /// The motion of a record as the model's sensors would have seen it. `windows` may be empty;
-    /// else their own unknowns (the zero of a quantised angle) are undone as well. `half` is the
-    /// width over which a missing rate is taken from the angle.
+    /// The motion of a record, with the model's sensor effects undone. If `windows` is not empty, the windows' nuisance
+    /// parameters (the zero of a quantised angle) are undone as well. `half` is the width in samples over which a
+    /// missing rate is computed from the angle.
     pub fn new(
         record: &Record,
         windows: &[Window],
@@ -58,7 +56,7 @@ impl MeasuredMotion {
             return None;
         }
         let plant = Plant::new(model, values, record.kind);
-        // Every sensor effect is affine in its own channel: two readings give scale and bias.
+        // Every sensor effect is affine in its own channel, so two readings give its scale and bias.
         let at = |value: f64| {
             plant.read(&State {
                 angle_rad: value,
@@ -153,7 +151,7 @@ impl MeasuredMotion {
             } else if record.kind == Kind::Driven
                 && let Some(simulated) = &simulated
             {
-                // Where nobody measured the wheel speed, that of the fit's free run has to do.
+                // If the wheel speed was not measured, that of the fit's free run is used.
                 state.wheel_speed_rad_s = mid(&simulated.1, k);
             }
             if state.wheel_speed_rad_s.is_finite() {
@@ -162,7 +160,7 @@ impl MeasuredMotion {
             state.wheel_angle_rad = wheel_angle + 0.5 * step * last_speed;
             wheel_angle += step * last_speed;
             if let Some(before) = smoothed_before {
-                // The path itself, not its noise: noise would work the contact to and fro.
+                // The smoothed path: noise would move the contact to and fro.
                 let now = smooth(k, false);
                 if now.is_finite() && before.is_finite() {
                     friction = plant.remember(friction, now - before);
@@ -187,13 +185,13 @@ impl MeasuredMotion {
     }
 }
 
-/// Takes the slow drift out of an angle that was integrated from the rate: its mean over
-/// [`DRIFT_PERIODS`] periods, weighted by a raised cosine, in which the swing itself averages out
-/// (but not a jump of its phase: next to a push the angle is wrong).
+/// Removes the slow drift of an angle that was integrated from the rate. The drift is the mean over
+/// [`DRIFT_PERIODS`] periods, weighted by a raised cosine; the swing itself averages out. A jump of its phase does
+/// not: near a push the angle is wrong.
 fn remove_drift(angle: &mut [f64], record: &Record, values: &[f64]) {
     let half = half_samples(record, 0.5 * DRIFT_PERIODS * period_s(values));
     let n = angle.len();
-    // Upright the body does not swing, and its slow motion is motion.
+    // Upright, the body does not swing, and a slow change of the angle is real motion.
     if n < 4 * half || record.kind == Kind::Balance {
         return;
     }
@@ -233,9 +231,9 @@ fn simulated_speeds(
     Some(speeds)
 }
 
-/// The simulated speed where it agrees with the measured one, else the measured one. Near standstill
-/// the noise of a speed decides the sign of dry friction, and the torque that seems to be missing
-/// then depends on the noise of the very speed over which it is broken down.
+/// The simulated speed if it agrees with the measured one, otherwise the measured one. Near standstill, the noise of a
+/// measured speed decides the sign of dry friction. The missing torque would then depend on the noise of the speed
+/// over which it is broken down.
 fn agreeing(measured: f64, simulated: f64, std: f64) -> f64 {
     if (measured - simulated).abs() < AGREEMENT * std {
         simulated
@@ -244,8 +242,8 @@ fn agreeing(measured: f64, simulated: f64, std: f64) -> f64 {
     }
 }
 
-/// Mean of the finite samples from `k − short` to `k + 1 + short`: about the middle of interval k. NaN
-/// where one of the interval's own ends is missing.
+/// Mean of the finite samples from `k − short` to `k + 1 + short`, around the middle of interval k. NaN if one of the
+/// two ends of the interval is missing.
 fn short_mean(samples: &[f64], k: usize, short: usize) -> f64 {
     let short = short.min(k).min(samples.len() - 2 - k);
     let (sum, count) = samples[k - short..=k + 1 + short]
@@ -261,7 +259,7 @@ fn short_mean(samples: &[f64], k: usize, short: usize) -> f64 {
     }
 }
 
-/// Fills in the current that flows in the middle of every interval.
+/// Fills in the motor current in the middle of every interval.
 fn add_current(
     record: &Record,
     windows: &[Window],

@@ -1,19 +1,18 @@
-//! The torque that a model lacks, from the measurements and without simulating them.
+//! The missing torque: the torque that a model lacks, from the measurements and without simulation.
 //!
-//! What the model says of the accelerations, (α̈_m, φ̈_m) in the measured state, is compared with the
-//! accelerations themselves. Weighted with the inertias, the difference is the torque that the model
-//! lacks:
+//! The accelerations that the model gives in the measured state, (α̈_m, φ̈_m), are compared with the measured
+//! accelerations. Their difference, weighted with the inertias, is the missing torque:
 //!
-//! - on the body: f_b = Θ (α̈ − α̈_m) + j_w (φ̈ − φ̈_m), which knows no motor; Θ (α̈ − α̈_m) where the wheel
+//! - on the body: f_b = Θ (α̈ − α̈_m) + j_w (φ̈ − φ̈_m), which does not involve the motor; Θ (α̈ − α̈_m) if the wheel
 //!   is locked,
 //! - on the wheel: f_w = j_w (α̈ − α̈_m + φ̈ − φ̈_m), motor and wheel friction together,
-//! - on the body by the command: f_b − f_w = (Θ − j_w)(α̈ − α̈_m), which needs no wheel speed and has the
+//! - on the body, from the command: f_b − f_w = (Θ − j_w)(α̈ − α̈_m), which needs no wheel speed and has the
 //!   lowest noise, but in which an error of the motor's model looks like a torque on the body.
 //!
 //! All are evaluated in the weak form (Shinbrot, Trans. ASME 79 (1957)): multiplied by a short bump
 //! ψ = (t − a)² (b − t)² and integrated by parts, ∫ψ α̈ = −∫ψ̇ α̇ = ∫ψ̈ α, so that no measurement is
 //! differentiated. The result is the torque smoothed by the bump; its integral is that of the torque.
-//! Unlike the residual of a free run it has no memory: it says where the model fails now.
+//! Unlike the residual of a free run, it has no memory: it shows where the model fails at that instant.
 
 use plant::{Kind, Model, Plant, State, TOTAL_INERTIA, WHEEL_INERTIA, period_s};
 
@@ -21,28 +20,27 @@ use super::motion::MeasuredMotion;
 use crate::fit::Window;
 use crate::records::{Bump, FEWEST_HALF_SAMPLES, Output, Record, dot, half_samples};
 
-/// Half of a bump's width, in periods of the pendulum: well inside the time in which a swing
-/// passes anything.
+/// Half of a bump's width, in periods of the pendulum: short against the time in which a swing passes any feature.
 const HALF_BUMP_PERIODS: f64 = 1.0 / 16.0;
-/// Half of a bump's width in a spin-up, in lengths of the log: the motion has no period, and what
-/// happens within a hundredth of the log is one event.
+/// Half of a bump's width in a spin-up, as a share of the length of the log. A spin-up has no period; features shorter
+/// than a hundredth of the log are not resolved.
 const HALF_BUMP_LOGS: f64 = 1.0 / 100.0;
 /// Number of bumps from which the noise is computed.
 const NOISE_PROBES: usize = 32;
 
-/// Which torque it is.
+/// Which missing torque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TorqueOn {
-    /// On the body, by the momentum of body and wheel.
+    /// On the body, from the momentum of body and wheel.
     Body,
     /// On the wheel: friction and motor.
     Wheel,
-    /// On the body, with the motor's torque taken from the command.
+    /// On the body, with the motor's torque computed from the command.
     BodyByCommand,
 }
 
 impl TorqueOn {
-    /// The channel to which the torque belongs, as in "experiment/channel".
+    /// The channel of the torque, as in "experiment/channel".
     pub fn channel(self) -> &'static str {
         match self {
             TorqueOn::Body | TorqueOn::BodyByCommand => Output::Angle.name(),
@@ -50,8 +48,8 @@ impl TorqueOn {
         }
     }
 
-    /// Weights of α̈ − α̈_m and φ̈ − φ̈_m in kg m²; `None` where the kind of experiment holds still what
-    /// the torque would move.
+    /// Weights of α̈ − α̈_m and φ̈ − φ̈_m in kg m²; `None` if this kind of experiment holds still the body on which the
+    /// torque acts.
     fn inertias(self, kind: Kind, values: &[f64]) -> Option<(f64, f64)> {
         let (total, wheel) = (values[TOTAL_INERTIA], values[WHEEL_INERTIA]);
         match (self, kind) {
@@ -65,37 +63,35 @@ impl TorqueOn {
     }
 }
 
-/// The torque that a model lacks in one record.
+/// A missing torque in one record.
 #[derive(Clone, Debug)]
 pub struct ResidualTorque {
     /// Which torque.
     pub on: TorqueOn,
-    /// The sample at the centre of each bump, increasing by [`ResidualTorque::stride`] but for gaps.
+    /// The sample at the centre of each bump; increasing by [`ResidualTorque::stride`], except at gaps.
     pub centres: Vec<usize>,
-    /// The torque in N m (per kg m² where the scale of the torques is not known), positive in the
-    /// direction of positive speed.
+    /// The torque in N m (in N m per kg m² if the scale of the torques is unknown), positive in the direction of positive
+    /// speed.
     pub torque_nm: Vec<f64>,
-    /// Standard deviation of each value from the noise of the sensors, same unit: the root mean
-    /// square over the log.
+    /// Standard deviation of each value from the noise of the sensors, same unit; the root mean square over the log.
     pub noise_std_nm: f64,
-    /// Correlation of the noise of two bumps that are 0, 1, 2, … strides apart, up to where the
-    /// bumps no longer overlap.
+    /// Correlation of the noise between two bumps that are 0, 1, 2, … strides apart, as long as the bumps overlap.
     pub noise_correlation: Vec<f64>,
-    /// A bump reaches this many samples to either side.
+    /// Half-width of a bump in samples.
     pub half: usize,
     /// Samples from one bump to the next.
     pub stride: usize,
 }
 
 impl ResidualTorque {
-    /// The weights with which the value at `centre` averages over the intervals from
-    /// `centre − half` to `centre + half` of its record; they sum to 1.
+    /// The weights, which sum to 1, with which the value at `centre` averages over the intervals from
+    /// `centre − half` to `centre + half` of its record.
     pub fn weights(&self, record: &Record, centre: usize) -> Vec<f64> {
         Bump::around(&record.time_s, centre, self.half).intervals
     }
 }
 
-/// The width of a bump for this record: half of it, in samples.
+/// Half of the width of a bump for this record, in samples.
 pub fn half_bump(record: &Record, values: &[f64]) -> usize {
     let n = record.len();
     let span_s = record.time_s[n - 1] - record.time_s[0];
@@ -107,7 +103,7 @@ pub fn half_bump(record: &Record, values: &[f64]) -> usize {
 }
 
 impl MeasuredMotion {
-    /// All torques that this motion shows to be missing, by bumps of half-width `half` samples.
+    /// All missing torques that this motion shows, with bumps of half-width `half` samples.
     pub fn residual_torques(
         &self,
         record: &Record,
@@ -120,7 +116,7 @@ impl MeasuredMotion {
             .filter(|on| match (on, record.kind) {
                 (TorqueOn::Body, Kind::FreeSwing) => true,
                 (TorqueOn::Body | TorqueOn::Wheel, _) => self.wheel_speed_measured,
-                // Body and wheel say the same and more.
+                // The torque from body and wheel contains this one.
                 (TorqueOn::BodyByCommand, _) => !self.wheel_speed_measured,
             })
             .filter_map(|on| {
@@ -132,8 +128,8 @@ impl MeasuredMotion {
 }
 
 impl MeasuredMotion {
-    /// For each value of a missing torque its derivative with respect to each parameter, in the
-    /// order of the parameter vector: what the torque would be if only the parameter were wrong.
+    /// The derivative of every value of a missing torque with respect to each parameter, in the order of the parameter
+    /// vector: the torque that would be missing if only that parameter were wrong.
     pub fn parameter_slopes(
         &self,
         record: &Record,
@@ -176,8 +172,8 @@ impl MeasuredMotion {
     }
 }
 
-/// The torques that `model` lacks in a record: on the body and on the wheel, as far as its kind and
-/// channels show them. `windows` are those of the fit (or none).
+/// The missing torques of `model` in a record, on the body and on the wheel, as its kind and channels allow. `windows`
+/// are those of the fit, or empty.
 pub fn residual_torques(
     record: &Record,
     windows: &[Window],
@@ -194,10 +190,9 @@ pub fn residual_torques(
     motion.residual_torques(record, model, values, half)
 }
 
-/// One torque that `model` lacks, smoothed by bumps of half-width `half` samples that begin `stride`
-/// samples apart. Bumps that touch a missing sample, or one of weight 0, are left out (an empty
-/// `weight` counts them all). `None` where this kind of experiment or its channels do not show the
-/// torque.
+/// One missing torque of `model`, smoothed by bumps of half-width `half` samples that begin `stride`
+/// samples apart. Bumps that contain a missing sample, or one of weight 0, are left out (an empty
+/// `weight` counts all samples). `None` if this kind of experiment or its channels do not show the torque.
 pub fn residual_torque(
     record: &Record,
     weight: &[f64],
@@ -282,9 +277,9 @@ pub fn residual_torque(
     })
 }
 
-/// Standard deviation of the weak form from the noise of the sensors, and its correlation between
-/// bumps: the weak form is linear in the noise of every sample, and the model's own part of it is
-/// found by moving the state by one standard deviation.
+/// Standard deviation of the weak form from the noise of the sensors, and its correlation between bumps. The weak form is
+/// linear in the noise of every sample. The part that enters through the model is found by changing the state by one
+/// standard deviation.
 fn noise(
     time_s: &[f64],
     motion: &MeasuredMotion,

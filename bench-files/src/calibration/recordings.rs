@@ -1,6 +1,4 @@
-//! The section `[calibration]`: recordings in bench.toml, results in model.toml.
-//!
-//! In bench.toml (all entries optional; files are CSV with a header line, in the bench folder;
+//! The recordings that `[calibration]` of bench.toml names (all entries optional; files are CSV with a header line, in the bench folder;
 //! counts are raw, as the registers hold them):
 //!
 //! ```toml
@@ -25,13 +23,10 @@
 //! std   = 0.0005                    # of a mark
 //! lines = [[[0.1, 0.0], [0.02, -0.13]], [[-0.1, 0.0], [-0.01, -0.13]]]   # two marks on each
 //! ```
-//!
-//! In model.toml the results, as [`Calibration`] says.
 
 use std::path::{Path, PathBuf};
 
-use toml_edit::{Array, TableLike, Value};
-
+use super::results::{LeverArmCalibration, pair};
 use crate::bench::{SECTIONS, bench_file, folder_of};
 use crate::csv_table;
 use crate::error::{Error, Names, Problem};
@@ -40,7 +35,6 @@ use crate::hardware::Hardware;
 use crate::keys;
 use crate::known::Known;
 use crate::toml_source::{Located, Section, TomlSource};
-use crate::toml_writing::{number, set, table_in};
 
 /// Raw readings of a three-axis sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +45,7 @@ pub struct CountsRecording {
     pub counts: Vec<[i16; 3]>,
 }
 
-/// Plumb lines drawn on the body.
+/// Plumb lines, drawn on the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlumbLines {
     /// The pivot in the drawing, m.
@@ -67,9 +61,9 @@ pub struct PlumbLines {
 pub struct CalibrationRecordings {
     /// The bench's folder.
     pub folder: PathBuf,
-    /// What was measured directly.
+    /// The values that were measured directly.
     pub known: Known,
-    /// The bench's sensors and its drive, where bench.toml states them.
+    /// The bench's sensors and its drive, if bench.toml states them.
     pub hardware: Option<Hardware>,
     /// Still poses of the accelerometer.
     pub accelerometer: Vec<CountsRecording>,
@@ -93,13 +87,13 @@ pub struct CalibrationRecordings {
     pub sample_time_s: Option<f64>,
     /// Local magnetic field, µT.
     pub field_ut: Option<f64>,
-    /// Position of the accelerometer as it was measured directly.
+    /// Position of the accelerometer, measured directly.
     pub lever_arm: Option<LeverArmCalibration>,
     /// Plumb lines.
     pub plumb_lines: Option<PlumbLines>,
 }
 
-/// The columns that recordings have.
+/// The column names of the recordings.
 const COLUMNS: [&str; 13] = [
     "ax",
     "ay",
@@ -121,17 +115,16 @@ const GYROSCOPE: [&str; 3] = ["gx", "gy", "gz"];
 const MAGNETOMETER: [&str; 3] = ["mx", "my", "mz"];
 
 impl CalibrationRecordings {
-    /// Loads the recordings of a bench. `path` is the bench's folder or its bench.toml, which need
-    /// not have experiments.
+    /// Loads the recordings of a bench. `path` is the bench's folder or its bench.toml, which may have no experiments.
     ///
     /// # Errors
-    /// The first thing that is wrong, see [`Problem`].
+    /// The first error, see [`Problem`].
     pub fn load(path: &Path) -> Result<CalibrationRecordings, Error> {
         let file = bench_file(path)?;
         CalibrationRecordings::read(Files::Disk, &file, folder_of(&file))
     }
 
-    /// The same from files that are in memory, one of them `bench.toml`.
+    /// As [`CalibrationRecordings::load`], from files in memory, one of them `bench.toml`.
     ///
     /// # Errors
     /// As for [`CalibrationRecordings::load`].
@@ -196,7 +189,7 @@ impl CalibrationRecordings {
         Ok(recordings)
     }
 
-    /// What a recording needs beside itself.
+    /// Checks for other entries that a recording needs.
     fn check_needs(&self, section: &Section) -> Result<(), Error> {
         let needs = |key: &'static str, missing: &'static str, example: &'static str| {
             section.error_at(
@@ -262,7 +255,7 @@ fn columns(section: &Section) -> Result<Vec<(String, Located<String>)>, Error> {
         .collect()
 }
 
-/// Reads the files that the section names.
+/// Reads the files that the section lists.
 struct Reader<'a> {
     files: Files<'a>,
     source: &'a TomlSource,
@@ -310,14 +303,14 @@ impl<'a> Reader<'a> {
         Ok(Some(pairs))
     }
 
-    /// Whether a file has the column that stands for `name`.
+    /// Whether a file has the column `name`, or the one that `columns` maps to it.
     fn has_column(&self, file: &Located<String>, name: &str) -> Result<bool, Error> {
         let path = self.folder.join(&file.value);
         let table = self.open(file, &path)?;
         Ok(table.columns().contains(&self.column(name)))
     }
 
-    /// What the header calls `name`.
+    /// The name of a column in the file's header.
     fn column(&self, name: &str) -> String {
         let own = self.columns.iter().find(|(key, _)| key == name);
         own.map_or(name.to_owned(), |(_, column)| column.value.clone())
@@ -405,265 +398,4 @@ fn plumb_lines(section: &Section) -> Result<Option<PlumbLines>, Error> {
             .map(|marks| [[marks[0], marks[1]], [marks[2], marks[3]]])
             .collect(),
     }))
-}
-
-/// A three-axis sensor: value = `matrix` (counts − `bias_counts`).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StoredSensorCalibration {
-    /// Reading at zero input, counts.
-    pub bias_counts: [f64; 3],
-    /// Its standard errors, counts.
-    pub bias_std: [f64; 3],
-    /// SI units (µT for a magnetometer) per count, row by row, in the sensor's own frame.
-    pub matrix: [[f64; 3]; 3],
-    /// Its standard errors; zero for entries that were not identified.
-    pub matrix_std: [[f64; 3]; 3],
-}
-
-/// How the sensor sits on the body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MountingCalibration {
-    /// The pivot axis in the sensor's frame, a unit vector.
-    pub axis: [f64; 3],
-    /// Standard error of its direction, rad.
-    pub axis_std_rad: f64,
-    /// Angle from the body's axis to the sensor's x axis, rad.
-    pub angle_rad: f64,
-    /// Its standard error, rad.
-    pub angle_std_rad: f64,
-}
-
-/// Where the accelerometer sits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LeverArmCalibration {
-    /// From the pivot axis along the sensor's x and y after the mounting's alignment, m.
-    pub position_m: [f64; 2],
-    /// Standard errors, m.
-    pub position_std_m: [f64; 2],
-}
-
-/// A straight line y = `slope` x + `offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineCalibration {
-    /// Slope.
-    pub slope: f64,
-    /// Its standard error.
-    pub slope_std: f64,
-    /// Value at zero.
-    pub offset: f64,
-    /// Its standard error.
-    pub offset_std: f64,
-}
-
-/// What calibration found: the section `[calibration]` of model.toml. Each part may be missing.
-///
-/// ```toml
-/// [calibration.accelerometer]       # likewise gyroscope (with beta) and magnetometer
-/// bias_counts = [41.7, -24.2, 9.9]
-/// bias_std    = [0.3, 0.3, 0.3]
-/// matrix      = [[2.4e-3, 0.0, 0.0], [0.0, 2.4e-3, 0.0], [0.0, 0.0, 2.4e-3]]
-/// matrix_std  = [[1e-7, 0.0, 0.0], [0.0, 1e-7, 0.0], [0.0, 0.0, 1e-7]]
-/// # beta      = 0.01                # gyroscope only, rad/s
-///
-/// [calibration.mounting]
-/// axis         = [0.01, -0.02, 0.9997]     # of the pivot in the sensor's frame
-/// axis_std_rad = 2e-4
-/// angle        = 2.356              # rad, from the body's axis to the sensor's x axis
-/// angle_std    = 1e-3
-///
-/// [calibration.lever_arm]           # accelerometer from the pivot axis, the aligned sensor's x, y
-/// position     = [0.05, 0.0]        # m; left out, the motion's part of the reading stays in it
-/// position_std = [1e-4, 1e-4]
-///
-/// [calibration.wheel_speed]         # rad/s over counts; likewise current: duty over A
-/// slope = 0.893373
-/// slope_std = 1e-5
-/// offset = -690.574
-/// offset_std = 1e-2
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Calibration {
-    /// Accelerometer, m/s² per count.
-    pub accelerometer: Option<StoredSensorCalibration>,
-    /// Gyroscope, rad/s per count.
-    pub gyroscope: Option<StoredSensorCalibration>,
-    /// Madgwick's β from the gyroscope's noise, rad/s (`beta` under `[calibration.gyroscope]`). The
-    /// filter turns the estimate back by at most 2β: where the gyroscope's bias wanders by more
-    /// after the recording, with warmth say, a larger β is to be written here. Another calibration
-    /// of the gyroscope writes it anew.
-    pub beta_rad_s: Option<f64>,
-    /// Magnetometer, µT per count.
-    pub magnetometer: Option<StoredSensorCalibration>,
-    /// Place of the sensor on the body.
-    pub mounting: Option<MountingCalibration>,
-    /// Place of the accelerometer, for which the filter corrects.
-    pub lever_arm: Option<LeverArmCalibration>,
-    /// Wheel speed in rad/s over converter counts.
-    pub wheel_speed: Option<LineCalibration>,
-    /// Duty in counts over the current in A (`[calibration.current]`).
-    pub duty: Option<LineCalibration>,
-}
-
-impl Calibration {
-    /// Reads the section.
-    pub(crate) fn read(section: &Section) -> Result<Calibration, Error> {
-        section.allow_only(&keys::names(keys::MODEL, "calibration"))?;
-        let sensor = |key: &str| -> Result<Option<StoredSensorCalibration>, Error> {
-            let Some(table) = section.section(key)? else {
-                return Ok(None);
-            };
-            let mut known = vec!["bias_counts", "bias_std", "matrix", "matrix_std"];
-            if key == "gyroscope" {
-                known.push("beta");
-            }
-            table.allow_only(&known)?;
-            Ok(Some(StoredSensorCalibration {
-                bias_counts: vector(&table, "bias_counts")?,
-                bias_std: vector(&table, "bias_std")?,
-                matrix: matrix(&table, "matrix")?,
-                matrix_std: matrix(&table, "matrix_std")?,
-            }))
-        };
-        let line = |key: &str| -> Result<Option<LineCalibration>, Error> {
-            let Some(table) = section.section(key)? else {
-                return Ok(None);
-            };
-            table.allow_only(&["slope", "slope_std", "offset", "offset_std"])?;
-            Ok(Some(LineCalibration {
-                slope: table.required_number("slope")?,
-                slope_std: table.required_number("slope_std")?,
-                offset: table.required_number("offset")?,
-                offset_std: table.required_number("offset_std")?,
-            }))
-        };
-        let mounting = match section.section("mounting")? {
-            None => None,
-            Some(table) => {
-                table.allow_only(&["axis", "axis_std_rad", "angle", "angle_std"])?;
-                Some(MountingCalibration {
-                    axis: vector(&table, "axis")?,
-                    axis_std_rad: table.required_number("axis_std_rad")?,
-                    angle_rad: table.required_number("angle")?,
-                    angle_std_rad: table.required_number("angle_std")?,
-                })
-            }
-        };
-        let lever_arm = match section.section("lever_arm")? {
-            None => None,
-            Some(table) => {
-                table.allow_only(&["position", "position_std"])?;
-                let pair = |key: &str| -> Result<[f64; 2], Error> {
-                    let example = "a list of two numbers, along x and y in m";
-                    pair(&table, key)?.ok_or_else(|| table.error(table.missing(key, example)))
-                };
-                Some(LeverArmCalibration {
-                    position_m: pair("position")?,
-                    position_std_m: pair("position_std")?,
-                })
-            }
-        };
-        let beta = match section.section("gyroscope")? {
-            None => None,
-            Some(table) => table.positive_number("beta")?.map(|beta| beta.value),
-        };
-        Ok(Calibration {
-            accelerometer: sensor("accelerometer")?,
-            gyroscope: sensor("gyroscope")?,
-            beta_rad_s: beta,
-            magnetometer: sensor("magnetometer")?,
-            mounting,
-            lever_arm,
-            wheel_speed: line("wheel_speed")?,
-            duty: line("current")?,
-        })
-    }
-
-    /// Puts the section into a document.
-    pub(crate) fn write(&self, root: &mut dyn TableLike) {
-        let section = table_in(root, "calibration", true);
-        for (key, sensor) in [
-            ("accelerometer", &self.accelerometer),
-            ("gyroscope", &self.gyroscope),
-            ("magnetometer", &self.magnetometer),
-        ] {
-            let Some(sensor) = sensor else {
-                section.remove(key);
-                continue;
-            };
-            let table = table_in(section, key, false);
-            set(table, "bias_counts", list(&sensor.bias_counts));
-            set(table, "bias_std", list(&sensor.bias_std));
-            set(table, "matrix", lists(&sensor.matrix));
-            set(table, "matrix_std", lists(&sensor.matrix_std));
-            if key == "gyroscope" {
-                match self.beta_rad_s {
-                    Some(beta) => set(table, "beta", number(beta)),
-                    None => {
-                        table.remove("beta");
-                    }
-                }
-            }
-        }
-        match &self.mounting {
-            None => {
-                section.remove("mounting");
-            }
-            Some(mounting) => {
-                let table = table_in(section, "mounting", false);
-                set(table, "axis", list(&mounting.axis));
-                set(table, "axis_std_rad", number(mounting.axis_std_rad));
-                set(table, "angle", number(mounting.angle_rad));
-                set(table, "angle_std", number(mounting.angle_std_rad));
-            }
-        }
-        match &self.lever_arm {
-            None => {
-                section.remove("lever_arm");
-            }
-            Some(arm) => {
-                let table = table_in(section, "lever_arm", false);
-                set(table, "position", list(&arm.position_m));
-                set(table, "position_std", list(&arm.position_std_m));
-            }
-        }
-        for (key, line) in [("wheel_speed", &self.wheel_speed), ("current", &self.duty)] {
-            let Some(line) = line else {
-                section.remove(key);
-                continue;
-            };
-            let table = table_in(section, key, false);
-            set(table, "slope", number(line.slope));
-            set(table, "slope_std", number(line.slope_std));
-            set(table, "offset", number(line.offset));
-            set(table, "offset_std", number(line.offset_std));
-        }
-    }
-}
-
-/// Two numbers, along x and y, if the key is there.
-fn pair(table: &Section, key: &str) -> Result<Option<[f64; 2]>, Error> {
-    let numbers = table.numbers(key, &[2], "a list of two numbers, along x and y in m")?;
-    Ok(numbers.map(|numbers| [numbers[0], numbers[1]]))
-}
-
-fn vector(table: &Section, key: &str) -> Result<[f64; 3], Error> {
-    let numbers = table
-        .numbers(key, &[3], "a list of three numbers")?
-        .ok_or_else(|| table.error(table.missing(key, "a list of three numbers")))?;
-    Ok([numbers[0], numbers[1], numbers[2]])
-}
-
-fn matrix(table: &Section, key: &str) -> Result<[[f64; 3]; 3], Error> {
-    let numbers = table
-        .numbers(key, &[3, 3], "three lists of three numbers")?
-        .ok_or_else(|| table.error(table.missing(key, "three lists of three numbers")))?;
-    Ok([0, 1, 2].map(|row| [0, 1, 2].map(|column| numbers[3 * row + column])))
-}
-
-fn list(values: &[f64]) -> Value {
-    Value::Array(values.iter().map(|value| number(*value)).collect::<Array>())
-}
-
-fn lists(rows: &[[f64; 3]; 3]) -> Value {
-    Value::Array(rows.iter().map(|row| list(row)).collect::<Array>())
 }
