@@ -338,6 +338,9 @@ pub enum Problem {
     /// A user's formula, or its definition, is wrong.
     #[error("{0}")]
     Formula(String),
+    /// A learned curve that is none.
+    #[error("{0}")]
+    Curve(String),
 
     // --- logs -------------------------------------------------------------------------------
     /// The file is empty, or has only blank lines and comments.

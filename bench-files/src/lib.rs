@@ -26,6 +26,7 @@ mod files;
 mod hardware;
 pub mod keys;
 mod known;
+mod learned_section;
 mod log;
 mod long_log;
 mod model_file;

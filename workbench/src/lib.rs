@@ -78,6 +78,7 @@ mod effect_library;
 mod effect_portrait;
 mod error;
 mod fingerprint;
+mod learned;
 mod loop_expectations;
 mod loop_responses;
 mod measured_linearity;
@@ -86,6 +87,7 @@ mod module_spec;
 mod named;
 pub mod numbers;
 mod output_file;
+mod own_effects;
 mod per_series;
 mod proof;
 mod recording;
@@ -133,6 +135,7 @@ pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use learned::{MissingTorque, TorquePoint};
 pub use loop_expectations::{
     AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
     weights_of_excursions,
@@ -141,6 +144,7 @@ pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use model_export::ExportLanguage;
 pub use output_file::OutputFile;
+pub use own_effects::{OwnEffectError, check_own_effect};
 pub use per_series::{PerSeries, SeriesName};
 pub use proof::{
     CLAIMS, ClaimStatement, MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove,
