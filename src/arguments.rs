@@ -1,4 +1,4 @@
-//! The arguments that commands share.
+//! Arguments that several commands share.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use workbench::Session;
 use crate::failure::Failure;
 use crate::progress::with_progress;
 
-/// Where the result goes.
+/// Where the result is written.
 #[derive(Args)]
 pub struct JsonOutput {
     /// Write everything that the text says to FILE as JSON ("-": standard output, instead of text)
@@ -16,13 +16,13 @@ pub struct JsonOutput {
     pub json: Option<PathBuf>,
 }
 
-/// The folder beside a model into which figures go unless another is named.
+/// The folder for figures beside a model, unless another is given.
 pub fn out_beside(model: &Path) -> PathBuf {
     let beside = model.parent();
     beside.map_or_else(|| PathBuf::from("out"), |folder| folder.join("out"))
 }
 
-/// A bench's files beside its folder.
+/// Paths that belong to a bench.
 #[derive(Args)]
 pub struct BenchFiles {
     /// The model of the bench [default: BENCH/model.toml]
@@ -34,7 +34,7 @@ pub struct BenchFiles {
 }
 
 impl BenchFiles {
-    /// Opens the bench with the model that is named.
+    /// Opens the bench with the given model.
     pub fn open(&self, bench: &Path) -> Result<Session, Failure> {
         let model = self.model.as_deref();
         Ok(with_progress(|progress| {
@@ -42,8 +42,8 @@ impl BenchFiles {
         })?)
     }
 
-    /// Opens the bench for a command that draws: an hour's work is not to end at a folder that cannot be
-    /// written to.
+    /// Opens the bench for a command that draws figures. The output folder is checked first, so that long work does not
+    /// end with a folder that cannot be written to.
     pub fn open_to_draw(&self, bench: &Path) -> Result<Session, Failure> {
         let session = self.open(bench)?;
         bench_files::can_write_into(&self.out_of(&session))?;
@@ -58,18 +58,18 @@ impl BenchFiles {
         Ok(session)
     }
 
-    /// Where figures and reports of the bench go.
+    /// The folder for figures and reports of the bench.
     pub fn out_of(&self, session: &Session) -> PathBuf {
         let beside = || session.bench().folder.join("out");
         self.out.clone().unwrap_or_else(beside)
     }
 }
 
-/// Writes a session's model, with a way out where the bench is read-only.
+/// Writes a session's model; the error names a way out if the bench is read-only.
 pub fn save_model(session: &Session) -> Result<(), Failure> {
     session.save_model().map_err(|error| {
         Failure::new(format!(
-            "{error}; --model FILE names another place, for example where the bench is read-only"
+            "{error}; --model FILE names another file, for example if the bench is read-only"
         ))
     })
 }

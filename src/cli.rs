@@ -5,7 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::arguments::JsonOutput;
 use crate::commands::{
     add, bring_up, calibrate, check, compare, demo, design, diagnose, effects, exam, generate,
-    identify, lab, mutate, new, prove, remove, report, simulate,
+    identify, lab, mutate, new, prove, record, remove, report, simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -36,6 +36,8 @@ pub enum Command {
     New(new::Arguments),
     /// What is wrong with the data of a bench, before anything is fitted
     Check(check::Arguments),
+    /// Record a log of the bench from the firmware's serial line
+    Record(record::Arguments),
     /// Fit the base model and the effects that model.toml already has; write model.toml
     Identify(identify::Arguments),
     /// Show the model against the measurements, and where it fails
@@ -77,6 +79,7 @@ impl Command {
             Command::Demo(arguments) => demo::run(arguments),
             Command::New(arguments) => new::run(arguments),
             Command::Check(arguments) => check::run(arguments),
+            Command::Record(arguments) => record::run(arguments),
             Command::Identify(arguments) => identify::run(arguments),
             Command::Compare(arguments) => compare::run(arguments),
             Command::Add(arguments) => add::run(arguments),
@@ -102,6 +105,7 @@ impl Command {
             Command::Demo(arguments) => &arguments.output,
             Command::New(arguments) => &arguments.output,
             Command::Check(arguments) => &arguments.output,
+            Command::Record(arguments) => &arguments.output,
             Command::Identify(arguments) => &arguments.output,
             Command::Compare(arguments) => &arguments.output,
             Command::Add(arguments) => &arguments.output,

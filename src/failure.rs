@@ -1,4 +1,4 @@
-//! Why a command ends with exit code 2: bad input, with one clear message.
+//! The failure of a command (exit code 2): bad input, with one clear message.
 
 use std::fmt;
 use std::io::IsTerminal;
@@ -8,12 +8,12 @@ use std::path::Path;
 use crate::progress::CALLED_OFF;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
-/// Bad input, a file that cannot be written, or a command that was called off.
+/// Bad input, a file that cannot be written, or a cancelled command.
 pub struct Failure {
     message: String,
     /// The exit code.
     code: u8,
-    /// The text of a file and the bytes of it that the message is about.
+    /// The text of a file, and the range of bytes that the message is about.
     excerpt: Option<(String, Range<usize>)>,
 }
 
@@ -37,7 +37,7 @@ impl Failure {
         Failure::new(format!("{}: {message}", file.display()))
     }
 
-    /// One message on standard error; on a terminal with the lines of the file that it is about.
+    /// Prints one message on standard error; on a terminal, with the affected lines of the file.
     pub fn print(&self) {
         match &self.excerpt {
             Some((text, span)) if std::io::stderr().is_terminal() => {
@@ -47,7 +47,7 @@ impl Failure {
         }
     }
 
-    /// The message above the lines of the file, with a mark under what is wrong.
+    /// The message above the lines of the file, with the wrong part marked.
     fn drawn(&self, text: &str, span: Range<usize>, renderer: &Renderer) -> String {
         let mark = AnnotationKind::Primary.span(span).label("here");
         let title = Level::ERROR.primary_title(&self.message);

@@ -22,7 +22,7 @@ use crate::failure::Failure;
 use crate::report::Report;
 
 fn main() -> ExitCode {
-    // A panic is a bug of ours; a user gets one line, not a backtrace.
+    // A panic is a fault of this program; the user gets one line, not a backtrace.
     panic::set_hook(Box::new(|bug| {
         let place = bug
             .location()
@@ -50,7 +50,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
     Ok(ExitCode::from(report.code))
 }
 
-/// Prints the text, or writes the JSON; with `--json -` the JSON takes the text's place.
+/// Prints the text, or writes the JSON; with `--json -`, the JSON replaces the text.
 fn deliver(report: &Report, output: &JsonOutput) -> Result<(), Failure> {
     match output.json.as_deref() {
         Some(path) if path.as_os_str() == "-" => print(&report.json),
@@ -62,7 +62,7 @@ fn deliver(report: &Report, output: &JsonOutput) -> Result<(), Failure> {
     }
 }
 
-/// A text without the control characters that names in files may hold: a terminal would obey them.
+/// A text without control characters, which names in files may contain and a terminal would execute.
 fn harmless(text: &str) -> String {
     let shown = |c: char| {
         if c.is_control() && c != '\n' {
@@ -80,7 +80,7 @@ fn print(text: &str) -> Result<(), Failure> {
         .write_all(text.as_bytes())
         .and_then(|()| stdout.flush())
     {
-        // The reader has seen enough (`flywheel … | head`).
+        // The reader has closed the pipe (`flywheel … | head`).
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         Err(error) => Err(Failure::new(format!(
             "cannot write to standard output: {error}"

@@ -1,4 +1,4 @@
-//! Progress on standard error for work that takes a while, and its end at the user's wish (Ctrl-C).
+//! Progress on standard error for long work, and its cancellation by the user (Ctrl-C).
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,23 +9,23 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use workbench::Progress;
 
-/// Exit code of a command that was called off: 128 and the number of the signal, as shells have it.
+/// Exit code of a cancelled command: 128 plus the number of the signal, as in shells.
 pub const CALLED_OFF: u8 = 130;
 
-/// The user wants the command to end.
+/// Whether the user has cancelled the command.
 static IS_CALLED_OFF: AtomicBool = AtomicBool::new(false);
-/// Work is under way that asks for it, and then ends by itself before anything is written.
+/// Whether the running work checks for cancellation. Such work ends by itself before anything is written.
 static IS_ASKED_FOR: AtomicBool = AtomicBool::new(false);
 
-/// Where no terminal shows the spinner, the first line comes after this time, the next ones no faster than
+/// Without a terminal for the spinner, the first line comes after this time, and the next ones at intervals of at least
 /// [`LINE_PAUSE`].
 const FIRST_LINE: Duration = Duration::from_millis(800);
 const LINE_PAUSE: Duration = Duration::from_secs(2);
 
-/// From now on Ctrl-C calls off what is under way: nothing is written then, and the exit code is [`CALLED_OFF`].
-/// Where nothing asks for it, or at the second time, the program ends at once.
+/// Lets Ctrl-C cancel the running work: nothing is written then, and the exit code is [`CALLED_OFF`].
+/// If the work does not check for cancellation, or at the second Ctrl-C, the program ends at once.
 pub fn heed_interrupts() {
-    // Without the handler Ctrl-C ends the program as it would any other.
+    // Without the handler, Ctrl-C ends the program as usual.
     let _ = ctrlc::set_handler(|| {
         let is_again = IS_CALLED_OFF.swap(true, Ordering::SeqCst);
         if is_again || !IS_ASKED_FOR.load(Ordering::SeqCst) {
@@ -34,8 +34,8 @@ pub fn heed_interrupts() {
     });
 }
 
-/// Runs `work` and shows what it says: under a spinner on a terminal, which is gone when the work is done, else in a
-/// line now and then. Ctrl-C calls it off.
+/// Runs `work` and shows its progress messages: with a spinner on a terminal, which disappears at the end, otherwise
+/// with a line from time to time. Ctrl-C cancels the work.
 pub fn with_progress<T>(work: impl FnOnce(&Progress) -> T) -> T {
     IS_ASKED_FOR.store(true, Ordering::SeqCst);
     let cancelled = || IS_CALLED_OFF.load(Ordering::SeqCst);
@@ -63,7 +63,7 @@ fn under_spinner<T>(work: impl FnOnce(&Progress) -> T, cancelled: &(dyn Fn() -> 
     result
 }
 
-/// A line on standard error whenever what is done has changed, if the work takes longer than [`FIRST_LINE`].
+/// Prints a line on standard error whenever the message has changed, if the work takes longer than [`FIRST_LINE`].
 fn with_lines<T>(work: impl FnOnce(&Progress) -> T, cancelled: &(dyn Fn() -> bool + Sync)) -> T {
     let doing = Mutex::new(String::new());
     let (done, is_done) = mpsc::channel::<()>();
@@ -89,7 +89,7 @@ fn with_lines<T>(work: impl FnOnce(&Progress) -> T, cancelled: &(dyn Fn() -> boo
             say: &say,
             cancelled,
         });
-        // The other end may be gone already: then there is nobody to be told.
+        // The receiver may have ended already; then the message is not needed.
         let _ = done.send(());
         result
     })

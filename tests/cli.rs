@@ -4,6 +4,8 @@
 mod data;
 #[path = "cli/demo.rs"]
 mod demo;
+#[path = "cli/design.rs"]
+mod design;
 #[path = "cli/diagnose.rs"]
 mod diagnose;
 #[path = "cli/long_work.rs"]

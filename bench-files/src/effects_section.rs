@@ -4,6 +4,7 @@ use plant::EffectId;
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Names, Problem};
+use crate::model_file::Parameter;
 use crate::own_effect::OwnEffect;
 use crate::toml_source::{Located, Section, TomlSource};
 use crate::toml_writing::set;
@@ -31,6 +32,7 @@ impl EffectsSection {
         source: &TomlSource,
         section: &Section,
         own: &[OwnEffect],
+        parameters: &[Parameter],
     ) -> Result<EffectsSection, Error> {
         section.allow_only(&crate::keys::names(crate::keys::MODEL, "effects"))?;
         let names = section.texts("present")?.ok_or_else(|| {
@@ -38,7 +40,7 @@ impl EffectsSection {
         })?;
         let mut present = Vec::new();
         for name in names {
-            let effect = known(source, &name, own)?;
+            let effect = of_logs(known(source, &name, own)?, parameters);
             if let Some(other) = present.iter().find(|other| excludes(**other, effect)) {
                 return Err(source.error(
                     name.span,
@@ -52,7 +54,7 @@ impl EffectsSection {
         }
         let mut provisional = vec![];
         for name in section.texts("provisional")?.unwrap_or_default() {
-            let effect = known(source, &name, own)?;
+            let effect = of_logs(known(source, &name, own)?, parameters);
             if !present.contains(&effect) {
                 return Err(source.error(
                     name.span,
@@ -75,6 +77,12 @@ impl EffectsSection {
         });
         Ok(EffectsSection { present, tie })
     }
+}
+
+/// An effect with the parameters that the file has for its logs.
+fn of_logs(effect: EffectId, parameters: &[Parameter]) -> EffectId {
+    let logs = parameters.iter().filter_map(|one| effect.log_of(&one.name));
+    effect.for_logs(&logs.map(str::to_owned).collect::<Vec<_>>())
 }
 
 /// Writes the section.

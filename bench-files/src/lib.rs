@@ -30,6 +30,7 @@ mod known;
 mod log;
 mod long_log;
 mod model_file;
+mod outline;
 mod own_effect;
 mod toml_source;
 mod toml_writing;
@@ -55,5 +56,6 @@ pub use hardware::{
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
 pub use model_file::{DesignSection, ModelFile, Parameter};
+pub use outline::{BenchOutline, NewExperiment, file_name};
 pub use own_effect::{OWN_PREFIX, OwnEffect};
 pub use write::{can_write_into, write_atomically};

@@ -225,7 +225,7 @@ impl ModelFile {
         let EffectsSection {
             present: effects,
             tie,
-        } = EffectsSection::read(source, &section, &own_effects)?;
+        } = EffectsSection::read(source, &section, &own_effects, &parameters)?;
 
         let design = root
             .section("design")?
@@ -480,9 +480,16 @@ fn unit_and_bounds(name: &str, own: &[OwnEffect]) -> Option<(&'static str, (f64,
         return Some((unit, *bounds));
     }
     let own = own.iter().flat_map(|own| own.effect.info().parameters);
+    let is_own = |info: &&ParameterInfo| {
+        // One of those that there are for each log.
+        let own = info.name.strip_suffix("EXPERIMENT");
+        own.map_or(info.name == name, |own| {
+            name.len() > own.len() && name.starts_with(own)
+        })
+    };
     library_parameters()
         .chain(own)
-        .find(|info| info.name == name)
+        .find(is_own)
         .map(|info| (info.unit, info.bounds))
 }
 

@@ -1,4 +1,4 @@
-//! CLAIMS.md: what is promised, by what it is settled, and where each constant comes from.
+//! CLAIMS.md: the claims, the engines that decide them, and the source of each constant.
 
 use crate::certificate::claims::CLAIMS;
 use crate::certificate::reader::Certificate;

@@ -1,20 +1,20 @@
-//! Checks an emitted controller without trusting, or sharing code with, its generator.
+//! Checks an emitted controller without trusting its generator, and without sharing code with it.
 //!
-//! Folders in the order of the argument; each uses only those above it.
+//! The folders are listed in the order of the argument; each uses only those above it.
 //!
 //! | folder | job |
 //! |---|---|
 //! | [`exact`] | rational numbers, matrices of them, outward-rounded intervals |
 //! | [`program`] | a resolved function: words, types, steps, contracts |
-//! | [`domains`] | what a word is: one integer, a range, a linear form, a polynomial, a term for z3; and the one walk over a program that serves them all |
-//! | [`language`] | the emitted source, read and brought to that form; what is not in the language is refused |
-//! | [`certificate`] | `certificate.json`, read strictly, and the claims that may stand there |
-//! | [`compiled`] | the crate as rustc compiles it, run beside the reader |
-//! | [`audit`] | the texts that an emitted crate is made of, fixed by digests |
-//! | [`claims`] | one file a claim: what each engine does for it |
+//! | [`domains`] | what a word is: one integer, a range, a linear form, a polynomial, a term for z3; and the walk over a program for all of them |
+//! | [`language`] | the emitted source, parsed and converted to that form; anything outside the language is refused |
+//! | [`certificate`] | `certificate.json`, read strictly, and the claims that it may contain |
+//! | [`compiled`] | the crate compiled by rustc, compared with the reader |
+//! | [`audit`] | the texts of an emitted crate, fixed by digests |
+//! | [`claims`] | one file per claim: what each engine does for it |
 //! | [`prove`] | every claim by every engine |
 //! | [`document`] | CLAIMS.md |
-//! | [`mutate`] | damages the source and shows which engine notices |
+//! | [`mutate`] | damages the source and shows which engine detects it |
 
 #![warn(missing_docs)]
 

@@ -31,11 +31,53 @@ fn most_damages_are_noticed_and_survivors_are_listed() {
     assert!(summary.caught * 100 >= summary.mutants * 95, "{summary:?}");
 }
 
+/// Damages to what the reader reads (types, names, receivers, visibility) are noticed, all of them.
+#[test]
+#[ignore = "minutes: cargo test -p checker --test mutants damages_to -- --ignored"]
+fn damages_to_what_is_read_are_noticed() {
+    let emitted = Emitted::read(Path::new("../generated")).unwrap();
+    let certificate = Certificate::parse(&emitted.certificate).unwrap();
+    let mut counts = std::collections::BTreeMap::new();
+    let mut survivors = Vec::new();
+    for (path, text) in &emitted.sources {
+        let of_kind = mutants(path, text);
+        for kind in ["type", "name", "receiver", "visibility"] {
+            let all: Vec<_> = of_kind
+                .iter()
+                .filter(|mutant| mutant.kind == kind)
+                .collect();
+            let count = all.len().min(3);
+            for index in 0..count {
+                let mutant = all[index * all.len() / count].clone();
+                let verdict = judged(&emitted, &certificate, mutant);
+                *counts.entry(kind).or_insert(0) += 1;
+                if verdict.noticed.is_empty() {
+                    let m = &verdict.mutant;
+                    survivors.push(format!(
+                        "{}:{} {}: {} -> {}",
+                        m.file, m.line, kind, m.before, m.after
+                    ));
+                }
+            }
+        }
+    }
+    println!("{counts:?}");
+    assert!(survivors.is_empty(), "{survivors:#?}");
+    assert!(
+        counts.len() == 4 && counts.values().sum::<i32>() > 60,
+        "{counts:?}"
+    );
+}
+
 #[test]
 fn a_mutant_changes_its_place_and_nothing_else() {
     let text = "/// 5 ü\npub fn f(a: i32) -> i32 {\n    (a + 7) >> 3\n}\n";
     let found = mutants("src/x.rs", text);
-    assert!(found.iter().all(|mutant| mutant.line == 3));
+    let is_read = ["type", "visibility"];
+    let code = found
+        .iter()
+        .filter(|mutant| !is_read.contains(&mutant.kind));
+    assert!(code.clone().count() > 5 && code.clone().all(|mutant| mutant.line == 3));
     let texts: Vec<_> = found.iter().map(|mutant| applied(text, mutant)).collect();
     for wanted in [
         "(a - 7) >> 3",

@@ -1,7 +1,7 @@
 //! The attitude filter's constants: from the real numbers of calibration and mounting to words.
 //!
-//! Every format is stated at the field of [`FilterConstants`]; here the numbers are rounded to it
-//! once, or refused where they do not fit.
+//! The documentation of each field of [`FilterConstants`] states its format. Here the numbers are rounded to that
+//! format once, or refused if they do not fit.
 
 use attitude::{AttitudeSpec, GRAVITY_SHARE_MIN, RATE_LAG_STEPS, wrap_angle};
 use nalgebra::Matrix3;
@@ -11,10 +11,10 @@ use crate::helpers::drift::DriftGain;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::lever_arm::LeverArm;
 
-/// Numbers that the filter cannot be built on.
+/// The reason why the filter cannot be built from these numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AttitudeRefusal {
-    /// A quantity is NaN, infinite or not positive where it must be.
+    /// A quantity is NaN or infinite, or not positive although it must be.
     #[error("{what} is {value}: a finite number greater than zero is needed")]
     NotPositive {
         /// The quantity.
@@ -31,11 +31,11 @@ pub enum AttitudeRefusal {
         what: &'static str,
         /// Its value.
         value: f64,
-        /// The largest that fits.
+        /// The largest value that fits.
         limit: f64,
         /// Unit of both.
         unit: &'static str,
-        /// What would help.
+        /// The remedy.
         cure: &'static str,
     },
     /// The sample time is no whole number of microseconds.
@@ -46,7 +46,7 @@ pub enum AttitudeRefusal {
         /// The sample time, s.
         sample_time_s: f64,
     },
-    /// A straight line between words, or the observer, does not fit its words.
+    /// A straight line between words, or the observer, does not fit into its words.
     #[error(
         "{what}: {value} cannot be brought into 32-bit words; check its unit and the stated ranges"
     )]
@@ -58,14 +58,14 @@ pub enum AttitudeRefusal {
     },
 }
 
-/// Largest β T: 2⁻⁸. With the largest half-angles the length of q then stays within 1e-4.
+/// Largest β T: 2⁻⁸. With the largest half-angles, the length of q then stays within 1e-4 of 1.
 const BETA_STEP_MAX: f64 = 1.0 / 256.0;
 
 /// Sum of the magnitudes in a row of the accelerometer's and magnetometer's matrix, in Q17 units
 /// per count: the range of ±32768 counts becomes ±2²⁸ units.
 const ROW_SUM: f64 = (1u64 << 30) as f64;
 
-/// The largest such sum of the gyroscope.
+/// The largest such sum for the gyroscope.
 const ROW_SUM_MAX: f64 = 1.5 * ROW_SUM;
 
 /// Largest bias, counts.
@@ -96,7 +96,7 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
         "rad per count",
         "shorten the sample time or choose a smaller range",
     )?;
-    // As many more bits as fit, so that rounding down three products costs nothing.
+    // As many additional bits as fit, so that rounding down three products has no effect.
     let shift = (ROW_SUM_MAX / 2f64.powi(49) / sum).log2().floor().min(16.0) as u32;
     let accel_unit = ROW_SUM / positive("the accelerometer's scale", row_sum(&spec.accel.matrix))?;
     let mag_unit = ROW_SUM / positive("the magnetometer's scale", row_sum(&spec.mag.matrix))?;
@@ -123,7 +123,7 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
 
     let drift_time = positive("the time in which a drift is followed", spec.drift_time_s)?;
     let drift_limit = positive("the largest drift", spec.drift_limit_rad_s)? * 0.5 * period;
-    // As many more bits as leave room for the largest drift.
+    // As many additional bits as the largest drift leaves room for.
     let drift_shift = (30.0 - (drift_limit * 2f64.powi(32)).log2())
         .floor()
         .clamp(0.0, 14.0);

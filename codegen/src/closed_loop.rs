@@ -1,16 +1,16 @@
 //! Finds the certificate of the closed loop: an invariant ellipsoid and the bounds that follow.
 //!
-//! What the numbers mean, and why they prove what they claim, is said where they are checked (the
-//! checker's `closed_loop`), in exact arithmetic and by other code. Here they only have to be
-//! found, so plain floating point will do; every bound is rounded up by more than the floating
-//! point can be off.
+//! The checker's `closed_loop` explains the numbers and why they prove the claim; it
+//! checks them in exact arithmetic, with separate code. Here they only have to be
+//! found, so ordinary floating point is sufficient. Every bound is rounded up by more than the floating-point
+//! error.
 //!
 //! **Ellipsoid.** For F = Ad − Bd K and a γ between the spectral radius of F and 1, the solution of
-//! Fᵀ P F − γ² P = −(Kᵀ K + ε S) with a diagonal S that makes the states comparable gives a set
-//! which F maps into γ times itself; the weight Kᵀ K shapes it along the strip |K x| ≤ limit. It is
-//! scaled until a command or a state reaches its limit; the angle's is the one at which the largest
+//! Fᵀ P F − γ² P = −(Kᵀ K + ε S), with a diagonal S that makes the states comparable, gives a set
+//! that F maps into γ times itself. The weight Kᵀ K shapes it along the strip |K x| ≤ limit. The set is
+//! scaled until a command or a state reaches its limit. The limit of the angle is the one at which the largest
 //! current just holds the body against gravity, |B₂| L/A₂₁, because no loop returns from beyond it.
-//! γ and ε are searched for the largest volume that the perturbations cannot leave.
+//! γ and ε are chosen for the largest volume that the perturbations cannot leave.
 
 use nalgebra::{DMatrix, DVector, Matrix3, RowVector3, Vector3};
 use num_traits::ToPrimitive;
@@ -20,7 +20,7 @@ use crate::exact::{ShortestDecimal, outward, parse};
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
-/// Rounding up by this share covers what floating point may be off.
+/// Rounding up by this share covers the floating-point error.
 const MARGIN: f64 = 1e-10;
 
 /// Significant digits of a bound.
@@ -69,7 +69,7 @@ struct Loop {
 }
 
 impl Loop {
-    /// Largest perturbation of the command for states that are off by `steps`.
+    /// Largest perturbation of the command for errors `steps` of the states.
     fn noise(&self, steps: &Vector3<f64>) -> f64 {
         (self.emitted.abs() * steps)[0] + self.half_unit
     }
@@ -109,7 +109,7 @@ pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value>
     Some(stated(&problem, &p, gamma, sensor_steps))
 }
 
-/// The angle at which the largest current just holds the linear body; infinite where the body does
+/// The angle at which the largest current just holds the body in the linear model; infinite if the body does
 /// not fall.
 fn holdable_angle(spec: &ModuleSpec) -> f64 {
     let (fall, push) = (spec.a[1][0], spec.b[1]);
@@ -120,7 +120,7 @@ fn holdable_angle(spec: &ModuleSpec) -> f64 {
     }
 }
 
-/// One count: of the accelerometer as an angle against gravity, of the gyroscope about the pivot
+/// The size of one count: of the accelerometer as an angle against gravity, of the gyroscope about the pivot
 /// axis, of the converter.
 fn sensor_steps(spec: &ModuleSpec) -> [f64; 3] {
     let attitude = &spec.hardware.attitude;
@@ -144,7 +144,7 @@ fn largest_ellipsoid(problem: &Loop) -> Option<(Matrix3<f64>, f64)> {
         .map(|value| value.norm())
         .fold(0.0, f64::max);
     let mut best: Option<(Matrix3<f64>, f64, f64)> = None;
-    // The nearer γ is to 1, the more terms a bound needs: half way is the limit.
+    // The nearer γ is to 1, the more terms a bound needs; γ goes at most half of the way to 1.
     for step in 1..=20 {
         let gamma = radius + (1.0 - radius) * f64::from(step) / 40.0;
         for exponent in -16..=4 {
@@ -171,7 +171,7 @@ fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
     let p = lyapunov(&(problem.f / gamma), &(weight / (gamma * gamma)))?;
     let reach = |row: &RowVector3<f64>| dual_norm(&p, row);
     let noise = problem.noise(&problem.half_sensors);
-    // How much larger the set xᵀ P x ≤ 1 may be made.
+    // The factor by which the set xᵀ P x ≤ 1 may be enlarged.
     let mut growth = (problem.limit - noise) / reach(&problem.gains).max(reach(&problem.emitted));
     for i in 0..3 {
         let mut row = RowVector3::zeros();
@@ -203,7 +203,7 @@ fn stated(
     gamma: f64,
     sensor_steps: [f64; 3],
 ) -> serde_json::Value {
-    // The printed matrix is the one that counts from here on; its decimals are these doubles.
+    // From here on, the printed matrix is used; its decimals are exactly these doubles.
     let reach = |row: &RowVector3<f64>| dual_norm(p, row);
     let unit = |i: usize| {
         let mut row = RowVector3::zeros();

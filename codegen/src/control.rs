@@ -10,9 +10,9 @@
 //!
 //! P is the largest for which this is at most 2⁶³ − 1 and each Nᵢ fits 32 bits.
 //!
-//! **Error.** Rounding moves the sum by at most half a unit of the command. Saturation brings two
-//! numbers no further apart, and two limits L, L′ move a saturated number by at most |L − L′|;
-//! taken together the larger of the two counts (case by case: both saturated, one, none). So
+//! **Error.** Rounding changes the sum by at most half a unit of the command. Saturation does not increase the distance
+//! of two numbers, and two limits L, L′ change a saturated number by at most |L − L′|.
+//! Together, the larger of the two bounds holds (case by case: both saturated, one, none). So
 //!
 //! - against the quantised gains: ½ unit;
 //! - against the real gains: max(½ unit + Σ|Nᵢ 2^−gᵢ + Kᵢ| rᵢ, |L − L′|) for |xᵢ| ≤ rᵢ.
@@ -30,7 +30,7 @@ use crate::spec::ModuleSpec;
 /// The largest number of bits that the rounding may remove: its half unit must fit 64 bits.
 const LARGEST_SHIFT: u32 = 62;
 
-/// What the three states are called, in the order of x.
+/// The names of the three states, in the order of x.
 struct State {
     type_name: &'static str,
     argument: &'static str,
@@ -78,7 +78,7 @@ const STATES: [State; 3] = [
 /// Derives the control law from a valid `spec` ([`ModuleSpec::validate`]).
 ///
 /// # Errors
-/// A [`Refusal`] where a range, a gain or the limit does not fit, or the error bound reaches one
+/// A [`Refusal`] if a range, a gain or the limit does not fit, or the error bound reaches one
 /// count of the drive.
 pub fn derive(spec: &ModuleSpec) -> Result<IntegerLaw, Refusal> {
     let ranges = [

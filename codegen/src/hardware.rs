@@ -1,8 +1,8 @@
-//! The hardware around the control law: sensors in, drive out.
+//! The hardware around the control law: sensors and drive.
 
 use attitude::AttitudeSpec;
 
-/// Sensors, converter and optional bias observer; the drive stands in [`crate::spec::PwmDrive`].
+/// Sensors, converter and optional bias observer. The drive is described by [`crate::spec::PwmDrive`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardwareSpec {
     /// Inertial sensor, mounting and filter. Its sample time is that of the module.
@@ -15,14 +15,14 @@ pub struct HardwareSpec {
     pub wheel_low: u16,
     /// Count at its upper end.
     pub wheel_high: u16,
-    /// Fresh samples of the gyroscope a second; `None`: one in each step.
+    /// Rate of new gyroscope samples, Hz; `None` for one in each step.
     pub gyro_rate_hz: Option<f64>,
-    /// The accelerometer's scale by its part or as stated (m/s² per count), against which that of its
-    /// calibration is held; `None` where only a calibration is known.
+    /// The accelerometer's scale from its part or as stated (m/s² per count), with which its
+    /// calibrated scale is compared; `None` if only a calibration is known.
     pub accelerometer_m_s2_per_count: Option<f64>,
-    /// What the words mean, for who writes the firmware: lines of text.
+    /// The meaning of the words, for the author of the firmware: lines of text.
     pub registers: Vec<String>,
-    /// Finds a constant bias of the angle, which would keep the wheel turning; off if `None`.
+    /// Observer of a constant bias of the angle, which would keep the wheel turning; `None` for no observer.
     pub bias_observer: Option<BiasObserverSpec>,
 }
 
@@ -50,7 +50,7 @@ impl HardwareSpec {
 /// `from_current` u, with y = (angle, rate, wheel speed) as measured and u the command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BiasObserverSpec {
-    /// Without unit, within (−1, 1).
+    /// Dimensionless, within (−1, 1).
     pub decay: f64,
     /// rad per unit of each state.
     pub direct: [f64; 3],

@@ -1,6 +1,6 @@
 //! The words of the hardware around the control law, and of its straight lines.
 //!
-//! Raw counts come in (inertial sensor, converter of the wheel's speed), a duty goes out. Every
+//! The inputs are raw counts (inertial sensor, converter of the wheel's speed), the output is a duty. Every
 //! line is rounded once, to a slope of 30 bits.
 
 use attitude::AttitudeSpec;
@@ -15,7 +15,7 @@ use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 use crate::supervisor;
 
-/// The observer that does nothing.
+/// An observer without effect.
 const NO_OBSERVER: BiasObserver = BiasObserver {
     unit: 0,
     decay: 0,
@@ -27,7 +27,7 @@ const NO_OBSERVER: BiasObserver = BiasObserver {
     limit: 0,
 };
 
-/// Fewest bits of a line's slope: its error, half a unit in 2²³, is a hundredth of a count over the
+/// Smallest number of bits of a line's slope. Its error, half a unit in 2²³, is then a hundredth of a count over the
 /// 2¹⁶ counts of a duty.
 const SLOPE_BITS_MIN: f64 = 24.0;
 
@@ -40,11 +40,11 @@ pub struct HardwareWords {
     pub mounting_angle: i32,
     /// Largest angle whose word fits, less the largest bias, in Q28 rad.
     pub angle_max: i32,
-    /// From Q28 rad to the word of the angle, before the shift: a power of two.
+    /// Factor from Q28 rad to the word of the angle, before the shift: a power of two.
     pub angle_factor: i32,
-    /// Bits that the angle's word has less than Q28.
+    /// Number of bits by which the angle's word is coarser than Q28.
     pub angle_shift: u32,
-    /// From half-angles a step in Q32 to the word of the rate.
+    /// From half-angles per step in Q32 to the word of the rate.
     pub rate: Line,
     /// From the converter's counts to the word of the wheel speed.
     pub wheel_speed: Line,
@@ -126,9 +126,9 @@ fn word_at_most(value: f64) -> i32 {
     value.floor().min(f64::from(i32::MAX)) as i32
 }
 
-/// The line `slope`·word + `at_zero`, rounded to the nearest, as words: the slope has 30 bits, or as
-/// many fewer as it takes that the offset stays within 2⁶¹. Each bit less doubles the slope's error,
-/// at 30 bits a share of 2⁻³⁰; [`SLOPE_BITS_MIN`] bits still place every word of the result.
+/// The line `slope`·word + `at_zero`, rounded to the nearest, as words. The slope has 30 bits, or
+/// fewer if the offset would otherwise exceed 2⁶¹. Each bit less doubles the slope's error,
+/// which is a share of 2⁻³⁰ with 30 bits; with [`SLOPE_BITS_MIN`] bits, every word of the result is still correct.
 fn line(
     what: &'static str,
     slope: f64,
@@ -139,7 +139,7 @@ fn line(
     let refused = |value: f64| AttitudeRefusal::NoLine { what, value };
     // The shift that brings the slope into [2²⁹, 2³⁰).
     let finest = 29.0 - slope.abs().log2().floor();
-    // The largest with which the offset fits.
+    // The largest shift with which the offset fits.
     let room = (2f64.powi(61) / (at_zero + 0.5).abs()).log2().floor();
     if !finest.is_finite() || !at_zero.is_finite() {
         return Err(refused(slope));
@@ -183,7 +183,7 @@ fn observer_words(
         let from_current = word(spec.from_current, law.current.fraction_bits as i32);
         let sum = |values: [f64; 3]| values.iter().map(|value| value.abs()).sum::<f64>();
         let largest = (unit + sum(direct)).max(decay.abs() + sum(from_states) + from_current.abs());
-        // Words below 2³¹ times this, and a half, stay below 2⁶³.
+        // Words below 2³¹ times this number, and a half, stay below 2⁶³.
         if largest < 2f64.powi(31) {
             return Ok(BiasObserver {
                 unit: unit as i32,

@@ -1,4 +1,4 @@
-//! The hand-written helpers of the emitted crate, compiled here as they are.
+//! The hand-written helpers of the emitted crate, compiled here unchanged.
 //!
 //! They are tested in `codegen/tests/` and carried into the output by [`crate::runtime`]. Those
 //! that name emitted constants (`attitude.rs`, `controller.rs`) are compiled in the output only.

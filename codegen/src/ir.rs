@@ -1,4 +1,4 @@
-//! The module to be emitted, as plain data: all numbers are decided, no text is written yet.
+//! The module to be emitted, as plain data: all numbers are determined, but no text is written yet.
 
 use num_rational::BigRational;
 
@@ -80,6 +80,6 @@ pub struct StepBounds {
     pub rounding: BigRational,
     /// Against the saturated law with the real gains and limit, within the physical ranges.
     pub real_gains: BigRational,
-    /// What rounding a real state to the nearest representable one adds.
+    /// Additional error from rounding a real state to the nearest representable one.
     pub state_rounding: BigRational,
 }

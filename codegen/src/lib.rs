@@ -3,13 +3,13 @@
 //! The data passes through three forms, one module each:
 //!
 //! 1. [`spec::ModuleSpec`]: real numbers, as identification and design found them.
-//! 2. [`ir`]: formats, raw integers and error bounds. Everything is decided here, in exact
+//! 2. [`ir`]: formats, raw integers and error bounds. All of them are determined here, in exact
 //!    arithmetic ([`exact`]), or refused ([`Refusal`]).
 //! 3. [`emit`]: text. One small file for each output; `quote` builds tokens and `prettyplease`
-//!    prints them. No number is computed any more.
+//!    prints them. No number is computed in this form.
 //!
-//! [`mod@file`] is the only place that touches the disk. Helpers that are ordinary tested Rust, not
-//! numbers, live in `codegen/runtime/` and are carried into the output by [`runtime`].
+//! Only [`mod@file`] accesses the disk. Helpers that are ordinary tested Rust without
+//! numbers are in `codegen/runtime/`; [`runtime`] copies them into the output.
 //!
 //! ```no_run
 //! # fn spec() -> codegen::spec::ModuleSpec { unimplemented!() }
@@ -65,8 +65,8 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
     files.extend(runtime::helpers(spec));
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
-        // The bound is that of `control` on the measured states. An observer that moves the angle
-        // makes another loop, of which nothing is claimed.
+        // The bound holds for `control` on the measured states. An observer that changes the angle
+        // makes another loop, for which nothing is claimed.
         None if spec.hardware.bias_observer.is_some() => None,
         None => closed_loop::certify(spec, &law),
     };

@@ -1,10 +1,10 @@
-//! Why a module is not emitted.
+//! The reasons why a module is not emitted.
 
 use crate::claims::ClaimId;
 
-/// A module that could not keep one of its claims, or a number that is none.
+/// A module that could not keep one of its claims, or an unusable number.
 ///
-/// Each message says what is wrong, which claim would fail and what would cure it.
+/// Each message says what is wrong, which claim would fail, and what the remedy is.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {
     /// A quantity is NaN or infinite.
@@ -29,7 +29,7 @@ pub enum Refusal {
         ClaimId::ClosedLoopStable
     )]
     NoGain,
-    /// A range needs more than the 31 bits of a word beside its sign.
+    /// A range needs more than the 31 bits of a word besides its sign.
     #[error(
         "claim `{}` fails: the {what} {range} does not fit a 32-bit word (largest 2147483647); state a smaller range",
         ClaimId::ControlTotal
@@ -97,7 +97,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// The claim that would fail; `None` where the input is no usable number at all.
+    /// The claim that would fail; `None` if the input is not a usable number.
     pub fn claim(&self) -> Option<ClaimId> {
         match self {
             Self::NotFinite { .. } | Self::NotPositive { .. } | Self::Hardware(_) => None,

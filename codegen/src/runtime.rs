@@ -1,8 +1,8 @@
-//! Carries hand-written helpers into the output.
+//! Copies hand-written helpers into the output.
 //!
 //! A helper is an ordinary Rust file in `codegen/runtime/`. It is compiled in [`crate::helpers`],
-//! so that `codegen/tests/` can test it, and its text is carried: comments and layout stay as they
-//! are, its `#[cfg(test)]` items stay behind. To add one, append it to [`HELPERS`], to
+//! so that `codegen/tests/` can test it. Its text is copied with comments and layout unchanged,
+//! but without its `#[cfg(test)]` items. To add one, append it to [`HELPERS`], to
 //! [`crate::helpers`] and to the list in [`crate::emit::lib_rs`].
 
 use syn::spanned::Spanned;

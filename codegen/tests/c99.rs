@@ -12,6 +12,10 @@ use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use numbers::Expected;
+
+#[path = "c99/numbers.rs"]
+mod numbers;
 mod thesis;
 
 /// The committed crate, as files.
@@ -414,22 +418,64 @@ fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
     }
 }
 
+#[test]
+fn every_number_of_the_c_is_one_of_the_rust() {
+    for emitted in [committed(), with_everything()] {
+        let c = c99::emit(&emitted).expect("a translation");
+        let file = |path| c.file(path).expect("a file");
+        let (header, source) = (file("src/flywheel.h"), file("src/flywheel.c"));
+        assert_eq!(Expected::of(&emitted).difference(header, source), None);
+    }
+}
+
+/// Every number of the C is changed in its last digit, one at a time: the comparison of the numbers notices each.
+#[test]
+fn any_damaged_number_is_noticed() {
+    let emitted = with_everything();
+    let c = c99::emit(&emitted).expect("a translation");
+    let file = |path| c.file(path).expect("a file");
+    let (header, source) = (file("src/flywheel.h"), file("src/flywheel.c"));
+    let expected = Expected::of(&emitted);
+    let damaged = mutants(source, Damage::Numbers);
+    assert!(damaged.len() > 300, "{}", damaged.len());
+    let unnoticed: Vec<&String> = damaged
+        .iter()
+        .filter(|(_, text)| expected.difference(header, text).is_none())
+        .map(|(line, _)| line)
+        .collect();
+    // An index beyond its array or to another element is no number of the Rust: the compiler and the answers see it.
+    let others: Vec<&&String> = unnoticed
+        .iter()
+        .filter(|line| !line.contains('['))
+        .collect();
+    assert!(others.is_empty(), "{others:#?}");
+}
+
 /// Damages an operator of the C, one at a time; the comparison or the compiler must notice. Every 12th place.
 #[test]
 #[cfg_attr(not(have_gcc), ignore = "needs gcc")]
 fn damaged_operators_are_noticed() {
-    damage(12, 5, false);
+    damage(12, 5, &[Damage::Operators]);
 }
 
-/// As above, every place, every cast, and every number changed in its last digit. It takes some minutes, and lists what no
-/// answer of the whole controller shows: the last bit of a polynomial's coefficient, a threshold moved by one unit.
+/// As above, every place, every cast, and every number changed in its last digit; of a number the comparison of the numbers
+/// may notice it. It takes some minutes.
 #[test]
 #[ignore = "run apart: some minutes"]
 fn any_damage_is_noticed() {
-    damage(1, 0, true);
+    damage(1, 0, &[Damage::Operators, Damage::Casts, Damage::Numbers]);
 }
 
-fn damage(every: usize, first: usize, with_numbers: bool) {
+/// What is damaged.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Damage {
+    Operators,
+    /// Casts to 64 bits.
+    Casts,
+    Numbers,
+}
+
+fn damage(every: usize, first: usize, kinds: &[Damage]) {
     let folder = tempfile::tempdir().expect("a folder");
     let emitted = with_everything();
     let (seed, calls) = (11, 60_000);
@@ -437,7 +483,12 @@ fn damage(every: usize, first: usize, with_numbers: bool) {
     assert_eq!(rust.len(), calls, "the harness in Rust has ended");
     let translated = written(&emitted, folder.path());
     let source = translated.file("src/flywheel.c").expect("the source");
-    let mutants = mutants(source, with_numbers);
+    let header = translated.file("src/flywheel.h").expect("the header");
+    let expected = Expected::of(&emitted);
+    let mutants: Vec<(String, String)> = kinds
+        .iter()
+        .flat_map(|kind| mutants(source, *kind))
+        .collect();
     assert!(mutants.len() > 300, "{}", mutants.len());
     let mut unnoticed = vec![];
     for (line, text) in mutants.iter().skip(first).step_by(every) {
@@ -445,10 +496,12 @@ fn damage(every: usize, first: usize, with_numbers: bool) {
         File::create(path)
             .and_then(|mut file| file.write_all(text.as_bytes()))
             .expect("written");
-        let is_noticed = compile(folder.path(), "-O1").is_err() || {
-            let mut harness = Command::new(folder.path().join("harness"));
-            difference(&answers(&mut harness, seed, calls), &rust).is_some()
-        };
+        let is_noticed = expected.difference(header, text).is_some()
+            || compile(folder.path(), "-O1").is_err()
+            || {
+                let mut harness = Command::new(folder.path().join("harness"));
+                difference(&answers(&mut harness, seed, calls), &rust).is_some()
+            };
         if !is_noticed {
             unnoticed.push(line.clone());
         }
@@ -463,7 +516,7 @@ fn damage(every: usize, first: usize, with_numbers: bool) {
 }
 
 /// The source with one number, cast or operator changed, and the line where that is.
-fn mutants(source: &str, with_numbers: bool) -> Vec<(String, String)> {
+fn mutants(source: &str, damage: Damage) -> Vec<(String, String)> {
     let mut found = vec![];
     let mut offset = 0;
     let mut is_comment = false;
@@ -471,7 +524,7 @@ fn mutants(source: &str, with_numbers: bool) -> Vec<(String, String)> {
         let code = line.trim_start();
         let starts = code.starts_with("/*");
         if !(starts || is_comment || code.starts_with('#') && !code.starts_with("#define")) {
-            for (place, length, new) in changes(line, with_numbers) {
+            for (place, length, new) in changes(line, damage) {
                 let at = offset + place;
                 let text = format!("{}{new}{}", &source[..at], &source[at + length..]);
                 found.push((format!("{} -> {new}", line.trim_end()), text));
@@ -484,8 +537,11 @@ fn mutants(source: &str, with_numbers: bool) -> Vec<(String, String)> {
 }
 
 /// Place, length and replacement of everything in a line that can be changed.
-fn changes(line: &str, with_numbers: bool) -> Vec<(usize, usize, String)> {
+fn changes(line: &str, damage: Damage) -> Vec<(usize, usize, String)> {
     let mut changes = vec![];
+    if damage == Damage::Numbers {
+        return changed_numbers(line);
+    }
     for (old, new) in [
         (" + ", " - "),
         (" - ", " + "),
@@ -502,8 +558,8 @@ fn changes(line: &str, with_numbers: bool) -> Vec<(usize, usize, String)> {
         ("!", ""),
     ] {
         for (place, _) in line.match_indices(old) {
-            // Whether another operand widens the product too the text does not say: casts are damaged with the numbers.
-            if old == "(int64_t)" && !with_numbers {
+            // Whether another operand widens the product too the text does not say: casts are damaged apart.
+            if (old == "(int64_t)") != (damage == Damage::Casts) {
                 continue;
             }
             // The vectors are scaled by steps that ask again: the first question only saves time.
@@ -513,10 +569,12 @@ fn changes(line: &str, with_numbers: bool) -> Vec<(usize, usize, String)> {
             changes.push((place, old.len(), new.to_string()));
         }
     }
-    if !with_numbers {
-        return changes;
-    }
-    // Numbers: their last digit.
+    changes
+}
+
+/// The same for the last digit of every number.
+fn changed_numbers(line: &str) -> Vec<(usize, usize, String)> {
+    let mut changes = vec![];
     let bytes = line.as_bytes();
     for place in 0..bytes.len() {
         let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_hexdigit);

@@ -10,8 +10,8 @@ use crate::view::{View, median, range};
 /// Share of the body's speed that the sensor of a locked wheel may show through cross-coupling. A free
 /// wheel keeps its speed in space, and so shows the whole speed of the body.
 const LOCKED: f64 = 0.2;
-/// Acceleration of the body, as a share of the wheel's, above which the body counts as moving. The equation of a
-/// spin-up, j_w (α̈ + φ̈) = τ u, is then wrong by this share.
+/// Range of the body's speed, as a share of the wheel's range of speeds, above which the body counts as moving. The
+/// equation of a spin-up, j_w (α̈ + φ̈) = τ u, is then wrong by about this share if the motion of the body is left out.
 const CLAMPED: f64 = 0.01;
 /// Range of the body's angle in rad above which it is not clamped.
 const CLAMPED_RAD: f64 = 0.1;

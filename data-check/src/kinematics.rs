@@ -196,7 +196,13 @@ fn late(
             )
             .in_experiment(view.name())
             .with_channel(late)
-            .with_fix(format!("add the effect {late}-delay to the model")),
+            .with_fix(match late {
+                "rate" => {
+                    "add the effect rate-delay to the model, or rate-lag where a filter makes the rate \
+                     late; `flywheel diagnose` tells which"
+                }
+                _ => "add the effect angle-delay to the model",
+            }),
         );
     }
     is_late

@@ -42,7 +42,10 @@ mod wheel;
 use bench_files::Bench;
 
 pub use finding::{Finding, FindingId, Severity};
-pub use propose::{Proposal, ProposedExperiment, propose};
+pub use propose::{
+    Choices, ColumnChoice, Corrections, Proposal, ProposedExperiment, propose, propose_with,
+    units_of,
+};
 
 use view::{Facts, View};
 

@@ -7,12 +7,16 @@
 //! |---|---|
 //! | [`zero_order_hold`], [`sampled_cost`] | the discretisation of model and cost |
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
-//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and their conditioning |
-//! | [`controller`], [`margins`] | loops, with their gain, phase, delay and modulus margins |
-//! | [`disturbance`] | the response of the loop to a disturbing torque |
-//! | [`friction`], [`uncertainty`] | the loop on benches that differ from the model |
-//! | [`recovery`], [`wheel_sizing`] | the limits that current and wheel speed set |
-//! | [`angle_bias`], [`bias_observer`] | the effect of a bias of the angle, and an observer against it |
+//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
+//! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
+//! | [`excursions`] | weights from allowed excursions (Bryson's rule), and back |
+//! | [`frequency_response`] | the open loop over frequency: Bode and Nyquist |
+//! | [`linear_response`] | the loop's answer to a torque that stays and to a push, with bands from the parameters |
+//! | [`sensor_noise`] | what the noise of the sensors does to angle and current |
+//! | [`disturbance`] | what a disturbing torque does to the loop |
+//! | [`friction`], [`uncertainty`] | the loop around benches that differ from the model |
+//! | [`recovery`], [`wheel_sizing`] | what current and wheel speed allow |
+//! | [`angle_bias`], [`bias_observer`] | what a wrong angle costs, and its cure |
 //!
 //! States are (angle from upright in rad, rate in rad/s, wheel speed in rad/s), the input is the
 //! motor current in A, and the law is u = −K x throughout.
@@ -28,14 +32,18 @@ mod design;
 pub mod disturbance;
 mod double_double;
 mod error;
+pub mod excursions;
 mod extended;
+pub mod frequency_response;
 pub mod friction;
+pub mod linear_response;
 pub mod lqr;
 pub mod margins;
 mod matrix;
 pub mod poles;
 pub mod recovery;
 pub mod sampled_cost;
+pub mod sensor_noise;
 pub mod singular_values;
 pub mod structural;
 #[cfg(test)]
@@ -52,14 +60,21 @@ pub use dare::{DareSolution, solve_dare};
 pub use design::{Design, Settings};
 pub use disturbance::{TorqueResponse, torque_response};
 pub use error::DesignError;
+pub use excursions::Excursions;
+pub use frequency_response::{LoopFrequency, frequency_response};
 pub use friction::{ExtremeCheck, FrictionCheck, FrictionExtremes, Hunting, friction_check};
+pub use linear_response::{
+    Band, BandedResponse, DisturbanceTorque, LinearResponse, ResponseSettings, UncertainLoop,
+    banded_response, drawn_plants, linear_response,
+};
 pub use lqr::{
     ContinuousRegulator, DiscreteRegulator, Weights, continuous_regulator, discrete_regulator,
 };
-pub use margins::Margins;
+pub use margins::{Margins, margins, margins_with_delay};
 pub use poles::{Pole, eigenvalues, spectral_radius};
 pub use recovery::recovery_angle_rad;
 pub use sampled_cost::QuadraticCost;
+pub use sensor_noise::{NoiseInLoop, SensorNoise, noise_in_loop};
 pub use structural::{StructuralRank, controllability, observability};
 pub use uncertainty::{PoleUncertainty, UncertainParameters, UncertainPole, pole_uncertainty};
 pub use wheel_sizing::{ChartPoint, Sizing, SizingPush, wheel_energy_j};

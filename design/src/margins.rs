@@ -18,7 +18,7 @@ use crate::controller::{Delay, LinearController};
 use crate::error::DesignError;
 use crate::matrix::check_positive;
 use crate::poles::{eigenvalues, spectral_radius};
-use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};
+use crate::zero_order_hold::{DelayedDiscrete, zero_order_hold_delayed};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 
@@ -58,9 +58,24 @@ pub fn margins(
     controller: &LinearController,
     sample_time_s: f64,
 ) -> Result<Margins, DesignError> {
-    check_positive("the sample time in s", sample_time_s)?;
-    let hold = zero_order_hold(a, b, sample_time_s)?;
-    let radius = spectral_radius(&controller.closed_loop(&hold.state, &hold.input)?)?;
+    margins_with_delay(a, b, controller, sample_time_s, 0.0)
+}
+
+/// As [`margins`], of the loop whose current reaches the plant `delay_s` late: the delay margin is what it bears
+/// beyond that.
+///
+/// # Errors
+/// As for [`margins`]; a negative delay.
+pub fn margins_with_delay(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    controller: &LinearController,
+    sample_time_s: f64,
+    delay_s: f64,
+) -> Result<Margins, DesignError> {
+    let open = OpenLoop::new(a, b, controller, sample_time_s, delay_s)?;
+    let closed = controller.closed_loop_with_delay(a, b, sample_time_s, delay_s)?;
+    let radius = spectral_radius(&closed)?;
     if radius >= 1.0 {
         return Err(DesignError::UnstableLoop {
             loop_name: "for which margins were requested",
@@ -68,15 +83,6 @@ pub fn margins(
             cure: "design gains for this model",
         });
     }
-    let open = OpenLoop {
-        a,
-        b,
-        ad: &hold.state,
-        bd: &hold.input,
-        controller,
-        sample_time_s,
-    };
-
     let nyquist = PI / sample_time_s;
     // From well below the slowest motion up to half the sampling rate.
     let slowest = eigenvalues(a)?
@@ -129,10 +135,10 @@ pub fn margins(
             phase_margin_rad = lead.abs();
             crossover_rad_s = frequency;
         }
-        let guess = lead.rem_euclid(TAU) / frequency;
+        let guess = delay_s + lead.rem_euclid(TAU) / frequency;
         let (delay, oscillation) = open.critical_delay(guess, frequency);
-        if delay < delay_margin_s {
-            delay_margin_s = delay;
+        if delay - delay_s < delay_margin_s {
+            delay_margin_s = delay - delay_s;
             delay_frequency_rad_s = oscillation;
         }
     }
@@ -151,25 +157,65 @@ pub fn margins(
 }
 
 /// L(z) and the loop with a delay.
-struct OpenLoop<'a> {
+pub(crate) struct OpenLoop<'a> {
     a: &'a DMatrix<f64>,
     b: &'a DMatrix<f64>,
-    ad: &'a DMatrix<f64>,
-    bd: &'a DMatrix<f64>,
+    /// The plant with the loop's own delay.
+    plant: DelayedDiscrete,
+    /// Whole samples of that delay.
+    whole: usize,
     controller: &'a LinearController,
     sample_time_s: f64,
 }
 
-impl OpenLoop<'_> {
+impl<'a> OpenLoop<'a> {
+    /// The loop whose current reaches the plant `delay_s` late.
+    pub(crate) fn new(
+        a: &'a DMatrix<f64>,
+        b: &'a DMatrix<f64>,
+        controller: &'a LinearController,
+        sample_time_s: f64,
+        delay_s: f64,
+    ) -> Result<OpenLoop<'a>, DesignError> {
+        check_positive("the sample time in s", sample_time_s)?;
+        if !(delay_s >= 0.0 && delay_s.is_finite()) {
+            return Err(DesignError::NotPositive {
+                what: "the delay in s (zero is allowed too)",
+                value: delay_s,
+            });
+        }
+        let delay = Delay::new(delay_s, sample_time_s);
+        Ok(OpenLoop {
+            a,
+            b,
+            plant: zero_order_hold_delayed(a, b, sample_time_s, delay.part_s)?,
+            whole: delay.whole,
+            controller,
+            sample_time_s,
+        })
+    }
+
     /// L at a frequency in rad/s; none at a pole.
-    fn at(&self, frequency: f64) -> Option<Complex<f64>> {
+    pub(crate) fn at(&self, frequency: f64) -> Option<Complex<f64>> {
+        self.through_plant(&self.plant, self.whole, frequency)
+    }
+
+    fn through_plant(
+        &self,
+        plant: &DelayedDiscrete,
+        whole: usize,
+        frequency: f64,
+    ) -> Option<Complex<f64>> {
         let z = Complex::from_polar(1.0, frequency * self.sample_time_s);
-        self.through(z, &self.bd.map(Complex::from))
+        let input =
+            plant.new_input.map(Complex::from) + plant.previous_input.map(Complex::from) / z;
+        let power = u32::try_from(whole).ok()?;
+        Some(self.through(z, &input)? / z.powu(power))
     }
 
     /// −(Cc (zI − Ac)⁻¹ Bc + Dc) (zI − Ad)⁻¹ input.
     fn through(&self, z: Complex<f64>, input: &DMatrix<Complex<f64>>) -> Option<Complex<f64>> {
-        let state = resolvent(self.ad, z, input)?;
+        let state = resolvent(&self.plant.state, z, input)?;
         let measured = self.controller.measurement.map(Complex::from) * &state;
         let inner = resolvent(&self.controller.state, z, &measured)?;
         let output = self.controller.output.map(Complex::from) * inner
@@ -183,11 +229,7 @@ impl OpenLoop<'_> {
         let delay = Delay::new(delay_s, self.sample_time_s);
         let plant =
             zero_order_hold_delayed(self.a, self.b, self.sample_time_s, delay.part_s).ok()?;
-        let z = Complex::from_polar(1.0, frequency * self.sample_time_s);
-        let input =
-            plant.new_input.map(Complex::from) + plant.previous_input.map(Complex::from) / z;
-        let value = self.through(z, &input)? / z.powu(delay.whole as u32);
-        Some(value + 1.0)
+        Some(self.through_plant(&plant, delay.whole, frequency)? + 1.0)
     }
 
     /// Newton's method on 1 + L_δ(e^{jωT}) = 0 from a guess of (δ, ω); returns the guess if it fails.
@@ -305,6 +347,7 @@ mod tests {
     use crate::lqr::{Weights, discrete_regulator};
     use crate::matrix::of_model;
     use crate::thesis;
+    use crate::zero_order_hold::zero_order_hold;
     use nalgebra::{RowVector3, Vector3};
     use proptest::prelude::*;
 

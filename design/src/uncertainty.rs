@@ -91,8 +91,26 @@ impl UncertainParameters {
         self.covariance[(index, index)].sqrt()
     }
 
-    /// A matrix S with S Sᵀ = C, also for a semidefinite C. The correlation matrix is decomposed, not
-    /// the covariance: its rounding errors would exceed the entries of parameters with small values.
+    /// Parameter sets drawn from the normal distribution with these values and this covariance.
+    ///
+    /// # Errors
+    /// A covariance of the wrong shape, with a negative variance or an entry that is not finite.
+    pub fn draws(&self, samples: usize, seed: u64) -> Result<Vec<Vec<f64>>, DesignError> {
+        self.check()?;
+        let root = self.square_root();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let count = self.values.len();
+        let draw = |_| {
+            let standard = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
+            let change: DVector<f64> = &root * standard;
+            let pairs = self.values.iter().zip(change.iter());
+            pairs.map(|(value, change)| value + change).collect()
+        };
+        Ok((0..samples).map(draw).collect())
+    }
+
+    /// A matrix S with S Sᵀ = C, also for a semidefinite C. The correlations are decomposed, not
+    /// the covariance, whose rounding would drown parameters with small numbers.
     fn square_root(&self) -> DMatrix<f64> {
         let count = self.values.len();
         let stds: Vec<f64> = (0..count).map(|index| self.std(index)).collect();
@@ -208,20 +226,10 @@ pub fn pole_uncertainty(
     let closed_values: Vec<_> = nominal_closed.iter().map(|pole| pole.value).collect();
     let mut open_spread = Spread::new(open_values.len());
     let mut closed_spread = Spread::new(closed_values.len());
-    let root = parameters.square_root();
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut impossible, mut unstable) = (0, 0);
     let mut worst_spectral_radius = 0.0_f64;
     let (mut open_loop_drawn, mut closed_loop_drawn) = (Vec::new(), Vec::new());
-    for _ in 0..samples {
-        let standard = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
-        let change: DVector<f64> = &root * standard;
-        let values: Vec<f64> = parameters
-            .values
-            .iter()
-            .zip(change.iter())
-            .map(|(value, change)| value + change)
-            .collect();
+    for values in parameters.draws(samples, seed)? {
         let Ok((a, closed)) = build(&values) else {
             impossible += 1;
             continue;

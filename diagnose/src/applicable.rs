@@ -1,11 +1,18 @@
 //! Which effects of the library can be suspects for this bench, before anything is fitted.
 
 use identify::{FitProblem, Record, RecordedCurrent, rate_against_angle};
-use plant::{EffectId, Kind, Model, RateFault, Role};
+use plant::{EffectId, Given, Kind, Model, RateFault, Role};
 
 /// Whether at least one record of the bench can show the effect.
 pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
     let info = effect.info();
+    // Without the distance between pivot and wheel an unbalance cannot be told for a body that moves. Gravity is
+    // that of the earth where nothing else is said.
+    let is_unknown =
+        |(_, given): &(usize, Given)| *given != Given::Gravity && problem.given(*given).is_none();
+    if info.given.iter().any(is_unknown) {
+        return false;
+    }
     problem.records.iter().any(|record| {
         let commanded = matches!(record.current, RecordedCurrent::Known(_));
         let sees = match info.role {
@@ -18,7 +25,10 @@ pub fn applicable(problem: &FitProblem, effect: EffectId) -> bool {
             }
             Role::Sensor => {
                 let distorted = |output| record.channel(output).is_some();
-                info.senses.is_some_and(distorted)
+                // Alone and undriven, a channel that comes late is one that begins at another time.
+                let has_clock =
+                    record.channels.len() > 1 || (commanded && record.kind != Kind::FreeSwing);
+                info.senses.is_some_and(distorted) && (info.sensor_timing.is_none() || has_clock)
             }
         };
         sees && info.shows_in.contains(&record.kind)

@@ -64,6 +64,11 @@ pub fn diagnose_with(
     progress: &Progress,
 ) -> Result<Diagnosis, Cancelled> {
     progress.check()?;
+    let suspects = suspects_of(problem, options.suspects);
+    let options = &Options {
+        suspects: &suspects,
+        thresholds: options.thresholds.clone(),
+    };
     let ground = ground_of(model, options.suspects);
     let given = (model, &minimum);
     let from_ground;
@@ -109,12 +114,22 @@ pub fn diagnose_with(
     searched.diagnosis(&problem, given, progress)
 }
 
+/// The suspects as this bench has them. A zero for each log is one where there are several logs to differ.
+pub fn suspects_of(problem: &FitProblem, suspects: &[EffectId]) -> Vec<EffectId> {
+    let made = suspects.iter().map(|&effect| problem.made_for_logs(effect));
+    made.filter(|effect| effect.info().per_log.is_none() || effect.info().parameters.len() > 1)
+        .collect()
+}
+
 /// The starting model of the search: the base model with those effects of `model` that are not suspects.
 fn ground_of(model: &Model, suspects: &[EffectId]) -> Model {
     let base = Model::base();
     let kept = model.effects().iter().copied();
     let kept: Vec<EffectId> = kept
-        .filter(|effect| base.has(*effect) || !suspects.contains(effect))
+        .filter(|effect| {
+            let is_own = |suspect: &EffectId| suspect.name() == effect.name();
+            base.has(*effect) || !suspects.iter().any(is_own)
+        })
         .collect();
     Model::with_effects(&kept)
 }
@@ -360,8 +375,10 @@ impl<'a> Searched<'a> {
             .iter()
             .map(|&index| found.pool[index].set())
             .collect();
+        let tied = decision.ties.iter().map(|&index| &found.pool[index]);
+        let settling = propose(problem, &tied.collect::<Vec<&Candidate>>());
         let next_experiment = match (decision.ties.as_slice(), verdict) {
-            ([a, b, ..], _) => propose(problem, &found.pool[*a], &found.pool[*b]),
+            ([_, _, ..], _) => settling.sentence,
             (_, Verdict::Unexplained) if !plain.is_empty() => {
                 "Two results contradict each other: measure the stated value again, or repeat the experiment."
                     .to_owned()
@@ -380,6 +397,7 @@ impl<'a> Searched<'a> {
             suspects,
             ambiguous_between,
             next_experiment,
+            recipe: settling.recipe,
             remainder: decision.remainder,
             remains: remains(&bench.records, last),
             contradictions: plain,

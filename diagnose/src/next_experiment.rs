@@ -20,7 +20,38 @@ struct Proposal {
     duration_s: f64,
 }
 
-/// Sampling interval of the simulated logs, s.
+/// The experiment that settles a tie, as a recipe.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recipe {
+    /// The experiment in few words.
+    pub experiment: String,
+    /// What to do, step by step; sentences.
+    pub steps: Vec<String>,
+    /// The channel that tells the explanations apart: angle, rate or wheel_speed.
+    pub channel: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Root mean square difference of both answers, in units of the sensor's noise.
+    pub difference_over_noise: f64,
+    /// Times of the imagined log, s.
+    pub time_s: Vec<f64>,
+    /// What the channel would show by each explanation, in their order.
+    pub answers: Vec<Vec<f64>>,
+}
+
+/// What is proposed where explanations tie.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NextExperiment {
+    /// One sentence.
+    pub sentence: String,
+    /// The same in full, where an experiment of the list tells the explanations apart.
+    pub recipe: Option<Recipe>,
+}
+
+/// Points of an imagined log that a recipe keeps.
+const RECIPE_POINTS: usize = 600;
+
+/// Sampling of the imagined logs in s.
 const STEP_S: f64 = 0.004;
 /// Noise standard deviation assumed for a sensor that the bench does not have: angle 1 mrad, rate 5 mrad/s,
 /// wheel speed 0.5 rad/s. A modest encoder and gyroscope reach these values.
@@ -90,14 +121,8 @@ fn proposals(problem: &FitProblem) -> Vec<Proposal> {
     list
 }
 
-/// The largest root mean square difference between the outputs of two models, in units of noise, and the channel
-/// in which it occurs.
-fn separation(
-    problem: &FitProblem,
-    proposal: &Proposal,
-    a: &Candidate,
-    b: &Candidate,
-) -> (f64, Output) {
+/// What a model's angle, rate and wheel speed would be in an imagined experiment, and the times.
+fn imagined(proposal: &Proposal, candidate: &Candidate) -> (Vec<f64>, Vec<[f64; 3]>) {
     let steps = (proposal.duration_s / STEP_S) as usize;
     let time_s: Vec<f64> = (0..steps).map(|k| k as f64 * STEP_S).collect();
     let current: Vec<f64> = time_s
@@ -105,31 +130,40 @@ fn separation(
         .map(|&time| (proposal.current)(time, proposal.amplitude_a))
         .collect();
     let input = Input::new(&time_s, &current, Hold::Zero);
-    let answer = |candidate: &Candidate| -> Vec<[f64; 3]> {
-        let plant = Plant::new(&candidate.model, &candidate.minimum.values, proposal.kind);
-        let start = State {
-            angle_rad: proposal.angle_rad,
-            wheel_speed_rad_s: proposal.wheel_speed_rad_s,
-            ..State::rest()
-        };
-        let mut out = vec![];
-        plant.run(
-            start,
-            &time_s,
-            0..steps,
-            Current::Recorded(&input),
-            None,
-            |_, reading, _| {
-                out.push([
-                    reading.angle_rad,
-                    reading.rate_rad_s,
-                    reading.wheel_speed_rad_s,
-                ])
-            },
-        );
-        out
+    let plant = Plant::new(&candidate.model, &candidate.minimum.values, proposal.kind);
+    let start = State {
+        angle_rad: proposal.angle_rad,
+        wheel_speed_rad_s: proposal.wheel_speed_rad_s,
+        ..State::rest()
     };
-    let (first, second) = (answer(a), answer(b));
+    let mut out = vec![];
+    plant.run(
+        start,
+        &time_s,
+        0..steps,
+        Current::Recorded(&input),
+        None,
+        |_, reading, _| {
+            out.push([
+                reading.angle_rad,
+                reading.rate_rad_s,
+                reading.wheel_speed_rad_s,
+            ])
+        },
+    );
+    (time_s, out)
+}
+
+/// Root mean square difference of two models' answers in units of noise, with the channel that
+/// shows it best.
+fn separation(
+    problem: &FitProblem,
+    proposal: &Proposal,
+    a: &Candidate,
+    b: &Candidate,
+) -> (f64, Output) {
+    let ((time_s, first), (_, second)) = (imagined(proposal, a), imagined(proposal, b));
+    let steps = time_s.len();
     let mut best = (0.0, Output::Angle);
     for (index, output) in Output::ALL.into_iter().enumerate() {
         let measured = match proposal.kind {
@@ -162,22 +196,134 @@ fn separation(
     best
 }
 
-/// Proposes, in one sentence, the experiment with the largest separation of two explanations.
-pub fn propose(problem: &FitProblem, a: &Candidate, b: &Candidate) -> String {
+/// The experiment that separates the first two of the explanations that tie best, and by how much; with what each of
+/// all would show in it.
+pub fn propose(problem: &FitProblem, ties: &[&Candidate]) -> NextExperiment {
+    let [a, b, ..] = ties else {
+        return NextExperiment::default();
+    };
     let best = proposals(problem)
         .into_iter()
         .map(|proposal| (separation(problem, &proposal, a, b), proposal))
         .max_by(|x, y| x.0.0.total_cmp(&y.0.0));
     match best {
-        Some(((size, output), proposal)) if size > 0.5 => format!(
-            "Record {}: the {} predicted by the two explanations differs by {:.1} times the noise \
-             of the sensor (rms).",
-            proposal.words,
+        Some(((size, output), proposal)) if size > 0.5 => NextExperiment {
+            sentence: format!(
+                "Record {}: the {} predicted by the two explanations differs by {:.1} times the noise \
+                 of the sensor (rms).",
+                proposal.words,
+                output.name().replace('_', " "),
+                size
+            ),
+            recipe: Some(recipe(&proposal, output, size, ties)),
+        },
+        _ => NextExperiment {
+            sentence: "None of the usual experiments would separate the two explanations; a quieter sensor \
+                       is needed."
+                .to_owned(),
+            recipe: None,
+        },
+    }
+}
+
+fn recipe(proposal: &Proposal, output: Output, size: f64, ties: &[&Candidate]) -> Recipe {
+    let index = Output::ALL
+        .iter()
+        .position(|one| *one == output)
+        .unwrap_or(0);
+    let all: Vec<_> = ties.iter().map(|tie| imagined(proposal, tie)).collect();
+    let time_s = all.first().map_or(vec![], |(time_s, _)| time_s.clone());
+    let stride = time_s.len().div_ceil(RECIPE_POINTS).max(1);
+    let thin = |values: Vec<f64>| values.into_iter().step_by(stride).collect();
+    let channel = |readings: &[[f64; 3]]| thin(readings.iter().map(|one| one[index]).collect());
+    Recipe {
+        experiment: proposal.words.clone(),
+        steps: proposal.steps(output),
+        channel: output.name(),
+        unit: if output == Output::Angle {
+            "rad"
+        } else {
+            "rad/s"
+        },
+        difference_over_noise: size,
+        answers: all.iter().map(|(_, readings)| channel(readings)).collect(),
+        time_s: thin(time_s),
+    }
+}
+
+impl Proposal {
+    /// What to do at the bench.
+    fn steps(&self, output: Output) -> Vec<String> {
+        let mut steps: Vec<String> = match self.kind {
+            Kind::FreeSwing => vec![
+                "Lock the wheel to the body, and switch the motor off.".to_owned(),
+                format!(
+                    "Hold the body at {:.0}° from hanging, and let it go without a push.",
+                    self.angle_rad.to_degrees()
+                ),
+            ],
+            Kind::SpinUp if self.amplitude_a == 0.0 => vec![
+                "Clamp the body, so that only the wheel turns.".to_owned(),
+                format!(
+                    "Bring the wheel to {:.0} rad/s, and switch the current off.",
+                    self.wheel_speed_rad_s
+                ),
+            ],
+            Kind::SpinUp => vec![
+                "Clamp the body, so that only the wheel turns.".to_owned(),
+                format!(
+                    "With the wheel at rest, switch {:.2} A on and hold it.",
+                    self.amplitude_a
+                ),
+            ],
+            Kind::Driven | Kind::Balance => vec![
+                "Leave the body hanging free and the wheel unlocked, both at rest.".to_owned(),
+                format!(
+                    "Command {:.2} A and {:.2} A in turn, one second each.",
+                    self.amplitude_a, -self.amplitude_a
+                ),
+            ],
+        };
+        steps.push(format!(
+            "Log the {} (and what else there is) for {:.0} s, every {:.0} ms or faster.",
             output.name().replace('_', " "),
-            size
-        ),
-        _ => "None of the usual experiments would separate the two explanations; a quieter sensor \
-              is needed."
-            .to_owned(),
+            self.duration_s,
+            1e3 * STEP_S
+        ));
+        steps.push(format!(
+            "Add the log to bench.toml as kind = \"{}\", and diagnose again.",
+            self.kind.name()
+        ));
+        steps
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A recipe names times, sizes and the kind of its log.
+    #[test]
+    fn a_recipe_can_be_followed() {
+        let proposal = Proposal {
+            words: "a free swing released at 20°".to_owned(),
+            kind: Kind::FreeSwing,
+            angle_rad: 20_f64.to_radians(),
+            wheel_speed_rad_s: 0.0,
+            current: |_, _| 0.0,
+            amplitude_a: 0.0,
+            duration_s: 30.0,
+        };
+        let steps = proposal.steps(Output::Angle).join(" ");
+        for part in [
+            "Lock the wheel",
+            "20°",
+            "angle",
+            "30 s",
+            "4 ms",
+            "kind = \"free-swing\"",
+        ] {
+            assert!(steps.contains(part), "{part}: {steps}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The contents of the report of a diagnosis: steps, suspects, and the details of each.
 
+use crate::next_experiment::Recipe;
 use std::collections::{BTreeMap, BTreeSet};
 
 use identify::{Cancelled, Contradiction, Fit, FitProblem, Minimum, finish};
@@ -109,7 +110,9 @@ pub struct Diagnosis {
     pub ambiguous_between: Vec<Vec<EffectId>>,
     /// The experiment that would settle an open question, in one sentence; empty if no question is open.
     pub next_experiment: String,
-    /// The largest structured remainder of the last step, in units of the noise of its series.
+    /// The same as a recipe, where it tells the first two sets that tie apart.
+    pub recipe: Option<Recipe>,
+    /// The structured remainder of the last step in units of the noise of its worst series.
     pub remainder: f64,
     /// The size of the residual: against noise, against signal, and as a torque.
     pub remains: Remains,

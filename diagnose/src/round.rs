@@ -67,7 +67,10 @@ pub fn try_all(
     let (refinements, suspects): (Vec<EffectId>, Vec<EffectId>) =
         suspects.iter().partition(|&&effect| {
             let replaces = effect.info().replaces;
-            let is_first = |simpler: &&EffectId| replaces.contains(&simpler.name());
+            // Zeros of opposite signs leave nothing to a common one: they are tried at once.
+            let is_first = |simpler: &&EffectId| {
+                replaces.contains(&simpler.name()) && effect.info().per_log.is_none()
+            };
             suspects
                 .iter()
                 .filter(is_first)

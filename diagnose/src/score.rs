@@ -1,8 +1,8 @@
 //! The score test: the gain that each suspect promises, and the starting points for its fit.
 
 use identify::{
-    KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, Unknowns, Window, carry_over,
-    cogging_start, guessed, score_test, settled,
+    KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, ScoreStep, Unknowns, Window,
+    carry_over, cogging_start, guessed, score_test, settled,
 };
 use plant::{EffectId, Model, Role, StartFrom};
 use rayon::prelude::*;
@@ -114,6 +114,10 @@ pub fn starts(
     if let (Some(absent), true) = (info.absent, is_scored_where_absent(effect)) {
         parameter_sets = vec![absent.to_vec()];
     }
+    if info.polar.is_some() {
+        // A small vector in any direction promises the same.
+        parameter_sets.truncate(1);
+    }
     if let Some((amplitude, _)) = info.product {
         for set in &mut parameter_sets {
             set[amplitude] = HARDLY_THERE * base[plant::GRAVITY_TORQUE];
@@ -169,7 +173,8 @@ pub fn starts(
             };
             let score_test = score_test(records, &model, &values, windows, &unknowns, Some(known));
             let all = vec![true; unknowns.free.len()];
-            let promised_cost = score_test.step(&values, &unknowns, &all).cost;
+            let step = score_test.step(&values, &unknowns, &all);
+            let promised_cost = step.cost;
             if is_taking_over && index < last {
                 let infos = model.parameters();
                 let moves: Vec<bool> = unknowns
@@ -182,6 +187,9 @@ pub fn starts(
                     return None;
                 }
             }
+            if let Some((amplitude, phase)) = info.polar {
+                turn(&mut values, (at + amplitude, at + phase), &unknowns, &step);
+            }
             Some(Start {
                 effect,
                 model: model.clone(),
@@ -191,6 +199,26 @@ pub fn starts(
             })
         })
         .collect()
+}
+
+/// Brings an amplitude and its phase to the vector to which a step points from a small one. The step is
+/// linear in the vector and not in its phase, which may have to turn far.
+fn turn(
+    values: &mut [f64],
+    (amplitude, phase): (usize, usize),
+    unknowns: &Unknowns,
+    step: &ScoreStep,
+) {
+    let of = |position: usize| {
+        let at = unknowns.free.iter().position(|&free| free == position);
+        at.map_or(0.0, |at| step.step[at])
+    };
+    let along = values[amplitude] + of(amplitude);
+    let across = values[amplitude] * of(phase);
+    if along.is_finite() && across.is_finite() {
+        values[phase] += across.atan2(along);
+        values[amplitude] = along.hypot(across);
+    }
 }
 
 /// A starting point for an effect that shifts the angle's zero. The zero (`angle_zero_rad`, in rad) and the inertia,

@@ -119,6 +119,12 @@ fn moves(channel: &identify::RecordedChannel) -> bool {
     variance > (3.0 * channel.noise_std).powi(2)
 }
 
+/// Whether a parameter belongs to one log.
+fn is_of_one_log(model: &Model, position: usize) -> bool {
+    let effect = model.effect_at(position);
+    effect.is_some_and(|effect| effect.info().per_log.is_some())
+}
+
 fn by_experiment(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<HeldOut> {
     let effort = bench.until_called_off(Effort::ROUGH);
     let unknowns = Unknowns::new(model, &bench.problem.free(model));
@@ -137,15 +143,19 @@ fn by_experiment(bench: &SearchBench, model: &Model, minimum: &Minimum) -> Vec<H
     for (index, record) in bench.records.iter().enumerate() {
         let others = &information - &whole.records[index].information;
         let own = &whole.records[index].information;
+        // What is of this log alone is fitted to it like its start.
+        let held: Vec<bool> = (0..count)
+            .map(|at| minimum.on_bound[at] || is_of_one_log(model, unknowns.free[at]))
+            .collect();
         let determined = (0..count).all(|at| {
             own[(at, at)] <= 0.0
-                || minimum.on_bound[at]
+                || held[at]
                 || others[(at, at)] > LEAST_INFORMATION * information[(at, at)]
         });
         if !determined {
             continue;
         }
-        let Some(inverse) = pseudo_inverse(&others, &minimum.on_bound) else {
+        let Some(inverse) = pseudo_inverse(&others, &held) else {
             continue;
         };
         let step = inverse * (&gradient - &whole.records[index].gradient);

@@ -1,5 +1,6 @@
 //! The true answer for a bench, as far as it is known.
 
+use identify::FitProblem;
 use plant::EffectId;
 
 use crate::draw::ExamBench;
@@ -46,6 +47,21 @@ impl Answer {
             effects,
             parameters,
             outside,
+        }
+    }
+
+    /// The answer with its effects as a bench has them ([`FitProblem::made_for_logs`]).
+    #[must_use]
+    pub fn made_for(&self, problem: &FitProblem) -> Answer {
+        let effects = self
+            .effects
+            .iter()
+            .map(|&effect| problem.made_for_logs(effect));
+        let mut effects: Vec<EffectId> = effects.collect();
+        effects.sort();
+        Answer {
+            effects,
+            ..self.clone()
         }
     }
 

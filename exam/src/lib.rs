@@ -28,12 +28,14 @@ mod rivals;
 mod sitting;
 mod tables;
 mod true_motion;
+mod true_sensors;
 mod truth;
 
 pub use answer::{Answer, UnknownEffect};
 pub use bench_plan::{DriveProgram, ExamLog, ExperimentPlan, SensorNoise, record};
 pub use draw::{
-    ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SIZES, draw, draw_stated, effects, question,
+    ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SENSOR_SEEDS, SIZES, draw, draw_stated, effects,
+    effects_of, question,
 };
 pub use marking::{Interval, Mark, MarkError, PLAIN, Paper, mark};
 pub use marks::{Entry, Marks, Rate, ReliabilityShare};

@@ -8,7 +8,7 @@
 
 use std::borrow::Cow;
 
-use diagnose::{Diagnosis, Options, Step, Verdict, diagnose_with};
+use diagnose::{Diagnosis, Options, Step, Verdict, diagnose_with, suspects_of};
 use identify::{
     Cancelled, Effort, Fit, FitProblem, IdentifyError, Progress, fit_until, joined, refit,
 };
@@ -125,6 +125,8 @@ pub fn mark(
     suspects: &[EffectId],
     progress: &Progress,
 ) -> Result<Paper, MarkError> {
+    let suspects = &suspects_of(problem, suspects);
+    let answer = &answer.made_for(problem);
     let started = std::time::Instant::now();
     let base = Model::base();
     let found = fit_until(problem, &base, None, progress)?;

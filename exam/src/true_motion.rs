@@ -7,8 +7,10 @@
 //! others. A delayed command changes at its exact instant. The classical Runge–Kutta method
 //! uses steps ten times finer than the samples, and finer still where a term is fast.
 
+use nalgebra::{Matrix2, Vector2};
 use plant::{EffectId, Kind};
 
+use crate::true_sensors::TrueSensors;
 use crate::truth::{Hidden, Outsider, TrueInstant, Truth};
 
 /// Number of steps per sampling interval.
@@ -37,6 +39,8 @@ pub struct TrueMotion {
     body: Direction,
     wheel: Direction,
     steps_per_sample: f64,
+    /// Those of the sensors that need the time; `None` where none does.
+    sensors: Option<TrueSensors>,
 }
 
 /// The start of a motion.
@@ -90,6 +94,14 @@ impl TrueMotion {
         }
     }
 
+    /// With the sensors at the start of a log.
+    fn with_sensors(mut self) -> TrueMotion {
+        let effects = self.truth.hidden.iter().filter_map(Hidden::effect);
+        let sensors = TrueSensors::new(effects, self.time_s, self.at_once());
+        self.sensors = (!sensors.are_prompt()).then_some(sensors);
+        self
+    }
+
     /// Starts in the middle of a motion, with coarse steps: only to be compared with another motion of the same steps.
     pub fn of_differences(truth: &Truth, kind: Kind, from: &Beginning) -> TrueMotion {
         let direction = |speed: f64| if speed == 0.0 { 0.0 } else { speed.signum() };
@@ -108,7 +120,9 @@ impl TrueMotion {
             body: direction(from.rate_rad_s),
             wheel: direction(from.wheel_speed_rad_s),
             steps_per_sample: FEW_STEPS_PER_SAMPLE,
+            sensors: None,
         }
+        .with_sensors()
     }
 
     fn library(&self, effect: EffectId) -> Option<&[f64]> {
@@ -132,7 +146,16 @@ impl TrueMotion {
 
     /// The readings of the sensors without noise: angle (rad), rate (rad/s), wheel speed (rad/s).
     pub fn reading(&self) -> [f64; 3] {
+        let sensors = self.sensors.as_ref();
+        sensors.map_or_else(|| self.at_once(), TrueSensors::reading)
+    }
+
+    /// What sensors without lag and delay would say.
+    fn at_once(&self) -> [f64; 3] {
         let [mut angle, mut rate, _, speed, _, _] = self.motion;
+        if let Some(p) = self.library(EffectId::AngleEccentricity) {
+            angle += p[0] * (self.motion[0] + p[1]).sin();
+        }
         if let Some(p) = self.outsider(Outsider::UnevenEncoder) {
             angle += p[0] * (8.0 * self.motion[0] + p[1]).sin();
         }
@@ -205,6 +228,13 @@ impl TrueMotion {
                     EffectId::BodyCableSpring => body += p[0] * (angle - p[1]),
                     EffectId::BodySofteningSpring => body -= p[0] * angle.powi(3),
                     EffectId::WheelQuadraticDrag => wheel += p[0] * speed * speed.abs(),
+                    EffectId::WheelUnbalance => {
+                        let side = wheel_angle + p[1];
+                        let weight = p[0] * p[3] * (angle + side).sin();
+                        let pull = p[0] * p[2] * side.sin();
+                        body += weight - pull * speed * (2.0 * rate + speed);
+                        wheel += weight + pull * rate * rate;
+                    }
                     EffectId::WheelCogging => wheel += p[0] * (p[1] * wheel_angle + p[2]).sin(),
                     _ => {}
                 },
@@ -311,6 +341,9 @@ impl TrueMotion {
     fn rates(&self, time_s: f64, y: &Motion, command_a: f64, push: &[HiddenPush]) -> Motion {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;
+        // What the heavy side of the wheel adds to the products of inertia.
+        let side = |p: &[f64]| p[0] * p[2] * (y[2] + p[1]).cos();
+        let coupling = self.library(EffectId::WheelUnbalance).map_or(0.0, side);
         let body_friction = self.body * self.body_dry(time_s, y[0], y[1]);
         let wheel_friction = self.wheel * self.wheel_dry();
         let body = at.body + body_friction;
@@ -323,7 +356,17 @@ impl TrueMotion {
             Kind::Balance | Kind::Driven => match (self.body_sticks(), self.wheel_sticks()) {
                 (true, true) => (0.0, 0.0),
                 (true, false) => (0.0, wheel / wheel_inertia),
-                (false, true) => (-body / total, 0.0),
+                (false, true) => (-body / (total + 2.0 * coupling), 0.0),
+                (false, false) if coupling != 0.0 => {
+                    let matrix = Matrix2::new(
+                        total + 2.0 * coupling,
+                        wheel_inertia + coupling,
+                        wheel_inertia + coupling,
+                        wheel_inertia,
+                    );
+                    let solved = matrix.lu().solve(&Vector2::new(-body, wheel));
+                    solved.map_or((f64::NAN, f64::NAN), |both| (both[0], both[1]))
+                }
                 (false, false) => {
                     let rate_dot = (-body - wheel) / (total - wheel_inertia);
                     (rate_dot, wheel / wheel_inertia - rate_dot)
@@ -459,7 +502,17 @@ impl TrueMotion {
         if let Some(&[_, order, _]) = self.library(EffectId::WheelCogging) {
             step_s = step_s.min(STEP_SHARE / (order * self.motion[3].abs().max(1.0)));
         }
+        if self.library(EffectId::WheelUnbalance).is_some() {
+            step_s = step_s.min(STEP_SHARE / self.motion[3].abs().max(1.0));
+        }
         step_s
+    }
+
+    fn sense(&mut self) {
+        let (time_s, measured) = (self.time_s, self.at_once());
+        if let Some(sensors) = &mut self.sensors {
+            sensors.advance(time_s, measured);
+        }
     }
 
     /// Advances to `until_s`, at most one sample away. The command is `before_a` until `change_s`, and `after_a`
@@ -479,6 +532,7 @@ impl TrueMotion {
                 let longest_s = (sample_s / self.steps_per_sample).min(self.longest_step_s());
                 let parts = ((end_s - self.time_s) / longest_s).ceil().max(1.0);
                 self.step((end_s - self.time_s) / parts, command_a, push);
+                self.sense();
             }
             self.time_s = end_s;
         }

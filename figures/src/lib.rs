@@ -33,9 +33,11 @@ mod style;
 mod svg;
 mod text;
 
+mod banded;
 mod breakdown;
 mod confusion;
 mod decay;
+mod nyquist;
 mod overlay;
 mod poles;
 mod reliability;
@@ -45,10 +47,12 @@ mod staircase;
 mod suspects;
 
 pub use annotation::{Limit, Marker, Quantity, Region};
+pub use banded::{Banded, BandedLine, BandedPanel, banded};
 pub use breakdown::{Breakdown, BreakdownPanel, ResidualBin, breakdown};
 pub use confusion::{Confusion, confusion};
 pub use decay::{Decay, DecayPanel, DecayPoint, decay};
 pub use error::FigureError;
+pub use nyquist::{Nyquist, NyquistCurve, nyquist};
 pub use overlay::{Overlay, OverlayChannel, overlay};
 pub use poles::{Plane, PoleSet, Poles, poles};
 pub use reliability::{Reliability, ReliabilityBin, reliability};

@@ -65,6 +65,10 @@ pub(crate) struct Page {
     notes: Vec<String>,
 }
 
+/// What is said at the foot where points of a long series share a pixel.
+pub(crate) const REDUCED: &str = "Long series are drawn with the first, lowest, highest and last value of each \
+                                  pixel column; no peak is lost.";
+
 /// The widest that a line of text may be.
 const TEXT_WIDTH: f64 = style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN;
 

@@ -306,10 +306,7 @@ fn series(page: &mut Page, frame: &Frame, trace: &Trace) {
     } else {
         let stroke = Stroke::solid(trace.role.color(), trace.role.line_width());
         if frame.line(&mut page.svg, trace.x, &trace.y, stroke) {
-            page.note(
-                "Long series are drawn with the first, lowest, highest and last value of each \
-                 pixel column; no peak is lost.",
-            );
+            page.note(page::REDUCED);
         }
     }
     page.svg.end();

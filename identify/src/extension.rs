@@ -16,9 +16,15 @@ pub fn carry_over(from: &Model, values: &[f64], model: &Model, start: &[f64]) ->
         .enumerate()
         .map(|(position, info)| match from.position_of(info.name) {
             Some(at) => values[at],
-            None => start[position],
+            None => replaced(from, model, position).map_or(start[position], |at| values[at]),
         })
         .collect()
+}
+
+/// Where `from` has what the parameter of a log takes the place of.
+fn replaced(from: &Model, model: &Model, position: usize) -> Option<usize> {
+    let effect = model.effect_at(position)?;
+    from.position_of(effect.info().per_log?)
 }
 
 /// Fits `model`, starting from a minimum of the smaller model `from`. Every stated start of the new effects is tried,

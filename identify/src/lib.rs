@@ -40,7 +40,7 @@ pub use fit::{
     CoggingStart, Effort, KnownScore, MAX_UNKNOWNS, Minimum, NoBetterThanMean, Nuisance,
     Observation, Outcome, PredictedSeries, Ratios, RecordScore, ScoreStep, ScoreTest, Unknowns,
     Window, WindowNormal, acts, base_values, cogging_start, cost, cost_of_means, failed_series,
-    final_windows, fit_from_scratch, fit_windowed, guessed, joined, minimise, normal,
+    final_windows, fit_from_scratch, fit_windowed, guessed, is_of_wheel, joined, minimise, normal,
     normal_observed, ratios, refit, relevant, score_test, settled, simulate, traces,
 };
 pub use identification::{
@@ -61,3 +61,4 @@ pub use residuals::{
     effective_samples, find_pushes, half_bump, leave_out, residual_torque, residual_torques,
     structure, without_rounding,
 };
+pub use statements::left_open;

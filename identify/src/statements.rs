@@ -61,7 +61,8 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> 
     out
 }
 
-pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
+/// What no fit can find with these logs and these direct measurements: one sentence each. It takes no fit to say.
+pub fn left_open(problem: &FitProblem) -> Vec<String> {
     let mut out = vec![];
     let (body, wheel) = problem.moved();
     if !body {
@@ -93,6 +94,12 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
                 .to_owned(),
         );
     }
+    out
+}
+
+pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
+    let mut out = left_open(problem);
+    let (_, wheel) = problem.moved();
     let infos = fit.model.parameters();
     for (index, &position) in fit.unknowns.free.iter().enumerate() {
         let info = infos[position];

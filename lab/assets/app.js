@@ -9,6 +9,8 @@ import * as sliders from "./sliders.js";
 import * as why from "./why.js";
 
 const TABS = ["sliders", "why", "design", "controller"];
+// Panels that need the room of the curves.
+const WIDE = ["design", "controller"];
 const panels = { sliders, why, design, controller };
 let folder = null;
 let choosing = false;
@@ -45,6 +47,7 @@ async function refresh() {
   byId("report").hidden = !bench;
   byId("open-other").hidden = !bench;
   byId("open-other").textContent = choosing ? "Back" : "Open another bench";
+  byId("undo").hidden = !bench;
   byId("undo").disabled = !bench || bench.undo === 0;
   byId("bench-name").textContent = bench ? `${bench.name} · ${bench.folder}` : "";
   document.title = bench ? `${bench.name} · flywheel lab` : "flywheel lab";
@@ -94,6 +97,8 @@ function tab(name) {
     if (!on) panels[one].hidden?.();
   }
   shownTab = name;
+  byId("lab").classList.toggle("wide", WIDE.includes(name));
+  if (!WIDE.includes(name)) curves.resize();
   panels[name].shown?.();
 }
 
@@ -114,6 +119,7 @@ byId("open-other").addEventListener("click", () => { choosing = !choosing; refre
 
 function told(event) {
   if (event.event === "says" || event.event === "begun") working(event);
+  else if (event.event === "claim") controller.settled(event.claim);
   else if (event.event === "ended") {
     working(null);
     choosing = choosing && Boolean(event.failure);

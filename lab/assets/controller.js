@@ -1,4 +1,4 @@
-// The emitted controller, its certificate and its proof.
+// The emitted controller, its certificate and its proof, which fills claim by claim.
 import { byId, el, table } from "./dom.js";
 import { get } from "./server.js";
 
@@ -7,6 +7,9 @@ let begin = () => {};
 let design = null;
 let file = "src/control.rs";
 let preset = false;
+let statements = [];
+let rows = [];
+let places = null;
 
 /** Asks for the controller of these weights. */
 export const generate = (wishes) => begin({ task: "generate", wishes, preset: preset ? "thesis-bench" : null });
@@ -16,6 +19,7 @@ export function start(work) { begin = work; }
 export async function setBench(state) {
   design = state.design;
   const found = state.has_controller ? await get("/api/controller") : null;
+  places = null;
   if (!found?.files) {
     panel.replaceChildren(
       el("p", {}, "The controller is emitted as readable no_std Rust in fixed point, from raw sensor counts to the duty of the drive, with a certificate that is checked from the emitted files alone."),
@@ -25,24 +29,60 @@ export async function setBench(state) {
       el("button", { type: "button", class: "main", onclick: () => generate(design) }, "Generate"));
     return;
   }
-  const source = el("pre", { tabindex: 0, "aria-label": "Text of the file" });
-  const show = () => { source.textContent = found.files.find((one) => one.path === file)?.text ?? ""; };
+  statements = found.claims;
+  rows = found.proof?.claims ?? [];
+  const source = el("pre", { tabindex: 0, id: "source", "aria-label": "Text of the file" });
+  const show = () => { source.textContent = found.files.find((one) => one.path === file)?.text ?? ""; source.scrollTop = 0; };
   if (!found.files.some((one) => one.path === file)) file = found.files[0].path;
-  const choice = el("select", { "aria-label": "Emitted file", onchange: () => { file = choice.value; show(); } },
+  const choice = el("select", { id: "emitted-file", "aria-label": "Emitted file", onchange: () => { file = choice.value; show(); } },
     found.files.map((one) => el("option", { selected: one.path === file }, one.path)));
+  const certificate = el("button", { type: "button", onclick: () => { file = "certificate.json"; choice.value = file; show(); } }, "Certificate");
   show();
-  panel.replaceChildren(
-    el("div", { class: "row" },
-      el("button", { type: "button", class: found.proof ? null : "main", onclick: () => begin({ task: "prove" }) }, "Prove"),
-      el("button", { type: "button", onclick: () => begin({ task: "write-controller" }) }, "Write into the bench folder")),
-    el("p", { class: "quiet small" }, found.folder),
-    el("ul", { class: "small" }, found.warnings.map((text) => el("li", { class: "bad" }, text)), found.assumed.map((text) => el("li", {}, `taken from the thesis bench: ${text}`))),
-    found.proof ? claims(found) : "", choice, source);
+  places = { verdict: el("p", { id: "proof-verdict", "aria-live": "polite" }), body: el("tbody", { id: "claims" }) };
+  panel.replaceChildren(el("div", { class: "split" },
+    el("div", {},
+      el("div", { class: "row" },
+        el("button", { type: "button", id: "prove", class: found.proof ? null : "main", onclick: () => { rows = []; fill(true); begin({ task: "prove" }); } }, found.proof ? "Prove again" : "Prove"),
+        el("button", { type: "button", id: "write-controller", onclick: () => begin({ task: "write-controller" }) }, "Write into the bench folder")),
+      el("p", { class: "quiet small" }, `to ${found.folder}`),
+      el("ul", { class: "small" }, found.warnings.map((text) => el("li", { class: "bad" }, text)), found.assumed.map((text) => el("li", {}, `taken from the thesis bench: ${text}`))),
+      places.verdict, el("div", { class: "scroll" }, claimsTable())),
+    el("div", {}, el("div", { class: "row" }, el("label", { for: "emitted-file" }, "Emitted file"), choice, certificate), source)));
+  fill(false);
 }
 
-function claims(found) {
-  const tone = { proved: "good", tested: "good", failed: "bad" };
-  return el("div", {}, el("p", { class: found.passed ? "good" : "bad" }, found.passed ? "No claim fails." : "A claim fails: this controller must not be used."),
-    el("div", { class: "scroll" }, table(["claim", "result", "engine"], found.proof.claims.map((claim) => el("tr", { title: claim.statement },
-      el("td", { class: "wrap" }, claim.id), el("td", { class: `left ${tone[claim.result] ?? "quiet"}`, title: claim.why ?? claim.detail ?? "" }, claim.result), el("td", { class: "left wrap" }, claim.engine))))));
+function claimsTable() {
+  const whole = table(["claim", "result", "by", "time"], [], ["claim", "result", "by"]);
+  whole.querySelector("tbody").replaceWith(places.body);
+  return whole;
+}
+
+/** A row of the proof, as soon as it is settled. */
+export function settled(claim) {
+  if (!places) return;
+  rows = rows.filter((row) => row.id !== claim.id || row.engine !== claim.engine);
+  rows.push(claim);
+  fill(true);
+}
+
+const TONES = { proved: "good", tested: "good", failed: "bad" };
+
+/** All claims in their order; those that nothing has settled yet wait. */
+function fill(running) {
+  const lines = statements.flatMap((claim) => {
+    const own = rows.filter((row) => row.id === claim.id);
+    const about = el("details", {}, el("summary", {}, claim.id), el("p", { class: "small" }, claim.statement),
+      el("p", { class: "small quiet" }, `For: ${claim.domain}.${claim.assumptions ? ` Assumed: ${claim.assumptions}.` : ""}`));
+    if (!own.length) return [el("tr", { class: "quiet" }, el("td", { class: "wrap" }, about), el("td", { class: "left" }, running ? "…" : "not checked yet"), el("td", { class: "left" }, ""), el("td", {}, ""))];
+    return own.map((row, index) => el("tr", { "data-claim": row.id, "data-result": row.result },
+      el("td", { class: "wrap" }, index ? "" : about),
+      el("td", { class: `left wrap ${TONES[row.result] ?? "quiet"}` }, row.result, row.cases ? ` (${row.cases} cases)` : "", row.result === "failed" || row.result.startsWith("not") ? el("div", { class: "small" }, row.why) : ""),
+      el("td", { class: "left wrap" }, row.engine), el("td", {}, row.seconds < 0.05 ? "" : `${row.seconds.toFixed(1)} s`)));
+  });
+  places.body.replaceChildren(...lines);
+  const failed = rows.filter((row) => row.result === "failed").map((row) => row.id);
+  const done = new Set(rows.filter((row) => !row.result.startsWith("not run")).map((row) => row.id)).size;
+  places.verdict.className = failed.length ? "bad" : "good";
+  places.verdict.textContent = failed.length ? `Fails: ${[...new Set(failed)].join(", ")}. This controller must not be used.`
+    : rows.length === 0 ? "" : running ? `${done} of ${statements.length} claims settled …` : "No claim fails.";
 }

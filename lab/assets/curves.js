@@ -3,6 +3,7 @@ import { byId, el } from "./dom.js";
 import { ask } from "./server.js";
 import { axis, colour, draw, layout, onTheme } from "./plots.js";
 import { showErrors } from "./errors.js";
+import { clear, paint } from "./moving.js";
 
 const plot = byId("curves");
 let bench = null;
@@ -17,10 +18,18 @@ let shown = null;
 let busy = false;
 let wish = null;
 let drawing = false;
+// The hand rests when nothing has moved for this long, ms.
+const RESTS = 250;
+let resting = 0;
 
 export function start(report) {
   onError = report;
   onTheme(() => { if (shown) redraw(); });
+}
+
+/** The place has become visible again: it may have another width. */
+export function resize() {
+  if (shown && plot.data) Plotly.Plots.resize(plot);
 }
 
 /** The bench as it is now; `fresh` where another one was opened. */
@@ -65,7 +74,7 @@ function buttons() {
       type: "button", "aria-pressed": String(index === chosen),
       title: `${one.kind}, ${one.samples} samples over ${one.duration_s.toPrecision(3)} s`,
       onclick: () => choose(one.name),
-    }, `${one.name} `, el("span", { class: over > 1.5 ? "bad" : "good" }, `×${over.toPrecision(2)}`));
+    }, `${one.name} `, el("span", { class: over > 1.5 ? "bad" : "good" }, `×${over < 10 ? over.toPrecision(2) : Math.round(over)}`));
   }));
 }
 
@@ -86,7 +95,9 @@ async function request(anew) {
       shown = now;
       const moved = changes.length > 0;
       showErrors(now.errors, moved ? ghost.errors : null, bench.experiments[chosen].name, choose);
-      await (first ? redraw() : refresh());
+      clearTimeout(resting);
+      if (!first && moved && paint(plot, now, ghost)) resting = setTimeout(settle, RESTS);
+      else await settle(first);
       document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
     }
   } catch (error) {
@@ -102,6 +113,13 @@ function curvesOf(index) {
   const empty = { x: [], y: [] };
   const moved = changes.length > 0;
   return [channel.measured, moved ? ghost.channels[index].simulated : empty, channel.simulated, channel.residual];
+}
+
+/** The library draws what the canvas has shown. */
+async function settle(anew = false) {
+  if (!ghost) return;
+  await (anew ? redraw() : refresh());
+  clear(plot);
 }
 
 /** Only the curves: axes and marks stay. */
@@ -135,8 +153,8 @@ async function redraw() {
       { x: model.x, y: model.y, yaxis: `y${over}`, name: "model", legendgroup: "c", ...legend, mode: "lines", line: { color: colour("model"), width: 1.5 }, hovertemplate: `model ${value}<extra></extra>` },
       { x: residual.x, y: residual.y, yaxis: `y${rest}`, name: "measured − model", legendgroup: "d", ...legend, mode: "lines", line: { color: colour("push"), width: 0.9 }, hovertemplate: `measured − model ${value}<extra></extra>` },
     );
-    form[`yaxis${over}`] = axis(`${channel.spoken} (${channel.unit})`, { domain: [top - high * 0.58, top], anchor: "x" });
-    form[`yaxis${rest}`] = axis(`difference (${channel.unit})`, { domain: [top - high, top - high * 0.58 - gap], anchor: "x" });
+    form[`yaxis${over}`] = axis(`${channel.spoken}<br>(${channel.unit})`, { domain: [top - high * 0.58, top], anchor: "x" });
+    form[`yaxis${rest}`] = axis(`difference<br>(${channel.unit})`, { domain: [top - high, top - high * 0.58 - gap], anchor: "x" });
     form.shapes.push({
       type: "rect", xref: "paper", x0: 0, x1: 1, yref: `y${rest}`, y0: -channel.noise_std, y1: channel.noise_std,
       fillcolor: colour("band"), line: { width: 1, color: colour("ghost"), dash: "dot" }, layer: "above",
@@ -153,7 +171,7 @@ async function redraw() {
     form.shapes.push({ type: "line", xref: "x", x0: push.time_s, x1: push.time_s, yref: "paper", y0: 0, y1: 1, line: { color: colour("push"), width: 1, dash: "dash" } });
     form.annotations.push({ xref: "x", x: push.time_s, yref: "paper", y: 1, yanchor: "top", textangle: -90, showarrow: false, text: push.text, font: { size: 10, color: colour("push") }, bgcolor: colour("card") });
   }
-  plot.style.height = `${Math.max(440, 60 + 250 * count)}px`;
+  plot.style.height = `${Math.max(440, 60 + 260 * count)}px`;
   drawing = true;
   await draw(plot, traces, form);
   drawing = false;

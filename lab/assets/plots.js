@@ -26,9 +26,9 @@ export const layout = (more = {}) => ({
 export const config = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
 
 /** Draws, or draws anew. */
-export async function draw(element, traces, form) {
+export async function draw(element, traces, form, more = {}) {
   await library;
-  return Plotly.react(element, traces, form, config);
+  return Plotly.react(element, traces, form, { ...config, ...more });
 }
 
 /** Calls when light and dark change. */

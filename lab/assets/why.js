@@ -26,6 +26,8 @@ export async function setBench(state) {
 export const shown = () => redrawPlots.forEach((call) => call());
 
 const about = (name) => library.find((one) => one.name === name);
+/** A plot that is folded away has no size yet. */
+const drawn = (holder) => holder.offsetParent !== null;
 const button = (text, task, main = false) => el("button", { type: "button", class: main ? "main" : null, onclick: () => begin(task) }, text);
 
 function build() {
@@ -34,7 +36,7 @@ function build() {
     el("div", { class: "row" }, button(found ? "Diagnose again" : "Diagnose", { task: "diagnose" }, !found),
       found?.can_apply && (found.added.length || found.taken_out.length) ? button(applyText(), { task: "apply" }, true) : null),
     found ? verdict() : el("p", { class: "quiet" }, "The diagnosis looks for a physical effect that the model lacks, says how sure it is, and which experiment would settle what is open."),
-    tie(), model(), staircase(), found ? reasons() : "", found ? suspects() : "", others(),
+    tie(), model(), staircase(), found ? suspects() : "", found ? reasons() : "", others(),
   );
   redrawPlots.forEach((call) => call());
 }
@@ -49,9 +51,21 @@ function verdict() {
     el("p", { class: "verdict", id: "verdict", "data-verdict": found.verdict }, found.sentence),
     found.current ? null : el("p", { class: "bad small" }, "The model has changed since: diagnose again."),
     found.remains ? el("p", {}, found.remains) : null,
-    found.next_experiment ? el("div", { class: "card" }, el("h3", {}, "Next experiment"), el("p", {}, found.next_experiment)) : null,
     found.ambiguous_between.length ? el("div", { class: "card" }, el("h3", {}, "Equally good explanations"),
-      el("ul", {}, found.ambiguous_between.map((set) => el("li", {}, set.join(" + "))))) : null);
+      found.ambiguous_between.map((set) => el("details", {}, el("summary", {}, set.join(" + ")), set.map((name) => [el("strong", { class: "small" }, name), lesson(name)])))) : null,
+    found.next_experiment ? nextExperiment() : null);
+}
+
+/** The experiment that settles what is open: what to do, for how long, and what each explanation would show. */
+function nextExperiment() {
+  const recipe = found.recipe;
+  if (!recipe) return el("div", { class: "card" }, el("h3", {}, "Next experiment"), el("p", {}, found.next_experiment));
+  const holder = el("div", { class: "plot", role: "img", "aria-label": `What each explanation predicts for the ${recipe.channel}` });
+  const lines = () => recipe.answers.map((answer, index) => ({ x: recipe.time_s, y: answer, mode: "lines", name: recipe.names[index], line: { color: colour(["model", "ghost", "push", "good"][index % 4]), width: 1.6, dash: ["solid", "dot", "dash", "dashdot"][index % 4] } }));
+  redrawPlots.push(() => draw(holder, lines(), layout({ xaxis: axis("time (s)", { exponentformat: "none" }), yaxis: axis(`${recipe.channel} (${recipe.unit})`) }), { displayModeBar: false }));
+  return el("div", { class: "card", id: "recipe" }, el("h3", {}, "The experiment that settles it"), el("p", {}, `Record ${recipe.experiment}.`),
+    el("ol", { class: "small" }, recipe.steps.map((step) => el("li", {}, step))),
+    el("p", { class: "small" }, `The first two explanations differ in the ${recipe.channel} by ${recipe.difference}. `, recipe.widest ?? ""), holder);
 }
 
 function tie() {
@@ -91,30 +105,46 @@ function staircase() {
     el("details", {}, el("summary", {}, "Numbers"), el("div", { class: "scroll" }, table(["RMSE", ...labels, "sensor noise"], lines))));
 }
 
-const points = (list, name, tone, symbol) => ({
+const points = (all, name, tone, symbol, list = all.filter((p) => p[1] !== null)) => ({
   x: list.map((p) => p[0]), y: list.map((p) => p[1]), error_y: { array: list.map((p) => p[2]), visible: true, thickness: 1, width: 0 },
   mode: "markers", name, marker: { color: colour(tone), size: 6, symbol },
 });
 
 function figure(heading, traces, x, y, rangemode = "tozero") {
   const holder = el("div", { class: "plot", role: "img", "aria-label": heading });
-  redrawPlots.push(() => draw(holder, traces(), layout({ xaxis: axis(x), yaxis: axis(y, { rangemode }) })));
+  redrawPlots.push(() => drawn(holder) && draw(holder, traces(), layout({ xaxis: axis(x), yaxis: axis(y, { rangemode }) }), { displayModeBar: false }));
   return el("div", {}, el("h3", {}, heading), holder);
 }
 
-function reasons() {
-  const residuals = found.reasons.map((one) => figure(`${one.experiment}: ${one.residual} over ${one.coordinate}`,
-    () => [points(one.before, "model as it was", "model", "circle"), ...(one.after ? [points(one.after, "after the diagnosis", "ghost", "diamond-open")] : [])],
+/** Residuals and decays; `names` are the series of the model as it was and of the model after. */
+function pictures(residual, decay, names) {
+  const [was, after] = names;
+  const residuals = residual.map((one) => figure(`${one.experiment}: ${one.residual} over ${one.coordinate}`,
+    () => [points(one.before, was, "model", "circle"), ...(one.after ? [points(one.after, after, "ghost", "diamond-open")] : [])],
     `${one.coordinate} (${one.coordinate_unit})`, `${one.residual} (${one.unit})`));
-  const decays = found.decay.flatMap((one) => [
-    figure(`${one.experiment}: decay over amplitude`, () => [points(one.rates, "measured", "measured", "circle"),
-      ...(one.model_rates ? [points(one.model_rates, "after the diagnosis", "ghost", "diamond-open")] : [])], "amplitude (rad)", "decay rate (1/s)"),
-    ...(one.periods.length ? [figure(`${one.experiment}: period of small swings over amplitude`, () => [points(one.periods, "measured", "measured", "circle"),
-      ...(one.model_periods ? [points(one.model_periods, "after the diagnosis", "ghost", "diamond-open")] : [])], "amplitude (rad)", "period (s)", "normal")] : []),
+  const over = (measured, model, other) => () => [points(measured, "measured", "measured", "circle"),
+    ...(other ? [points(other, was, "model", "x")] : []), ...(model ? [points(model, after, "ghost", "diamond-open")] : [])];
+  const decays = decay.flatMap((one) => [
+    figure(`${one.experiment}: decay over amplitude`, over(one.rates, one.model_rates, one.other_rates), "amplitude (rad)", "decay rate (1/s)"),
+    ...(one.periods.length ? [figure(`${one.experiment}: period of small swings over amplitude`, over(one.periods, one.model_periods, one.other_periods), "amplitude (rad)", "period (s)", "normal")] : []),
     one.law ? el("p", { class: "small quiet" }, `dA/dt = −(C + V A + Q A²): ${one.law}`) : "",
   ]);
-  if (!residuals.length && !decays.length) return "";
-  return el("div", {}, el("h2", {}, "Where it shows"), residuals, decays);
+  return [...residuals, ...decays];
+}
+
+function reasons() {
+  const all = pictures(found.reasons, found.decay, ["model as it was", "after the diagnosis"]);
+  return all.length ? el("details", { id: "reasons", ontoggle: () => redrawPlots.forEach((call) => call()) }, el("summary", {}, el("strong", {}, "Where the model as it was fails, and how the swings die out")), all) : "";
+}
+
+/** What an effect looks like, without and with it in the model. */
+function fingerprint(effect) {
+  const own = found.fingerprints.find((one) => one.effect === effect);
+  if (!own) return button("Draw its fingerprint", { task: "fingerprint", effect });
+  const all = pictures(own.reasons, own.decay, ["without it", "with it"]);
+  const hold = el("details", { class: "fingerprint", open: true, ontoggle: () => redrawPlots.forEach((call) => call()) }, el("summary", {}, "Its fingerprint: the model without and with it"),
+    all.length ? all : el("p", { class: "small" }, "Neither the residuals nor the swings of these logs show it apart from the others; what it takes away stands above."));
+  return hold;
 }
 
 function lesson(name) {
@@ -139,7 +169,8 @@ function suspects() {
       el("p", { class: "small" }, one.fingerprint),
       el("p", { class: "small" }, one.parameters.map((text) => el("span", { style: "display:block" }, text))),
       one.takes_away.length ? el("p", { class: "small quiet" }, `takes away ${one.takes_away.map((part) => `${part.text} of ${part.series}`).join("; ")}`) : null,
-      el("details", {}, el("summary", {}, "About this effect"), lesson(one.effect)));
+      el("details", {}, el("summary", {}, "About this effect"), lesson(one.effect)),
+      fingerprint(one.effect));
   });
   return el("div", {}, el("h2", {}, "Suspects"), cards.length ? cards : el("p", {}, "Nothing is missing, so there is none."));
 }

@@ -1,44 +1,44 @@
-//! The open bench, and who is told what happens to it.
+//! The open bench, and the notification of pages about its changes.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::broadcast;
 use workbench::{
-    ComparisonReport, DiagnosisReport, Error, GeneratedController, ModelFile, PerSeries, Predictor,
-    Progress, Proof, Session,
+    ComparisonReport, DiagnosisReport, EffectFingerprint, Error, GeneratedController, ModelFile,
+    PerSeries, Predictor, Progress, Proof, Session,
 };
 
 use crate::dropped::Dropped;
 use crate::work::Running;
 
-/// Events that a slow page may lag behind before it misses some.
+/// Number of events by which a slow page may lag before it misses some.
 const EVENTS: usize = 256;
-/// Changes that can be undone.
+/// Largest number of changes that can be undone.
 const MOST_UNDONE: usize = 100;
 
-/// What the server has at hand.
+/// The state of the server.
 pub struct Desk {
     state: Mutex<State>,
     dropped: Mutex<Dropped>,
     events: broadcast::Sender<String>,
 }
 
-/// What changes while the server runs.
+/// The part of the state that changes while the server runs.
 #[derive(Default)]
 pub struct State {
-    /// The bench, as the last work left it.
+    /// The bench, as the last task left it.
     pub bench: Option<Arc<OpenBench>>,
-    /// The work that is under way.
+    /// The task that is running.
     pub running: Option<Running>,
-    /// Why the last work failed.
+    /// The reason why the last task failed.
     pub failure: Option<String>,
-    /// Works that were begun.
+    /// Number of tasks started so far.
     pub count: u64,
 }
 
 impl Desk {
-    /// Nothing is open.
+    /// The state without an open bench.
     pub fn new() -> Desk {
         Desk {
             state: Mutex::default(),
@@ -47,7 +47,7 @@ impl Desk {
         }
     }
 
-    /// What is at hand now.
+    /// The present state.
     pub fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -62,65 +62,67 @@ impl Desk {
         self.state().bench.clone()
     }
 
-    /// Tells every page.
+    /// Sends an event to every page.
     pub fn tell(&self, event: &serde_json::Value) {
-        // Where no page listens, nobody is told.
+        // Without a listening page, the event is dropped.
         let _ = self.events.send(event.to_string());
     }
 
-    /// What every page is told from now on.
+    /// Receives the events sent from now on.
     pub fn listen(&self) -> broadcast::Receiver<String> {
         self.events.subscribe()
     }
 }
 
-/// A bench, its model beside the measurements, and what came of it since it was opened.
+/// A bench, its model compared with the measurements, and the results since it was opened.
 #[derive(Clone)]
 pub struct OpenBench {
     /// The bench's folder, without symlinks.
     pub folder: PathBuf,
     /// The session.
     pub session: Session,
-    /// The model beside the measurements.
+    /// The model compared with the measurements.
     pub comparison: ComparisonReport,
     /// The experiments for sliders.
     pub predictor: Predictor,
-    /// The last diagnosis, as long as it speaks of the model as it is or as it made it.
+    /// The last diagnosis, as long as it concerns the present model or made it.
     pub diagnosis: Option<Arc<Diagnosed>>,
+    /// What effects look like beside the model as it is, as far as that was asked.
+    pub fingerprints: Vec<Arc<EffectFingerprint>>,
     /// The error after each change.
     pub staircase: Vec<Stair>,
-    /// What can be gone back to.
+    /// The earlier states for undo.
     pub undo: Vec<Before>,
     /// The controller that was generated last.
     pub generated: Option<GeneratedController>,
-    /// What came of its proof.
+    /// The result of its proof.
     pub proof: Option<Proof>,
-    /// Why the model could not be written, where that is so.
+    /// The reason why the model could not be written, if so.
     pub unsaved: Option<String>,
     /// The text of model.toml when it was last read or written.
     known_text: Option<String>,
 }
 
-/// A diagnosis, and the model beside the measurements from which it started.
+/// A diagnosis, with the comparison of the model from which it started.
 pub struct Diagnosed {
-    /// The verdict and what it rests on.
+    /// The verdict with its evidence.
     pub report: DiagnosisReport,
-    /// The model as it was.
+    /// The comparison of the diagnosed model.
     pub first: ComparisonReport,
-    /// Whether its last step is the model now.
+    /// Whether its last step is the present model.
     pub applied: bool,
 }
 
 /// The error after a change of the model.
 #[derive(Clone, serde::Serialize)]
 pub struct Stair {
-    /// What was changed: "+ body-coulomb-friction".
+    /// The change, such as "+ body-coulomb-friction".
     pub label: String,
     /// Root mean square errors, SI units.
     pub rmse: PerSeries,
 }
 
-/// What a change can be undone to.
+/// An earlier state, to which a change can be undone.
 #[derive(Clone)]
 pub struct Before {
     model: Option<ModelFile>,
@@ -129,7 +131,7 @@ pub struct Before {
 }
 
 impl OpenBench {
-    /// Opens a bench and compares its model; one without a model is fitted with the base model.
+    /// Opens a bench and compares its model. If it has no model, the base model is fitted.
     pub fn open(path: &Path, refit: bool, progress: &Progress) -> Result<OpenBench, String> {
         let folder = crate::folder::of_bench(path)?;
         (progress.say)("reading the files");
@@ -157,6 +159,7 @@ impl OpenBench {
             comparison,
             predictor,
             diagnosis: None,
+            fingerprints: Vec::new(),
             staircase,
             undo: Vec::new(),
             generated: None,
@@ -180,7 +183,7 @@ impl OpenBench {
         std::fs::read_to_string(self.session.model_path()).ok()
     }
 
-    /// Remembers what the model is, for undo.
+    /// Stores the present model for undo.
     pub fn remember(&mut self) {
         self.undo.push(Before {
             model: self.session.model().cloned(),
@@ -192,7 +195,7 @@ impl OpenBench {
         }
     }
 
-    /// The session's model has changed: what follows from it is made anew, and it is written.
+    /// Updates everything that depends on the session's model after it has changed, and writes the model.
     pub fn changed(
         &mut self,
         comparison: ComparisonReport,
@@ -210,6 +213,14 @@ impl OpenBench {
         Ok(())
     }
 
+    /// Draws what an effect looks like beside the model as it is.
+    pub fn draw_fingerprint(&mut self, effect: &str, progress: &Progress) -> Result<(), String> {
+        let found = self.session.fingerprint(effect, progress).map_err(said)?;
+        self.fingerprints.retain(|one| one.effect != effect);
+        self.fingerprints.push(Arc::new(found));
+        Ok(())
+    }
+
     /// Goes back by one change.
     pub fn undo(&mut self, progress: &Progress) -> Result<(), String> {
         let before = self.undo.pop().ok_or("there is nothing to undo")?;
@@ -223,7 +234,7 @@ impl OpenBench {
         Ok(())
     }
 
-    /// Writes the model; where that cannot be done, the page says so and goes on.
+    /// Writes the model. If that fails, the page shows the reason and goes on.
     pub fn save(&mut self) {
         let path = self.session.model_path().to_path_buf();
         let written = crate::folder::within(&self.folder, &path)
@@ -232,14 +243,19 @@ impl OpenBench {
         self.known_text = self.text_on_disk();
     }
 
-    /// A controller of another model is of no use.
+    /// Discards the controller, which belongs to an earlier model.
     pub fn controller_is_old(&mut self) {
+        // Those of a model that was applied from a diagnosis still show why.
+        self.fingerprints.retain(|one| {
+            one.with.effects == self.comparison.effects
+                || one.without.effects == self.comparison.effects
+        });
         self.generated = None;
         self.proof = None;
     }
 }
 
-/// An error as a sentence.
+/// An error as a sentence for the page.
 pub fn said(error: Error) -> String {
     error.to_string()
 }

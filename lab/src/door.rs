@@ -1,5 +1,5 @@
-//! The file that opens the page. Command lines can be read by every user of a machine, so the browser is given
-//! the path of a file that only its owner can read, and the page in it hands over the key.
+//! The file that opens the page. Every user of a machine can read command lines. The browser therefore gets
+//! the path of a file that only its owner can read; the page in that file sends the key to the server.
 
 use std::fs;
 use std::io::{self, Write};
@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use crate::guard::{ENTER, Guard};
 use crate::server::Error;
 
-/// The file; gone when this value is.
+/// The file; it is deleted when this value is dropped.
 pub struct Door {
     folder: PathBuf,
     file: PathBuf,
@@ -18,7 +18,7 @@ pub struct Door {
 impl Door {
     /// Writes the file into a folder of its own.
     pub fn write(guard: &Guard) -> Result<Door, Error> {
-        // The runtime folder is the user's own; where there is none, a folder for him alone is made.
+        // The runtime folder belongs to the user; if there is none, a folder for this user alone is created.
         let base = std::env::var_os("XDG_RUNTIME_DIR")
             .map(PathBuf::from)
             .filter(|path| path.is_dir())
@@ -38,16 +38,16 @@ impl Door {
         Ok(door)
     }
 
-    /// Where it is.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.file
     }
 }
 
-/// Gives the file to the browser of the desktop.
+/// Opens the file in the browser of the desktop.
 ///
 /// # Errors
-/// What the system said: there may be no desktop.
+/// The system's error: there may be no desktop.
 pub fn open_in_browser(file: &Path) -> io::Result<()> {
     #[cfg(target_os = "macos")]
     let program = "open";
@@ -66,7 +66,7 @@ pub fn open_in_browser(file: &Path) -> io::Result<()> {
 
 impl Drop for Door {
     fn drop(&mut self) {
-        // Its key is of no use without the server.
+        // The key is useless without the server, so an error does not matter.
         let _ = fs::remove_file(&self.file);
         let _ = fs::remove_dir(&self.folder);
     }
@@ -85,7 +85,7 @@ fn private_folder(path: &Path) -> io::Result<()> {
 
 fn private_file(path: &Path) -> io::Result<fs::File> {
     let mut options = fs::OpenOptions::new();
-    // Never a file that was there before.
+    // An existing file is never used.
     options.write(true).create_new(true);
     #[cfg(unix)]
     {
@@ -95,7 +95,7 @@ fn private_file(path: &Path) -> io::Result<fs::File> {
     options.open(path)
 }
 
-/// A form that sends itself: a key in an address would stay in the browser's history.
+/// A page with a form that submits itself: a key in an address would stay in the browser's history.
 fn page(guard: &Guard) -> String {
     format!(
         "<!doctype html>\n<meta charset=\"utf-8\">\n<title>flywheel lab</title>\n\

@@ -1,21 +1,25 @@
-//! Files that a user has dropped on the page, until they become a bench.
+//! Files that a user has dropped on the page, before they become a bench.
 
 use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use bench_files::{Bench, FilesInMemory};
+use data_check::Corrections;
+use identify::FitProblem;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::preview;
+
 /// Most files at a time.
 const MOST_FILES: usize = 50;
-/// Lines of a file that are shown.
+/// Number of lines of a file that are shown.
 const SHOWN_LINES: usize = 6;
-/// Longest part of a line that is shown, in characters.
+/// Largest number of characters of a line that are shown.
 const SHOWN_CHARACTERS: usize = 300;
 
-/// The files, in a folder that only this user can enter; gone with the lab.
+/// The files, in a folder that only this user can enter; it is deleted with the lab.
 #[derive(Default)]
 pub struct Dropped {
     folder: Option<TempDir>,
@@ -23,10 +27,10 @@ pub struct Dropped {
 }
 
 impl Dropped {
-    /// Keeps a file.
+    /// Stores a file.
     ///
     /// # Errors
-    /// A sentence: a name that is none, too many files, a full disk.
+    /// A sentence: the name is not a plain file name, there are too many files, or the disk is full.
     pub fn keep(&mut self, name: &str, text: &[u8]) -> Result<(), String> {
         let path = Path::new(name);
         let mut parts = path.components();
@@ -36,7 +40,10 @@ impl Dropped {
         );
         let odd = |c: char| c.is_control() || "/\\:".contains(c);
         if !plain || name.starts_with('.') || name.len() > 120 || name.contains(odd) {
-            return Err(format!("\"{}\" is no plain file name", name.escape_debug()));
+            return Err(format!(
+                "\"{}\" is not a plain file name",
+                name.escape_debug()
+            ));
         }
         let is_table = ["csv", "txt", "tsv", "dat", "log"];
         let end = path
@@ -44,7 +51,7 @@ impl Dropped {
             .map(|end| end.to_string_lossy().to_lowercase());
         if !end.is_some_and(|end| is_table.contains(&end.as_str())) {
             return Err(format!(
-                "{name}: is no table; logs end in .{}",
+                "{name}: is not a table; logs end in .{}",
                 is_table.join(", .")
             ));
         }
@@ -52,7 +59,7 @@ impl Dropped {
         if is_new && self.names.len() == MOST_FILES {
             return Err(format!("more than {MOST_FILES} files at a time"));
         }
-        let failed = |error: io::Error| format!("{name}: cannot be kept: {error}");
+        let failed = |error: io::Error| format!("{name}: cannot be stored: {error}");
         let folder = match &self.folder {
             Some(folder) => folder.path().to_path_buf(),
             None => {
@@ -67,7 +74,7 @@ impl Dropped {
         Ok(())
     }
 
-    /// Forgets all of them.
+    /// Deletes all of them.
     pub fn clear(&mut self) {
         *self = Dropped::default();
     }
@@ -78,8 +85,8 @@ impl Dropped {
         self.names.iter().map(|name| folder.join(name)).collect()
     }
 
-    /// The files with their first lines, and the bench.toml that is proposed for them.
-    pub fn facts(&self) -> Value {
+    /// The files with their first lines, and the bench.toml that is proposed for them with what was corrected.
+    pub fn facts(&self, corrections: &Corrections) -> Value {
         let Some(folder) = &self.folder else {
             return json!({"files": []});
         };
@@ -97,14 +104,33 @@ impl Dropped {
                 json!({"name": name, "bytes": text.len(), "lines": lines.collect::<Vec<_>>()})
             });
         let files: Vec<Value> = files.collect();
-        match data_check::propose(folder.path(), &self.paths()) {
-            Ok(proposal) => json!({"files": files, "proposal": proposal}),
+        match data_check::propose_with(folder.path(), &self.paths(), corrections) {
+            Ok((proposal, refused)) => {
+                let previews = proposal.experiments.iter();
+                let previews: Vec<Value> = previews
+                    .map(|one| preview::of(&folder.path().join(&one.file), &one.choices))
+                    .collect();
+                json!({
+                    "files": files,
+                    "refused": refused,
+                    "previews": previews,
+                    "open_ends": self.open_ends(&proposal.text),
+                    "proposal": proposal,
+                })
+            }
             // The folder is of no interest to who reads the message.
             Err(error) => {
                 let place = format!("{}/", folder.path().display());
                 json!({"files": files, "failure": error.to_string().replace(&place, "")})
             }
         }
+    }
+
+    /// What stays unknown with this bench.toml, whatever is fitted; sentences.
+    fn open_ends(&self, text: &str) -> Vec<String> {
+        let bench = Bench::from_files(&self.in_memory(text)).ok();
+        let problem = bench.and_then(|bench| FitProblem::new(&bench).ok());
+        problem.map_or_else(Vec::new, |problem| identify::left_open(&problem))
     }
 
     /// What is wrong with a bench.toml for these files: findings, or why it cannot be read.
@@ -124,10 +150,10 @@ impl Dropped {
         files
     }
 
-    /// Makes a bench folder of them, which must not be a bench already, and writes over no file.
+    /// Creates a bench folder from the files. The folder must not be a bench, and no file is overwritten.
     ///
     /// # Errors
-    /// A sentence: what is wrong with the text or the folder.
+    /// A sentence: the fault of the text or of the folder.
     pub fn write(&self, folder: &Path, text: &str) -> Result<(), String> {
         Bench::from_files(&self.in_memory(text)).map_err(|error| error.to_string())?;
         let names = self.names.iter().map(String::as_str).chain(["bench.toml"]);
@@ -135,7 +161,7 @@ impl Dropped {
             let path = folder.join(name);
             if fs::symlink_metadata(&path).is_ok() {
                 return Err(format!(
-                    "{}: is there already; name another folder",
+                    "{}: exists already; name another folder",
                     path.display()
                 ));
             }

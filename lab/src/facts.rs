@@ -1,28 +1,25 @@
-//! What the page is told, as JSON: the library's data, and texts for people beside the numbers.
+//! The data for the page as JSON: the library's results, with texts for people beside the numbers.
 
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
 use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
-use workbench::{
-    ComparisonReport, Coordinate, DesignSection, FailurePlace, PerSeries, ResidualKind, words,
-};
+use workbench::{ComparisonReport, Coordinate, FailurePlace, PerSeries, ResidualKind, words};
 
-use crate::desk::{Desk, OpenBench, said};
-use crate::picture::{View, stretches, thinned};
+use crate::desk::{Desk, OpenBench};
+use crate::picture::stretches;
+use crate::why_facts;
 use crate::work::CONTROLLER;
 
-/// Standard errors to either side on the fine track of a slider.
+/// Range of the fine track of a slider, in standard errors to either side.
 const FINE_ERRORS: f64 = 10.0;
-/// Stretches of one place that are shaded.
+/// Largest number of shaded stretches for one place.
 const MOST_STRETCHES: usize = 100;
-/// Largest share of an experiment's time that is shaded: a place that is nearly everywhere is none for the eye.
+/// Largest share of an experiment's time that is shaded; a place that covers more is not shown.
 const MOST_SHADED: f64 = 0.5;
-/// Pictures of residuals in a diagnosis.
+/// Largest number of pictures of residuals in a diagnosis.
 const MOST_REASONS: usize = 3;
-/// Width for which the responses of a design are drawn.
-const RESPONSE_PIXELS: usize = 500;
 
-/// Everything but curves and diagnosis.
+/// The state without curves and diagnosis.
 pub fn state(desk: &Desk) -> Value {
     let (bench, running, failure) = {
         let state = desk.state();
@@ -105,7 +102,7 @@ fn experiments(found: &ComparisonReport) -> Vec<Value> {
         .collect()
 }
 
-/// Where on the time axis the model fails: the plainest place that a shade can show.
+/// The stretches of the time axis where the model fails: the most significant place that can be shaded.
 fn shades(found: &ComparisonReport, experiment: &str) -> Vec<Value> {
     let curves = found.curves.iter().find(|one| one.experiment == experiment);
     let Some(curves) = curves else {
@@ -170,7 +167,7 @@ pub fn error_row(experiment: &str, channel: &workbench::ChannelCurves) -> Value 
     })
 }
 
-/// What is known of a parameter of the model by its name.
+/// The description of a parameter of the model, by its name.
 fn info_of(model: &Model, name: &str) -> Option<(&'static ParameterInfo, Option<&'static str>)> {
     let effects = model.effects().iter();
     let own = effects.flat_map(|effect| {
@@ -199,7 +196,7 @@ fn sliders(bench: &OpenBench) -> Vec<Value> {
         let (info, effect) = info_of(&model, name)?;
         let std = parameter.std.filter(|std| *std > 0.0 && std.is_finite());
         let errors = FINE_ERRORS * std.unwrap_or(0.0);
-        // All of the value to either side; what is zero and has no error may become as large as is plausible.
+        // The value itself to either side; a value of zero without an error may become as large as is plausible.
         let wide = match value.abs().max(errors) {
             size if size > 0.0 => size,
             _ => info.plausible.1.abs(),
@@ -250,12 +247,12 @@ fn staircase(bench: &OpenBench) -> Value {
     })
 }
 
-/// The effects of the library, for who learns.
+/// The effects of the library.
 pub fn effects() -> Value {
     json!(workbench::effect_library())
 }
 
-/// The diagnosis, with what lets a person see the reason.
+/// The diagnosis, with the data for the pictures of its reasons.
 pub fn diagnosis(bench: &OpenBench) -> Value {
     let Some(found) = &bench.diagnosis else {
         return Value::Null;
@@ -275,7 +272,7 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
             "takes_away": takes_away(&suspect.takes_away),
         })
     });
-    // A diagnosis of another model than the one at hand is shown, but nothing is taken over from it.
+    // A diagnosis of another model is shown, but cannot be applied.
     let begins_here = found.first.effects == bench.comparison.effects;
     json!({
         "verdict": report.verdict.name(),
@@ -291,11 +288,13 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
         "next_experiment": report.next_experiment,
         "places": report.places.iter().filter(|one| one.significant).map(place).collect::<Vec<_>>(),
         "reasons": reasons(&found.first, &report.last),
-        "decay": report.decay.iter().filter_map(decay).collect::<Vec<_>>(),
+        "decay": report.decay.iter().filter_map(|swing| why_facts::decay(swing, None)).collect::<Vec<_>>(),
+        "fingerprints": bench.fingerprints.iter().map(|one| why_facts::fingerprint(one)).collect::<Vec<_>>(),
+        "recipe": report.recipe.as_ref().map(|recipe| why_facts::recipe(recipe, &report.ambiguous_between)),
     })
 }
 
-/// The three series from which most is taken away.
+/// The three series with the largest removed share of their error.
 fn takes_away(shares: &PerSeries) -> Vec<Value> {
     let mut all: Vec<_> = shares
         .iter()
@@ -311,10 +310,10 @@ fn takes_away(shares: &PerSeries) -> Vec<Value> {
 }
 
 /// The residuals in which the first model fails most plainly, with the last model beside them.
-fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
+pub(crate) fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
     let mut seen = Vec::new();
     let significant = || first.places.iter().filter(|place| place.significant);
-    // A torque shows the cause; an output what has come of it since the start of the log.
+    // A torque shows the cause directly; an output shows its accumulated effect since the start of the log.
     let has_torque = significant().any(|place| place.residual == ResidualKind::ResidualTorque);
     for place in significant() {
         if has_torque && place.residual != ResidualKind::ResidualTorque {
@@ -341,7 +340,7 @@ fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
             ) == *key
         })?;
         let bins = own.bins.iter().map(|bin| {
-            // What pushes along the motion cancels in the mean over both directions.
+            // A force along the motion cancels in the mean over both directions.
             let (value, std) = if bin.along_motion.is_finite() {
                 (bin.along_motion, bin.along_motion_std)
             } else {
@@ -380,111 +379,6 @@ fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
         .collect()
 }
 
-fn decay(swing: &workbench::SwingDecay) -> Option<Value> {
-    let measured = swing.measured.as_ref()?;
-    let points = |series: &[identify::AtAmplitude]| -> Vec<[f64; 3]> {
-        let at = series.iter();
-        at.map(|at| [at.amplitude_rad, at.value, at.std]).collect()
-    };
-    let simulated = swing.simulated.as_ref();
-    Some(json!({
-        "experiment": swing.experiment,
-        "law": swing.laws.first().map(words::amplitude_law),
-        "rates": points(&measured.rates),
-        "periods": points(&measured.small_swing_periods),
-        "model_rates": simulated.map(|one| points(&one.rates)),
-        "model_periods": simulated.map(|one| points(&one.small_swing_periods)),
-    }))
-}
-
-/// The controller for these weights, with its responses.
-///
-/// # Errors
-/// A sentence, where these weights give no controller.
-pub fn design(bench: &OpenBench, wishes: DesignSection) -> Result<Value, String> {
-    let designed = bench.session.design_for(wishes).map_err(said)?;
-    let report = designed.report().map_err(said)?;
-    let responses = designed.responses().map_err(said)?;
-    let responses = responses.iter().map(|run| {
-        let end_s = run.time_s.last().copied().unwrap_or_default();
-        let view = View {
-            from_s: 0.0,
-            to_s: end_s,
-            pixels: RESPONSE_PIXELS,
-        };
-        let curve = |value: &[f64]| {
-            let thin = thinned(&run.time_s, value, &view);
-            json!([thin.time_s, thin.value])
-        };
-        json!({
-            "scenario": run.scenario,
-            "about": run.about,
-            "fell": run.fell,
-            "angle_rad": curve(&run.angle_rad),
-            "wheel_speed_rad_s": curve(&run.wheel_speed_rad_s),
-            "current_a": curve(&run.current_a),
-        })
-    });
-    let responses: Vec<Value> = responses.collect();
-    let margins = &report.margins;
-    let finite = |value: f64, text: String| {
-        if value.is_finite() {
-            text
-        } else {
-            "without limit".to_owned()
-        }
-    };
-    let degrees = |rad: f64| format!("{}°", significant(rad.to_degrees(), 3));
-    let numbers = [
-        (
-            "Gains K (A/rad, A s/rad, A s/rad)",
-            report.gains.map(|gain| significant(gain, 6)).join(", "),
-        ),
-        (
-            "Recovers from rest up to",
-            degrees(report.recovery_angle_rad),
-        ),
-        (
-            "Gain factor that it bears",
-            format!(
-                "{} to {}",
-                significant(margins.least_gain_factor, 3),
-                finite(
-                    margins.largest_gain_factor,
-                    significant(margins.largest_gain_factor, 3)
-                )
-            ),
-        ),
-        (
-            "Phase margin",
-            finite(margins.phase_margin_rad, degrees(margins.phase_margin_rad)),
-        ),
-        (
-            "Further delay that it bears",
-            finite(
-                margins.delay_margin_s,
-                with_prefix(margins.delay_margin_s, "s"),
-            ),
-        ),
-        (
-            "Least distance from −1",
-            significant(margins.modulus_margin, 3),
-        ),
-        (
-            "Wheel speed for an angle that is read 1° too large",
-            format!(
-                "{} rad/s",
-                significant(report.wheel_speed_per_angle_bias * 1_f64.to_radians(), 3)
-            ),
-        ),
-    ];
-    Ok(json!({
-        "report": report,
-        "numbers": numbers,
-        "responses": responses,
-    }))
-}
-
 /// The emitted controller and its proof.
 pub fn controller(bench: &OpenBench) -> Value {
     let files = bench.generated.as_ref().map(|generated| {
@@ -498,6 +392,13 @@ pub fn controller(bench: &OpenBench) -> Value {
         "files": files,
         "assumed": bench.generated.as_ref().map(|generated| &generated.assumed),
         "warnings": bench.generated.as_ref().map(|generated| &generated.warnings),
+        "claims": workbench::CLAIMS.iter().map(|claim| json!({
+            "id": claim.id,
+            "statement": claim.statement,
+            "domain": claim.domain,
+            "assumptions": claim.assumptions,
+            "engine": claim.engine,
+        })).collect::<Vec<_>>(),
         "proof": bench.proof,
         "passed": bench.proof.as_ref().map(|proof| proof.passed()),
     })

@@ -1,4 +1,4 @@
-//! Which folders are benches, and that no file of one lies outside it.
+//! Checks of folders: which folder is a bench, and whether all its files lie inside it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use workbench::Bench;
 /// The bench's folder and where its bench.toml is, both without symlinks.
 ///
 /// # Errors
-/// A sentence: there is no bench, or one of its files lies outside it.
+/// A sentence: there is no bench, or one of its files lies outside its folder.
 pub fn of_bench(path: &Path) -> Result<PathBuf, String> {
     let named = if path.is_dir() {
         path.join("bench.toml")
@@ -31,12 +31,12 @@ pub fn of_bench(path: &Path) -> Result<PathBuf, String> {
         ));
     }
     within(&folder, &named)?;
-    // The model is written as well: what its name leads to must be in the folder too.
+    // The model is written as well, so the target of its name must be in the folder, too.
     within(&folder, &folder.join("model.toml"))?;
     Ok(folder)
 }
 
-/// That the logs of a bench that was read lie in its folder.
+/// Checks that the logs of a bench lie in its folder.
 ///
 /// # Errors
 /// A sentence that names the file.
@@ -47,7 +47,7 @@ pub fn holds_logs(folder: &Path, bench: &Bench) -> Result<(), String> {
         .try_for_each(|experiment| within(folder, &bench.folder.join(&experiment.file)))
 }
 
-/// That a file which may not be there yet lies in a folder, symlinks followed.
+/// Checks that a file, which may not exist yet, lies in a folder; symlinks are followed.
 ///
 /// # Errors
 /// A sentence that names the file.
@@ -60,7 +60,7 @@ pub fn within(folder: &Path, file: &Path) -> Result<(), String> {
         )
     };
     let folder = folder.canonicalize().map_err(|_| outside())?;
-    // The nearest part of the path that is there decides: what is below it is made by the lab.
+    // The nearest existing part of the path decides: the lab creates what is below it.
     let mut there = file.to_path_buf();
     while fs::symlink_metadata(&there).is_err() {
         if !there.pop() {
@@ -71,7 +71,7 @@ pub fn within(folder: &Path, file: &Path) -> Result<(), String> {
     let climbs = rest
         .components()
         .any(|part| !matches!(part, std::path::Component::Normal(_)));
-    // A symlink to what is not there cannot be followed, and is refused.
+    // A symlink to a missing target cannot be followed, and is refused.
     let there = there.canonicalize().map_err(|_| outside())?;
     if there.starts_with(&folder) && !climbs {
         Ok(())
@@ -80,10 +80,10 @@ pub fn within(folder: &Path, file: &Path) -> Result<(), String> {
     }
 }
 
-/// Most benches that are offered.
+/// Largest number of benches that are offered.
 const MOST_OFFERED: usize = 50;
 
-/// The benches in the working directory, its folders and theirs.
+/// The benches in the working directory, in its folders, and in theirs.
 pub fn nearby() -> Vec<PathBuf> {
     let Ok(here) = std::env::current_dir() else {
         return Vec::new();
@@ -113,10 +113,10 @@ pub fn nearby() -> Vec<PathBuf> {
     found
 }
 
-/// Where the demonstration bench is put, under the working directory.
+/// Folder of the demonstration bench, below the working directory.
 const DEMONSTRATION: &str = "out/lab-demo";
 
-/// The folder of the demonstration bench, with what is missing in it written.
+/// The folder of the demonstration bench; missing files are written.
 ///
 /// # Errors
 /// A sentence that names the file.

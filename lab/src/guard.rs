@@ -1,5 +1,5 @@
-//! Who may ask. Another page in the same browser, another user of the machine and a name that was made to point
-//! at the loopback address (DNS rebinding) may not.
+//! Access control. Three kinds of request are refused: from another page in the same browser, from another user of the
+//! machine, and under a name that was made to point to the loopback address (DNS rebinding).
 
 use std::sync::{Mutex, PoisonError};
 
@@ -14,10 +14,10 @@ use axum::response::{IntoResponse, Response};
 
 use crate::server::Shared;
 
-/// Where a key is exchanged for the cookie; the one address that asks for none.
+/// The address where a key is exchanged for the cookie; the only one that needs no cookie.
 pub const ENTER: &str = "/enter";
 
-/// What the page may load: itself. Plotly writes its style rules into the page.
+/// The content security policy: the page may load only itself. Plotly writes its style rules into the page.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
     img-src 'self' data: blob:; connect-src 'self'; form-action 'self'; base-uri 'none'; \
     frame-ancestors 'none'";
@@ -25,11 +25,11 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'u
 /// The keys of one run of the lab.
 pub struct Guard {
     port: u16,
-    /// In the file of the owner.
+    /// The key in the owner's file.
     door_key: String,
-    /// In the address that opens the page once.
+    /// The key in the address that opens the page once.
     once_key: Mutex<Option<String>>,
-    /// In the cookie.
+    /// The key in the cookie.
     cookie_key: String,
 }
 
@@ -54,7 +54,7 @@ impl Guard {
         &self.door_key
     }
 
-    /// The address with the key that is good once; the page's address where that was used.
+    /// The address with the one-time key; the page's plain address after that key was used.
     pub fn one_time_address(&self) -> String {
         let once = self.once_key.lock().unwrap_or_else(PoisonError::into_inner);
         match once.as_deref() {
@@ -63,7 +63,7 @@ impl Guard {
         }
     }
 
-    /// The cookie for who has a key.
+    /// The cookie in exchange for a key.
     pub fn exchange(&self, given: &str) -> Option<HeaderValue> {
         let mut once = self.once_key.lock().unwrap_or_else(PoisonError::into_inner);
         let is_once = once.as_deref().is_some_and(|once| same(once, given));
@@ -73,7 +73,7 @@ impl Guard {
         if !is_once && !same(&self.door_key, given) {
             return None;
         }
-        // Browsers share cookies between the ports of a host: the name keeps two labs apart.
+        // Browsers share cookies between the ports of a host; the name distinguishes two labs.
         let cookie = format!(
             "{}={}; Path=/; HttpOnly; SameSite=Strict",
             self.cookie_name(),
@@ -96,7 +96,7 @@ impl Guard {
         matches!(name, Some("127.0.0.1" | "localhost")) && port == Some(self.port)
     }
 
-    /// What is wrong with a request, if anything.
+    /// The reason to refuse a request, if there is one.
     fn refusal(&self, method: &Method, path: &str, headers: &HeaderMap) -> Option<&'static str> {
         let text = |name: HeaderName| headers.get(name).and_then(|value| value.to_str().ok());
         let host = text(HOST).unwrap_or_default();
@@ -104,7 +104,7 @@ impl Guard {
             return Some("this is not the host of the lab");
         }
         if path == ENTER {
-            // Comes from the owner's file, which has no origin; the key is what counts.
+            // The request comes from the owner's file, which has no origin; the key decides.
             return None;
         }
         let origin = text(ORIGIN);
@@ -128,7 +128,7 @@ impl Guard {
     }
 }
 
-/// Lets through what may ask, and puts the headers on every answer that keep other pages out.
+/// Passes on permitted requests, and adds headers to every answer that keep other pages out.
 pub async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> Response {
     let refusal = shared
         .guard
@@ -166,7 +166,7 @@ fn key() -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Equal texts, in a time that says nothing of where they differ.
+/// Whether two texts are equal, in constant time.
 fn same(one: &str, other: &str) -> bool {
     let differing = one
         .bytes()

@@ -1,23 +1,24 @@
 //! The lab in the browser: an HTTP server on this machine's loopback address, and the page that it serves.
 //!
 //! The page compares a bench's model with its measurements, moves parameters, diagnoses, designs, generates and
-//! proves; everything that is computed is computed by `workbench`. What the lab knows beyond the bench folder is
-//! gone with it: the state of the lab is that folder.
+//! proves. `workbench` computes all of this. The lab stores nothing outside the bench folder: when it ends, that folder
+//! is all that remains.
 //!
 //! | file | job |
 //! |---|---|
-//! | `guard` | who may ask: host, origin, cookie; headers of every answer |
+//! | `guard` | access control: host, origin, cookie; headers of every answer |
 //! | `door` | how a browser gets the cookie without a secret on a command line |
-//! | `folder` | which folders are benches, and that no file of one lies outside it |
+//! | `folder` | which folder is a bench, and whether its files lie inside it |
 //! | `desk` | the open bench: session, diagnosis, staircase, undo |
-//! | `dropped` | CSV files on their way to a bench |
+//! | `dropped`, `preview` | CSV files on their way to a bench |
 //! | `work` | one long computation at a time, with progress and cancel |
 //! | `picture` | curves as a screen can show them: least and largest value a pixel |
-//! | `facts` | what the page is told, as JSON |
+//! | `facts`, `design_facts`, `why_facts` | what the page is told, as JSON |
 //! | `routes`, `socket` | the addresses of the server, and the socket for sliders |
-//! | `report` | the bench as one HTML file |
+//! | `report`, `report_conclusion` | the bench as one HTML file |
 
 mod assets;
+mod design_facts;
 mod desk;
 mod door;
 mod dropped;
@@ -25,10 +26,13 @@ mod facts;
 mod folder;
 mod guard;
 mod picture;
+mod preview;
 mod report;
+mod report_conclusion;
 mod routes;
 mod server;
 mod socket;
+mod why_facts;
 mod work;
 
 pub use report::{Findings, report, report_of};

@@ -1,4 +1,4 @@
-//! Curves as a screen can show them.
+//! Curves reduced to the pixels of a screen.
 
 /// A curve: times in s, and the values there. A gap is a value that is NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,8 +20,8 @@ pub struct View {
     pub pixels: usize,
 }
 
-/// The least and the largest value of every pixel with their own times, and the sample on either side of the
-/// view. Nothing that a screen of that width could show is lost: a line through these points covers the same
+/// The smallest and the largest value of every pixel with their times, and the sample on either side of the
+/// view. Nothing visible on a screen of that width is lost: a line through these points covers the same
 /// pixels as one through all samples. Gaps stay gaps.
 pub fn thinned(time_s: &[f64], value: &[f64], view: &View) -> Curve {
     let count = time_s.len().min(value.len());
@@ -41,7 +41,7 @@ pub fn thinned(time_s: &[f64], value: &[f64], view: &View) -> Curve {
     let width = view.to_s - view.from_s;
     let pixel = |index: usize| {
         let share = (time_s[index] - view.from_s) / width;
-        // Truncated on purpose: what lies left of the view is −1, what lies right of it the last pixel but one.
+        // Samples left of the view get −1, samples right of it the last pixel but one.
         (share * view.pixels as f64).floor() as i64
     };
     let mut index = first;
@@ -71,7 +71,7 @@ pub fn thinned(time_s: &[f64], value: &[f64], view: &View) -> Curve {
     curve
 }
 
-/// Stretches of time in which a value lies in a range, at most `most` of them, the longest first to stay.
+/// The stretches of time in which a value lies in a range; at most `most` of them, the longest are kept.
 pub fn stretches(time_s: &[f64], value: &[f64], range: (f64, f64), most: usize) -> Vec<[f64; 2]> {
     let mut found: Vec<[f64; 2]> = Vec::new();
     let mut open: Option<[f64; 2]> = None;

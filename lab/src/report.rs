@@ -1,31 +1,33 @@
-//! The bench as one HTML file that needs neither a server nor a network: the conclusion in words first, then what
-//! it rests on.
+//! The bench as one HTML file that needs neither a server nor a network: first the conclusion in words, then its
+//! evidence.
 
 use std::fmt::Write;
 
 use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
 use workbench::{
-    ComparisonReport, DiagnosisReport, Error, OutputFile, Progress, Proof, ProofSettings, Session,
-    words,
+    ComparisonReport, DiagnosisReport, Error, ExpectationSettings, NamedLoop, OutputFile, Progress,
+    Proof, ProofSettings, Session, loop_drawings, words,
 };
+
+use crate::report_conclusion;
 
 /// Figures of the model beside the measurements, at most.
 const MOST_FIGURES: usize = 12;
 
-/// What a report is made from.
+/// The data for a report.
 pub struct Findings<'a> {
-    /// The session; its model is the one that the report is about.
+    /// The session, with the model that the report is about.
     pub session: &'a Session,
-    /// That model beside the measurements.
+    /// That model compared with the measurements.
     pub comparison: &'a ComparisonReport,
-    /// What it lacks, where that was asked.
+    /// Its diagnosis, if one was made.
     pub diagnosis: Option<&'a DiagnosisReport>,
-    /// What is proved of its controller, or why nothing is.
+    /// The proof of its controller, or the reason why there is none.
     pub proof: Result<&'a Proof, &'a str>,
 }
 
-/// The report of a bench, with everything that it needs computed: diagnosis, design, proof. A bench without a model
-/// is fitted with the base model; the session has the model then.
+/// The report of a bench; diagnosis, design and proof are computed for it. If the bench has no model,
+/// the base model is fitted and becomes the session's model.
 ///
 /// # Errors
 /// Those of [`Session::compare`] and [`Session::diagnose`].
@@ -39,7 +41,7 @@ pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, E
         .design()
         .and_then(|designed| designed.generate(None));
     let settings = ProofSettings {
-        // What takes minutes is no part of a report.
+        // Kani takes minutes, which is too long for a report.
         kani: false,
         ..Default::default()
     };
@@ -55,16 +57,17 @@ pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, E
     })
 }
 
-/// The report of what is known.
+/// The report from existing results.
 ///
 /// # Errors
-/// [`Error::Figure`] where a figure cannot be drawn.
+/// [`Error::Figure`] if a figure cannot be drawn.
 pub fn report(findings: &Findings) -> Result<String, Error> {
     let found = findings.comparison;
     let mut page = String::new();
     head(&mut page, &found.bench);
-    conclusion(&mut page, findings);
+    report_conclusion::conclusion(&mut page, findings);
     parameters(&mut page, found);
+    wrong_with_data(&mut page, findings);
     data(&mut page, found);
     errors(&mut page, findings);
     diagnosis(&mut page, findings.diagnosis)?;
@@ -97,40 +100,6 @@ fn head(page: &mut String, bench: &str) {
     );
 }
 
-fn conclusion(page: &mut String, findings: &Findings) {
-    let sentence = findings.diagnosis.map_or(
-        "No diagnosis was made: whether the model lacks an effect is not known.",
-        |diagnosis| &diagnosis.sentence,
-    );
-    put(page, &format!("<p class=\"c\">{}</p>\n", escaped(sentence)));
-    let Some(diagnosis) = findings.diagnosis else {
-        return;
-    };
-    if let Some(remains) = &diagnosis.remains {
-        paragraph(page, &remains.sentence());
-    }
-    if !diagnosis.next_experiment.is_empty() {
-        paragraph(
-            page,
-            &format!("Next experiment: {}", diagnosis.next_experiment),
-        );
-    }
-    let added = diagnosis.added();
-    if !added.is_empty()
-        && !added
-            .iter()
-            .all(|effect| findings.comparison.effects.contains(effect))
-    {
-        paragraph(
-            page,
-            &format!(
-                "This report is about the model as it is, without {}.",
-                added.join(", ")
-            ),
-        );
-    }
-}
-
 fn parameters(page: &mut String, found: &ComparisonReport) {
     section(page, "Parameters");
     paragraph(
@@ -149,6 +118,22 @@ fn parameters(page: &mut String, found: &ComparisonReport) {
         page,
         &["parameter", "value ± standard error", "unit", "from"],
         rows,
+    );
+}
+
+fn wrong_with_data(page: &mut String, findings: &Findings) {
+    section(page, "What was wrong with the data");
+    let found = findings.session.findings();
+    if found.is_empty() {
+        paragraph(page, "Nothing that the check of the data looks for.");
+    }
+    list(
+        page,
+        found.iter().map(|one| {
+            let experiment = one.experiment.as_ref();
+            let place = experiment.map_or(String::new(), |name| format!("{name}: "));
+            format!("{place}{} {}", one.sentence, one.fix)
+        }),
     );
 }
 
@@ -175,7 +160,7 @@ fn data(page: &mut String, found: &ComparisonReport) {
     list(page, notes.chain(found.statements.iter().cloned()));
 }
 
-/// The staircase: the base model, this model, the sensor.
+/// The errors: of the base model, of this model, and the sensor's noise.
 fn errors(page: &mut String, findings: &Findings) {
     section(page, "Model against measurement");
     let found = findings.comparison;
@@ -284,7 +269,24 @@ fn design(page: &mut String, session: &Session) -> Result<(), Error> {
             significant(report.recovery_angle_rad.to_degrees(), 3)
         ),
     );
+    let settings = ExpectationSettings {
+        noise: session.sensor_noise(),
+        ..Default::default()
+    };
+    let found = designed.expectations(&settings)?;
+    let lines = crate::design_facts::numbers(&report, &found).into_iter();
+    table(
+        page,
+        &["of the loop", "value"],
+        lines.map(|(name, value)| vec![name.to_owned(), value]),
+    );
     figures(page, report.drawings()?.iter());
+    let own = NamedLoop {
+        name: designed.name(),
+        report: &report,
+        expectations: &found,
+    };
+    figures(page, loop_drawings("", &[own])?.iter());
     Ok(())
 }
 
@@ -297,6 +299,11 @@ fn proof(page: &mut String, proof: Result<&Proof, &str>) {
             return;
         }
     };
+    paragraph(
+        page,
+        "Each row is a promise of the certificate that comes with the emitted source, for all inputs of its second \
+         column. \"Proved\" means that no input breaks it; \"tested\" that none of the runs did.",
+    );
     paragraph(
         page,
         if proof.passed() {
@@ -316,7 +323,7 @@ fn proof(page: &mut String, proof: Result<&Proof, &str>) {
     table(page, &["claim", "for which inputs", "by", "result"], rows);
 }
 
-fn put(page: &mut String, html: &str) {
+pub(crate) fn put(page: &mut String, html: &str) {
     page.push_str(html);
 }
 
@@ -324,11 +331,11 @@ fn section(page: &mut String, title: &str) {
     put(page, &format!("<h2>{}</h2>\n", escaped(title)));
 }
 
-fn paragraph(page: &mut String, text: &str) {
+pub(crate) fn paragraph(page: &mut String, text: &str) {
     put(page, &format!("<p>{}</p>\n", escaped(text)));
 }
 
-fn list(page: &mut String, lines: impl Iterator<Item = String>) {
+pub(crate) fn list(page: &mut String, lines: impl Iterator<Item = String>) {
     let lines: String = lines
         .map(|line| format!("<li>{}</li>", escaped(&line)))
         .collect();
@@ -338,24 +345,32 @@ fn list(page: &mut String, lines: impl Iterator<Item = String>) {
 }
 
 fn table(page: &mut String, heads: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+    let rows: Vec<Vec<String>> = rows.collect();
+    let is_number =
+        |cell: &str| cell.starts_with(|c: char| c.is_ascii_digit() || "-(–".contains(c));
+    let class = |cell: &str| if is_number(cell) { "" } else { " class=\"l\"" };
     page.push_str("<table><thead><tr>");
-    for head in heads {
-        put(page, &format!("<th scope=\"col\">{}</th>", escaped(head)));
+    for (column, head) in heads.iter().enumerate() {
+        // A head stands over its column as its cells do.
+        let first = rows.first().and_then(|row| row.get(column));
+        let class = class(first.map_or("", String::as_str));
+        put(
+            page,
+            &format!("<th scope=\"col\"{class}>{}</th>", escaped(head)),
+        );
     }
     page.push_str("</tr></thead><tbody>\n");
-    for row in rows {
+    for row in &rows {
         page.push_str("<tr>");
         for cell in row {
-            let is_number = cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '(');
-            let class = if is_number { "" } else { " class=\"l\"" };
-            put(page, &format!("<td{class}>{}</td>", escaped(&cell)));
+            put(page, &format!("<td{}>{}</td>", class(cell), escaped(cell)));
         }
         page.push_str("</tr>\n");
     }
     page.push_str("</tbody></table>\n");
 }
 
-/// Each figure as an image of its own, so that their names cannot meet.
+/// Each figure as a separate image, so that identifiers inside the figures cannot collide.
 fn figures<'a>(page: &mut String, files: impl Iterator<Item = &'a OutputFile>) {
     for file in files.filter(|file| file.is_figure()) {
         let name = file.name.trim_end_matches(".svg").replace('-', " ");
@@ -371,7 +386,7 @@ fn figures<'a>(page: &mut String, files: impl Iterator<Item = &'a OutputFile>) {
 }
 
 /// Text that HTML takes for text.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut html = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -386,7 +401,7 @@ fn escaped(text: &str) -> String {
     html
 }
 
-/// Text in an address (RFC 3986): what could end it, and everything beyond ASCII, as %XX.
+/// Text, escaped for an address (RFC 3986): characters that could end it, and all beyond ASCII, as %XX.
 fn in_address(text: &str) -> String {
     let mut address = String::with_capacity(text.len() + text.len() / 4);
     for byte in text.bytes() {

@@ -7,23 +7,26 @@ use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE, SET_COOKIE};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router, middleware};
+use data_check::Corrections;
 use serde::Deserialize;
 use serde_json::{Value, json};
-use workbench::DesignSection;
+use workbench::ExportLanguage;
 
+use crate::design_facts::{self, Asked};
+use crate::desk::said;
 use crate::guard::{ENTER, guarded};
 use crate::report::Findings;
 use crate::server::Shared;
 use crate::work::{self, Task};
 use crate::{assets, facts, folder, socket};
 
-/// Largest body of a request, bytes. What the page sends are names and numbers.
+/// Largest body of a request, bytes. The page sends names and numbers only.
 const LARGEST_BODY: usize = 256 * 1024;
 
-/// Largest file that can be dropped, bytes: 100 000 samples of ten columns are a tenth of it.
+/// Largest file that can be dropped, bytes; 100 000 samples of ten columns take a tenth of it.
 const LARGEST_FILE: usize = 64 * 1024 * 1024;
 
-/// All of them, behind the guard.
+/// All addresses, behind the access control.
 pub fn router(shared: Shared) -> Router {
     Router::new()
         .route("/", get(async || asset("index.html")))
@@ -41,10 +44,12 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/design", post(design))
         .route("/api/controller", get(controller))
         .route("/api/drop/check", post(check_text))
+        .route("/api/drop/correct", post(correct))
+        .route("/api/export/{language}", get(export))
         .route("/api/report", get(report))
         .route("/socket", get(socket::upgrade))
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
-        // After that layer, so that its own limit counts.
+        // Added after that layer, so that it has its own limit.
         .route(
             "/api/drop",
             get(dropped)
@@ -56,7 +61,7 @@ pub fn router(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-/// Why a request is not answered, as the page shows it.
+/// The answer to a refused request, as the page shows it.
 fn refused(status: StatusCode, message: impl Into<String>) -> Response {
     (status, Json(json!({"message": message.into()}))).into_response()
 }
@@ -82,13 +87,13 @@ async fn enter_once(State(shared): State<Shared>, Query(given): Query<Key>) -> R
     let_in(&shared, &given.key)
 }
 
-/// The cookie for a key, and a page that goes on from here: a browser that was sent on by another page would not
-/// show the cookie.
+/// Sets the cookie for a key, and returns a page that redirects. A browser that another page had redirected would not
+/// send the cookie.
 fn let_in(shared: &Shared, key: &str) -> Response {
     match shared.guard.exchange(key) {
         Some(cookie) => (
             [(SET_COOKIE, cookie)],
-            Html("<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url=/\"><title>flywheel lab</title><a href=\"/\">To the lab</a>"),
+            Html("<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url=/\"><link rel=\"icon\" href=\"data:,\"><title>flywheel lab</title><a href=\"/\">To the lab</a>"),
         )
             .into_response(),
         None => (
@@ -150,7 +155,11 @@ async fn drop_file(
 }
 
 async fn dropped(State(shared): State<Shared>) -> Response {
-    computed(move || Ok(shared.desk.dropped().facts())).await
+    computed(move || Ok(shared.desk.dropped().facts(&Corrections::default()))).await
+}
+
+async fn correct(State(shared): State<Shared>, Json(corrections): Json<Corrections>) -> Response {
+    computed(move || Ok(shared.desk.dropped().facts(&corrections))).await
 }
 
 async fn forget(State(shared): State<Shared>) -> StatusCode {
@@ -167,16 +176,40 @@ async fn check_text(State(shared): State<Shared>, Json(bench): Json<BenchText>) 
     computed(move || Ok(shared.desk.dropped().check(&bench.text))).await
 }
 
-async fn design(State(shared): State<Shared>, Json(wishes): Json<DesignSection>) -> Response {
+async fn design(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Response {
     let Some(bench) = shared.desk.bench() else {
         return no_bench();
     };
-    computed(move || facts::design(&bench, wishes)).await
+    computed(move || design_facts::design(&bench, asked)).await
 }
 
 async fn controller(State(shared): State<Shared>) -> Response {
     let bench = shared.desk.bench();
     Json(bench.map_or(Value::Null, |bench| facts::controller(&bench))).into_response()
+}
+
+/// Parameters and matrices for another program.
+async fn export(State(shared): State<Shared>, Path(language): Path<ExportLanguage>) -> Response {
+    let Some(bench) = shared.desk.bench() else {
+        return no_bench();
+    };
+    let made = tokio::task::spawn_blocking(move || {
+        let designed = bench.session.design().map_err(said)?;
+        Ok::<_, String>(designed.export(language))
+    });
+    match made.await {
+        Ok(Ok(file)) => {
+            // The name is made of letters, digits and underscores.
+            let place = format!("attachment; filename=\"{}\"", file.name);
+            let headers = [
+                (CONTENT_TYPE, "text/plain; charset=utf-8".to_owned()),
+                (CONTENT_DISPOSITION, place),
+            ];
+            (headers, file.text).into_response()
+        }
+        Ok(Err(message)) => refused(StatusCode::UNPROCESSABLE_ENTITY, message),
+        Err(_) => bug(),
+    }
 }
 
 async fn report(State(shared): State<Shared>) -> Response {
@@ -204,7 +237,7 @@ async fn report(State(shared): State<Shared>) -> Response {
     }
 }
 
-/// Computes in a thread that may take its time.
+/// Computes in a thread for long work.
 async fn computed(work: impl FnOnce() -> Result<Value, String> + Send + 'static) -> Response {
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(value)) => Json(value).into_response(),

@@ -1,4 +1,4 @@
-//! Binding, opening and running.
+//! Starts the server: binds the port, opens the bench, answers requests.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -14,16 +14,16 @@ use crate::door::{Door, open_in_browser};
 use crate::guard::Guard;
 use crate::{routes, work};
 
-/// What the lab is to begin with.
+/// The settings of the lab.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// The bench to open: a folder, or its bench.toml. `None`: the page asks.
+    /// The bench to open: a folder, or its bench.toml. With `None`, the page asks.
     pub bench: Option<PathBuf>,
-    /// The port; `None`: one that the system chooses.
+    /// The port; with `None`, the system chooses one.
     pub port: Option<u16>,
 }
 
-/// Why the lab cannot run.
+/// The reason why the lab cannot run.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The port is taken, or not allowed.
@@ -31,9 +31,9 @@ pub enum Error {
         "cannot listen on {address}: {source}; --port N names another port, none lets the system choose"
     )]
     Listen {
-        /// Where.
+        /// The address.
         address: SocketAddr,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// The file that opens the page cannot be written.
@@ -41,7 +41,7 @@ pub enum Error {
     Door {
         /// The file or its folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// The server has stopped.
@@ -49,14 +49,14 @@ pub enum Error {
     Serve(#[source] io::Error),
 }
 
-/// What every answer needs.
+/// The data that every answer needs.
 #[derive(Clone)]
 pub(crate) struct Shared {
     pub guard: Arc<Guard>,
     pub desk: Arc<Desk>,
 }
 
-/// A lab that listens and has not answered yet.
+/// A lab that listens but does not answer yet.
 pub struct Lab {
     runtime: tokio::runtime::Runtime,
     listener: TcpListener,
@@ -65,7 +65,7 @@ pub struct Lab {
     guard: Arc<Guard>,
 }
 
-/// How often a running lab asks whether it is to end.
+/// Interval of the checks whether a running lab should end.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 impl Lab {
@@ -77,7 +77,7 @@ impl Lab {
         let address = SocketAddr::from((Ipv4Addr::LOCALHOST, settings.port.unwrap_or(0)));
         let listen = |source| Error::Listen { address, source };
         let runtime = tokio::runtime::Builder::new_multi_thread()
-            // Computing has threads of its own.
+            // Computations have their own threads.
             .worker_threads(2)
             .enable_all()
             .build()
@@ -94,7 +94,7 @@ impl Lab {
             desk: desk.clone(),
         };
         if let Some(bench) = &settings.bench {
-            // Where it cannot be opened, the page says why.
+            // If it cannot be opened, the page shows the reason.
             let _ = work::open(&desk, bench.clone());
         }
         Ok(Lab {
@@ -109,27 +109,27 @@ impl Lab {
     /// Opens the page in the browser of the desktop.
     ///
     /// # Errors
-    /// What the system said: there may be no desktop.
+    /// The system's error: there may be no desktop.
     pub fn open_in_browser(&self) -> io::Result<()> {
         open_in_browser(self.door.path())
     }
 
-    /// The file (for the owner's eyes alone) that opens the page in a browser.
+    /// The file, readable by its owner only, that opens the page in a browser.
     pub fn door(&self) -> &std::path::Path {
         self.door.path()
     }
 
-    /// An address that opens the page once. It holds a secret: not for command lines, which others can see.
+    /// An address that opens the page once. It contains a secret, so it must not appear on a command line.
     pub fn one_time_address(&self) -> String {
         self.guard.one_time_address()
     }
 
-    /// The address of the page, for a browser that has been let in.
+    /// The address of the page, for a browser that has the cookie.
     pub fn address(&self) -> String {
         self.guard.address()
     }
 
-    /// Answers until `ended` answers true.
+    /// Answers requests until `ended` returns `true`.
     ///
     /// # Errors
     /// [`Error::Serve`].
@@ -153,7 +153,7 @@ impl Lab {
             }
         });
         drop(door);
-        // A computation under way is of no more use.
+        // A computation that is still running is no longer needed.
         runtime.shutdown_background();
         result
     }

@@ -1,4 +1,4 @@
-//! The socket of a page: it asks for curves, also with other values of the parameters, and is told of the work.
+//! The socket of a page: it requests curves, also with other parameter values, and receives the progress of tasks.
 
 use std::sync::Arc;
 
@@ -17,34 +17,34 @@ use crate::server::Shared;
 
 /// Largest message from a page, bytes.
 const LARGEST_MESSAGE: usize = 64 * 1024;
-/// Widest screen that curves are drawn for.
+/// Largest width in pixels for which curves are computed.
 const MOST_PIXELS: usize = 8000;
 
-/// What a page asks for.
+/// A request from a page.
 #[derive(Clone, Debug, Deserialize)]
 struct Question {
-    /// Comes back with the answer.
+    /// Returned with the answer.
     id: u64,
-    /// The experiment, by its place in the list.
+    /// Index of the experiment in the list.
     experiment: usize,
     /// Left edge, s; `None`: the beginning.
     from_s: Option<f64>,
     /// Right edge, s; `None`: the end.
     to_s: Option<f64>,
-    /// Width of the screen.
+    /// Width of the screen in pixels.
     pixels: usize,
-    /// Parameters with other values than the model's.
+    /// Parameters with other values than in the model.
     changes: Vec<(String, f64)>,
 }
 
-/// Curves of all experiments, and what they are the curves of.
+/// Curves of all experiments, with the model and changes that they belong to.
 struct Simulated {
     bench: Arc<OpenBench>,
     changes: Vec<(String, f64)>,
     curves: Vec<ExperimentCurves>,
 }
 
-/// Begins to talk.
+/// Opens the socket.
 pub async fn upgrade(State(shared): State<Shared>, upgrade: WebSocketUpgrade) -> Response {
     upgrade
         .max_message_size(LARGEST_MESSAGE)
@@ -58,7 +58,7 @@ async fn talk(shared: Shared, mut socket: WebSocket) {
         let answer = tokio::select! {
             event = events.recv() => match event {
                 Ok(event) => Message::text(event),
-                // The page asks for the state anew.
+                // The page then requests the state again.
                 Err(RecvError::Lagged(_)) => Message::text(json!({"event": "lagged"}).to_string()),
                 Err(RecvError::Closed) => return,
             },
@@ -86,7 +86,7 @@ async fn answer_to(
 ) -> Result<Vec<u8>, String> {
     let question: Question = serde_json::from_str(text).map_err(|error| error.to_string())?;
     let bench = shared.desk.bench().ok_or("no bench is open")?;
-    // A zoom asks for the same curves again.
+    // A zoom requests the same curves again.
     let known = last
         .clone()
         .filter(|known| Arc::ptr_eq(&known.bench, &bench) && known.changes == question.changes);
@@ -121,8 +121,8 @@ fn simulate(bench: Arc<OpenBench>, question: &Question) -> Result<Simulated, Str
     })
 }
 
-/// A header in JSON, then numbers: the length of the header in bytes (u32, little-endian), the header, zeros up to
-/// a multiple of eight, and f64 in little-endian. The header says which numbers are what.
+/// The format of an answer: the length of the header in bytes (u32, little-endian), the header as JSON, zeros up to
+/// a multiple of eight, then numbers as f64, little-endian. The header describes the numbers.
 fn answer(simulated: &Simulated, question: &Question) -> Result<Vec<u8>, String> {
     let curves = simulated.curves.get(question.experiment);
     let curves = curves.ok_or("there is no such experiment")?;
@@ -150,7 +150,7 @@ fn answer(simulated: &Simulated, question: &Question) -> Result<Vec<u8>, String>
         .channels
         .iter()
         .map(|channel| {
-            // Around a push that nobody recorded the model claims nothing.
+            // Around a push that nobody recorded, the model makes no prediction.
             let model = channel.simulated.iter().zip(&curves.counts);
             let model: Vec<f64> = model
                 .map(|(value, counts)| if *counts { *value } else { f64::NAN })

@@ -1,4 +1,4 @@
-//! Long computations, one at a time, in a thread beside the server.
+//! Tasks: long computations, one at a time, in a thread beside the server.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use workbench::{DesignSection, Preset, Progress, ProofSettings};
 use crate::desk::{Desk, Diagnosed, OpenBench, said};
 use crate::folder;
 
-/// What can be asked for.
+/// The tasks that can be requested.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Task {
@@ -22,15 +22,15 @@ pub enum Task {
     Open {
         /// The folder, or its bench.toml.
         path: PathBuf,
-        /// Fits the model anew in place of comparing it as it is.
+        /// Fits the model again instead of comparing it as it is.
         #[serde(default)]
         refit: bool,
     },
     /// Opens the demonstration bench.
     OpenDemonstration {},
-    /// Makes a bench folder of the files that were dropped on the page, and opens it.
+    /// Creates a bench folder from the files that were dropped on the page, and opens it.
     Create {
-        /// The folder; it must not be a bench already.
+        /// The folder; it must not be a bench.
         folder: PathBuf,
         /// The text of bench.toml.
         text: String,
@@ -40,28 +40,33 @@ pub enum Task {
         /// Parameters by name.
         start: Vec<(String, f64)>,
     },
-    /// Makes these values the model's.
+    /// Sets the model's parameters to these values.
     Keep {
         /// Parameters by name.
         values: Vec<(String, f64)>,
     },
-    /// What does the model lack?
+    /// Diagnoses the model.
     Diagnose {},
-    /// Takes what the diagnosis found into the model.
+    /// Applies the diagnosis to the model.
     Apply {},
-    /// Puts an effect into the model.
+    /// Adds an effect to the model.
     Add {
         /// Its name.
         effect: String,
     },
-    /// Takes an effect out of the model.
+    /// Removes an effect from the model.
     Remove {
+        /// Its name.
+        effect: String,
+    },
+    /// Draws what an effect looks like: the model without and with it.
+    Fingerprint {
         /// Its name.
         effect: String,
     },
     /// Goes back by one change.
     Undo {},
-    /// Writes what the controller is designed for into the model.
+    /// Writes the requirements of the controller into the model.
     KeepDesign {
         /// Weights, sample time, limit.
         wishes: DesignSection,
@@ -70,23 +75,23 @@ pub enum Task {
     Generate {
         /// Weights, sample time, limit.
         wishes: DesignSection,
-        /// Where what is not stated of sensors and drive comes from; `None`: then it is refused.
+        /// The preset for properties of sensors and drive that are not stated; with `None`, they are an error.
         #[serde(default)]
         preset: Option<Preset>,
     },
     /// Writes the emitted controller into the bench folder.
     WriteController {},
-    /// Checks what the emitted controller promises.
+    /// Proves the claims of the emitted controller.
     Prove {},
 }
 
-/// A computation under way.
+/// A running task.
 pub struct Running {
-    /// Which one, counted from the start of the server.
+    /// Its number, counted from the start of the server.
     pub number: u64,
-    /// What it is, for people.
+    /// Its name, for people.
     pub name: &'static str,
-    /// What it does now.
+    /// Its present progress message.
     pub says: String,
     /// Set to end it.
     pub called_off: Arc<AtomicBool>,
@@ -103,6 +108,7 @@ impl Task {
             Task::Apply {} => "Adding what was found",
             Task::Add { .. } => "Adding the effect",
             Task::Remove { .. } => "Removing the effect",
+            Task::Fingerprint { .. } => "Drawing the fingerprint",
             Task::Undo {} => "Going back",
             Task::KeepDesign { .. } => "Keeping the design",
             Task::Generate { .. } => "Generating the controller",
@@ -229,12 +235,17 @@ fn perform(
         return OpenBench::open(&path, refit, progress);
     }
     let mut bench = bench.ok_or("no bench is open")?.clone();
-    change(task, &mut bench, progress)?;
+    change(desk, task, &mut bench, progress)?;
     Ok(bench)
 }
 
 /// Does what is asked with a copy of the bench, which takes its place if all goes well.
-fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), String> {
+fn change(
+    desk: &Desk,
+    task: Task,
+    bench: &mut OpenBench,
+    progress: &Progress,
+) -> Result<(), String> {
     match task {
         // These open another bench: see `perform`.
         Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. } => {}
@@ -264,7 +275,18 @@ fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), 
                 first: bench.comparison.clone(),
                 applied: false,
             }));
+            // The reason for the first suspect is what a person asks next.
+            let suspect = bench
+                .diagnosis
+                .as_ref()
+                .and_then(|found| found.report.suspects.first());
+            if let Some(effect) = suspect.map(|suspect| suspect.effect.clone()) {
+                (progress.say)("drawing the fingerprint of the first suspect");
+                // The diagnosis stands without the drawing.
+                let _ = bench.draw_fingerprint(&effect, progress);
+            }
         }
+        Task::Fingerprint { effect } => bench.draw_fingerprint(&effect, progress)?,
         Task::Apply {} => {
             let found = bench.diagnosis.clone();
             let found = found.ok_or("there is no diagnosis yet: diagnose first")?;
@@ -325,7 +347,10 @@ fn change(task: Task, bench: &mut OpenBench, progress: &Progress) -> Result<(), 
                 kani: false,
                 ..Default::default()
             };
-            bench.proof = Some(controller.prove(&settings, progress).map_err(said)?);
+            // The page's table fills as claim after claim is settled.
+            let tell = |claim: &_| desk.tell(&json!({"event": "claim", "claim": claim}));
+            let proof = controller.prove_telling(&settings, progress, &tell);
+            bench.proof = Some(proof.map_err(said)?);
         }
     }
     Ok(())

@@ -92,12 +92,12 @@ pub struct ParameterInfo {
     pub is_whole: bool,
 }
 
-/// A stage of the motor chain that depends on time, and not only on the present current.
+/// A stage of the motor chain, or of a sensor, that needs the time and not only the value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Timing {
-    /// The current follows its command with a time constant ([`Effect::lag_s`]).
+    /// What comes out follows what goes in with a time constant ([`Effect::lag_s`]).
     Lag,
-    /// The current comes later than its command ([`Effect::delay_s`]).
+    /// What comes out is what went in a while ago ([`Effect::delay_s`]).
     Delay,
 }
 
@@ -131,6 +131,26 @@ pub enum RateFault {
     Scale,
     /// The one parameter is the bias in rad/s.
     Bias,
+}
+
+/// What an unbalanced wheel adds to the left sides of the equations of motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Unbalance<S> {
+    /// c in kg m²: the body's equation gains c (2α̈ + φ̈), the wheel's c α̈.
+    pub coupling: S,
+    /// Torque on the body against its motion that no acceleration makes, N m.
+    pub body_torque: S,
+    /// The same of the wheel.
+    pub wheel_torque: S,
+}
+
+/// A parameter that is measured on the bench and not fitted: a key of `[known]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Given {
+    /// g in m/s².
+    Gravity,
+    /// Distance from the pivot to the axis of the wheel in m.
+    PivotToWheel,
 }
 
 /// The source of start values for the parameters of an effect, before any fit.
@@ -206,6 +226,9 @@ pub struct EffectInfo {
     /// The time-dependent stage of the motor chain that the effect describes, if any. Such a stage carries
     /// commands from before the log into the log.
     pub timing: Option<Timing>,
+    /// What the sensor [`EffectInfo::senses`] does to the time, where it does: it follows with a lag
+    /// ([`Effect::lag_s`]) or says late what it measured ([`Effect::delay_s`]).
+    pub sensor_timing: Option<Timing>,
     /// Whether it acts between the command and the current. It is left out for a log with measured current, which
     /// already contains it.
     pub is_electrical: bool,
@@ -216,12 +239,25 @@ pub struct EffectInfo {
     pub angle_power: Option<u32>,
     /// Whether it depends on the angle of the wheel ([`Instant::wheel_angle_rad`]).
     pub uses_wheel_angle: bool,
+    /// p[i] is an amplitude and p[j] its phase, for this (i, j): together they are a vector, in which the term is
+    /// linear to first order.
+    pub polar: Option<(usize, usize)>,
+    /// It moves the centre of mass of the wheel ([`Effect::unbalance`]).
+    pub is_unbalance: bool,
+    /// Which of its parameters are measured and not fitted.
+    pub given: &'static [(usize, Given)],
     /// Its ripple over the wheel's angle, if it has one.
     pub ripple: Option<Ripple>,
     /// Its memory, if it has one ([`Effect::remember`]).
     pub memory: Option<Memory>,
     /// The source of start values for its parameters, before any fit.
     pub start_from: StartFrom,
+    /// It has its one parameter once for each log ([`crate::EffectId::for_logs`]), in the place of the parameter with
+    /// this name of the effect that it replaces.
+    pub per_log: Option<&'static str>,
+    /// The list of the exam that first drew it: seeds of an earlier list hide what they always hid. An effect that
+    /// depends on the bench is in none (`u32::MAX`).
+    pub drawn_since: u32,
     /// How the exam draws its parameters; `None` for the general way ([`EffectInfo::hidden`]).
     pub hiding: Option<Hiding>,
 }
@@ -252,13 +288,19 @@ impl EffectInfo {
         senses: None,
         rate_fault: None,
         timing: None,
+        sensor_timing: None,
         is_electrical: false,
         is_limit: false,
         angle_power: None,
         uses_wheel_angle: false,
+        polar: None,
+        is_unbalance: false,
+        given: &[],
         ripple: None,
         memory: None,
         start_from: StartFrom::Stated,
+        per_log: None,
+        drawn_since: 0,
         hiding: None,
     };
 }
@@ -276,6 +318,16 @@ pub trait Effect {
         S::zero()
     }
 
+    /// What an unbalanced wheel does (role `Wheel`, [`EffectInfo::is_unbalance`]).
+    #[inline(always)]
+    fn unbalance<S: Scalar>(_p: &[S], _at: &Instant<S>) -> Unbalance<S> {
+        Unbalance {
+            coupling: S::zero(),
+            body_torque: S::zero(),
+            wheel_torque: S::zero(),
+        }
+    }
+
     /// Memory after the body has moved by `displacement_rad` from the place where it was `memory` (role `Body`).
     #[inline(always)]
     fn remember<S: Scalar>(_p: &[S], memory: S, _displacement_rad: S) -> S {
@@ -289,13 +341,15 @@ pub trait Effect {
         current_a
     }
 
-    /// Time constant in s with which the current follows its command (role `Motor`).
+    /// Time constant in s by which the current follows its command (role `Motor`), or what a sensor says
+    /// follows what it measures (role `Sensor`).
     #[inline(always)]
     fn lag_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None
     }
 
-    /// Delay in s of the current behind its command (role `Motor`).
+    /// Time in s by which the current comes later than its command (role `Motor`), or what a sensor says
+    /// later than what it measured (role `Sensor`).
     #[inline(always)]
     fn delay_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None

@@ -70,21 +70,12 @@ pub trait ExternalEffect: Send + Sync {
         reading: &Reading<f64>,
         partials: &mut Partials,
     ) -> f64 {
-        *part(&mut partials.reading, output) = 1.0;
+        *output.part_of(&mut partials.reading) = 1.0;
         output.of(reading)
     }
 }
 
-/// The member of a reading that belongs to an output.
-fn part<S>(reading: &mut Reading<S>, output: Output) -> &mut S {
-    match output {
-        Output::Angle => &mut reading.angle_rad,
-        Output::Rate => &mut reading.rate_rad_s,
-        Output::WheelSpeed => &mut reading.wheel_speed_rad_s,
-    }
-}
-
-/// The definition of an external effect.
+/// An external effect as it is defined.
 pub struct Definition {
     /// The description. Its references must live as long as the program (`String::leak`, `Vec::leak`).
     pub info: EffectInfo,
@@ -228,7 +219,7 @@ fn check(info: &EffectInfo) -> Result<(), ExternalError> {
         "a set of start values does not have one value per parameter"
     } else if info.shows_in.is_empty() {
         "it states no experiment in which it is visible"
-    } else if info.memory.is_some() || info.timing.is_some() {
+    } else if info.memory.is_some() || info.timing.is_some() || info.sensor_timing.is_some() {
         "only effects of the library may have memory, lag or delay"
     } else if (info.role == Role::Sensor) != info.senses.is_some() {
         "an effect on a sensor must state which sensor it distorts, and no other effect may state one"
@@ -377,7 +368,7 @@ impl External {
             rate_rad_s: before.rate_rad_s.value(),
             wheel_speed_rad_s: before.wheel_speed_rad_s.value(),
         };
-        *part(reading, output) = lifted(
+        *output.part_of(reading) = lifted(
             p,
             &mut |p, partials| self.equations().measured(p, output, &values, partials),
             &|partials, add| {
@@ -514,7 +505,7 @@ impl<E: Effect + Send + Sync> ExternalEffect for Adapted<E> {
                 output.of(&distorted)
             },
             &mut |index, slope| match Output::ALL.get(index) {
-                Some(&output) => *part(&mut partials.reading, output) = slope,
+                Some(&output) => *output.part_of(&mut partials.reading) = slope,
                 None => partials.p[index - before] = slope,
             },
         )

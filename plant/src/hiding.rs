@@ -23,6 +23,8 @@ pub struct HidingPlace {
     pub gravity_torque: f64,
     /// τ in N m/A.
     pub torque_constant: f64,
+    /// From the pivot to the axis of the wheel, m.
+    pub pivot_to_wheel_m: f64,
     /// Largest current of a spin-up, A.
     pub top_current_a: f64,
     /// Wheel speed at the end of that spin-up, rad/s.

@@ -12,6 +12,7 @@
 //! | `hidden` | its parameters, hidden in a given bench |
 //! | `external` | effects that are defined while the program runs |
 //! | `effects/` | the library, one file an effect |
+//! | `per_log` | effects with a parameter for each log |
 //! | `model` | which effects a model has; the layout of its parameter vector |
 //! | `plant/` | the motion: right-hand side, assembly, motor chain, integrator |
 //! | `reading` | the readings of the sensors |
@@ -28,14 +29,15 @@ mod hiding;
 mod input;
 mod linear;
 mod model;
+mod per_log;
 mod plant;
 mod prior;
 mod reading;
 mod scalar;
 
 pub use effect::{
-    Driving, Effect, EffectInfo, Instant, Linearised, Memory, ParameterInfo, RateFault, Ripple,
-    Role, Smoothing, StartFrom, Timing,
+    Driving, Effect, EffectInfo, Given, Instant, Linearised, Memory, ParameterInfo, RateFault,
+    Ripple, Role, Smoothing, StartFrom, Timing, Unbalance,
 };
 pub use effects::EffectId;
 pub use experiment::Kind;
@@ -46,7 +48,8 @@ pub use linear::{LinearModel, LinearisationError, linearise, torque_inputs};
 pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
-pub use plant::{Current, Drive, Plant, State};
+pub use per_log::PerLog;
+pub use plant::{Current, Drive, Late, Plant, State};
 pub use prior::{Commonness, Prior};
 pub use reading::{Output, Reading};
 pub use scalar::{Dual, Scalar};

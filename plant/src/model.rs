@@ -189,6 +189,13 @@ impl Model {
         ranges.find_map(|(effect, own)| own.contains(&position).then_some(effect))
     }
 
+    /// The effect to which the parameter at this position belongs, with the range of all its parameters; `None` for a
+    /// base parameter.
+    pub fn range_at(&self, position: usize) -> Option<(EffectId, Range<usize>)> {
+        let mut ranges = self.ranges();
+        ranges.find(|(_, own)| own.contains(&position))
+    }
+
     /// The first effect whose description fulfils a condition, and the position of its first parameter.
     pub fn find(&self, holds: impl Fn(&EffectInfo) -> bool) -> Option<(EffectId, usize)> {
         let mut ranges = self.ranges();

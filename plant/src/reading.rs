@@ -43,6 +43,16 @@ impl Output {
         }
     }
 
+    /// This output's part of a reading, to be changed.
+    #[inline(always)]
+    pub fn part_of<S>(self, reading: &mut Reading<S>) -> &mut S {
+        match self {
+            Output::Angle => &mut reading.angle_rad,
+            Output::Rate => &mut reading.rate_rad_s,
+            Output::WheelSpeed => &mut reading.wheel_speed_rad_s,
+        }
+    }
+
     /// The value of this output in a reading.
     #[inline(always)]
     pub fn of<S: Copy>(self, reading: &Reading<S>) -> S {

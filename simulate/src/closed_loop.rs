@@ -10,7 +10,7 @@ use crate::law::{Law, LawFailure, Measured};
 use crate::motion::Motion;
 use crate::push::{Push, torque_at};
 use crate::sensors::{Sensors, from_upright_rad};
-use plant::{Drive, State};
+use plant::{Drive, Late, Reading, State};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
@@ -90,6 +90,8 @@ pub struct LoopTrace {
 pub(crate) struct Instant<'a> {
     /// The true state.
     pub state: &'a State<f64>,
+    /// What the sensors of the model say of it, without noise.
+    pub reading: Reading<f64>,
     /// Current that flows just before, in A.
     pub flowing_a: f64,
     /// Torque of the pushes, N m.
@@ -212,7 +214,7 @@ impl ClosedLoop<'_> {
     ) -> Result<(LoopTrace, State<f64>), SimulateError> {
         law.reset();
         let sample = |instant: &Instant<'_>, random: &mut ChaCha8Rng| {
-            let measured = self.sensors.read(&self.motion.read(instant.state), random);
+            let measured = self.sensors.read(&instant.reading, random);
             let command_a = law.command_a(&measured)?;
             Ok(Answer {
                 measured,
@@ -236,6 +238,7 @@ impl ClosedLoop<'_> {
         let samples = (duration_s / self.sample_time_s).round() as usize + 1;
         let mut trace = LoopTrace::default();
         let mut state = *start;
+        let mut late = self.motion.late_sensors(start);
         let delay_s = self.computation_s + self.motion.delay_s();
         // Commands that have not reached the motor yet, each with its time of arrival.
         let mut pending: VecDeque<(f64, f64)> = VecDeque::new();
@@ -245,6 +248,7 @@ impl ClosedLoop<'_> {
             let push = torque_at(&self.pushes, time_s);
             let instant = Instant {
                 state: &state,
+                reading: self.motion.read(&state, late.as_ref(), time_s),
                 flowing_a,
                 push,
             };
@@ -281,13 +285,13 @@ impl ClosedLoop<'_> {
                     break;
                 }
                 if arrives_s > from_s {
-                    state = self.advance(&state, flowing_a, from_s, arrives_s);
+                    state = self.advance(&state, flowing_a, (from_s, arrives_s), &mut late);
                     from_s = arrives_s;
                 }
                 flowing_a = current_a;
                 pending.pop_front();
             }
-            state = self.advance(&state, flowing_a, from_s, to_s);
+            state = self.advance(&state, flowing_a, (from_s, to_s), &mut late);
             if !(state.angle_rad + state.rate_rad_s + state.wheel_speed_rad_s).is_finite() {
                 return Err(SimulateError::NotFinite { time_s: to_s });
             }
@@ -295,12 +299,19 @@ impl ClosedLoop<'_> {
         Ok((trace, state))
     }
 
-    fn advance(&self, state: &State<f64>, current_a: f64, from_s: f64, to_s: f64) -> State<f64> {
+    fn advance(
+        &self,
+        state: &State<f64>,
+        current_a: f64,
+        (from_s, to_s): (f64, f64),
+        late: &mut Option<Late<f64>>,
+    ) -> State<f64> {
         let push = |time_s: f64| torque_at(&self.pushes, time_s);
         let drive = Drive {
             current_a,
             push: [push(from_s), push(0.5 * (from_s + to_s)), push(to_s)],
         };
-        self.motion.step(state, &drive, to_s - from_s)
+        self.motion
+            .step(state, &drive, (from_s, to_s), late.as_mut())
     }
 }

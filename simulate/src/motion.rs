@@ -1,7 +1,7 @@
 //! The controlled plant: the nonlinear one, or its linear model.
 
 use nalgebra::Vector3;
-use plant::{Drive, LinearModel, Plant, Reading, State};
+use plant::{Drive, Late, LinearModel, Plant, Reading, State};
 use std::f64::consts::PI;
 
 /// The linear model as a plant.
@@ -41,11 +41,26 @@ pub enum Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// The state after `step_s` seconds under `drive`.
-    pub fn step(&self, state: &State<f64>, drive: &Drive<f64>, step_s: f64) -> State<f64> {
+    /// The sensors that need the time, in a run that starts here; before it everything stood still.
+    pub fn late_sensors(&self, start: &State<f64>) -> Option<Late<f64>> {
         match self {
-            Motion::Nonlinear(plant) => plant.step(state, drive, step_s),
+            Motion::Nonlinear(plant) => plant.late_sensors(start),
+            Motion::Linear(_) => None,
+        }
+    }
+
+    /// The state under `drive` at the end of a span of time.
+    pub fn step(
+        &self,
+        state: &State<f64>,
+        drive: &Drive<f64>,
+        (from_s, to_s): (f64, f64),
+        late: Option<&mut Late<f64>>,
+    ) -> State<f64> {
+        match self {
+            Motion::Nonlinear(plant) => plant.step_with(state, drive, (from_s, to_s), late),
             Motion::Linear(linear) => {
+                let step_s = to_s - from_s;
                 let x = Vector3::new(
                     state.angle_rad - PI,
                     state.rate_rad_s,
@@ -63,10 +78,10 @@ impl Motion<'_> {
         }
     }
 
-    /// The readings of ideal sensors.
-    pub fn read(&self, state: &State<f64>) -> Reading<f64> {
+    /// What the sensors of the model say, without noise.
+    pub fn read(&self, state: &State<f64>, late: Option<&Late<f64>>, time_s: f64) -> Reading<f64> {
         match self {
-            Motion::Nonlinear(plant) => plant.read(state),
+            Motion::Nonlinear(plant) => plant.read_late(state, late, time_s),
             Motion::Linear(_) => Reading {
                 angle_rad: state.angle_rad,
                 rate_rad_s: state.rate_rad_s,

@@ -39,6 +39,15 @@ pub enum PresetName {
     ThesisBench,
 }
 
+impl PresetName {
+    /// The bench as the library names it.
+    pub fn preset(self) -> Preset {
+        match self {
+            PresetName::ThesisBench => Preset::ThesisBench,
+        }
+    }
+}
+
 /// The languages in which a controller is emitted.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Language {
@@ -63,9 +72,7 @@ struct Generated<'a> {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let out = &arguments.out;
-    let preset = arguments.preset.map(|name| match name {
-        PresetName::ThesisBench => Preset::ThesisBench,
-    });
+    let preset = arguments.preset.map(PresetName::preset);
     let controller = ControlDesign::read(&arguments.model)?.generate(preset)?;
     let controller = match arguments.language {
         Language::Rust => controller,

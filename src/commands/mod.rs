@@ -16,6 +16,7 @@ pub mod lab;
 pub mod mutate;
 pub mod new;
 pub mod prove;
+pub mod record;
 pub mod remove;
 pub mod report;
 pub mod simulate;

@@ -1,4 +1,4 @@
-//! What commands print: text for people, JSON for programs.
+//! The output of commands: text for people, JSON for programs.
 
 pub mod table;
 
@@ -13,15 +13,15 @@ use crate::failure::Failure;
 pub struct Report {
     /// The text for standard output, ending in a line break.
     pub text: String,
-    /// The same for programs, ending in a line break.
+    /// The same result as JSON, ending in a line break.
     pub json: String,
-    /// Exit code: 0 where all is as it should be, 1 where a proof or a check failed, 2 where the data are
-    /// refused, 3 where a proof leaves a claim unsettled.
+    /// Exit code: 0 for success, 1 if a proof or a check failed, 2 if the data were refused,
+    /// 3 if a proof left a claim undecided.
     pub code: u8,
 }
 
 impl Report {
-    /// A report of a command that did what it should.
+    /// The report of a successful command.
     pub fn new(text: String, result: &impl Serialize) -> Result<Report, Failure> {
         let json = serde_json::to_string_pretty(result)
             .map_err(|error| Failure::new(format!("cannot write the result as JSON: {error}")))?;
@@ -48,23 +48,23 @@ impl Report {
     }
 }
 
-/// A result with the paths of the figures that were made from it.
+/// A result, with the paths of its figures.
 #[derive(Serialize)]
 pub struct WithFigures<'a, T> {
     /// The result.
     #[serde(flatten)]
     pub result: &'a T,
-    /// Where its figures are.
+    /// The paths of its figures.
     pub figures: Vec<PathBuf>,
 }
 
-/// Writes figures and tables into a folder, which is made where it is missing; returns their paths.
+/// Writes figures and tables into a folder, which is created if missing; returns their paths.
 pub fn write_files(folder: &Path, files: &[OutputFile]) -> Result<Vec<PathBuf>, Failure> {
     if files.is_empty() {
         return Ok(Vec::new());
     }
     std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::in_file(folder, format!("cannot make the folder: {error}")))?;
+        .map_err(|error| Failure::in_file(folder, format!("cannot create the folder: {error}")))?;
     let mut paths = Vec::new();
     for file in files {
         let path = folder.join(&file.name);

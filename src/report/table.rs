@@ -1,8 +1,8 @@
-//! Tables whose columns align, and that fit a terminal.
+//! Tables with aligned columns that fit on a terminal.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How a column is set.
+/// The alignment of a column.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Align {
     /// Texts.
@@ -11,7 +11,7 @@ pub enum Align {
     Right,
 }
 
-/// A table in the making.
+/// A table under construction.
 pub struct Table {
     align: Vec<Align>,
     rows: Vec<Vec<String>>,
@@ -28,7 +28,7 @@ impl Table {
         }
     }
 
-    /// A table of which only the alignment is given.
+    /// A table without column heads, with these alignments.
     pub fn without_head(align: &[Align]) -> Table {
         Table {
             align: align.to_vec(),
@@ -42,14 +42,14 @@ impl Table {
         self.rows.push(cells.into_iter().map(Into::into).collect());
     }
 
-    /// Whether there is no row beside the heads.
+    /// Whether the table has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.len() <= usize::from(self.has_head)
     }
 
-    /// The table as lines indented by two blanks, under a rule where it has heads. What does not fit into
-    /// [`WIDTH`] is wrapped (texts) or goes on in a table below (numbers); of long tables the first rows are
-    /// shown, unless all are asked for ([`show_all`]).
+    /// The table as lines indented by two spaces, with a rule below the heads, if there are any. Texts that do not fit into
+    /// [`WIDTH`] are wrapped; columns of numbers that do not fit continue in a second table below. Of a long table, the
+    /// first rows are shown, unless [`show_all`] was called.
     pub fn text(&self) -> String {
         let heads = usize::from(self.has_head);
         let rows = self.rows.len() - heads.min(self.rows.len());
@@ -117,11 +117,11 @@ impl Table {
     }
 }
 
-/// Columns of a terminal that a table may take.
+/// Largest width of a table, in characters.
 pub const WIDTH: usize = 100;
-/// Rows of a table that are shown unless all are asked for: two screens.
+/// Largest number of rows shown by default: two screens.
 const MOST_ROWS: usize = 60;
-/// Least width of a column of texts that is wrapped.
+/// Smallest width to which a column of texts is wrapped.
 const LEAST_WIDTH: usize = 24;
 
 /// Whether the rows beyond [`MOST_ROWS`] are shown. It is set once, by the command line.
@@ -136,7 +136,7 @@ fn whole(widths: &[usize]) -> usize {
     widths.iter().map(|width| width + 2).sum()
 }
 
-/// Widths in which the widest texts are narrowed until the table fits, or nothing is left to narrow.
+/// Narrows the widest text columns until the table fits, or nothing can be narrowed further.
 fn fitted(mut widths: Vec<usize>, align: &[Align]) -> Vec<usize> {
     while whole(&widths) > WIDTH {
         let texts =
@@ -150,8 +150,8 @@ fn fitted(mut widths: Vec<usize>, align: &[Align]) -> Vec<usize> {
     widths
 }
 
-/// The columns of each table below another: all of them where they fit, else the first one beside as many
-/// others as do.
+/// The columns of each part of a table: all if they fit, otherwise the first column together with as many
+/// others as fit.
 fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
     let Some((first, others)) = widths.split_first() else {
         return vec![];
@@ -172,7 +172,7 @@ fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
     parts
 }
 
-/// A text in lines of this width, broken at blanks where there are any.
+/// A text in lines of this width, broken at spaces if there are any.
 fn wrap(text: &str, width: usize) -> Vec<String> {
     if text.chars().count() <= width {
         return vec![text.to_owned()];

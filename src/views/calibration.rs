@@ -5,7 +5,7 @@ use workbench::{CalibratedLine, CalibratedSensor, LeverArmReport, SensorCalibrat
 
 use crate::report::table::{Align, Table};
 
-/// Everything but the files.
+/// The text without the list of files.
 pub fn text(report: &SensorCalibrationReport) -> String {
     let mut text = String::new();
     for (name, found) in [
@@ -59,7 +59,7 @@ fn lever_arm(arm: &LeverArmReport) -> String {
     }
     if let Some(found) = &arm.from_swing {
         text.push_str(&format!(
-            "  from the swing: {} mm; residual {} m/s2; the gyroscope's scale lacks {} %\n",
+            "  from the swing: {} mm; residual {} m/s2; scale error of the gyroscope {} %\n",
             millimetres(found.position_m, found.position_std_m),
             significant(found.residual_std_m_s2, 3),
             with_uncertainty(

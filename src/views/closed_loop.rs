@@ -9,10 +9,10 @@ use workbench::{
 
 use crate::report::table::{Align, Table};
 
-/// Everything but the files.
+/// The text without the list of files.
 pub fn text(report: &SimulationReport) -> String {
     let mut text = format!(
-        "{}: the emitted law, run word for word from its source, on the nonlinear bench\n",
+        "{}: the emitted law, executed from its source, on the nonlinear bench\n",
         report.model
     );
     if !report.assumed.is_empty() {
@@ -27,7 +27,7 @@ pub fn text(report: &SimulationReport) -> String {
     text.push_str(&raw_counts(report));
     text.push_str(&recovery(report));
     text.push_str(&attraction(report));
-    text.push_str("\nWays to the angle, RMS error over a free swing from 60°\n");
+    text.push_str("\nMethods for the angle, RMS error over a free swing from 60°\n");
     for filter in &report.attitude_filters {
         text.push_str(&format!(
             "  {}: {:.3}°\n",

@@ -1,4 +1,4 @@
-//! A model beside the measurements: what `identify`, `compare`, `add`, `remove` and `diagnose` print.
+//! A model compared with the measurements: the output of `identify`, `compare`, `add`, `remove` and `diagnose`.
 
 use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
 use workbench::words::{place, residual};
@@ -8,8 +8,8 @@ use super::findings;
 
 use crate::report::table::{Align, Table};
 
-/// Correlation from which two parameters are named: less than a fifth of the variance of one is then its
-/// own (1 − 0.9²).
+/// Correlation from which two parameters are named. Given one of them, less than a fifth of the variance of the other
+/// remains (1 − 0.9²).
 const STRONG_CORRELATION: f64 = 0.9;
 
 /// A number of things: "1 experiment", "8 experiments".
@@ -18,7 +18,7 @@ pub fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{plural}")
 }
 
-/// The line that names the bench, and what there is to know about its files.
+/// The line that names the bench, and the notes on its files.
 pub fn head_lines(bench: &str, experiments: usize, samples: usize, notes: &[BenchNote]) -> String {
     let mut text = format!(
         "{bench}: {}, {}\n",
@@ -34,7 +34,7 @@ pub fn head_lines(bench: &str, experiments: usize, samples: usize, notes: &[Benc
     text
 }
 
-/// [`head_lines`] of a comparison, and what is wrong with its data or cannot all be right.
+/// [`head_lines`] of a comparison, with the warnings about its data and the contradictions.
 pub fn head(comparison: &ComparisonReport) -> String {
     let experiments = comparison.experiments.len();
     let samples = comparison.samples();
@@ -58,7 +58,7 @@ pub fn whole(comparison: &ComparisonReport) -> String {
         + &remarks(comparison)
 }
 
-/// The same for a model that was changed, with the errors before and after.
+/// The same for a changed model, with the errors before and after.
 pub fn changed(change: &EffectChange) -> String {
     let after = &change.after;
     head(after)
@@ -100,7 +100,7 @@ fn parameter_table(comparison: &ComparisonReport) -> String {
     )
 }
 
-/// A line for every two parameters whose errors hardly move alone.
+/// One line for every two parameters with strongly correlated errors.
 fn strong_correlations(comparison: &ComparisonReport) -> String {
     let Some(correlation) = &comparison.correlation else {
         return String::new();
@@ -117,7 +117,7 @@ fn strong_correlations(comparison: &ComparisonReport) -> String {
                     "against each other"
                 };
                 text.push_str(&format!(
-                    "  the errors of {a} and {b} go {how}: correlation {found:.4}\n"
+                    "  the errors of {a} and {b} move {how}: correlation {found:.4}\n"
                 ));
             }
         }
@@ -174,7 +174,7 @@ fn difference_table(change: &EffectChange) -> String {
     format!("\nModel against measurement\n{}", table.text())
 }
 
-/// Where the model fails, the plainest place first.
+/// Where the model fails, the most significant place first.
 pub fn place_table(comparison: &ComparisonReport) -> String {
     let significant = comparison.places.iter().filter(|place| place.significant);
     let mut table = Table::new(&[
@@ -197,7 +197,7 @@ pub fn place_table(comparison: &ComparisonReport) -> String {
     format!("\nWhere the model fails\n{}", table.text())
 }
 
-/// Pushes and open questions, where there are any.
+/// Pushes and open questions, if there are any.
 pub fn remarks(comparison: &ComparisonReport) -> String {
     let mut text = String::new();
     let per = if comparison.per_unit_of_inertia {

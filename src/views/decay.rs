@@ -1,4 +1,4 @@
-//! How the free swings die out, as a table.
+//! The decay of the free swings, as a table.
 
 use workbench::SwingDecay;
 use workbench::numbers::{significant, with_uncertainty};
@@ -6,7 +6,7 @@ use workbench::words::amplitude_law;
 
 use crate::report::table::{Align, Table};
 
-/// The table of all of them; empty text where there is none.
+/// The table of all swings; empty if there are none.
 pub fn text(decays: &[SwingDecay]) -> String {
     let mut table = Table::new(&[
         ("experiment", Align::Left),

@@ -5,7 +5,7 @@ use workbench::{DesignReport, FrictionExtreme, LeastPush, LoopMargins, WheelSize
 
 use crate::report::table::{Align, Table};
 
-/// Everything but the figures.
+/// The text without the list of figures.
 pub fn text(report: &DesignReport) -> String {
     let mut text = format!(
         "{}: {}\nSample time {} s, weights of angle, rate, wheel speed ({}), of the current {}, limit {} A\n",
@@ -107,9 +107,9 @@ fn poles(report: &DesignReport) -> String {
     );
     if let Some(found) = uncertainty {
         text.push_str(if found.correlated {
-            "  the errors of the parameters hang together as [correlation] says\n"
+            "  with the correlations of the parameters' errors from [correlation]\n"
         } else {
-            "  the model has no [correlation]: the errors count as independent\n"
+            "  the model has no [correlation]: the errors are treated as independent\n"
         });
         text.push_str(&format!(
             "  {} of {} parameter sets drawn within their standard errors leave the loop stable\n",
@@ -219,9 +219,9 @@ fn friction(report: &DesignReport) -> String {
     table.row(row("none", none));
     table.row(row("all of it, as damping", all));
     let hunting = match &report.hunting {
-        None => "  dry friction keeps up no swing around upright".to_owned(),
+        None => "  dry friction maintains no oscillation around upright".to_owned(),
         Some(swing) => format!(
-            "  dry friction keeps up a swing of ±{}° at {} Hz around upright (describing function)",
+            "  dry friction maintains an oscillation of ±{}° at {} Hz around upright (describing function)",
             significant(swing.angle_rad.to_degrees(), 2),
             significant(swing.frequency_rad_s / std::f64::consts::TAU, 2)
         ),

@@ -1,11 +1,11 @@
-//! What a new model changes in the controller.
+//! The changes in the controller that a new model makes.
 
 use workbench::numbers::{complex, significant};
 use workbench::{DesignChange, DesignSummary};
 
 use crate::report::table::{Align, Table};
 
-/// The table of what was and what is.
+/// The table of earlier and new values.
 pub fn text(change: &DesignChange) -> String {
     let mut table = Table::new(&[
         ("", Align::Left),

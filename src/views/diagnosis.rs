@@ -7,11 +7,11 @@ use workbench::{DiagnosisReport, HeldOutBy, SuspectEffect};
 use super::{comparison, decay};
 use crate::report::table::{Align, Table};
 
-/// Everything.
+/// The whole text.
 pub fn text(report: &DiagnosisReport) -> String {
     let last = &report.last;
     let mut text = format!("{}\n{}\n", comparison::head(last), report.sentence);
-    // Beside a contradiction the logs may leave nothing.
+    // If there is a contradiction, the residual itself may be only noise.
     let shown = report.remains.as_ref();
     if let Some(remains) = shown.filter(|remains| remains.over_noise > 1.0) {
         text.push_str(&format!("{}\n", remains.sentence()));
@@ -79,7 +79,7 @@ pub fn staircase_table(report: &DiagnosisReport) -> String {
         .filter(|step| step.held_out_worse)
         .map(|step| {
             format!(
-                "{}: what is held out is predicted worse with it\n",
+                "{}: the held-out data are predicted worse with it\n",
                 step.name()
             )
         })
@@ -92,7 +92,7 @@ pub fn staircase_table(report: &DiagnosisReport) -> String {
 
 fn suspect_table(report: &DiagnosisReport) -> String {
     if report.suspects.is_empty() {
-        return "\nSuspects\n  none: no effect of the library promises anything\n".to_owned();
+        return "\nSuspects\n  none: no effect of the library promises a gain\n".to_owned();
     }
     let mut table = Table::new(&[
         ("suspect", Align::Left),
@@ -127,13 +127,13 @@ fn suspect_table(report: &DiagnosisReport) -> String {
     format!("\nSuspects\n{}\n{words}", table.text())
 }
 
-/// The largest share of a series' error that the suspect alone takes away.
+/// The largest share of a series' error that the suspect alone removes.
 fn most_taken_away(suspect: &SuspectEffect) -> String {
     let shares = suspect.takes_away.iter().map(|(_, share)| *share);
     fit_percent(100.0 * shares.fold(f64::NAN, f64::max))
 }
 
-/// The effects beside the suspect in its model, without those of every model.
+/// The other effects of the suspect's model, without those of the base model.
 fn others_of(suspect: &SuspectEffect) -> String {
     let always = ["body-viscous-friction", "wheel-viscous-friction"];
     let is_other = |name: &&str| *name != suspect.effect && !always.contains(name);
@@ -144,7 +144,7 @@ fn others_of(suspect: &SuspectEffect) -> String {
     }
 }
 
-/// A probability; what rounds to nothing or to certainty is said as a bound.
+/// A probability; one that rounds to 0 or 1 is given as a bound.
 fn probability(value: f64) -> String {
     if value < 0.005 {
         "< 1 %".to_owned()

@@ -1,10 +1,10 @@
-//! What is wrong with the data, in words.
+//! The findings of the data check, in words.
 
 use workbench::{DataReport, Finding, Severity};
 
 use super::comparison::{counted, head_lines};
 
-/// Everything that `check` has found.
+/// The output of `check`.
 pub fn report(found: &DataReport) -> String {
     let mut text = head_lines(&found.bench, found.experiments, found.samples, &found.notes);
     if found.findings.is_empty() {
@@ -24,13 +24,13 @@ pub fn report(found: &DataReport) -> String {
     ));
     if refusals > 0 {
         text.push_str(
-            "No command uses data that are refused; accept = [\"finding\"] at the experiment lifts one.\n",
+            "No command uses refused data; accept = [\"finding\"] at the experiment lifts a refusal.\n",
         );
     }
     text
 }
 
-/// The findings as a section at the top of a report; nothing where there are none.
+/// The findings as a section at the top of a report; empty if there are none.
 pub fn list(findings: &[Finding]) -> String {
     if findings.is_empty() {
         return String::new();

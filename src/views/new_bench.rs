@@ -1,4 +1,4 @@
-//! A bench that was begun, in words.
+//! A new bench, in words.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use workbench::NewBench;
 
 use super::findings;
 
-/// What is proposed, what is to be decided, and how to go on.
+/// The proposal, the open questions, and the next commands.
 pub fn text(folder: &Path, begun: &NewBench) -> String {
     let mut text = format!("Written: {}\n", begun.written.display());
     for experiment in &begun.proposal.experiments {

@@ -1,10 +1,10 @@
-//! The claims of an emitted crate and what became of them.
+//! The claims of an emitted crate, with the results of their proofs.
 
 use workbench::{Proof, ProofVerdict};
 
 use crate::report::table::{Align, Table};
 
-/// What is claimed, each engine's row, and the verdict in a sentence.
+/// The claims, a row for each engine, and the verdict in a sentence.
 pub fn text(proof: &Proof, verdict: &ProofVerdict) -> String {
     let mut table = Table::new(&[
         ("claim", Align::Left),

@@ -1,4 +1,4 @@
-//! What the emitted crate `generated` promises, stated once and settled by several engines.
+//! The claims of the emitted crate `generated`, stated once and decided by several engines.
 //!
 //! Each property in [`properties`] is a plain function that asserts it for one input. The same
 //! function is called
@@ -7,7 +7,7 @@
 //! - by the harnesses in `proofs` (compiled only by `cargo kani -p verify`), on every input at
 //!   once.
 //!
-//! So no promise is only a comment, and none is stated twice. The identifiers of the claims are
+//! Every claim is thus executable, and none is stated twice. The identifiers of the claims are
 //! those of `generated/certificate.json`.
 
 pub mod properties;
@@ -16,5 +16,7 @@ pub mod properties;
 mod proofs;
 #[cfg(kani)]
 mod proofs_attitude;
+#[cfg(kani)]
+mod proofs_step;
 #[cfg(kani)]
 mod proofs_supervisor;

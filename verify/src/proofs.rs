@@ -27,5 +27,5 @@ fn control_total() {
 #[kani::solver(kissat)]
 fn control_accurate() {
     let (angle, rate, wheel_speed) = (kani::any(), kani::any(), kani::any());
-    properties::control::accurate(angle, rate, wheel_speed);
+    properties::control::accurate_in_64_bits(angle, rate, wheel_speed);
 }

@@ -5,24 +5,27 @@
 //! long rows of products and of polynomials do not close as bits; they stand under `cfg_attr(any(), …)`,
 //! where Kani does not see them, are proved by the checker by intervals (claim `primitives`), and stand
 //! in by `stub`: `reciprocal_q29`, `arc_tangent_q31`, `normalised`, `unit_q28`, `correction_imu`,
-//! `correction_marg`, `turned`. (Kani refuses a plain stub of a function whose contract it sees.)
+//! `correction_marg`, `turned`. (Kani refuses a plain stub of a function whose contract it sees.) Functions without
+//! any contract stand in by `stub` too, each shown by a harness of its own here: `calibrate`, `without_motion`,
+//! `length_squared`, `tracked`.
 
 use generated::arc_tangent::{
     PI_Q28, QUARTER_PI_Q28, arc_tangent_q31, arc_tangent2, reciprocal_q29,
 };
 use generated::calibration::dot;
+use generated::drift::{DriftGain, rate_error, tracked};
 use generated::filter::FilterState;
 use generated::madgwick::{
     COMPONENT_MAX, Correction, correction_imu, correction_marg, turned, unit_q28,
 };
-use generated::pivot_angle::{pivot_angle, wrapped};
+use generated::pivot_angle::wrapped;
 use generated::product::{clamp, clamp_wide, mul_high, round_high};
 use generated::root::{
     coarse_inverse_length, coarse_inverse_root_q30, inverse_length, inverse_root_q30, refined,
     seed, square_root_q30,
 };
 use generated::scaling::{scaled_up2, scaled_up3, scaled_up4};
-use generated::{Controller, Sample, calibration, lever_arm};
+use generated::{calibration, lever_arm};
 
 use crate::properties;
 
@@ -159,7 +162,7 @@ fn coarse_inverse_root_contract() {
 // contracts are proved by the checker, which reads them in the source, by intervals.
 
 /// Any words within ±`limit`.
-fn any_within<const N: usize>(limit: i32) -> [i32; N] {
+pub(crate) fn any_within<const N: usize>(limit: i32) -> [i32; N] {
     let words: [i32; N] = kani::any();
     for word in words {
         kani::assume((-limit..=limit).contains(&word));
@@ -168,7 +171,7 @@ fn any_within<const N: usize>(limit: i32) -> [i32; N] {
     words
 }
 
-fn assert_within(words: &[i32], limit: i32) {
+pub(crate) fn assert_within(words: &[i32], limit: i32) {
     for word in words {
         assert!(
             (-limit..=limit).contains(word),
@@ -192,24 +195,29 @@ fn any_octant(t: i32) -> i32 {
 }
 
 /// A calibrated reading; [`calibration_in_range`] shows that it is one.
-fn any_reading(_raw: [i16; 3], _line: &calibration::SensorLine) -> [i32; 3] {
+pub(crate) fn any_reading(_raw: [i16; 3], _line: &calibration::SensorLine) -> [i32; 3] {
     any_within(calibration::CALIBRATED_MAX)
 }
 
 /// A reading without the motion's part; [`lever_arm_in_range`] shows that it is one.
-fn any_gravity(accel: [i32; 3], rate: i32, slow: i32, _arm: &lever_arm::LeverArm) -> [i32; 3] {
+pub(crate) fn any_gravity(
+    accel: [i32; 3],
+    rate: i32,
+    slow: i32,
+    _arm: &lever_arm::LeverArm,
+) -> [i32; 3] {
     let limit = calibration::CALIBRATED_MAX;
     assert_within(&accel, limit);
     assert_within(&[rate, slow], limit);
     any_within(0x4000_0000)
 }
 
-fn any_direction(v: [i32; 3]) -> [i32; 3] {
+pub(crate) fn any_direction(v: [i32; 3]) -> [i32; 3] {
     assert_within(&v, 0x4000_0000);
     any_within(0x2800_0000)
 }
 
-fn any_correction(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correction {
+pub(crate) fn any_correction(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correction {
     assert_within(&q, COMPONENT_MAX);
     assert_within(&measured_up, 0x2800_0000);
     assert!((0..=0x1fff_ffff).contains(&beta));
@@ -232,7 +240,7 @@ fn any_marg_correction(
     any_correction(q, measured_up, beta)
 }
 
-fn any_turn(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i32; 4] {
+pub(crate) fn any_turn(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i32; 4] {
     assert_within(&q, COMPONENT_MAX);
     assert_within(&half_angle, 0x2000_0000);
     assert_within(&correction.direction, 0x7000_0000);
@@ -240,63 +248,123 @@ fn any_turn(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i32;
     any_within(COMPONENT_MAX)
 }
 
-fn any_angle(q: [i32; 4], _mounting: i32) -> i32 {
+pub(crate) fn any_angle(q: [i32; 4], _mounting: i32) -> i32 {
     assert_within(&q, COMPONENT_MAX);
     let [angle] = any_within(PI_Q28 + 1);
     angle
 }
 
-/// Any state within the invariant's ranges, any reading.
+/// The squared length of a reading; [`length_in_range`] shows it.
+pub(crate) fn any_length(v: [i32; 3]) -> i32 {
+    assert_within(&v, 0x4000_0000);
+    let squared = kani::any();
+    kani::assume((0..=0x3000_0000).contains(&squared));
+    squared
+}
+
+/// The error of the rate; the checker shows its range by intervals.
+pub(crate) fn any_rate_error(q: [i32; 4], correction: &Correction) -> [i32; 3] {
+    assert_within(&q, COMPONENT_MAX);
+    assert_within(&correction.direction, 0x7000_0000);
+    assert!((0..=0x0980_0001).contains(&correction.gain));
+    kani::any()
+}
+
+/// A followed drift; [`drift_in_range`] shows it.
+pub(crate) fn any_drift(_drift: i32, _error: i32, gain: &DriftGain) -> i32 {
+    let [drift] = any_within(gain.limit);
+    drift
+}
+
 #[kani::proof]
-#[kani::stub(calibration::calibrate, any_reading)]
-#[kani::stub(lever_arm::without_motion, any_gravity)]
-#[kani::stub(unit_q28, any_direction)]
-#[kani::stub(correction_imu, any_correction)]
-#[kani::stub(correction_marg, any_marg_correction)]
-#[kani::stub(turned, any_turn)]
-#[kani::stub(pivot_angle, any_angle)]
-fn filter_total() {
+fn length_in_range() {
+    let v: [i32; 3] = kani::any();
+    for word in v {
+        kani::assume((-0x4000_0000..=0x4000_0000).contains(&word));
+    }
+    let squared = lever_arm::length_squared(v);
+    kani::cover!(squared == 0x3000_0000, "the longest");
+    assert!((0..=0x3000_0000).contains(&squared));
+}
+
+/// Any drift within its limit and any error.
+#[kani::proof]
+fn drift_in_range() {
+    let gain = &generated::constants::FILTER.drift;
+    let drift = kani::any();
+    kani::assume((-gain.limit..=gain.limit).contains(&drift));
+    let next = tracked(drift, kani::any(), gain);
+    kani::cover!(next == gain.limit, "the largest drift");
+    assert!((-gain.limit..=gain.limit).contains(&next));
+}
+
+/// Any state within the invariant's ranges.
+fn any_state() -> FilterState {
     let state = FilterState {
         quaternion: kani::any(),
         rate: kani::any(),
         slow_rate: kani::any(),
     };
     kani::assume(properties::attitude::in_ranges(&state));
-    let (gyro, accel, mag) = (kani::any(), kani::any(), kani::any());
     kani::cover!(
         state.quaternion[0] == COMPONENT_MAX,
         "the largest component"
     );
-    kani::cover!(
-        accel == [0; 3] && mag == [0; 3],
-        "free fall without a field"
-    );
-    kani::cover!(gyro == [i16::MIN; 3], "the gyroscope at its limit");
-    properties::attitude::step_keeps_ranges(&state, gyro, accel, mag);
+    state
 }
 
-/// Any two samples in a row. What stands for `turned` leaves any attitude within its ranges after the
-/// first, and the gyroscope any rate, so that the second is a step from any state.
+/// Any state within the invariant's ranges, any reading.
 #[kani::proof]
 #[kani::stub(calibration::calibrate, any_reading)]
 #[kani::stub(lever_arm::without_motion, any_gravity)]
+#[kani::stub(lever_arm::length_squared, any_length)]
+#[kani::stub(unit_q28, any_direction)]
+#[kani::stub(correction_imu, any_correction)]
+#[kani::stub(turned, any_turn)]
+fn filter_total() {
+    let (gyro, accel) = (kani::any(), kani::any());
+    kani::cover!(accel == [0; 3], "free fall");
+    kani::cover!(gyro == [i16::MIN; 3], "the gyroscope at its limit");
+    properties::attitude::six_axes_keep_ranges(&any_state(), gyro, accel);
+}
+
+/// As [`filter_total`], with the magnetometer.
+#[kani::proof]
+#[kani::stub(calibration::calibrate, any_reading)]
+#[kani::stub(lever_arm::without_motion, any_gravity)]
+#[kani::stub(lever_arm::length_squared, any_length)]
 #[kani::stub(unit_q28, any_direction)]
 #[kani::stub(correction_imu, any_correction)]
 #[kani::stub(correction_marg, any_marg_correction)]
 #[kani::stub(turned, any_turn)]
-#[kani::stub(pivot_angle, any_angle)]
-fn step_total() {
-    let mut controller = Controller::new();
-    for _ in 0..2 {
-        let sample = Sample {
-            gyro: kani::any(),
-            accel: kani::any(),
-            mag: kani::any(),
-            wheel_adc: kani::any(),
-        };
-        let is_armed = kani::any();
-        kani::cover!(is_armed && sample.mag.is_some(), "armed, nine axes");
-        kani::cover!(!is_armed && sample.mag.is_none(), "not armed, six axes");
-        properties::attitude::duty_within_limits(&mut controller, &sample, is_armed);
-    }
+fn filter_total_nine_axes() {
+    let (gyro, accel, mag) = (kani::any(), kani::any(), kani::any());
+    kani::cover!(accel != [0; 3] && mag == [0; 3], "no field");
+    properties::attitude::nine_axes_keep_ranges(&any_state(), gyro, accel, mag);
+}
+
+/// As [`filter_total`], with the gyroscope's drift, of any size within its limit.
+#[kani::proof]
+#[kani::stub(calibration::calibrate, any_reading)]
+#[kani::stub(lever_arm::without_motion, any_gravity)]
+#[kani::stub(lever_arm::length_squared, any_length)]
+#[kani::stub(unit_q28, any_direction)]
+#[kani::stub(correction_imu, any_correction)]
+#[kani::stub(turned, any_turn)]
+#[kani::stub(rate_error, any_rate_error)]
+#[kani::stub(tracked, any_drift)]
+fn filter_total_tracked() {
+    let limit = generated::constants::FILTER.drift.limit;
+    let drift: [i32; 3] = any_within(limit);
+    properties::attitude::tracked_step_keeps_ranges(&any_state(), drift, kani::any(), kani::any());
+}
+
+/// Any components: the two rows of products fit, and the turn by the mounting angle is within half a turn.
+#[kani::proof]
+#[kani::stub_verified(round_high)]
+#[kani::stub_verified(arc_tangent2)]
+#[kani::stub_verified(wrapped)]
+fn filter_total_angle() {
+    let q: [i32; 4] = any_within(COMPONENT_MAX);
+    properties::attitude::angle_is_within_half_a_turn(q);
 }

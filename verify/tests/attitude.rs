@@ -5,8 +5,10 @@ use generated::{Controller, Sample};
 use proptest::prelude::*;
 use verify::properties::attitude::{
     RATE_MAX, duty_within_limits, has_unit_length, in_ranges, starts_in_the_invariant,
-    step_keeps_length, step_keeps_ranges,
+    step_keeps_length, step_keeps_ranges, tracked_step_keeps_ranges,
 };
+
+const DRIFT: i32 = generated::constants::FILTER.drift.limit;
 
 const EXTREMES: [i16; 5] = [i16::MIN, -1, 0, 1, i16::MAX];
 
@@ -106,6 +108,16 @@ proptest! {
         let state = FilterState { quaternion, rate, slow_rate };
         prop_assert!(in_ranges(&state));
         step_keeps_ranges(&state, gyro, accel, mag);
+    }
+
+    #[test]
+    fn ranges_are_kept_with_any_drift(
+        quaternion in prop::array::uniform4(-0x4004_0000..=0x4004_0000i32),
+        rate in -RATE_MAX..=RATE_MAX, slow_rate in -RATE_MAX..=RATE_MAX,
+        drift in prop::array::uniform3(-DRIFT..=DRIFT), gyro in counts(), accel in counts(),
+    ) {
+        let state = FilterState { quaternion, rate, slow_rate };
+        tracked_step_keeps_ranges(&state, drift, gyro, accel);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
 use proptest::prelude::*;
 use serde_json::Value;
-use verify::properties::control::{accurate, command_bits, total};
+use verify::properties::control::{accurate, accurate_in_64_bits, command_bits, total};
 
 /// The gains, in the order of the states.
 const GAINS: [i32; 3] = [ANGLE_GAIN, RATE_GAIN, WHEEL_SPEED_GAIN];
@@ -34,6 +34,7 @@ fn holds_for_every_combination_of_extreme_words() {
             for &wheel_speed in &words {
                 total(angle, rate, wheel_speed);
                 accurate(angle, rate, wheel_speed);
+                accurate_in_64_bits(angle, rate, wheel_speed);
             }
         }
     }
@@ -55,6 +56,7 @@ fn holds_around_saturation_and_zero() {
                 for rate in -3..=3 {
                     total(angle, rate, wheel_speed);
                     accurate(angle, rate, wheel_speed);
+                    accurate_in_64_bits(angle, rate, wheel_speed);
                 }
             }
         }
@@ -119,7 +121,9 @@ proptest! {
     fn accurate_on_random_words(
         angle: i32, rate: i32, wheel_speed: i32, shifts in prop::array::uniform3(0_u32..31),
     ) {
-        accurate(angle >> shifts[0], rate >> shifts[1], wheel_speed >> shifts[2]);
+        let (angle, rate, wheel_speed) = (angle >> shifts[0], rate >> shifts[1], wheel_speed >> shifts[2]);
+        accurate(angle, rate, wheel_speed);
+        accurate_in_64_bits(angle, rate, wheel_speed);
     }
 
     /// Claim `control-accurate-real-gains`, in exact rational arithmetic.

@@ -69,6 +69,22 @@ impl ControlDesign {
         ControlDesign::new(file, name)
     }
 
+    /// The design of the same model for other wishes.
+    ///
+    /// # Errors
+    /// As for [`ControlDesign::read`].
+    pub fn with_wishes(&self, wishes: DesignSection) -> Result<ControlDesign, Error> {
+        let mut file = self.file.clone();
+        file.design = Some(wishes);
+        ControlDesign::new(file, self.name.clone())
+    }
+
+    /// How late the current reaches the motor by the model itself, s.
+    pub(crate) fn own_delay_s(&self) -> f64 {
+        let plant = plant::Plant::new(&self.model, &self.values, plant::Kind::Balance);
+        plant.delay_s().unwrap_or(0.0)
+    }
+
     fn new(file: ModelFile, name: String) -> Result<ControlDesign, Error> {
         let wishes = file.require_design()?;
         let model = file.model();

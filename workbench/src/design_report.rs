@@ -299,9 +299,8 @@ impl ControlDesign {
         })
     }
 
-    /// The effect of the parameters' standard errors and their correlations on the poles; `None` if the
-    /// file states no errors.
-    fn pole_uncertainty(&self) -> Result<Option<PoleUncertainty>, design::DesignError> {
+    /// The parameters with their standard errors and correlations; none where the file states no errors.
+    pub(crate) fn uncertain_parameters(&self) -> Option<UncertainParameters> {
         let infos = self.model().parameters();
         let parameters: Vec<(&str, f64, f64)> = infos
             .iter()
@@ -313,15 +312,21 @@ impl ControlDesign {
             })
             .collect();
         if parameters.iter().all(|(_, _, std)| *std == 0.0) {
-            return Ok(None);
+            return None;
         }
+        Some(match &self.file().correlation {
+            Some(known) => UncertainParameters::correlated(&parameters, |a, b| known.between(a, b)),
+            None => UncertainParameters::independent(&parameters),
+        })
+    }
+
+    /// What the errors of the parameters do to the poles; none where the file states none.
+    fn pole_uncertainty(&self) -> Result<Option<PoleUncertainty>, design::DesignError> {
+        let Some(parameters) = self.uncertain_parameters() else {
+            return Ok(None);
+        };
         pole_uncertainty(
-            &match &self.file().correlation {
-                Some(known) => {
-                    UncertainParameters::correlated(&parameters, |a, b| known.between(a, b))
-                }
-                None => UncertainParameters::independent(&parameters),
-            },
+            &parameters,
             &|values| self.linearise(values),
             &self.design().gains,
             self.wishes().sample_time_s,
@@ -399,7 +404,7 @@ fn culprit(pole: &UncertainPole) -> String {
 }
 
 impl LoopMargins {
-    fn of(margins: &Margins) -> LoopMargins {
+    pub(crate) fn of(margins: &Margins) -> LoopMargins {
         LoopMargins {
             least_gain_factor: margins.least_gain_factor,
             largest_gain_factor: margins.largest_gain_factor,

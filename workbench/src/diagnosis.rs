@@ -2,7 +2,7 @@
 
 use ::data_check::Finding;
 use bench_files::{Correlation, ModelFile, Parameter, Tie};
-use diagnose::{Diagnosis, Options, Step, Suspect, Unseen, Verdict};
+use diagnose::{Diagnosis, Options, Recipe, Step, Suspect, Unseen, Verdict};
 use identify::{Contradiction, Fit, Identification, PredictedSeries, Progress, Record};
 use plant::{EffectId, Model};
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,11 @@ pub struct DiagnosisReport {
     pub ambiguous_between: Vec<Vec<String>>,
     /// The experiment that would settle an open question; empty if no question is open.
     pub next_experiment: String,
-    /// The size of the unexplained residual, and whether it matters; `None` if nothing is unexplained.
+    /// The same step by step, with what each explanation would show; `None` where no experiment
+    /// tells them apart. Not part of the JSON, which has the sentence.
+    #[serde(skip)]
+    pub recipe: Option<Recipe>,
+    /// How large what no effect explains is, and whether it matters; `None` where nothing is unexplained.
     pub remains: Option<RemainsReport>,
     /// Where the model of the last step fails, the most significant place first.
     #[serde(rename = "where")]
@@ -346,6 +350,7 @@ impl DiagnosisReport {
                 .collect(),
             remains: None,
             next_experiment: found.next_experiment.clone(),
+            recipe: found.recipe.clone(),
             places: last.places.clone(),
             remainder: found.remainder,
             sensor_noise: last.sensor_noise.clone(),

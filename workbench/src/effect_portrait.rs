@@ -125,6 +125,7 @@ pub fn effect_portrait(name: &str) -> Option<EffectPortrait> {
         wheel_inertia: BENCH[1].1,
         gravity_torque: BENCH[2].1,
         torque_constant: BENCH[3].1,
+        pivot_to_wheel_m: 0.085,
         top_current_a: CURRENT_A,
         top_wheel_speed_rad_s: 150.0,
         side: 1.0,

@@ -217,6 +217,14 @@ pub enum Error {
         /// Why.
         source: csv::Error,
     },
+    /// Nothing can be recorded from this line.
+    #[error("{}: {reason}", port.display())]
+    Record {
+        /// The serial device.
+        port: PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// The session is in memory, and has no file for its model.
     #[error("the bench is in memory: name a file for its model")]
     NoPlace,

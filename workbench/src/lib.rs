@@ -50,6 +50,7 @@
 //! | [`check_data`] | [`DataReport`]: the findings for the data of a bench |
 //! | [`ControlDesign`] | [`DesignReport`], [`SimulationReport`], [`GeneratedController`] |
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
+//! | [`record()`] | [`RecordReport`]: logs of a bench from the firmware's serial line |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
 //! | [`bring_up()`] | [`BringUpReport`]: which way is positive |
 //!
@@ -58,8 +59,8 @@
 //! `drawings()` or `files()` make figures and tables from them, as text.
 //!
 //! Nothing here prints, reads arguments or ends the program. Files are written only by
-//! [`Session::save_model`] and [`GeneratedController::write`]. Every failure is an [`Error`]; an error in a
-//! file has file, line and column.
+//! [`Session::save_model`], [`GeneratedController::write`], [`new_bench`] and [`record()`]. Every failure is an [`Error`];
+//! an error in a file has file, line and column.
 
 mod bench_hardware;
 mod bring_up;
@@ -72,25 +73,32 @@ mod controller;
 mod data_check;
 mod design_change;
 mod design_report;
+mod design_sweep;
 mod diagnosis;
 mod drawings;
 mod effect_library;
 mod effect_portrait;
 mod error;
+mod fingerprint;
+mod loop_expectations;
 mod loop_responses;
 mod measured_linearity;
+mod model_export;
 mod module_spec;
 mod named;
 pub mod numbers;
 mod output_file;
 mod per_series;
 mod proof;
+mod recording;
 mod remains;
+mod sensor_noise;
 mod session;
 mod swing_decay;
 pub mod words;
 
 pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
+pub use ::design::linear_response::Band;
 pub use bench_files::{
     Bench, BringUpRecordings, CalibrationRecordings, Correlation, DesignSection, FilesInMemory,
     ModelFile, Parameter,
@@ -118,19 +126,34 @@ pub use design_report::{
     DesignReport, FrictionExtreme, HuntingSwing, LeastPush, LoopMargins, PoleErrors,
     SensorCondition, WheelSize,
 };
-pub use diagnose::Verdict;
+pub use design_sweep::{DesignSweep, SweepPoint, SweepRow, Swept};
+pub use diagnose::{Recipe, Verdict};
 pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
+pub use drawings::{NamedLoop, loop_drawings};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
+pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use loop_expectations::{
+    AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
+    weights_of_excursions,
+};
 pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
+pub use model_export::ExportLanguage;
 pub use output_file::OutputFile;
 pub use per_series::{PerSeries, SeriesName};
-pub use proof::{MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove};
+pub use proof::{
+    CLAIMS, ClaimStatement, MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove,
+};
+pub use recording::{
+    RecordEnd, RecordReport, RecordSettings, RecordedExperiment, RecordedLog, RecordedSample,
+    record,
+};
 pub use remains::{ClosedLoopDeviation, RemainsReport};
+pub use sensor_noise::BenchNoise;
 pub use session::{BenchCheck, Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

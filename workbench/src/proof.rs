@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::output_file::OutputFile;
 
 pub use checker::ProofSettings;
+pub use checker::certificate::claims::{CLAIMS, ClaimStatement};
 pub use checker::prove::ProofVerdict;
 
 /// The results for all claims of a certificate, each by every engine that can decide it.
@@ -95,6 +96,19 @@ impl GeneratedController {
     /// # Errors
     /// As for [`prove`].
     pub fn prove(&self, settings: &ProofSettings, progress: &Progress) -> Result<Proof, Error> {
+        self.prove_telling(settings, progress, &|_| ())
+    }
+
+    /// As [`GeneratedController::prove`]; `tell` is told every row as soon as it is settled.
+    ///
+    /// # Errors
+    /// As for [`prove`].
+    pub fn prove_telling(
+        &self,
+        settings: &ProofSettings,
+        progress: &Progress,
+        tell: &dyn Fn(&ClaimResult),
+    ) -> Result<Proof, Error> {
         progress.check()?;
         (progress.say)("checking the claims of the certificate");
         let text = |name: &str| {
@@ -116,7 +130,7 @@ impl GeneratedController {
         Ok(Proof {
             folder: PathBuf::new(),
             seed: settings.seed,
-            claims: checker::prove::settle_saying(
+            claims: checker::prove::settle_telling(
                 &emitted,
                 &certificate,
                 None,
@@ -124,6 +138,7 @@ impl GeneratedController {
                 &|what| {
                     (progress.say)(what);
                 },
+                tell,
             ),
         })
     }

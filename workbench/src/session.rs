@@ -19,6 +19,7 @@ use crate::comparison::{
 };
 use crate::data_check;
 use crate::error::Error;
+use crate::swing_decay::{SwingDecay, swing_decays};
 
 /// A bench with its measurements, and the model that is being developed for it.
 ///
@@ -149,6 +150,11 @@ impl Session {
             model: None,
             fitted: None,
         })
+    }
+
+    /// The experiments as they are simulated.
+    pub(crate) fn records(&self) -> &[Record] {
+        &self.problem.records
     }
 
     /// The measurements.
@@ -412,8 +418,10 @@ impl Session {
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
         let before = self.required_model()?.model();
-        match self.effect_named(name).filter(|effect| before.has(*effect)) {
-            Some(effect) => self.change(&before, &before.without(effect), progress),
+        // By its name: the zeros of a model may be those of other logs than the bench has now.
+        let mut effects = before.effects().iter();
+        match effects.find(|effect| effect.name() == name) {
+            Some(&effect) => self.change(&before, &before.without(effect), progress),
             None => Err(Error::EffectAbsent {
                 model: self.model_path.clone(),
                 effect: name.to_owned(),
@@ -445,7 +453,8 @@ impl Session {
     pub(crate) fn effect_named(&self, name: &str) -> Option<EffectId> {
         let of_model = self.model.iter().flat_map(|model| &model.own_effects);
         let mut own = self.bench.own_effects.iter().chain(of_model);
-        EffectId::from_name(name).or_else(|| {
+        let library = EffectId::from_name(name).map(|effect| self.problem().made_for_logs(effect));
+        library.or_else(|| {
             own.find(|own| own.effect.name() == name)
                 .map(|own| own.effect)
         })
@@ -661,7 +670,13 @@ impl Predictor {
             .collect()
     }
 
-    /// Simulates every experiment from its start, with these parameters changed. Without changes, the result is
+    /// How the free swings die out, measured and by the model.
+    pub fn decays(&self) -> Vec<SwingDecay> {
+        let traces = self.0.traces(&self.0.minimum.values);
+        swing_decays(&self.0.problem.records, &traces)
+    }
+
+    /// Simulates every experiment from its start, with these parameters changed. With none it gives
     /// the curves of [`Session::compare`].
     ///
     /// # Errors

@@ -9,5 +9,6 @@ mod garbage;
 mod hardware;
 mod logs;
 mod model_file;
+mod outline;
 mod own_effects;
 mod shared_data;

@@ -3,13 +3,13 @@
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest, Sha256};
 
-/// Files that hold the numbers of a bench.
+/// Files that contain the numbers of a bench.
 const WITH_NUMBERS: [&str; 2] = ["src/constants.rs", "src/control.rs"];
 
-/// SHA-256 of the tokens of a file, in hexadecimal; `None` where the text has no tokens of Rust.
+/// SHA-256 of the tokens of a file, in hexadecimal; `None` if the text does not consist of Rust tokens.
 ///
-/// Documentation and contracts are left out. In the files of numbers each integer that stands alone in its place
-/// (`= 5;`, `[5, -6]`, `field: 5`) counts as one and the same, with its minus, and so does each
+/// Documentation and contracts are left out. In the files with numbers, every integer that is a whole value
+/// (`= 5;`, `[5, -6]`, `field: 5`) is replaced by the same symbol, together with its minus sign, and so is every
 /// format `IxFy`.
 pub fn of_file(path: &str, text: &str) -> Option<String> {
     let mut tokens = Vec::new();
@@ -59,8 +59,8 @@ fn collect(stream: TokenStream, tokens: &mut Vec<String>) {
     }
 }
 
-/// `[doc = "…"]`, which stands for `/// …`, or `[cfg_attr(…)]`, under which the reader allows contracts
-/// alone: rustc compiles neither, and contracts are proved anew in every run.
+/// `[doc = "…"]`, the form of `/// …`, or `[cfg_attr(…)]`, under which the reader allows only contracts.
+/// rustc compiles neither, and contracts are proved again in every run.
 fn is_no_code(tree: &TokenTree) -> bool {
     let TokenTree::Group(group) = tree else {
         return false;
@@ -78,7 +78,7 @@ fn is_no_code(tree: &TokenTree) -> bool {
         }
 }
 
-/// The tokens with `0` for each integer that stands alone in its place, and `IxFy` for each format.
+/// The tokens, with `0` for each integer that is a whole value, and `IxFy` for each format.
 fn without_numbers(tokens: Vec<String>) -> Vec<String> {
     let is_integer = |token: &str| token.starts_with(|c: char| c.is_ascii_digit());
     let begins = |token: &str| ["=", "(", "[", ",", ":"].contains(&token);

@@ -1,12 +1,12 @@
-//! The texts that an emitted crate is made of, fixed by digests.
+//! The texts of an emitted crate, fixed by digests.
 //!
-//! All that differs between two emitted crates are numbers: the words of `src/constants.rs`, gains,
-//! limit and formats of `src/control.rs`. Everything else is one of a few texts, which were audited once
-//! (`cargo run --release -p checker --example audit`) and are known by the SHA-256 of their tokens.
-//! `audited.json` keeps the digests with what the run has shown; it is written by that run alone.
+//! Two emitted crates differ in numbers only: the words of `src/constants.rs`, and gains,
+//! limit and formats of `src/control.rs`. Everything else is one of a few texts that were audited once
+//! (`cargo run --release -p checker --example audit`) and are identified by the SHA-256 of their tokens.
+//! `audited.json` holds the digests and the results of the audit; only the audit writes it.
 //!
-//! So a method that is added, a default that is changed, or a branch that is taken for a few words
-//! only, which random runs may never meet, is another text and is refused.
+//! An added method, a changed default, or a branch that is taken for a few words only (which random runs may
+//! never reach) makes another text, which is refused.
 
 pub mod digest;
 
@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-/// One text and what its audit has shown.
+/// One text, with the results of its audit.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AuditedText {
@@ -24,7 +24,7 @@ pub struct AuditedText {
     pub digest: String,
     /// Functions that were run on every input of their contract.
     pub every_input: Vec<String>,
-    /// Functions that were run in `cases` random cases aimed at the places where pieces meet.
+    /// Functions that were run in `cases` random cases, chosen near the places where branches meet.
     pub in_cases: Vec<String>,
     /// Number of these cases.
     pub cases: usize,
@@ -32,7 +32,8 @@ pub struct AuditedText {
 
 /// Every audited text.
 static AUDITED: LazyLock<Vec<AuditedText>> = LazyLock::new(|| {
-    // A test of this crate reads it, so that it cannot be broken unnoticed; without it nothing is known.
+    // A test of this crate reads the file, so that it cannot become invalid unnoticed. If it is invalid, no text counts as
+    // audited.
     serde_json::from_str(include_str!("../../audited.json")).unwrap_or_default()
 });
 

@@ -1,29 +1,29 @@
-//! The claims, as the checker knows them: identifier, statement, domain and what they rest on.
+//! The claims as the checker knows them: identifier, statement, domain, and the claims they depend on.
 //!
-//! Written down here a second time on purpose: a certificate that states something else is
-//! rejected, not believed.
+//! They are written down here a second time on purpose: a certificate that states something else is
+//! rejected.
 
 use crate::claims::outcome::{COMPILED, EXACT, INTERVALS, RANDOM, READER};
 
-/// What a claim says.
+/// The statement of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClaimStatement {
     /// Identifier.
     pub id: &'static str,
     /// One sentence.
     pub statement: &'static str,
-    /// For which inputs.
+    /// The inputs for which the claim holds.
     pub domain: &'static str,
-    /// What is assumed; empty if nothing.
+    /// The assumptions; empty if there are none.
     pub assumptions: &'static str,
-    /// What settles it wherever this program runs; other engines may settle it too.
+    /// The engine that decides the claim on every machine; other engines may decide it, too.
     pub engine: &'static str,
-    /// Whether the certificate lists it.
+    /// Whether certificates list the claim.
     pub is_in_certificate: bool,
 }
 
 /// Every claim, in the order in which they are shown.
-pub const CLAIMS: [ClaimStatement; 23] = [
+pub const CLAIMS: [ClaimStatement; 25] = [
     ClaimStatement {
         id: "source-understood",
         statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
@@ -197,6 +197,22 @@ pub const CLAIMS: [ClaimStatement; 23] = [
         statement: "From any start in the stated share of the ellipsoid the loop with the emitted law never saturates, and comes into the stated smaller share and stays there.",
         domain: "all time; every start in that share; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model with gravity as G sin(angle); the sensors return the nearest count, the angle directly and not through the filter.",
+        engine: EXACT,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "loop-as-shipped",
+        statement: "Armed at rest at any angle up to the stated one, the pendulum under the emitted step, from raw counts through filter and law to the duty, stays within the stated bounds, and no command reaches the limit.",
+        domain: "all time; every start up to that angle; gravity as G sin(angle); dry friction of any course up to its torque; every delay of up to one sample between measurement and current, the same to an eighth of a sample; every rounding; sensors off by up to half a step and one step of noise",
+        assumptions: "Parameters are the stated ones; the pivot is level; the gyroscope's drift is left within a twentieth of 2 beta, and a reading is as old as its stated rate says; a step of the filter turns as `filter-accurate` says; no sensor fails.",
+        engine: EXACT,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "motion-kept-up",
+        statement: "What words, counts, duty and dry friction keep up comes down to the stated bounds about upright.",
+        domain: "every motion that starts as `loop-as-shipped` says; sensors off by half a step, no drift",
+        assumptions: "As of `loop-as-shipped`.",
         engine: EXACT,
         is_in_certificate: false,
     },

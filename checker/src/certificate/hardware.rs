@@ -8,24 +8,24 @@ use crate::certificate::reader::StatedDecimal;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedHardware {
-    /// rad/s.
+    /// Gyroscope, rad/s.
     pub gyroscope: CertifiedSensor,
-    /// m/s².
+    /// Accelerometer, m/s².
     pub accelerometer: CertifiedSensor,
-    /// µT.
+    /// Magnetometer, µT.
     pub magnetometer: CertifiedSensor,
     /// β of the attitude filter (rad/s).
     pub beta_rad_s: StatedDecimal,
-    /// Time in which the gyroscope's drift is followed (s).
+    /// Time constant with which the gyroscope's drift is tracked (s).
     pub drift_time_s: StatedDecimal,
-    /// Largest drift that is followed (rad/s).
+    /// Largest drift that is tracked (rad/s).
     pub drift_limit_rad_s: StatedDecimal,
     /// Gravity (m/s²).
     pub gravity_m_s2: StatedDecimal,
     /// Weakest usable field (µT).
     #[serde(rename = "field_min_uT")]
     pub field_min_ut: StatedDecimal,
-    /// Place of the accelerometer from the pivot axis, along its x and y (m).
+    /// Position of the accelerometer relative to the pivot axis, along its x and y (m).
     pub lever_arm_m: [StatedDecimal; 2],
     /// From the filter's angle to the body's (rad).
     pub mounting_angle_rad: StatedDecimal,
@@ -33,7 +33,7 @@ pub struct CertifiedHardware {
     pub wheel_speed: CertifiedWheelSpeed,
 }
 
-/// matrix (counts − bias).
+/// The calibration of a sensor: value = matrix (counts − bias).
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedSensor {
@@ -41,7 +41,7 @@ pub struct CertifiedSensor {
     pub bias_counts: [StatedDecimal; 3],
     /// Units per count, row by row.
     pub matrix: [[StatedDecimal; 3]; 3],
-    /// Counts at and beyond which a value is not known.
+    /// Count at or beyond which the true value is unknown.
     pub clip_counts: [i32; 3],
 }
 

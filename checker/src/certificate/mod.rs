@@ -1,4 +1,4 @@
-//! `certificate.json`: what it holds, and what may be claimed.
+//! `certificate.json`: its content, and the claims that it may contain.
 
 pub mod claims;
 pub mod hardware;

@@ -1,4 +1,4 @@
-//! `certificate.json`, read strictly: every field must be there and none more.
+//! Reads `certificate.json` strictly: every field must exist, and no other field may.
 
 use std::fmt;
 use std::fs;
@@ -17,7 +17,7 @@ use crate::exact::rational::decimal;
 pub struct StatedDecimal {
     /// As written.
     pub text: String,
-    /// Exactly.
+    /// Its exact value.
     pub value: BigRational,
 }
 
@@ -37,7 +37,7 @@ impl fmt::Display for StatedDecimal {
     }
 }
 
-/// A field that may be null but must be there.
+/// A field that may be null but must not be missing.
 fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
@@ -48,9 +48,9 @@ fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
-    /// Mark of the generator.
+    /// Identification of the generator.
     pub generator: String,
-    /// Layout of this file.
+    /// Version of this file's layout.
     pub format_version: u32,
     /// Name of the model.
     pub model: String,
@@ -70,14 +70,14 @@ pub struct Certificate {
     pub drive: CertifiedDrive,
     /// Sensors, mounting, filter and converter.
     pub hardware: CertifiedHardware,
-    /// The accelerometer's scale by its part or as stated, apart from its calibration (m/s² per count);
-    /// null where only a calibration is known.
+    /// The accelerometer's scale from its part or as stated, independent of its calibration (m/s² per count);
+    /// null if only a calibration is known.
     #[serde(deserialize_with = "stated")]
     pub accelerometer_m_s2_per_count: Option<StatedDecimal>,
-    /// Fresh samples of the gyroscope a second; null: one in each step.
+    /// Rate of new gyroscope samples (Hz); null for one in each step.
     #[serde(deserialize_with = "stated")]
     pub gyro_rate_hz: Option<StatedDecimal>,
-    /// What of sensors and drive nobody stated; sentences.
+    /// Properties of sensors and drive that were assumed; sentences.
     pub assumed: Vec<String>,
     /// Arguments of `control`.
     pub inputs: [CertifiedInput; 3],
@@ -87,12 +87,12 @@ pub struct Certificate {
     pub constants: [CertifiedConstant; 4],
     /// Bounds of one step.
     pub bounds: CertifiedBounds,
-    /// What is claimed.
+    /// The claims.
     pub claims: Vec<CertifiedClaim>,
-    /// The observer of the angle's bias; null where the module has none.
+    /// The observer of the angle's bias; null if the module has none.
     #[serde(deserialize_with = "stated")]
     pub bias_observer: Option<CertifiedObserver>,
-    /// Bounds of the closed loop for all time; null where there are none.
+    /// Bounds of the closed loop for all time; null if there are none.
     #[serde(deserialize_with = "stated")]
     pub closed_loop: Option<CertifiedLoop>,
 }
@@ -105,7 +105,7 @@ pub struct CertifiedParameter {
     pub name: String,
     /// Value in `unit`.
     pub value: StatedDecimal,
-    /// Standard error; null where none is known, but never left out.
+    /// Standard error; null if unknown, but never missing.
     #[serde(deserialize_with = "stated")]
     pub std: Option<StatedDecimal>,
     /// Unit.
@@ -148,9 +148,9 @@ pub struct CertifiedDrive {
     pub duty_low: u16,
     /// Largest duty that the drive reads as a current.
     pub duty_high: u16,
-    /// A per count; negative where a larger duty drives backwards.
+    /// A per count; negative if a larger duty drives backwards.
     pub amperes_per_count: StatedDecimal,
-    /// The largest current that the drive gives both ways (A).
+    /// The largest current that the drive gives in both directions (A).
     #[serde(rename = "current_range_A")]
     pub current_range_a: StatedDecimal,
 }
@@ -199,7 +199,7 @@ pub struct CertifiedConstant {
     pub file: String,
     /// Line.
     pub line: usize,
-    /// Number of the certificate that it was made from.
+    /// Name of the number in the certificate from which it was computed.
     pub from: String,
     /// Real number.
     pub real: StatedDecimal,
@@ -227,7 +227,7 @@ pub struct CertifiedBounds {
     /// Against the real gains (A).
     #[serde(rename = "real_gains_A")]
     pub real_gains: StatedDecimal,
-    /// Of rounding a real state (A).
+    /// Additional error from rounding a real state (A).
     #[serde(rename = "state_rounding_A")]
     pub state_rounding: StatedDecimal,
 }
@@ -236,7 +236,7 @@ pub struct CertifiedBounds {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedObserver {
-    /// λ, without unit.
+    /// λ, dimensionless.
     pub decay: StatedDecimal,
     /// ℓ, rad per unit of each state.
     pub direct: [StatedDecimal; 3],
@@ -258,7 +258,7 @@ pub struct CertifiedClaim {
     pub statement: String,
     /// For which inputs.
     pub domain: String,
-    /// Bound, where it has one (A).
+    /// Bound (A), if the claim has one.
     #[serde(rename = "bound_A", default)]
     pub bound: Option<StatedDecimal>,
 }
@@ -276,16 +276,16 @@ pub struct CertifiedLoop {
     /// Largest |K x| in the set, rounded up (A).
     #[serde(rename = "command_A")]
     pub command: StatedDecimal,
-    /// One count of the sensors: rad, rad/s, rad/s.
+    /// Size of one count of the sensors: rad, rad/s, rad/s.
     pub sensor_steps: [StatedDecimal; 3],
     /// Share of the set that the perturbations need, at most 1, rounded up.
     pub perturbation_share: StatedDecimal,
-    /// Number of terms that are added up; the rest is bounded by a geometric series.
+    /// Number of terms in the sum; the rest is bounded by a geometric series.
     pub terms: u32,
-    /// The bound of that rest for the current, for a perturbation of 1 A (A), rounded up.
+    /// Bound of that rest for the current, per perturbation of 1 A (A), rounded up.
     #[serde(rename = "rest_A")]
     pub rest: StatedDecimal,
-    /// Perturbations and what they lead to: by words, by sensors.
+    /// The two kinds of perturbation, with their bounds: by words, by sensors.
     pub cases: [CertifiedLoopCase; 2],
 }
 
@@ -305,21 +305,21 @@ pub struct CertifiedLoopCase {
     pub command: StatedDecimal,
 }
 
-/// Why a certificate could not be read.
+/// The reason why a certificate could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
-    /// The operating system said no.
+    /// The operating system reported an error.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// What it said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// Not JSON, or not of this layout.
     #[error("certificate.json:{}:{}: {source}", source.line(), source.column())]
     Json {
-        /// What the reader said.
+        /// The reader's error.
         #[from]
         source: serde_json::Error,
     },

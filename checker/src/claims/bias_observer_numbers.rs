@@ -1,4 +1,4 @@
-//! The stated numbers of the observer of the angle's bias against the stated plant.
+//! The stated numbers of the observer of the angle's bias, checked against the stated plant.
 //!
 //! With x⁺ = Ad x + Bd u, the measured state y = x + b e₁ and ℓ, f, g, λ the stated `direct`,
 //! `from_states`, `from_current` and `decay`,
@@ -7,13 +7,13 @@
 //! b̂ = z + ℓᵀ y,   z⁺ = λ z + fᵀ y + g u.
 //! ```
 //!
-//! The error e = b̂ − b follows e⁺ = λ e whatever x and u do exactly if
+//! The error e = b̂ − b follows e⁺ = λ e for every x and u exactly if
 //!
 //! ```text
 //! fᵀ + ℓᵀ Ad − λ ℓᵀ = 0,   g + ℓᵀ Bd = 0,   λ + ℓᵀ (I − Ad) e₁ = 1
 //! ```
 //!
-//! (put y⁺ = Ad x + Bd u + b e₁ into b̂⁺; the three are the terms in x, in u and in b).
+//! (insert y⁺ = Ad x + Bd u + b e₁ into b̂⁺; the three conditions are the terms in x, in u and in b).
 
 use num_rational::BigRational;
 use num_traits::{One, Signed};

@@ -1,9 +1,9 @@
-//! Claim `bias-observer-stable`: the loop that plant, regulator and the observer of the angle's bias
-//! make.
+//! Claim `bias-observer-stable`: the loop of plant, regulator and observer of the angle's bias is
+//! stable.
 //!
-//! Plant, observer and u = N (y − b̂ e₁) with the words as they are: Hurwitz' criterion in
-//! δ = (z − 1)/T for the four eigenvalues, and the share of a constant bias that is left at rest.
-//! [`crate::claims::bias_observer_numbers`] says what the observer is.
+//! The loop is plant, observer and u = N (y − b̂ e₁) with the emitted words. Hurwitz' criterion in
+//! δ = (z − 1)/T is applied to its four eigenvalues, and the share of a constant bias that remains at rest is bounded.
+//! [`crate::claims::bias_observer_numbers`] defines the observer.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

@@ -1,8 +1,8 @@
-//! The words of the observer of the angle's bias against its stated numbers
-//! ([`crate::claims::bias_observer_numbers`] says what they stand for).
+//! The words of the observer of the angle's bias, checked against its stated numbers
+//! ([`crate::claims::bias_observer_numbers`] explains their meaning).
 //!
-//! All products have p fraction bits, p the largest with which a sum of products of any
-//! words stays within 64 bits; a number c per unit of a word with q fraction bits is the word
+//! All products have p fraction bits. p is the largest number with which a sum of products of any
+//! words stays within 64 bits. A number c per unit of a word with q fraction bits is the word
 //! c 2^(p − q), rounded.
 
 use num_rational::BigRational;

@@ -1,4 +1,4 @@
-//! The certificate against the source, field by field.
+//! The certificate compared with the source, field by field.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed};

@@ -1,9 +1,9 @@
 //! The closed loop for all time, from the decimals of the certificate, in exact arithmetic.
 //!
-//! Two loops start at the same state x₀. One is the linear model under u = −K x in real numbers,
-//! x̄⁺ = F x̄ with F = Ad − Bd K. The other is driven by the emitted law, whose gains are N (≈ −K),
-//! which sees the state off by δ, |δᵢ| ≤ hᵢ (rounding to words, or to counts and words), and rounds
-//! its sum by ρ, |ρ| ≤ half a unit:
+//! Two loops start in the same state x₀. The first is the linear model under u = −K x in real numbers,
+//! x̄⁺ = F x̄ with F = Ad − Bd K. The second has the emitted law, with gains N (≈ −K). This law
+//! receives the state with an error δ, |δᵢ| ≤ hᵢ (rounding to words, or to counts and words), and rounds
+//! its sum with an error ρ, |ρ| ≤ half a unit:
 //!
 //! u = N (x + δ) + ρ,   x⁺ = F̂ x + Bd v,   F̂ = Ad + Bd N,   v = N δ + ρ,   |v| ≤ V = Σ|Nᵢ| hᵢ + ½ unit.
 //!
@@ -17,14 +17,14 @@
 //!
 //! |C e_k| ≤ V S_k + G_k,   S_k = Σ_{j<k} |C F̂ʲ Bd|,   G_k = ‖C F̂ᵏ − C Fᵏ‖*,
 //!
-//! and some perturbations |v| ≤ V with some x₀ in E reach it: signs that fit make the sum, and the
-//! x₀ at which E touches the plane with normal C (F̂ᵏ − Fᵏ) makes G_k. So the largest over k is not
-//! only a bound, it is the worst case. From k = n on, S and G are bounded by
+//! The bound is reached by some perturbations |v| ≤ V and some x₀ in E: matching signs give the sum, and the
+//! x₀ at which E touches the plane with normal C (F̂ᵏ − Fᵏ) gives G_k. The largest value over k is therefore not
+//! only a bound, but the worst case. From k = n on, S and G are bounded by
 //! S_n + ‖C‖* ‖Bd‖ γⁿ/(1 − γ) and 2 ‖C‖* γⁿ.
 //!
 //! **Rounding of this computation.** C F̂ᵏ and C Fᵏ are kept in units of 2⁻¹⁹² and rounded down in
-//! every step. Such an error of at most one unit in each entry has ‖·‖* ≤ 2⁻¹⁹² √(Σ|P⁻¹ᵢⱼ|) and shrinks
-//! by γ in each later step, so that all of them together are bounded by a geometric series, which
+//! every step. Such an error of at most one unit per entry has ‖·‖* ≤ 2⁻¹⁹² √(Σ|P⁻¹ᵢⱼ|), and shrinks
+//! by γ in each later step. All errors together are therefore bounded by a geometric series, which
 //! is added.
 
 use num_bigint::BigInt;

@@ -1,5 +1,5 @@
-//! Claim `closed-loop-for-all-time` by the second checker, a small program in Python that shares nothing
-//! with this one (`checker/second/closed_loop.py`).
+//! Claims of the closed loop by the second checkers, small programs in Python that share nothing
+//! with this one (`checker/second/`).
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -7,16 +7,29 @@ use std::process::{Command, Stdio};
 use crate::claims::outcome::ClaimOutcome;
 use crate::language::emitted::Emitted;
 
-/// The program.
-const PROGRAM: &str = include_str!("../../second/closed_loop.py");
+/// Of `closed-loop-for-all-time`.
+const FOR_ALL_TIME: &str = include_str!("../../second/closed_loop.py");
 
-/// Runs the second checker on the certificate, where Python is.
+/// Of `loop-as-shipped` and `motion-kept-up`.
+const AS_SHIPPED: &str = include_str!("../../second/loop_as_shipped.py");
+
+/// Settles `closed-loop-for-all-time` by the second checker, where Python is.
 pub fn by_python(emitted: &Emitted) -> ClaimOutcome {
+    run(FOR_ALL_TIME, emitted)
+}
+
+/// Settles `loop-as-shipped` and `motion-kept-up` by the second checker, where Python is.
+pub fn as_shipped_by_python(emitted: &Emitted) -> ClaimOutcome {
+    run(AS_SHIPPED, emitted)
+}
+
+/// Runs a program on the certificate.
+fn run(text: &str, emitted: &Emitted) -> ClaimOutcome {
     let run = || -> std::io::Result<std::process::Output> {
         let folder = tempfile::tempdir()?;
-        let program = folder.path().join("closed_loop.py");
+        let program = folder.path().join("second.py");
         let certificate = folder.path().join("certificate.json");
-        fs::write(&program, PROGRAM)?;
+        fs::write(&program, text)?;
         fs::write(&certificate, &emitted.certificate)?;
         // -I: no module of the user's takes the place of one of Python's.
         let mut command = Command::new("python3");
@@ -30,6 +43,8 @@ pub fn by_python(emitted: &Emitted) -> ClaimOutcome {
             match output.status.code() {
                 Some(0) => ClaimOutcome::Proved(said),
                 Some(1) if !said.is_empty() => ClaimOutcome::Failed(said),
+                // Its argument does not hold this module.
+                Some(3) if !said.is_empty() => ClaimOutcome::NotRun(said),
                 _ => ClaimOutcome::NotRun(format!("python3 cannot run it: {said}")),
             }
         }

@@ -1,4 +1,4 @@
-//! Claim `compiled-agrees`: what rustc makes of the source is what the reader makes of it.
+//! Claim `compiled-agrees`: the crate compiled by rustc computes what the reader's interpretation computes.
 
 use crate::claims::outcome::ClaimOutcome;
 use crate::compiled::harness::harness;

@@ -1,4 +1,4 @@
-//! Claim `control-accurate`: the command lies within half a unit of the saturated law with the
+//! Claim `control-accurate`: the command is within half a unit of the saturated law with the
 //! quantised gains.
 
 use crate::certificate::reader::Certificate;

@@ -1,16 +1,16 @@
-//! The emitted control law from its source alone: what it computes, and how far that is from
+//! The emitted control law, from its source alone: the function that it computes, and the distance of that from
 //! −K x.
 //!
 //! The source is read as a saturated linear form of the three words
-//! ([`crate::domains::linear_forms`]), so gains, rounding and limit come out of the code and not out
-//! of the certificate. With the coefficients cᵢ (command units per unit of word i) and the error interval
+//! ([`crate::domains::linear_forms`]). Gains, rounding and limit therefore come from the code, not
+//! from the certificate. With the coefficients cᵢ (command units per unit of word i) and the error interval
 //! [l, h] of the form:
 //!
 //! - the quantised gains are N̂ᵢ = cᵢ 2^(fᵢ − f), in A per unit of state i;
-//! - the command is off from the saturated law with these gains by at most max(|l|, |h|) units;
+//! - the command differs from the saturated law with these gains by at most max(|l|, |h|) units;
 //! - and from the saturated law with the real gains and limit by at most
-//!   max(that + Σ |N̂ᵢ + Kᵢ| rᵢ, |L̂ − L|) for |xᵢ| ≤ rᵢ: saturation brings two numbers no further
-//!   apart, and two limits move a saturated number by no more than they differ.
+//!   max(that + Σ |N̂ᵢ + Kᵢ| rᵢ, |L̂ − L|) for |xᵢ| ≤ rᵢ: saturation does not increase the distance of two
+//!   numbers, and two limits change a saturated number by at most their difference.
 
 use num_rational::BigRational;
 use num_traits::Signed;
@@ -36,7 +36,7 @@ pub struct EmittedLaw {
     pub rounding: BigRational,
 }
 
-/// Why the law could not be read from the source.
+/// The reason why the law could not be read from the source.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
     /// There is no function `control` of three fixed-point words.
@@ -45,20 +45,20 @@ pub enum LawError {
     /// Something may overflow.
     #[error("{0}")]
     Finding(#[from] Finding),
-    /// The result is no saturated linear form.
+    /// The result is not a saturated linear form.
     #[error("the command is no linear form of the states, clamped to plus and minus one limit")]
     NotLinear,
-    /// There is no limit, or none that a command could keep.
+    /// There is no limit, or it is not positive.
     #[error("src/control.rs has no positive constant CURRENT_LIMIT")]
     NoLimit,
-    /// The command may leave its limit.
+    /// The command may exceed its limit.
     #[error("the command may reach {0}, the limit is {1} (words)")]
     BeyondLimit(i128, i128),
 }
 
 impl EmittedLaw {
-    /// Reads the law and shows that it is total: nothing overflows for any bit pattern, and the
-    /// command lies within `CURRENT_LIMIT`.
+    /// Reads the law and proves that it is total: nothing overflows for any bit pattern, and the
+    /// command is within `CURRENT_LIMIT`.
     ///
     /// # Errors
     /// [`LawError`].
@@ -139,7 +139,7 @@ impl EmittedLaw {
         bound.max((&self.limit - limit).abs())
     }
 
-    /// What rounding a real state to the nearest word adds with real gains `k`.
+    /// The additional error from rounding a real state to the nearest word, with real gains `k`.
     pub fn state_rounding(&self, k: &[BigRational; 3]) -> BigRational {
         self.half_words()
             .iter()

@@ -1,5 +1,5 @@
-//! Claim `control-monotone`: the command rises or falls with each state, as the sign of its gain
-//! says.
+//! Claim `control-monotone`: the command rises or falls with each state, according to the sign of its
+//! gain.
 
 use crate::certificate::reader::Certificate;
 use crate::claims::outcome::ClaimOutcome;

@@ -1,4 +1,4 @@
-//! Claim `control-total`: no operation of `control` leaves its type, and the command lies within the
+//! Claim `control-total`: no operation of `control` overflows its type, and the command is within the
 //! limit.
 
 use crate::claims::control_law::{EmittedLaw, LawError};

@@ -2,8 +2,8 @@
 //! attitude filter keeps.
 //!
 //! The steps are analysed with the calls of proved primitives ([`crate::claims::primitives`])
-//! replaced by their contracts: what they are given must lie in the stated ranges, and nothing but
-//! the stated ranges is known of their results.
+//! replaced by their contracts: the arguments must lie in the stated ranges, and only
+//! the stated ranges of the results are used.
 
 use std::collections::HashMap;
 
@@ -12,8 +12,8 @@ use crate::language::module::Module;
 use crate::program::contract::Contract;
 use crate::program::steps::Program;
 
-/// The invariant of the words of a state: the quaternion's components and the rates within the
-/// limits that the source states, everything else of any value.
+/// The invariant of the words of a state: the quaternion's components and the rates are within the
+/// limits stated in the source; all other words may have any value.
 pub(crate) struct Invariant {
     pub(crate) component: i128,
     pub(crate) rate: i128,
@@ -63,7 +63,7 @@ impl Invariant {
         domain
     }
 
-    /// Whether the words of a state that a step leaves keep the invariant; the state's words come
+    /// Whether the words of the state after a step satisfy the invariant. The state's words come
     /// last among the results and first among the arguments.
     pub(crate) fn is_kept(
         &self,

@@ -1,4 +1,4 @@
-//! Functions of the source by name, run on words, and comparisons of what they give.
+//! Functions of the source by name, their execution on words, and comparisons of their results.
 
 use crate::domains::machine::Machine;
 use crate::language::module::Module;

@@ -4,9 +4,9 @@
 //!
 //! W = ∫₀ᵀ exp(M t)ᵀ diag(Q, R) exp(M t) dt,   M = (A B; 0 0).
 //!
-//! With P the cost of the loop that K makes, P = Fᵀ P F + (1, −K)ᵀ W (1, −K), the best first command is −K′ x,
-//! K′ = (W_uu + Bdᵀ P Bd)⁻¹ (Bdᵀ P Ad + W_ux). K is the optimum exactly if K′ = K, and K′ − K is K's own
-//! distance from it, but for its square (Kleinman's iteration). In double precision.
+//! Let P be the cost of the loop with K, P = Fᵀ P F + (1, −K)ᵀ W (1, −K). The best first command is then −K′ x with
+//! K′ = (W_uu + Bdᵀ P Bd)⁻¹ (Bdᵀ P Ad + W_ux). K is optimal exactly if K′ = K, and K′ − K is the distance of K
+//! from the optimum, up to its square (Kleinman's iteration). Computed in double precision.
 
 use crate::certificate::reader::{Certificate, StatedDecimal};
 

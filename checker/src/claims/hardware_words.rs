@@ -1,10 +1,10 @@
-//! The words of `src/constants.rs` against the real numbers of the certificate; for those of the observer
-//! of the angle's bias see [`crate::claims::bias_observer_words`].
+//! The words of `src/constants.rs`, checked against the real numbers of the certificate. Those of the observer
+//! of the angle's bias are in [`crate::claims::bias_observer_words`].
 //!
-//! What each word stands for is derived here from the formats that the emitted fields state:
-//! half-angles a step in Q32, matrices in Q17 of which the accelerometer's and magnetometer's are
-//! scaled so that the largest row adds up to 2³⁰, biases in 2⁻¹⁵ counts, lines as slope and offset
-//! over one power of two.
+//! The meaning of each word is derived here from the formats in the documentation of the emitted fields:
+//! half-angles per step in Q32; matrices in Q17, with those of accelerometer and magnetometer
+//! scaled so that the largest row sum is 2³⁰; biases in 2⁻¹⁵ counts; lines as slope and offset
+//! divided by a common power of two.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};

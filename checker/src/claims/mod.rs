@@ -1,4 +1,4 @@
-//! One file or folder a claim: how it is settled, by each engine that can.
+//! The claims, one file or folder each: how every applicable engine decides the claim.
 //!
 //! | file | claim, or what several use |
 //! |---|---|
@@ -10,11 +10,11 @@
 //! | [`step_total`], [`supervisor`] | of the full step |
 //! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`closed_loop_second`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
 //! | [`control_law`] | the law that the source implements |
-//! | [`sampling`] | the sampled model against the continuous one |
+//! | [`sampling`] | the sampled model compared with the continuous one |
 //! | [`bias_observer_numbers`], [`bias_observer_words`] | the observer of the angle's bias |
 //! | [`named_words`], [`functions`], [`random`] | words and functions by name, random numbers |
-//! | `upright` | the attitude in which the filter says upright |
-//! | [`outcome`] | what comes of a claim, and the engines |
+//! | `upright` | the attitude that the filter reports as upright |
+//! | [`outcome`] | the result of a claim, and the engines |
 
 pub mod bias_observer_numbers;
 pub mod bias_observer_stable;
@@ -36,6 +36,7 @@ pub mod filter_total;
 pub mod functions;
 pub mod gains_optimal;
 pub mod hardware_words;
+pub mod loop_as_shipped;
 pub mod model_matches;
 pub mod named_words;
 pub mod outcome;

@@ -1,8 +1,8 @@
-//! Claim `model-matches`: the certificate speaks of the model in the user's file.
+//! Claim `model-matches`: the certificate is about the model in the user's file.
 //!
-//! Read here: parameters and wishes of the design. Sensors and drive go through parts lists and
-//! mountings into matrices, which is work of the generator; whoever calls this program compares with
-//! what the generator makes of the same file.
+//! Parameters and requirements of the design are compared here. Sensors and drive become matrices through parts lists
+//! and mountings, which is the work of the generator. The caller of this program compares them with
+//! the generator's output for the same file.
 
 use toml_edit::{DocumentMut, Item, TableLike};
 

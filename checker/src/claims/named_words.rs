@@ -1,4 +1,4 @@
-//! Words of `src/constants.rs` by name, and real numbers that they are nearest to.
+//! Words of `src/constants.rs` by name, and the real numbers to which they must be nearest.
 
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};

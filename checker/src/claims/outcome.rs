@@ -1,22 +1,22 @@
-//! What came of a claim, and by what means.
+//! The result of a claim, and the means by which it was decided.
 
-/// What came of a claim.
+/// The outcome of a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ClaimOutcome {
-    /// Shown for the whole domain; with what was found.
+    /// Proved for the whole domain; with the finding.
     Proved(String),
-    /// Held in so many cases; with what else is to be said, if anything.
+    /// Held in this number of cases; with a remark, if any.
     Tested(usize, String),
-    /// Not looked at, and why.
+    /// Not examined, with the reason.
     NotRun(String),
-    /// Says nothing of this module, and why.
+    /// Does not apply to this module, with the reason.
     NotApplicable(String),
-    /// Does not hold, or could not be shown.
+    /// Does not hold, or could not be proved.
     Failed(String),
 }
 
 impl ClaimOutcome {
-    /// Of a proof: what was found, or why not.
+    /// The outcome of a proof: its finding, or the reason of its failure.
     pub fn proved(result: Result<String, String>) -> ClaimOutcome {
         match result {
             Ok(text) => ClaimOutcome::Proved(text),
@@ -24,7 +24,7 @@ impl ClaimOutcome {
         }
     }
 
-    /// Of runs: how many, or the first that failed.
+    /// The outcome of runs: their number, or the first failure.
     pub fn tested(result: Result<usize, String>) -> ClaimOutcome {
         match result {
             Ok(cases) => ClaimOutcome::Tested(cases, String::new()),
@@ -32,7 +32,7 @@ impl ClaimOutcome {
         }
     }
 
-    /// The word for it: `proved`, `tested`, `not run`, `not applicable`, `failed`.
+    /// The name: `proved`, `tested`, `not run`, `not applicable`, `failed`.
     pub fn word(&self) -> &'static str {
         match self {
             ClaimOutcome::Proved(_) => "proved",
@@ -43,7 +43,7 @@ impl ClaimOutcome {
         }
     }
 
-    /// What is said beside the word: what was found, or why not.
+    /// The text beside the name: the finding, or the reason.
     pub fn why(&self) -> &str {
         match self {
             ClaimOutcome::Proved(text)
@@ -54,7 +54,7 @@ impl ClaimOutcome {
         }
     }
 
-    /// In how many cases it was tested.
+    /// The number of tested cases.
     pub fn cases(&self) -> Option<usize> {
         match self {
             ClaimOutcome::Tested(cases, _) => Some(*cases),
@@ -62,7 +62,7 @@ impl ClaimOutcome {
         }
     }
 
-    /// Cases and what is said beside the word, in one line.
+    /// Number of cases and text, in one line.
     pub fn detail(&self) -> String {
         match self.cases() {
             Some(cases) if self.why().is_empty() => format!("{cases} cases"),

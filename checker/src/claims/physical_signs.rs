@@ -1,20 +1,20 @@
 //! Claim `physical-signs`: sensors, drive and law together push the body back upright.
 //!
-//! Words may all be rightly rounded and the motor still be driven the wrong way: by a sensor that is
-//! mirrored, a scale in g instead of m/s², a drive that is wired in reverse in one place only. What
-//! physics says of any such bench:
+//! All words may be rounded correctly, and the motor may still be driven the wrong way: by a mirrored
+//! sensor, a scale in g instead of m/s², a drive that is reversed in one place only. The following
+//! conditions hold for every such bench:
 //!
-//! 1. gyroscope and accelerometer have one handedness: no turn of a chip gives a mirror image, so the
-//!    determinants of both matrices are positive;
-//! 2. gravity is 8 to 11.5 m/s² through the accelerometer's matrix (the earth's 9.78 to 9.83 and 15 %
-//!    for a scale that is not calibrated), at the counts that the part's own scale gives one g; where
-//!    no part is stated, the 16-bit word reaches 1.2 to 40 g, as those of all such sensors do;
-//! 3. a motor pushes forward, τ > 0: the plant's body goes back and its wheel forward;
-//! 4. a body that leans forward (or falls forward) is pushed back: raw counts of a lean of 1°, 3° and
+//! 1. Gyroscope and accelerometer have the same handedness. No orientation of a chip is a mirror image, so the
+//!    determinants of both matrices are positive.
+//! 2. Gravity is 8 to 11.5 m/s² through the accelerometer's matrix (9.78 to 9.83 on Earth, with 15 %
+//!    for an uncalibrated scale), at the counts that the part's own scale gives for one g. If
+//!    no part is stated, the 16-bit word covers 1.2 to 40 g, as for all such sensors.
+//! 3. A motor pushes forward, τ > 0: the plant's body accelerates backwards and its wheel forward.
+//! 4. A body that leans or falls forward is pushed back: the raw counts of a lean of 1°, 3° and
 //!    10° (rates of 0.2 and 1 rad/s), through attitude filter, law and drive, give a current that
-//!    turns the body back;
-//! 5. a sensor on the body is not far outside it: the lever arm is at most three times the length
-//!    Θ g/G of the simple pendulum that swings alike (a rod's end is at 1.5 times that).
+//!    turns the body back.
+//! 5. A sensor on the body is not far outside it: the lever arm is at most three times
+//!    Θ g/G, the length of the simple pendulum with the same period (the end of a rod is at 1.5 times that).
 
 use crate::certificate::hardware::CertifiedSensor;
 use crate::certificate::reader::Certificate;
@@ -28,15 +28,15 @@ type Check = Result<(), String>;
 
 /// Standard gravity, m/s².
 const G: f64 = 9.80665;
-/// What gravity may read, m/s².
+/// Allowed range of gravity as measured, m/s².
 const GRAVITY_READS: [f64; 2] = [8.0, 11.5];
-/// What the largest count of a 16-bit word may stand for, in g.
+/// Allowed range of the value of the largest 16-bit count, in g.
 const REACH_G: [f64; 2] = [1.2, 40.0];
-/// Lever arm over the length of the equal simple pendulum.
+/// Largest lever arm, relative to the length of the simple pendulum with the same period.
 const LEVER_ARM_MAX: f64 = 3.0;
-/// Leans that are tried, rad.
+/// Tested leans, rad.
 const LEANS_RAD: [f64; 3] = [0.017_453, 0.052_36, 0.174_53];
-/// Rates that are tried, rad/s.
+/// Tested rates, rad/s.
 const RATES_RAD_S: [f64; 2] = [0.2, 1.0];
 
 /// A sensor as the certificate states it.
@@ -45,10 +45,10 @@ struct Sensor {
     matrix: [[f64; 3]; 3],
 }
 
-/// Checks all of it.
+/// Checks all conditions.
 ///
 /// # Errors
-/// A sentence that says what contradicts physics.
+/// A sentence that names the contradiction.
 pub fn check(certificate: &Certificate, module: &Module) -> Check {
     let gyro = Sensor::of(&certificate.hardware.gyroscope)?;
     let accel = Sensor::of(&certificate.hardware.accelerometer)?;
@@ -105,7 +105,7 @@ impl Sensor {
             .sum()
     }
 
-    /// The counts that stand for `value`.
+    /// The counts for `value`.
     fn counts(&self, value: [f64; 3]) -> [i128; 3] {
         let determinant = self.determinant();
         [0, 1, 2].map(|axis| {
@@ -115,7 +115,7 @@ impl Sensor {
         })
     }
 
-    /// Length of what one count of an axis stands for.
+    /// Length of the vector that one count of an axis represents.
     fn per_count(&self, axis: usize) -> f64 {
         self.matrix
             .iter()
@@ -174,7 +174,7 @@ fn lever_arm(certificate: &Certificate) -> Check {
     let parameter = |name: &str| {
         let mut found = certificate.parameters.iter();
         let found = found.find(|parameter| parameter.name == name)?;
-        // Per unit of inertia the lengths are not known.
+        // If values are per unit of inertia, the lengths are unknown.
         (!found.unit.contains("per kg")).then(|| real(&found.value.value).ok())?
     };
     let (Some(inertia), Some(torque)) = (parameter("total_inertia"), parameter("gravity_torque"))

@@ -1,7 +1,7 @@
-//! Claim `primitives`: every function whose contract stands at it in the source keeps it.
+//! Claim `primitives`: every function with a contract in the source keeps that contract.
 //!
-//! Each is proved alone, by halving its domain ([`crate::domains::halving::prove`]), with the calls
-//! of proved ones replaced by their contracts. Random runs compare with what they stand for.
+//! Each function is proved separately, by halving its domain ([`crate::domains::halving::prove`]), with calls
+//! of proved functions replaced by their contracts. Random runs compare it with the function that it approximates.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use crate::language::contracts::stated;
 use crate::language::module::Module;
 use crate::program::contract::Contract;
 
-/// How many boxes a contract may take.
+/// Largest number of boxes for the proof of a contract.
 const BOXES: usize = 400_000;
 
 /// A primitive and its contract.
@@ -23,13 +23,13 @@ pub struct Primitive {
     pub name: String,
     /// Number of the function.
     pub number: usize,
-    /// What is stated.
+    /// The stated contract.
     pub contract: Contract,
-    /// Boxes that the proof took, or why there is none.
+    /// Number of boxes of the proof, or the reason why there is none.
     pub proof: Result<usize, String>,
 }
 
-/// Proves every contract that stands in the source.
+/// Proves every contract in the source.
 pub fn primitives(module: &Module) -> Vec<Primitive> {
     let declarations = module.declarations();
     let mut found: Vec<(usize, usize, Contract)> = Vec::new();
@@ -48,7 +48,7 @@ pub fn primitives(module: &Module) -> Vec<Primitive> {
             .function_with_contracts(number, &proved)
             .map_err(|error| error.to_string())
             .and_then(|program| {
-                // With the calls in place where their contracts say too little.
+                // With the calls inlined, if their contracts say too little.
                 let short = prove(&program, &contract, 2_000).or_else(|_| {
                     let whole = module.program(number).unwrap_or(&program);
                     prove(whole, &contract, BOXES)
@@ -71,8 +71,8 @@ pub fn primitives(module: &Module) -> Vec<Primitive> {
     primitives
 }
 
-/// The contracts that the steps above use: those whose proof needed halving. The other functions
-/// are small, and putting them in place says more than their contracts.
+/// The contracts that the analysis of the steps uses: those whose proof needed halving. The other functions
+/// are small, and inlining them gives more information than their contracts.
 pub fn proved(primitives: &[Primitive]) -> HashMap<usize, Contract> {
     primitives
         .iter()
@@ -81,7 +81,7 @@ pub fn proved(primitives: &[Primitive]) -> HashMap<usize, Contract> {
         .collect()
 }
 
-/// What came of all of them.
+/// The outcome over all primitives.
 pub fn by_intervals(primitives: &[Primitive]) -> ClaimOutcome {
     let failed: Vec<String> = primitives
         .iter()
@@ -108,8 +108,8 @@ pub fn by_intervals(primitives: &[Primitive]) -> ClaimOutcome {
     }
 }
 
-/// Runs the primitives against what they stand for: products, clamps and lines exactly; scaling by
-/// its definition; roots, reciprocal and arc tangent within the errors that their documents state.
+/// Runs the primitives and compares them with the functions that they implement: products, clamps and lines exactly,
+/// scaling by its definition, roots, reciprocal and arc tangent within the errors stated in their documentation.
 ///
 /// # Errors
 /// The first case in which they differ.
@@ -247,7 +247,7 @@ fn scaling(f: &Functions, random: &mut Random) -> Result<(), String> {
 
 fn roots(f: &Functions, random: &mut Random) -> Result<(), String> {
     let one = 2f64.powi(30);
-    // Powers of two and their neighbours are where the pieces meet.
+    // Branches meet at powers of two and their neighbours.
     let bits = 22 + random.count(8.0).abs();
     let exact = (1_i128 << bits) + random.count(2.0);
     let any = random.word().abs();

@@ -1,4 +1,4 @@
-//! Random numbers for runs that can be repeated.
+//! Random numbers for reproducible runs.
 
 /// A small generator of random numbers (xorshift64*), so that a run can be repeated.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! A region of attraction of the pendulum itself, whose gravity is a sine, in exact arithmetic.
 //!
-//! Of [`crate::claims::closed_loop_for_all_time`] this uses the set E = {x: ‖x‖ ≤ 1}, ‖x‖² = xᵀ P x, which the linear loop maps
-//! into γ times itself, and in which no command saturates whatever the perturbations |v| ≤ V.
+//! From [`crate::claims::closed_loop_for_all_time`], this uses the set E = {x: ‖x‖ ≤ 1}, ‖x‖² = xᵀ P x. The linear loop maps
+//! E into γ E, and in E no command saturates for any perturbations |v| ≤ V.
 //!
 //! **Gravity.** With g = G/(Θ − j_w), e = (0, 1, −1) and A of the linear model the pendulum obeys
 //! ẋ = A x + B u + e g (sin α − α), so that after one sample
@@ -9,16 +9,16 @@
 //! x⁺ = F̂ x + Bd v + d,   d = ∫₀ᵀ exp(A (T − s)) e g (sin α(s) − α(s)) ds,   |sin α − α| ≤ |α|³/6.
 //!
 //! **Between samples.** Let ‖x‖ = r at the sample, r₀ ≤ r ≤ 1. As long as |α| ≤ r a, |α̇| ≤ r b and
-//! |φ̇| ≤ r c, the speeds change by no more than the model's rows say, with |u| ≤ r (√(N P⁻¹ Nᵀ) + V/r₀). If
-//! a, b, c are such that the three then cannot be reached within one sample, they never are.
+//! |φ̇| ≤ r c, the speeds change by at most what the model's rows allow, with |u| ≤ r (√(N P⁻¹ Nᵀ) + V/r₀). If
+//! a, b, c are such that these limits then cannot be reached within one sample, they never are.
 //!
 //! **Decrease.** ‖exp(A τ) e‖ ≤ q for 0 ≤ τ ≤ T, with q from the series of the entries' magnitudes. Then
 //! ‖d‖ ≤ r³ κ, κ = T g q a³/6, and
 //!
 //! ‖x⁺‖ ≤ γ r + κ r³ + p,   p = ‖Bd‖ V.
 //!
-//! Where the right side is below r for r = r₁ and for r = r₀ it is so between, because it is convex in r:
-//! every start with ‖x‖ ≤ r₁ stays there and comes to ‖x‖ < r₀, where it stays for the same reason.
+//! If the right side is below r for r = r₁ and for r = r₀, it is so between, because it is convex in r.
+//! Every start with ‖x‖ ≤ r₁ then stays there and reaches ‖x‖ < r₀, where it stays for the same reason.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -44,8 +44,10 @@ pub struct ProvedRegion {
     pub outer: BigRational,
     /// r₀: size of the set to which everything comes.
     pub inner: BigRational,
-    /// Largest angle, rate and wheel speed of the region (rad, rad/s, rad/s).
+    /// Largest angle, rate and wheel speed of the region (rad, rad/s, rad/s), each with others to match.
     pub extents: Vector,
+    /// Largest angle from which a body at rest, with a wheel at rest, is in the region (rad): not above it.
+    pub from_rest: BigRational,
 }
 
 /// The numbers of one module.
@@ -73,7 +75,11 @@ pub fn by_exact_arithmetic(
     };
     match check(certificate, stated, bounds, law) {
         Ok(region) => ClaimOutcome::Proved(format!(
-            "from {} of the ellipsoid (up to {} rad, {} rad/s, {} rad/s) into {} of it",
+            "from rest up to {} rad; from {} of the ellipsoid (which reaches {} rad, {} rad/s, {} rad/s) into {} of it",
+            rounded_up(
+                &((&region.from_rest * power(10, 4)).floor() * power(10, -4)),
+                4
+            ),
             rounded_up(&region.outer, 3),
             rounded_up(&region.extents[0], 3),
             rounded_up(&region.extents[1], 3),
@@ -181,6 +187,7 @@ pub fn check(
             .find(|inner| all.decreases(inner, inner) && all.decreases(inner, &outer));
         if let Some(inner) = inner {
             return Ok(ProvedRegion {
+                from_rest: &outer / root(&p[0][0])?,
                 extents: all.extents.map(|extent| extent * &outer),
                 outer,
                 inner,

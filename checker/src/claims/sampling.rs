@@ -1,4 +1,4 @@
-//! The sampled model of the certificate is the continuous one, sampled.
+//! The check that the certificate's sampled model is the discretisation of its continuous one.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

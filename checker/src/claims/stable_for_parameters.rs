@@ -4,25 +4,27 @@
 //! **Region.** Each parameter that the loop depends on lies within ±√χ² standard errors, χ² the 95 %
 //! quantile for as many degrees of freedom as there are uncertain ones among them. This box contains
 //! their 95 % ellipsoid whatever the correlations are (the ellipsoid's projection on an axis is that interval). It is halved until
-//! the criterion holds on every part in outward-rounded intervals.
+//! the criterion holds on every part in outward-rounded intervals, by the slopes over the part ([`crate::exact::slopes`]), and along
+//! the parameter that moves the number in doubt the most. Where the halving ends before that, nothing is shown and nothing refuted.
 //!
 //! **Model.** In coordinates (angle, rate, absolute wheel speed ψ = α̇ + φ̇), D = Θ − j_w,
 //!
 //! D α̈ = G α − d α̇ − τ u + r_w (ψ − α̇),   j_w ψ̇ = τ u − r_w (ψ − α̇).
 //!
-//! Whatever the stated A has beyond its parameters (linearised dry friction, springs) is taken
-//! from A itself: of G as a constant, of d in proportion to the Coulomb torque.
+//! Terms of the stated A that do not follow from the parameters (linearised dry friction, springs) are taken
+//! from A itself: the part of G as a constant, the part of d in proportion to the Coulomb torque.
 
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
 use crate::certificate::reader::{Certificate, matrix, vector};
-use crate::claims::closed_loop_stable::{Stability, judged};
+use crate::claims::closed_loop_stable::{Stability, criterion, judged, verdict_of};
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::enclosure::Enclosure;
 use crate::exact::matrices::Vector;
 use crate::exact::rational::{half, integer, power, root_above, rounded_up};
+use crate::exact::slopes::{Number, Slopes};
 
 /// 95 % quantiles of χ² for 1 to 7 degrees of freedom, rounded up in the third decimal.
 const CHI_SQUARED_95: [&str; 7] = [
@@ -32,8 +34,11 @@ const CHI_SQUARED_95: [&str; 7] = [
 /// How often boxes are halved before the sweep gives up.
 const BOXES: usize = 4_000;
 
+/// How many parameters the linear model depends on.
+const COUNT: usize = 7;
+
 /// The parameters on which the linear model depends.
-const NAMES: [&str; 7] = [
+const NAMES: [&str; COUNT] = [
     "total_inertia",
     "wheel_inertia",
     "gravity_torque",
@@ -57,8 +62,10 @@ pub struct ParameterRegion {
 pub enum RegionFailure {
     /// The certificate does not say enough.
     NotStated(String),
-    /// It does not hold, or could not be decided.
+    /// It does not hold.
     Fails(String),
+    /// It could not be decided.
+    Undecided(String),
 }
 
 /// What comes of the claim.
@@ -75,7 +82,9 @@ pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> Claim
                 .collect();
             ClaimOutcome::Proved(format!("{} in {} boxes", list.join(", "), region.boxes))
         }
-        Err(RegionFailure::NotStated(why)) => ClaimOutcome::NotRun(why),
+        Err(RegionFailure::NotStated(why) | RegionFailure::Undecided(why)) => {
+            ClaimOutcome::NotRun(why)
+        }
         Err(RegionFailure::Fails(why)) => ClaimOutcome::Failed(why),
     }
 }
@@ -167,7 +176,8 @@ pub fn check_region(
     let mut boxes = 0;
     while let Some(part) = pending.pop_front() {
         boxes += 1;
-        if model.judge(&part) == Stability::Stable {
+        let (stability, widest) = model.judge_part(&part);
+        if stability == Stability::Stable {
             continue;
         }
         let middle: Vec<(BigRational, BigRational)> = part
@@ -177,28 +187,15 @@ pub fn check_region(
                 (middle.clone(), middle)
             })
             .collect();
-        if model.judge(&middle) == Stability::Unstable {
+        if stability == Stability::Unstable || model.judge(&middle) == Stability::Unstable {
             return Err(RegionFailure::Fails(format!(
                 "the loop is unstable for {}",
                 named(&middle)
             )));
         }
-        if boxes >= BOXES {
-            return Err(RegionFailure::Fails(format!(
-                "not decided after {BOXES} boxes, near {}",
-                named(&middle)
-            )));
-        }
-        // Halve the parameter whose interval is widest against its own value.
-        let widest = (0..part.len())
-            .filter(|i| part[*i].0 != part[*i].1)
-            .max_by_key(|i| {
-                let (low, high) = &part[*i];
-                (high - low) / (high.abs() + low.abs())
-            });
-        let Some(index) = widest else {
-            return Err(RegionFailure::Fails(format!(
-                "not decided for {}",
+        let (Some(index), true) = (widest, boxes < BOXES) else {
+            return Err(RegionFailure::Undecided(format!(
+                "not decided after {boxes} boxes, near {}",
                 named(&middle)
             )));
         };
@@ -282,68 +279,146 @@ impl Model {
         })
     }
 
+    /// By intervals alone: right for a point.
     fn judge(&self, part: &[(BigRational, BigRational)]) -> Stability {
         let p: Vec<Enclosure> = part
             .iter()
             .map(|(low, high)| Enclosure::new(low, high))
             .collect();
-        let point = Enclosure::point;
-        let (Some(over_d), Some(over_wheel)) = ((&p[0] - &p[1]).reciprocal(), p[1].reciprocal())
-        else {
-            return Stability::Undecided;
-        };
-        let gravity = &(&p[2] + &point(&self.extra_gravity)) * &over_d;
-        let friction = &(&(&p[4] + &point(&self.extra_friction))
-            + &(&p[6] * &point(&self.dry_slope)))
-            * &over_d;
-        let (drag, wheel_drag) = (&p[5] * &over_d, &p[5] * &over_wheel);
-        let (push, wheel_push) = (&p[3] * &over_d, &p[3] * &over_wheel);
-        let zero = Enclosure::zero;
-        let one = || point(&integer(1));
-        let a = [
-            [zero(), one(), zero()],
-            [gravity, -&(&friction + &drag), drag.clone()],
-            [zero(), wheel_drag.clone(), -&wheel_drag],
-        ];
-        let b = [zero(), -&push, wheel_push];
+        self.closed(&p).map_or(Stability::Undecided, |closed| {
+            judged(&closed, &self.sample_time)
+        })
+    }
 
+    /// By slopes over the part; and the parameter whose interval moves the number in doubt the most.
+    fn judge_part(&self, part: &[(BigRational, BigRational)]) -> (Stability, Option<usize>) {
+        let by_width = (0..part.len())
+            .filter(|i| part[*i].0 != part[*i].1)
+            .max_by_key(|i| {
+                let (low, high) = &part[*i];
+                (high - low) / (high.abs() + low.abs())
+            });
+        let over: Vec<Slopes<COUNT>> = part
+            .iter()
+            .enumerate()
+            .map(|(index, (low, high))| Slopes::parameter(index, Enclosure::new(low, high)))
+            .collect();
+        let middles: Vec<BigRational> = part
+            .iter()
+            .map(|(low, high)| (low + high) * half())
+            .collect();
+        let middle: Vec<Enclosure> = middles.iter().map(Enclosure::point).collect();
+        let (Some(closed), Some(at_middle)) = (self.closed(&over), self.closed(&middle)) else {
+            return (Stability::Undecided, by_width);
+        };
+        let over = criterion(&closed, &self.sample_time);
+        let at_middle = criterion(&at_middle, &self.sample_time);
+        let steps: Vec<Enclosure> = part
+            .iter()
+            .zip(&middles)
+            .map(|((low, high), middle)| Enclosure::new(&(low - middle), &(high - middle)))
+            .collect();
+        let found: Vec<Enclosure> = over
+            .iter()
+            .zip(&at_middle)
+            .map(|(over, at_middle)| {
+                let mut value = at_middle.clone();
+                for (slope, step) in over.slopes.iter().zip(&steps) {
+                    value = &value + &(slope * step);
+                }
+                // Both hold the number.
+                value.common(&over.value).unwrap_or(value)
+            })
+            .collect();
+        let stability = verdict_of(&found.iter().collect::<Vec<_>>());
+        let doubtful = found.iter().position(|value| !value.is_positive());
+        let moved = doubtful.and_then(|index| {
+            (0..part.len())
+                .filter(|i| part[*i].0 != part[*i].1)
+                .max_by_key(|i| (&over[index].slopes[*i] * &steps[*i]).largest())
+        });
+        (stability, moved.or(by_width))
+    }
+
+    /// The closed loop in the form (F − 1)/T.
+    fn closed<R: Number>(&self, p: &[R]) -> Option<[[R; 3]; 3]> {
+        let point = R::constant;
+        let over_d = p[0].minus(&p[1]).over()?;
+        let over_wheel = p[1].over()?;
+        let gravity = p[2].plus(&point(&self.extra_gravity)).times(&over_d);
+        let friction = p[4]
+            .plus(&point(&self.extra_friction))
+            .plus(&p[6].times(&point(&self.dry_slope)))
+            .times(&over_d);
+        let (drag, wheel_drag) = (p[5].times(&over_d), p[5].times(&over_wheel));
+        let (push, wheel_push) = (p[3].times(&over_d), p[3].times(&over_wheel));
+        let a = [
+            [R::nothing(), R::one(), R::nothing()],
+            [gravity, friction.plus(&drag).negated(), drag.clone()],
+            [R::nothing(), wheel_drag.clone(), wheel_drag.negated()],
+        ];
+        let b = [R::nothing(), push.negated(), wheel_push];
+
+        // |A| T, which says how many terms are enough.
+        let mut norm = Enclosure::zero();
+        for row in &a {
+            let sum = row.iter().fold(Enclosure::zero(), |sum, entry| {
+                &sum + &entry.range().magnitude()
+            });
+            let sum = &sum * &Enclosure::point(&self.sample_time);
+            if sum.largest() > norm.largest() {
+                norm = sum;
+            }
+        }
+        let unit = BigRational::from(norm.largest()) * crate::exact::rational::power_of_two(-192);
+        if unit > integer(4) {
+            return None;
+        }
         // (exp(A T) − 1)/T = Σ A^k T^(k−1)/k!, and the same acting on B.
-        let multiply = |x: &[[Enclosure; 3]; 3], y: &[[Enclosure; 3]; 3]| {
+        let multiply = |x: &[[R; 3]; 3], y: &[[R; 3]; 3]| {
             [0, 1, 2].map(|i| {
                 [0, 1, 2].map(|j| {
-                    &(&(&x[i][0] * &y[0][j]) + &(&x[i][1] * &y[1][j])) + &(&x[i][2] * &y[2][j])
+                    x[i][0]
+                        .times(&y[0][j])
+                        .plus(&x[i][1].times(&y[1][j]))
+                        .plus(&x[i][2].times(&y[2][j]))
                 })
             })
         };
-        let mut series = [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { one() } else { zero() }));
+        let mut series =
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { R::one() } else { R::nothing() }));
         let mut term = series.clone();
-        for k in 2..=40 {
+        // x^k/(k + 1)! e^x bounds what is left after the k-th; e^4 < 55.
+        let mut left = integer(55);
+        for k in 2..=60 {
             let step = point(&(&self.sample_time / integer(k)));
             let next = multiply(&term, &a);
-            term = next.map(|row| row.map(|entry| &entry * &step));
+            term = next.map(|row| row.map(|entry| entry.times(&step)));
             for i in 0..3 {
                 for j in 0..3 {
-                    series[i][j] = &series[i][j] + &term[i][j];
+                    series[i][j] = series[i][j].plus(&term[i][j]);
                 }
             }
-        }
-        // With x = |A| T ≤ 4, what is left after 40 terms is below x^40/41! e^x < 1e-20.
-        let rest = power(10, -20);
-        let widening = Enclosure::new(&-rest.clone(), &rest);
-        let four = point(&integer(4));
-        for row in &a {
-            let sum = row
-                .iter()
-                .fold(zero(), |sum, entry| &sum + &entry.magnitude());
-            if !(&four - &(&sum * &point(&self.sample_time))).is_positive() {
-                return Stability::Undecided;
+            left = left * &unit / integer(k);
+            if left < power(10, -20) {
+                break;
             }
         }
-        let series = series.map(|row| row.map(|entry| &entry + &widening));
+        if left >= power(10, -20) {
+            return None;
+        }
+        let rest = power(10, -20);
+        let widening = Enclosure::new(&-rest.clone(), &rest);
+        let series = series.map(|row| row.map(|entry| entry.widened(&widening)));
         let sampled = multiply(&series, &a);
-        let input: Vec<Enclosure> = series
+        let input: Vec<R> = series
             .iter()
-            .map(|row| &(&(&row[0] * &b[0]) + &(&row[1] * &b[1])) + &(&row[2] * &b[2]))
+            .map(|row| {
+                row[0]
+                    .times(&b[0])
+                    .plus(&row[1].times(&b[1]))
+                    .plus(&row[2].times(&b[2]))
+            })
             .collect();
         // u = N₁ α + N₂ α̇ + N₃ (ψ − α̇)
         let n = [
@@ -351,7 +426,6 @@ impl Model {
             point(&(&self.gains[1] - &self.gains[2])),
             point(&self.gains[2]),
         ];
-        let closed = [0, 1, 2].map(|i| [0, 1, 2].map(|j| &sampled[i][j] + &(&input[i] * &n[j])));
-        judged(&closed, &self.sample_time)
+        Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| sampled[i][j].plus(&input[i].times(&n[j])))))
     }
 }

@@ -1,4 +1,4 @@
-//! Claim `texts-audited`: whatever is no number is a text that was audited.
+//! Claim `texts-audited`: every part of the source that is not a number is an audited text.
 
 use crate::audit::{AuditedText, audited, digest, known};
 use crate::claims::outcome::ClaimOutcome;

@@ -1,4 +1,4 @@
-//! The attitude in which the emitted filter says that the body is upright.
+//! The attitude that the emitted filter reports as upright.
 
 use crate::claims::functions::Functions;
 use crate::domains::machine::Machine;
@@ -39,7 +39,9 @@ impl Upright {
                 continue;
             };
             let is_usable = result[0] != 0;
-            let state = result[result.len() - start.len()..].to_vec();
+            // A method that does not give its receiver back has another signature than an emitted one.
+            let at = result.len().checked_sub(start.len())?;
+            let state = result[at..].to_vec();
             let Ok(found) = angle.call(&state) else {
                 continue;
             };
@@ -63,6 +65,7 @@ impl Upright {
         let start = f.call("Attitude::new", &[])?;
         let counts = self.leaning(lean).map(|count| count.round() as i128);
         let result = f.call("Attitude::align", &[&start[..], &counts].concat())?;
-        Ok(result[1..5].to_vec())
+        let words = result.get(1..5).map(<[i128]>::to_vec);
+        words.ok_or_else(|| "Attitude::align gives no attitude back".to_owned())
     }
 }

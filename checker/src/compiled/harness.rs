@@ -1,8 +1,8 @@
 //! A program that calls the public functions of an emitted crate with words from its input.
 //!
-//! One line of input is the number of a call and the words of its arguments; one line of output
-//! is the words of the result. Structs with private fields are kept from line to line, one of
-//! each, and shown after each call that changes one, by `Debug`, in which their integers stand in order.
+//! A line of input is the number of a call and the words of its arguments; a line of output
+//! is the words of the result. For structs with private fields, one object of each is kept between lines. After a call
+//! that changes it, it is printed by `Debug`, which shows its integers in order.
 
 use std::fmt::Write;
 
@@ -10,14 +10,14 @@ use crate::language::declarations::{Declarations, Function};
 use crate::language::module::Module;
 use crate::program::types::Type;
 
-/// Something that the program can call.
+/// A call that the program can make.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Call {
     /// Number of the function in [`Declarations::functions`].
     pub function: usize,
-    /// The struct with private fields whose one value is the receiver, or becomes the result.
+    /// The struct with private fields whose single object is the receiver, or becomes the result.
     pub object: Option<usize>,
-    /// Whether it makes the object anew.
+    /// Whether the call creates the object.
     pub is_new: bool,
     /// Whether the object's words come after those of the result.
     pub shows_object: bool,
@@ -49,7 +49,7 @@ pub fn harness(module: &Module) -> Harness {
                 .any(|call| call.is_new && call.object == Some(*number))
         })
         .collect();
-    // A method needs an object, and an object its `new`.
+    // A method needs an object, and an object needs its `new`.
     let calls: Vec<Call> = calls
         .into_iter()
         .filter(|call| call.object.is_none_or(|object| objects.contains(&object)))
@@ -72,7 +72,7 @@ pub fn harness(module: &Module) -> Harness {
             )
         })
         .collect();
-    // `Debug` shows an enum by the variant's name; two enums may give one name two values.
+    // `Debug` prints the name of an enum's variant; two enums may use the same name for different values.
     let mut values = std::collections::BTreeMap::new();
     for found in &declarations.enums {
         for (value, name) in found.variants.iter().enumerate() {
@@ -141,7 +141,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// How a function is called from outside; `None` where it cannot be.
+    /// The call of a function from outside the crate; `None` if it cannot be called.
     fn call(&self, number: usize) -> Option<Call> {
         let function = &self.declarations.functions[number];
         if !function.is_public {
@@ -194,7 +194,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Whether a value can be made and read from outside.
+    /// Whether a value of this type can be created and read from outside the crate.
     fn is_open(&self, type_: &Type) -> bool {
         match type_ {
             Type::Integer(_) | Type::Bool | Type::Fixed(_) | Type::Enum(..) => true,
@@ -208,7 +208,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Whether `Debug` shows the words of a value in order.
+    /// Whether `Debug` prints the words of a value in order.
     fn is_shown(&self, type_: &Type) -> bool {
         match type_ {
             Type::Integer(_) | Type::Bool | Type::Enum(..) => true,

@@ -1,9 +1,9 @@
-//! The emitted crate, compiled and run beside the reader's interpretation of it.
+//! The emitted crate, compiled and run, compared with the reader's interpretation of it.
 //!
-//! Every other engine reads one lowered form of the source; this one asks rustc what the source
-//! means. [`harness`] writes a program that calls the public functions with words, [`points`] chooses
-//! the words and computes what the reader gives for them, [`run`] builds and runs the program in a
-//! folder of its own.
+//! Every other engine uses one lowered form of the source; this one uses rustc's
+//! meaning of the source. [`harness`] writes a program that calls the public functions with words, [`points`] chooses
+//! the words and computes the reader's results for them, [`run`] builds and runs the program in its
+//! own folder.
 
 pub mod harness;
 pub mod points;

@@ -1,10 +1,10 @@
-//! Which words the compiled crate is given, and what the reader gives for them.
+//! The words with which the compiled crate is called, and the reader's results for them.
 //!
-//! For each function: random words, ends of ranges and the numbers that stand in it with their
-//! neighbours; then pairs of arguments that take different ways, between which the place is found at
-//! which the way changes, by halving: both sides of that boundary are points. A function of one short
-//! word is run on all of them. Objects are led through runs near upright, as they are used, with counts odd and
-//! even, and now and then with any counts.
+//! For each function, these are random words, ends of ranges, and the numbers in its source with their
+//! neighbours. Then follow pairs of arguments that take different branches. The boundary between them is located
+//! by halving, and both of its sides become points. A function of one short
+//! word is run on all of them. Objects are run near upright, as they are used, with odd and
+//! even counts, and occasionally with arbitrary counts.
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::claims::random::Random;
@@ -15,22 +15,22 @@ use crate::language::contracts::stated;
 use crate::language::module::Module;
 use crate::program::steps::Program;
 
-/// One call and the words that the reader gives for it.
+/// One call, with the words that the reader computes for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Point {
     /// Number of the call in the harness.
     pub call: usize,
     /// Words of the arguments, without those of the object.
     pub arguments: Vec<i128>,
-    /// Words that must come out.
+    /// Expected words.
     pub expected: Vec<i128>,
 }
 
-/// Arguments between which the way through a function changes, per function.
+/// Largest number of located branch boundaries per function.
 const BOUNDARIES: usize = 60;
-/// Functions with at most this many arguments are run on all.
+/// Functions with at most this many different arguments are run on all of them.
 const ALL: i128 = 1 << 16;
-/// Steps of one run of an object; alignment and arming lie well within.
+/// Number of steps in one run of an object; alignment and arming need far fewer.
 const RUN: usize = 400;
 
 /// Points for every call; `cases` random ones for each function and as many steps of each object.
@@ -66,7 +66,7 @@ pub fn points(module: &Module, harness: &Harness, cases: usize, seed: u64) -> Ve
     points
 }
 
-/// What the function may be given: its contract, or every word of the types.
+/// The ranges of the arguments: the contract, or every word of the types.
 fn ranges(module: &Module, call: &Call, program: &Program) -> Vec<(i128, i128)> {
     let contract = stated(module, call.function).unwrap_or_default();
     let types = program.argument_types.iter().enumerate();
@@ -89,7 +89,7 @@ fn of_function(
     points: &mut Vec<Point>,
 ) {
     let mut machine = Machine::new(program);
-    // What traps is outside of the contract, and no promise.
+    // Arguments that overflow are outside of the contract, and are left out.
     let mut add = |machine: &mut Machine, arguments: &[i128]| {
         if let Ok(expected) = machine.call(arguments).map(<[i128]>::to_vec) {
             let arguments = arguments.to_vec();
@@ -134,8 +134,8 @@ fn of_function(
     }
 }
 
-/// The arguments on both sides of a place between `one` and `other`, which differ in `word` alone,
-/// at which the way through the function changes.
+/// The arguments on both sides of a place between `one` and `other`, which differ only in `word`,
+/// at which the taken branch changes.
 fn boundary(
     machine: &mut Machine,
     mut one: Vec<i128>,
@@ -198,13 +198,13 @@ impl Run<'_> {
         let mut state = start;
         let (mut lean, mut rate) = (random.real() * 0.01, 0.0);
         for step in 0..RUN {
-            // A slow sway, and noise of a few counts, so that odd and even ones come.
+            // A slow sway with noise of a few counts, so that odd and even counts occur.
             rate = 0.98 * rate + 0.002 * random.real();
             lean = (lean + rate * 0.1) * 0.999;
             for (number, call, machine) in &mut calls {
                 let function = &self.module.declarations().functions[call.function];
                 let name = function.name.rsplit("::").next().unwrap_or_default();
-                // To disarm is seldom; looks at the state are not needed after every step.
+                // Disarming is rare, and the state is not read after every step.
                 let is_due = match name {
                     "disarm" | "fault" => step % 97 == 96,
                     "arm" => step % 9 == 8,
@@ -243,7 +243,7 @@ impl Run<'_> {
         }
     }
 
-    /// The count of a sensor that a body near upright shows; `None` where any will do.
+    /// The count of a sensor on a body near upright; `None` if any count is suitable.
     fn word(&self, name: &str, lean: f64, random: &mut Random) -> Option<i128> {
         let upright = self.upright.filter(|_| self.is_near)?;
         let axis = |index: usize| name.ends_with(&format!("[{index}]"));

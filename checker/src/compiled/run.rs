@@ -1,8 +1,8 @@
-//! Builds and runs the crate in an empty folder, under a manifest of the checker's.
+//! Builds and runs the crate in an empty folder, with a manifest of the checker.
 //!
-//! Nothing that lies around counts: the environment is emptied but for the places of the tools, the
-//! build is offline, the folder has a workspace of its own, and a `.cargo` or toolchain file above it
-//! is looked for.
+//! The surroundings have no influence: the environment is cleared except for the paths of the tools, the
+//! build is offline, the folder is a workspace of its own, and the folders above are checked for a `.cargo` or toolchain
+//! file.
 
 use std::fs;
 use std::io;
@@ -14,19 +14,19 @@ use crate::compiled::harness::{CRATE, Harness};
 use crate::compiled::points::Point;
 use crate::language::emitted::Emitted;
 
-/// Why there is no comparison, or what it found.
+/// The reason why there is no comparison, or its negative result.
 #[derive(Debug)]
 pub enum RunFailure {
-    /// Something that is needed is not there.
+    /// A required tool is missing.
     NotRun(String),
-    /// The crate does not compile, or gives other words.
+    /// The crate does not compile, or computes other words.
     Differs(String),
 }
 
-/// Longest time of the build, and of the run.
+/// Time limit of the build, and of the run.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// What Cargo and rustc need of the environment: where they are, and where the user keeps crates.
+/// The environment variables that Cargo and rustc need: their paths, and the user's folder of crates.
 const KEPT: [&str; 12] = [
     "PATH",
     "HOME",
@@ -107,7 +107,7 @@ pub fn compare(
     Ok(points.len())
 }
 
-/// A file above the folder that Cargo or rustup would obey.
+/// A file in a folder above that would influence Cargo or rustup.
 fn in_the_way(folder: &Path) -> Option<String> {
     let own = std::env::var_os("CARGO_HOME")
         .map(std::path::PathBuf::from)
@@ -142,7 +142,7 @@ fn write_crate(
     Ok(())
 }
 
-/// A command that sees the tools and nothing else.
+/// A command with the tools' environment only.
 fn cargo(root: &Path) -> Command {
     let mut command = Command::new("cargo");
     command.env_clear().current_dir(root).stdin(Stdio::null());
@@ -154,7 +154,7 @@ fn cargo(root: &Path) -> Command {
     command
 }
 
-/// `fixed` alone first: that it is missing says nothing of the emitted crate.
+/// Builds `fixed` alone first: if it is missing, that is not a fault of the emitted crate.
 fn build(root: &Path) -> Result<(), RunFailure> {
     let log = root.join("log");
     let run = |arguments: &[&str]| -> Result<bool, RunFailure> {
@@ -190,7 +190,7 @@ fn build(root: &Path) -> Result<(), RunFailure> {
     Ok(())
 }
 
-/// Runs a command to its end or for as long as is bearable; whether it succeeded.
+/// Runs a command to its end or to the time limit; returns whether it succeeded.
 fn finished(command: &mut Command) -> io::Result<bool> {
     let mut child = command.spawn()?;
     let start = Instant::now();

@@ -1,7 +1,7 @@
-//! In which direction a word moves when one argument rises and the others stay.
+//! The direction in which a word changes when one argument rises and the others are constant.
 //!
-//! Sums keep a direction that both sides have, factors turn it by their sign, and rounding down
-//! by a shift, a clamp to constants and a cast that loses nothing keep it.
+//! Sums keep a direction that both terms have, and factors reverse it if they are negative. Rounding down
+//! by a shift, a clamp to constants, and a cast without loss keep it.
 
 use std::convert::Infallible;
 
@@ -9,16 +9,16 @@ use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk}
 use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
-/// What a word does when an argument rises.
+/// How a word changes when an argument rises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// It stays.
+    /// It is constant.
     Stays,
     /// It does not fall.
     Rises,
     /// It does not rise.
     Falls,
-    /// Any of these.
+    /// It may do any of these.
     Unknown,
 }
 
@@ -49,8 +49,8 @@ struct Word {
     directions: Vec<Direction>,
 }
 
-/// For each result of `program` its direction for each argument, where nothing overflows (which
-/// [`crate::domains::intervals`] shows).
+/// For each result of `program`: its direction for each argument, if nothing overflows (which
+/// [`crate::domains::intervals`] proves).
 pub fn directions(program: &Program) -> Vec<Vec<Direction>> {
     let count = program.arguments.len();
     let mut domain = Directions { count };
@@ -176,7 +176,7 @@ impl Domain for Directions {
         operand: Slot,
         (low, high): (Slot, Slot),
     ) -> Result<Word, Infallible> {
-        // Ends that rise raise the result, too.
+        // Rising limits raise the result, too.
         let ends = each(site.word(low), site.word(high), Direction::plus);
         Ok(each(site.word(operand), &ends, Direction::plus))
     }

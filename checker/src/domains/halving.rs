@@ -1,16 +1,16 @@
-//! Contracts by interval analysis, the domain halved again and again where it is too coarse, down to
-//! single words if need be: then the analysis is exact.
+//! Contracts by interval analysis. Where it is too coarse, the domain is halved repeatedly, down to
+//! single words if necessary; then the analysis is exact.
 
 use crate::domains::intervals::{Finding, IntegerInterval, every_bit_pattern, ranges};
 use crate::program::contract::Contract;
 use crate::program::steps::Program;
 
-/// Proves a contract of `program`, halving the domain where the analysis is too coarse. Returns how many
-/// boxes were analysed.
+/// Proves a contract of `program`, halving the domain where the analysis is too coarse. Returns the number of
+/// analysed boxes.
 ///
 /// # Errors
-/// [`Finding`]: of a single point, where the contract fails indeed, or of the first box when
-/// `limit` boxes did not suffice.
+/// [`Finding`]: for a single point, at which the contract really fails, or for the first box if
+/// `limit` boxes were not sufficient.
 pub fn prove(program: &Program, contract: &Contract, limit: usize) -> Result<usize, Finding> {
     let mut domain = every_bit_pattern(program);
     for range in &contract.requires {

@@ -1,8 +1,8 @@
 //! Ranges of every word by interval analysis in exact integers.
 //!
-//! Conditions narrow the words that they compare, on the side of a branch where they hold. Where
+//! A condition narrows the words that it compares, on the side of the branch where it holds. Where
 //! intervals are too wide because a word occurs several times in one expression (Newton's method),
-//! [`crate::domains::halving`] helps.
+//! [`crate::domains::halving`] divides the domain.
 
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
 use crate::program::place::SourcePlace;
@@ -52,17 +52,17 @@ impl IntegerInterval {
     }
 }
 
-/// What may go wrong, or a result outside its range.
+/// A possible fault: an overflow, for example, or a result outside its range.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {message}")]
 pub struct Finding {
-    /// Where.
+    /// The place.
     pub place: SourcePlace,
-    /// What.
+    /// The fault.
     pub message: String,
 }
 
-/// Where a truth value comes from.
+/// The origin of a truth value.
 #[derive(Clone, Copy, Debug)]
 enum Truth {
     Compared(WordComparison, Slot, Slot),
@@ -71,21 +71,21 @@ enum Truth {
     Either(Slot, Slot),
 }
 
-/// What is known of the words while a program is walked.
+/// The known ranges of the words while a program is walked.
 struct Intervals {
-    /// Where truth values come from, by slot; `None` for words that are none.
+    /// The origins of truth values, by slot; `None` for other words.
     truths: Vec<Option<Truth>>,
-    /// Words that were narrowed, with what they were before.
+    /// Words that were narrowed, with their earlier ranges.
     narrowed: Vec<(Slot, IntegerInterval)>,
-    /// Length of `narrowed` at the start of each side that is being walked.
+    /// Length of `narrowed` at the start of each side that is being visited.
     marks: Vec<usize>,
 }
 
 /// The ranges of the results for arguments in `arguments`, one interval for each word.
 ///
 /// # Errors
-/// [`Finding`] for the first step that may overflow, lose bits, shift too far, clamp to nothing,
-/// fail an assertion or break a contract. A finding may be spurious, a success is not.
+/// [`Finding`] for the first step that may overflow, lose bits, shift too far, clamp to an empty range,
+/// fail an assertion or violate a contract. A finding may be spurious; a success is a proof.
 pub fn ranges(
     program: &Program,
     arguments: &[IntegerInterval],
@@ -144,7 +144,7 @@ impl Domain for Intervals {
         type_: Integer,
     ) -> Result<IntegerInterval, Finding> {
         let (x, y) = (*site.word(a), *site.word(b));
-        // x · x is no product of two independent words.
+        // In x · x, the two operands are not independent.
         let value = if a == b && operation == Arithmetic::Multiply {
             square(x)
         } else {
@@ -294,7 +294,7 @@ impl Domain for Intervals {
 }
 
 impl Intervals {
-    /// `a && b` and `a || b` are branches whose other side is a constant.
+    /// `a && b` and `a || b` are branches with a constant on one side.
     fn remember_connective(&mut self, program: &Program, condition: Slot, join: &Join) {
         let is =
             |slot: Slot, value: i128| program.is_constant[slot] && program.initial[slot] == value;
@@ -313,7 +313,7 @@ impl Intervals {
         }
     }
 
-    /// Narrows `words` to where `slot` is `value`; whether anything is left.
+    /// Narrows `words` to those for which `slot` is `value`; returns whether any remain.
     fn narrow(&mut self, words: &mut [IntegerInterval], slot: Slot, value: bool) -> bool {
         let wanted = i128::from(value);
         let found = words[slot];
@@ -387,7 +387,7 @@ fn square(x: IntegerInterval) -> Option<IntegerInterval> {
     Some(IntegerInterval::new(least, low.max(high)))
 }
 
-/// The range of an operation; `None` where 128 bits or the shift's range do not suffice.
+/// The range of an operation; `None` if 128 bits or the shift's range are not sufficient.
 fn arithmetic(
     operation: Arithmetic,
     a: IntegerInterval,

@@ -1,10 +1,10 @@
 //! Words as linear forms of the arguments: affine arithmetic in exact integers.
 //!
-//! A word w is held as Σ cᵢ Xᵢ + c + e with e within an interval, all over one power of two:
-//! w 2ᵈ = Σ cᵢ Xᵢ + c + e. Sums and products with constants are exact; a right shift by s divides
-//! and rounds down, so e grows by at most the part that is cut off. A clamp to constants is kept
-//! beside the form: saturation brings two numbers no further apart, so an error bound before it
-//! holds after it.
+//! A word w is represented as Σ cᵢ Xᵢ + c + e, with e within an interval, all divided by one power of two:
+//! w 2ᵈ = Σ cᵢ Xᵢ + c + e. Sums and products with constants are exact. A right shift by s divides
+//! and rounds down, so e grows by at most the part that is cut off. A clamp to constants is stored
+//! beside the form: saturation does not increase the distance of two numbers, so an error bound before it
+//! also holds after it.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -17,7 +17,7 @@ use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk}
 use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
-/// Σ cᵢ Xᵢ + c + e, e within [low, high]; all in units of the word.
+/// Σ cᵢ Xᵢ + c + e, with e within [low, high]; all in units of the word.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Form {
     /// cᵢ by the position of the word among the arguments; zeros left out.
@@ -26,7 +26,7 @@ pub struct Form {
     pub low: BigRational,
     /// Upper end of c + e.
     pub high: BigRational,
-    /// The value is this form clamped to these ends.
+    /// The ends to which this form is clamped, if it is.
     pub clamped: Option<(BigRational, BigRational)>,
 }
 
@@ -102,7 +102,7 @@ impl Form {
     }
 }
 
-/// The results of `program` as linear forms; `None` for a result that is none.
+/// The results of `program` as linear forms; `None` for a result that is not one.
 pub fn forms(program: &Program) -> Vec<Option<Form>> {
     let arguments = (0..program.arguments.len()).map(|index| Some(Form::argument(index)));
     let mut words = start(&mut LinearForms, program, arguments);
@@ -113,8 +113,8 @@ pub fn forms(program: &Program) -> Vec<Option<Form>> {
     results.map(|slot| words[*slot].clone()).collect()
 }
 
-/// Linear forms, where words have one. That nothing overflows and no cast loses anything is for
-/// [`crate::domains::intervals`] to show.
+/// Linear forms, for words that have one. [`crate::domains::intervals`] proves that nothing overflows and no cast
+/// loses bits.
 struct LinearForms;
 
 impl Domain for LinearForms {
@@ -137,7 +137,7 @@ impl Domain for LinearForms {
         Ok(operands.and_then(|(a, b)| arithmetic(operation, a, b)))
     }
 
-    // The law has no branches; what they give is not linear.
+    // The law has no branches, and their results would not be linear.
     fn comparison(
         &mut self,
         _site: &Site<Option<Form>>,

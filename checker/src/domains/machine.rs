@@ -1,4 +1,4 @@
-//! One integer for each word: runs a function, with every overflow found.
+//! One integer for each word: executes a function and detects every overflow.
 
 use std::cell::Cell;
 
@@ -7,17 +7,17 @@ use crate::program::place::SourcePlace;
 use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
-/// What stops a run: arithmetic that leaves its type, a cast that loses bits, an assertion.
+/// The reason why a run stops: arithmetic that overflows its type, a cast that loses bits, a failed assertion.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {message}")]
 pub struct Trap {
-    /// Where.
+    /// The place.
     pub place: SourcePlace,
-    /// What happened.
+    /// The event.
     pub message: String,
 }
 
-/// Runs one function many times without allocating anew.
+/// Executes one function many times without new allocations.
 #[derive(Clone, Debug)]
 pub struct Machine<'a> {
     program: &'a Program,
@@ -37,12 +37,12 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Calls the function: words of the arguments in, words of the result (and of `&mut`
-    /// arguments) out. Booleans are 0 and 1; fixed-point numbers are their bits.
+    /// Calls the function with the words of the arguments; returns the words of the result (and of `&mut`
+    /// arguments). Booleans are 0 and 1; fixed-point numbers are their bits.
     ///
     /// # Errors
-    /// [`Trap`] where the compiled code would overflow or panic, where a cast loses bits, and
-    /// where `arguments` are not words of the argument types.
+    /// [`Trap`] if the compiled code would overflow or panic, if a cast loses bits, or
+    /// if `arguments` are not words of the argument types.
     pub fn call(&mut self, arguments: &[i128]) -> Result<&[i128], Trap> {
         let program = self.program;
         let refused = |message: String| Trap {
@@ -72,7 +72,7 @@ impl<'a> Machine<'a> {
         Ok(&self.results)
     }
 
-    /// A number for the way that the last call took: which sides of branches, which ends of clamps.
+    /// A number that identifies the path of the last call: which sides of branches, which ends of clamps.
     pub fn path(&self) -> u64 {
         self.path
     }
@@ -81,7 +81,7 @@ impl<'a> Machine<'a> {
 /// The integers themselves.
 #[derive(Default)]
 struct Integers {
-    /// Changed by every decision, so that two ways have two numbers but by chance.
+    /// Changed by every decision; two paths have the same number only by coincidence.
     path: Cell<u64>,
 }
 
@@ -192,7 +192,7 @@ impl Domain for Integers {
         Sides::One(*condition != 0)
     }
 
-    // One side is walked; this is what joining both would mean.
+    // Only one side is visited; this is the meaning of joining both.
     fn join(
         &mut self,
         site: &Site<i128>,

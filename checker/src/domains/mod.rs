@@ -2,7 +2,7 @@
 //!
 //! | file | a word is |
 //! |---|---|
-//! | [`machine`] | one integer; every overflow is found |
+//! | [`machine`] | one integer; every overflow is detected |
 //! | [`intervals`] | all integers between two |
 //! | [`linear_forms`] | a linear form of the arguments, with an error |
 //! | [`polynomials`] | a polynomial of symbols, with a remainder |

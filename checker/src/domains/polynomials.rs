@@ -1,11 +1,11 @@
 //! Words as polynomials of symbols with a remainder, in exact rational numbers.
 //!
-//! A word is held as Σ cₘ m + e with monomials m in symbols and e within an interval. Arguments,
-//! results of calls and words in which branches join are symbols. Sums and products are exact; a
-//! right shift by s divides by 2ˢ and takes up to one unit off e. A factor that has a remainder
-//! becomes a symbol of its own, whose definition stays known.
+//! A word is represented as Σ cₘ m + e, with monomials m in symbols and e within an interval. Arguments,
+//! results of calls, and words in which branches join are symbols. Sums and products are exact. A
+//! right shift by s divides by 2ˢ and lowers e by up to one unit. A factor with a remainder
+//! becomes a new symbol, whose definition is kept.
 //!
-//! Machine words are integers here. That nothing overflows is for [`crate::domains::intervals`] to show.
+//! Machine words are treated as integers here. [`crate::domains::intervals`] proves that nothing overflows.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -21,7 +21,7 @@ use crate::program::types::Integer;
 /// Symbols, sorted, each as often as its power.
 pub type Monomial = Vec<Slot>;
 
-/// Σ cₘ m + e, e within [low, high].
+/// Σ cₘ m + e, with e within [low, high].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial {
     /// cₘ by monomial; zeros left out. The empty monomial is the constant.
@@ -52,7 +52,7 @@ impl Polynomial {
         }
     }
 
-    /// With a term more.
+    /// The polynomial with one more term.
     pub fn with(mut self, mut monomial: Monomial, coefficient: BigRational) -> Polynomial {
         monomial.sort_unstable();
         let sum = self.terms.remove(&monomial).unwrap_or_default() + coefficient;
@@ -104,7 +104,7 @@ impl Polynomial {
         product
     }
 
-    /// Product of two polynomials, the remainders left out.
+    /// Product of two polynomials without their remainders.
     pub fn times(&self, other: &Polynomial) -> Polynomial {
         let mut product = Polynomial::zero();
         for (a, x) in &self.terms {
@@ -123,8 +123,8 @@ impl Polynomial {
         }
     }
 
-    /// With `value` in place of a symbol of power one; `None` at a higher power. The remainder is
-    /// multiplied only by numbers; `None` where a symbol would meet it.
+    /// The polynomial with `value` in place of a symbol of power one; `None` for a higher power. The remainder of `value`
+    /// may be multiplied by numbers only; `None` if it would be multiplied by a symbol.
     pub fn substituted(&self, symbol: Slot, value: &Polynomial) -> Option<Polynomial> {
         let mut result = Polynomial {
             terms: BTreeMap::new(),
@@ -142,8 +142,8 @@ impl Polynomial {
         Some(result)
     }
 
-    /// The range over `low..=high` of the only symbol, the remainder included, term by term;
-    /// `None` where other symbols occur.
+    /// The range for values `low..=high` of the only symbol, with the remainder, computed term by term;
+    /// `None` if other symbols occur.
     pub fn range(
         &self,
         symbol: Slot,
@@ -192,7 +192,7 @@ pub struct Words {
 }
 
 impl Words {
-    /// Looks at every step, on both sides of each branch.
+    /// Processes every step, on both sides of each branch.
     pub fn of(program: &Program) -> Words {
         let mut domain = Polynomials::default();
         let arguments = program.arguments.iter().copied().map(Polynomial::symbol);
@@ -207,7 +207,7 @@ impl Words {
         }
     }
 
-    /// What is known of a word; a symbol where nothing is.
+    /// The known form of a word; the word itself as a symbol if nothing is known.
     pub fn form(&self, slot: Slot) -> &Polynomial {
         &self.forms[slot]
     }
@@ -229,7 +229,7 @@ impl Words {
             .find(|call| call.results.contains(&symbol))
     }
 
-    /// The words that a tuple is on each way through the branches in which its words join.
+    /// The words of a tuple for each path through the branches in which its words join.
     pub fn alternatives(&self, tuple: &[Slot]) -> Vec<Vec<Slot>> {
         // Later branches first: the words of a later one join those of an earlier.
         for joins in self.joins.iter().rev() {
@@ -250,7 +250,7 @@ impl Words {
     }
 }
 
-/// Polynomials of symbols; what has no form is a symbol of its own.
+/// Polynomials of symbols; a word without a form becomes a symbol.
 #[derive(Default)]
 struct Polynomials {
     joins: Vec<Vec<Join>>,

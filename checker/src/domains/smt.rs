@@ -1,8 +1,8 @@
 //! Terms of SMT-LIB, and questions to z3 about them.
 //!
-//! Words are unbounded integers with their ranges as assumptions, truth is 0 or 1; a right shift is
-//! a division that rounds down. Every claim is asked as "is there a counterexample"; `unsat` proves
-//! it.
+//! Words are unbounded integers with their ranges as assumptions; truth values are 0 or 1; a right shift is
+//! a division that rounds down. For every claim, z3 searches a counterexample; `unsat` proves
+//! the claim.
 
 use std::process::{Command, Stdio};
 
@@ -12,22 +12,22 @@ use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk}
 use crate::program::steps::{Arithmetic, Join, Program, Slot, WordComparison};
 use crate::program::types::Integer;
 
-/// Milliseconds that a question about a claim may take.
+/// Time limit for a question about a claim, ms.
 pub(crate) const TIMEOUT_MS: u32 = 20_000;
-/// Milliseconds that a comparison of two functions may take.
+/// Time limit for a comparison of two functions, ms.
 const COMPARISON_MS: u32 = 4_000;
 
-/// Most memory of z3 (MB).
+/// Memory limit of z3, MB.
 const MEMORY: &str = "-memory:2000";
 
-/// What z3 said.
+/// The answer of z3.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SolverAnswer {
     /// There is no counterexample.
     Proved,
-    /// There is one.
+    /// There is a counterexample.
     Refuted(String),
-    /// z3 is missing, or did not know.
+    /// z3 is missing, or found no answer.
     Unknown(String),
 }
 
@@ -41,21 +41,21 @@ pub fn is_available() -> bool {
         .is_ok_and(|status| status.success())
 }
 
-/// One question.
+/// One question to z3.
 pub(crate) struct Question {
     pub(crate) context: Context,
-    /// Conditions under which nothing has gone wrong.
+    /// Conditions under which no fault has occurred.
     pub(crate) sound: Vec<SExpr>,
-    /// Conditions of the branches around the step that is translated.
+    /// Conditions of the branches around the present step.
     path: Vec<SExpr>,
-    /// Number of names given.
+    /// Number of names used.
     names: usize,
-    /// Stands for the product of two words, of which nothing is then known but that it commutes.
+    /// An uninterpreted function for the product of two words, of which only commutativity is known.
     product: Option<SExpr>,
     timeout_ms: u32,
 }
 
-/// Why a question could not be asked.
+/// The reason why a question could not be asked.
 pub(crate) type Asked<T> = Result<T, String>;
 
 pub(crate) fn io<T>(result: std::io::Result<T>) -> Asked<T> {
@@ -64,7 +64,7 @@ pub(crate) fn io<T>(result: std::io::Result<T>) -> Asked<T> {
 
 impl Question {
     pub(crate) fn new(timeout_ms: u32) -> Asked<Question> {
-        // Preprocessing does not look at the clock of `:timeout`; the process ends a little later.
+        // z3 does not check `:timeout` during preprocessing; the process is ended a little later.
         let seconds = format!("-T:{}", timeout_ms / 1000 + 1);
         let mut context = io(ContextBuilder::new()
             .solver("z3")
@@ -121,7 +121,7 @@ impl Question {
         Ok(unknowns)
     }
 
-    /// A name for a value, so that its text is sent once however often it is used.
+    /// Defines a name for a value, so that its text is sent only once.
     fn named(&mut self, value: SExpr) -> Asked<SExpr> {
         self.names += 1;
         let sort = self.context.int_sort();
@@ -130,7 +130,7 @@ impl Question {
             .define_const(format!("v{}", self.names), sort, value))
     }
 
-    /// Nothing has gone wrong only if `condition` holds where the step is reached.
+    /// Adds the condition that no fault occurs only if `condition` holds where the step is reached.
     fn needs(&mut self, condition: SExpr) {
         let guarded = match self.path[..] {
             [] => condition,
@@ -160,7 +160,7 @@ impl Question {
         self.context.eq(word, self.number(1))
     }
 
-    /// Asks whether `wanted` can fail, with nothing gone wrong before if `sound` says so.
+    /// Asks whether `wanted` can fail; if `sound` is used, only for runs without an earlier fault.
     pub(crate) fn ask(mut self, wanted: SExpr) -> Asked<SolverAnswer> {
         let not = self.context.not(wanted);
         io(self.context.assert(not))?;
@@ -180,7 +180,7 @@ impl Question {
     }
 }
 
-/// Terms of SMT-LIB. What must hold for a run to go on is collected in `sound`.
+/// Terms of SMT-LIB. `sound` collects the conditions for a run to continue.
 impl Domain for Question {
     type Word = SExpr;
     type Stop = String;
@@ -325,14 +325,14 @@ impl Domain for Question {
     }
 }
 
-/// What z3 said, or why it could not be asked.
+/// The answer of z3, or the reason why it could not be asked.
 pub(crate) fn answered(asked: Asked<SolverAnswer>) -> SolverAnswer {
     asked.unwrap_or_else(SolverAnswer::Unknown)
 }
 
 /// Whether two versions of a function return the same words, and neither overflows where the other
-/// does not, for all arguments within `ranges`. Products of two words are first taken as unknown,
-/// which proves quickly what does not depend on their values.
+/// does not, for all arguments within `ranges`. Products of two words are first treated as unknown values,
+/// which quickly proves everything that does not depend on them.
 pub fn same(one: &Program, other: &Program, ranges: &[(i128, i128)]) -> SolverAnswer {
     match compared(one, other, ranges, true) {
         Ok(SolverAnswer::Proved) => SolverAnswer::Proved,

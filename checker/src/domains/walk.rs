@@ -1,19 +1,19 @@
-//! The one walk over a program, in whatever domain its words are computed.
+//! The walk over a program, for every domain in which its words are computed.
 //!
-//! A [`Domain`] says what a word is and what each operation makes of words; [`walk`] goes through
-//! the steps, both sides of branches included, and keeps the words.
+//! A [`Domain`] defines what a word is and the result of each operation. [`walk`] visits
+//! the steps, including both sides of branches, and stores the words.
 //!
-//! **Branches.** A domain that knows which way a branch goes walks one side, and the words in which
-//! the sides join are copied from it. One that does not walks both: before a side it is told to
-//! enter it, where it may narrow the words to those for which the side is taken, or find that it is
-//! never taken; afterwards it takes the narrowing back. Then it joins what the two sides left.
-//! Every word is written once, so that neither side disturbs the other.
+//! **Branches.** If a domain knows which side of a branch is taken, only that side is visited, and the words in which
+//! the sides join are copied from it. Otherwise both sides are visited. Before a side, the domain is told to
+//! enter it; it may narrow the words to those for which the side is taken, or find that the side is
+//! never taken. Afterwards it undoes the narrowing. Then it joins the results of the two sides.
+//! Every word is written once, so neither side disturbs the other.
 
 use crate::program::place::SourcePlace;
 use crate::program::steps::{Action, Arithmetic, Join, Program, ProgramStep, Slot, WordComparison};
 use crate::program::types::Integer;
 
-/// Where a walk stands: the step, and the words so far.
+/// The present state of a walk: the step, and the words so far.
 #[derive(Debug)]
 pub struct Site<'a, W> {
     /// The program.
@@ -30,7 +30,7 @@ impl<W> Site<'_, W> {
         &self.words[slot]
     }
 
-    /// The number that a word always is, if it is a constant.
+    /// The value of a word that is a constant.
     pub fn constant(&self, slot: Slot) -> Option<i128> {
         self.program.is_constant[slot].then(|| self.program.initial[slot])
     }
@@ -52,32 +52,32 @@ pub struct ContractedCall<'a> {
     pub ensures: &'a [(Slot, i128, i128)],
 }
 
-/// Which sides of a branch are walked.
+/// Which sides of a branch are visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
-    /// The one that is taken where the condition is so.
+    /// Only the side for this value of the condition.
     One(bool),
     /// Both.
     Both,
 }
 
-/// What a side of a branch left.
+/// The result of one side of a branch.
 #[derive(Clone, Debug)]
 pub struct BranchEnd<W> {
-    /// Whether it can be taken.
+    /// Whether the side can be taken.
     pub is_reached: bool,
-    /// For each join its word of this side.
+    /// For each join: its word from this side.
     pub words: Vec<W>,
 }
 
-/// What a word is, and what the operations of a program make of words.
+/// Defines what a word is, and the results of a program's operations on words.
 ///
-/// An operation is given the slots of its operands, because some domains know more of a word than
-/// its value: that two operands are one word, or that a word is a constant.
+/// An operation receives the slots of its operands, because some domains know more about a word than
+/// its value: that two operands are the same word, or that a word is a constant.
 pub trait Domain {
     /// A word.
     type Word: Clone;
-    /// Why a walk ends before its program.
+    /// The reason why a walk ends early.
     type Stop;
 
     /// The word of a slot before the first step: a constant, or one that is not written yet.
@@ -86,7 +86,7 @@ pub trait Domain {
     /// The result of an operation, for the slot `to`; it must fit `type_`.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn arithmetic(
         &mut self,
         site: &Site<Self::Word>,
@@ -99,7 +99,7 @@ pub trait Domain {
     /// The truth of a comparison.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn comparison(
         &mut self,
         site: &Site<Self::Word>,
@@ -108,10 +108,10 @@ pub trait Domain {
         operands: (Slot, Slot),
     ) -> Result<Self::Word, Self::Stop>;
 
-    /// The contrary of a truth.
+    /// The negation of a truth value.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn negation(
         &mut self,
         site: &Site<Self::Word>,
@@ -122,7 +122,7 @@ pub trait Domain {
     /// The same number in another type, which it must fit.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn cast(
         &mut self,
         site: &Site<Self::Word>,
@@ -133,7 +133,7 @@ pub trait Domain {
     /// The value nearest to the operand between two ends, which must not cross.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn clamp(
         &mut self,
         site: &Site<Self::Word>,
@@ -145,7 +145,7 @@ pub trait Domain {
     /// A condition that must hold.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn assertion(
         &mut self,
         site: &Site<Self::Word>,
@@ -156,31 +156,31 @@ pub trait Domain {
     /// The results of a call that its contract represents, one for each range that it ensures.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn call(
         &mut self,
         site: &Site<Self::Word>,
         call: ContractedCall,
     ) -> Result<Vec<Self::Word>, Self::Stop>;
 
-    /// Which sides of a branch with this condition are walked; both where nothing else is said.
+    /// Which sides of a branch with this condition are visited; both by default.
     fn sides(&self, _condition: &Self::Word) -> Sides {
         Sides::Both
     }
 
-    /// Before a side is walked: whether it can be taken. It may narrow words.
+    /// Called before a side is visited; returns whether it can be taken. It may narrow words.
     fn enter(&mut self, _words: &mut [Self::Word], _condition: Slot, _side: bool) -> bool {
         true
     }
 
-    /// After a side: takes back what [`Domain::enter`] did.
+    /// Called after a side; undoes [`Domain::enter`].
     fn leave(&mut self, _words: &mut [Self::Word]) {}
 
-    /// The words in which the sides of a branch join, one for each of `joins`. Where one side is
-    /// walked alone nothing is asked.
+    /// The words in which the sides of a branch join, one for each of `joins`. Not called if only one side is
+    /// visited.
     ///
     /// # Errors
-    /// What ends the walk.
+    /// The reason to end the walk.
     fn join(
         &mut self,
         site: &Site<Self::Word>,
@@ -210,7 +210,7 @@ pub fn start<D: Domain>(
 /// Computes every word of `program`; `words` holds those before the first step.
 ///
 /// # Errors
-/// What ended the walk.
+/// The reason why the walk ended.
 pub fn walk<D: Domain>(
     domain: &mut D,
     program: &Program,

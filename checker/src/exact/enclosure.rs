@@ -67,6 +67,18 @@ impl Enclosure {
         Enclosure { low, high }
     }
 
+    /// Its largest magnitude, in units of 2⁻¹⁹².
+    pub fn largest(&self) -> BigInt {
+        self.high.abs().max(self.low.abs())
+    }
+
+    /// What lies in both; `None` where nothing does.
+    pub fn common(&self, other: &Self) -> Option<Self> {
+        let low = self.low.clone().max(other.low.clone());
+        let high = self.high.clone().min(other.high.clone());
+        (low <= high).then_some(Enclosure { low, high })
+    }
+
     /// Zero.
     pub fn zero() -> Self {
         Enclosure {

@@ -1,4 +1,4 @@
-//! Exact rational arithmetic on the decimals of the certificate. No floating point anywhere.
+//! Exact rational arithmetic on the decimals of the certificate, without floating point.
 
 use num_bigint::BigInt;
 use num_integer::Integer;

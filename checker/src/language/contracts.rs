@@ -1,13 +1,13 @@
-//! Reads the contracts that stand at functions of the source.
+//! Reads the contracts of the functions in the source.
 
 use crate::language::module::Module;
 use crate::program::contract::{Contract, Range};
 
-/// Reads the contract that stands at a function for Kani, as far as it states ranges.
+/// Reads the contract that a function has for Kani, as far as it states ranges.
 ///
-/// Understood are conjunctions of `(low..=high).contains(&word)`, `low..high` and comparisons of a
-/// word with a constant. Everything else is left out; that is sound on both sides, because a
-/// contract is proved with the conditions that are left, and promises only what is left.
+/// Conjunctions of `(low..=high).contains(&word)`, `low..high` and comparisons of a
+/// word with a constant are understood. Everything else is ignored. That is sound in both directions: a
+/// contract is proved from the understood requirements alone, and only the understood promises are used.
 pub fn stated(module: &Module, number: usize) -> Option<Contract> {
     let declarations = module.declarations();
     let function = &declarations.functions[number];
@@ -30,7 +30,7 @@ pub fn stated(module: &Module, number: usize) -> Option<Contract> {
                     continue;
                 };
                 let outputs = declarations.word_names(&name.ident.to_string(), &function.result);
-                // What is not understood is not promised; nothing depends on it.
+                // A promise that is not understood is ignored; nothing depends on it.
                 reader.conjunction(&closure.body, &outputs, &mut contract.ensures);
             }
             other if kind == "requires" => {
@@ -43,7 +43,7 @@ pub fn stated(module: &Module, number: usize) -> Option<Contract> {
     (!contract.ensures.is_empty()).then_some(contract)
 }
 
-/// `requires` or `ensures` and what it says.
+/// `requires` or `ensures`, with its condition.
 fn condition(attribute: &syn::Attribute) -> Option<(String, syn::Expr)> {
     if !attribute.path().is_ident("cfg_attr") {
         return None;
@@ -64,7 +64,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Adds the ranges of a conjunction; whether all of it was understood.
+    /// Adds the ranges of a conjunction; returns whether all of it was understood.
     fn conjunction(
         &self,
         expression: &syn::Expr,
@@ -145,7 +145,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The position of the word that is spoken of: `x`, `&x`, `*r`, `&v[1]`.
+    /// The position of the word that an expression refers to: `x`, `&x`, `*r`, `&v[1]`.
     fn word(&self, expression: &syn::Expr, words: &[String]) -> Option<usize> {
         match expression {
             syn::Expr::Reference(inner) => self.word(&inner.expr, words),

@@ -40,7 +40,7 @@ pub struct Enum {
 /// Values of the constants, computed when first needed.
 pub type Constants = HashMap<usize, Vec<i128>>;
 
-/// Something that a name of a module stands for.
+/// The meaning of a name in a module.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Named {
     /// A type.
@@ -111,7 +111,7 @@ pub struct SourceFile {
     pub path: Arc<str>,
     /// `control` of `src/control.rs`; empty for `src/lib.rs`.
     pub module: String,
-    /// What names mean here.
+    /// The meaning of the names in this module.
     pub names: HashMap<String, Named>,
 }
 
@@ -132,7 +132,7 @@ pub struct Declarations {
     pub methods: HashMap<(usize, String), usize>,
 }
 
-/// `found`, at `span`, is not understood.
+/// The error that `found`, at `span`, is not understood.
 pub(crate) fn refuse<T>(file: &Arc<str>, span: proc_macro2::Span, message: String) -> Read<T> {
     Err(SourceError {
         place: SourcePlace::of(file, span),

@@ -1,4 +1,4 @@
-//! An emitted crate as text: everything that is looked at.
+//! An emitted crate as text: all of its files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use crate::language::module::{Module, ReadError, sources};
 use crate::program::place::SourceError;
 
-/// Why a folder could not be read as an emitted crate.
+/// The reason why a folder could not be read as an emitted crate.
 #[derive(Debug, thiserror::Error)]
 pub enum EmittedError {
     /// The folder cannot be read.
     #[error("{0}")]
     Read(ReadError),
-    /// A file of every emitted crate is not there.
+    /// A file that every emitted crate has is missing.
     #[error("{} is no emitted crate: there is no {missing} in it; flywheel generate writes one", folder.display())]
     NoCrate {
         /// The folder.
@@ -30,7 +30,7 @@ pub enum EmittedError {
     },
 }
 
-/// An emitted crate as text: everything that is looked at.
+/// An emitted crate as text: all of its files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Emitted {
     /// `src/*.rs`, by path.
@@ -39,12 +39,12 @@ pub struct Emitted {
     pub cargo: String,
     /// `certificate.json`.
     pub certificate: String,
-    /// What else lies there that would be compiled or run with the crate.
+    /// Other files in the folder that would be compiled or run with the crate.
     pub strays: Vec<String>,
 }
 
 impl Emitted {
-    /// Reads an emitted crate; nothing else of the project has to be there.
+    /// Reads an emitted crate; no other part of the project has to exist.
     ///
     /// # Errors
     /// [`EmittedError`] with the file.
@@ -88,7 +88,7 @@ impl Emitted {
     }
 }
 
-/// Files that Cargo or rustup would obey beside the sources, and whatever in `src` is no file of Rust.
+/// Files beside the sources that would influence Cargo or rustup, and files in `src` that are not Rust.
 fn strays(directory: &Path) -> Result<Vec<String>, EmittedError> {
     let picked_up = [
         "build.rs",

@@ -1,8 +1,8 @@
-//! `Cargo.toml` of an emitted crate: what it may say, and nothing beside.
+//! `Cargo.toml` of an emitted crate: the only entries that it may have.
 
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
-/// What the manifest says that others need.
+/// The entries of the manifest that other modules need.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Manifest {
     /// Name of the package.
@@ -15,7 +15,7 @@ pub struct Manifest {
 /// version 1, without its default features, runs nothing while it is built, and forbids unsafe code.
 ///
 /// # Errors
-/// A sentence that names the first key that is missing, or that does not belong there.
+/// A sentence that names the first key that is missing or not allowed.
 pub fn read(text: &str) -> Result<Manifest, String> {
     let document: DocumentMut = text
         .parse()

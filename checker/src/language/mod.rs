@@ -1,5 +1,5 @@
-//! The language of emitted code: read from text, checked, and brought to the one form in which it is
-//! computed ([`crate::program`]). What is not understood is refused with its place.
+//! The language of emitted code: parsed from text, checked, and converted to the form in which it is
+//! computed ([`crate::program`]). A construct that is not understood is refused with its place.
 
 pub mod attributes;
 pub mod contracts;
@@ -12,3 +12,4 @@ mod plain;
 pub mod reading;
 pub mod signatures;
 pub mod text;
+mod visibility;

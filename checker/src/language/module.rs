@@ -20,10 +20,10 @@ pub struct Module {
     texts: Vec<(String, String)>,
 }
 
-/// Why a folder could not be read as an emitted crate.
+/// The reason why a folder could not be read as an emitted crate.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The operating system said no.
+    /// The operating system reported an error.
     #[error("{}: {source}", path.display())]
     Io {
         /// File or folder.
@@ -120,7 +120,7 @@ impl Module {
     /// The same function with the calls of others represented by contracts.
     ///
     /// # Errors
-    /// [`SourceError`]; nothing can go wrong that [`Module::parse`] has not found before.
+    /// [`SourceError`]; not expected, since [`Module::parse`] has found every error.
     pub fn function_with_contracts(
         &self,
         number: usize,

@@ -1,6 +1,6 @@
-//! Constructs that are refused wherever they stand, because their short form says the same: paths
-//! through types (`<i32>::MAX`), `::` in front, arguments of paths, receivers with a type, `&mut`
-//! but of a receiver, lifetimes and labels, patterns that bind by reference.
+//! Constructs that are always refused, because a shorter form has the same meaning: paths
+//! through types (`<i32>::MAX`), leading `::`, arguments of paths, receivers with a type, `&mut`
+//! except of a receiver, lifetimes and labels, patterns that bind by reference.
 
 use std::sync::Arc;
 

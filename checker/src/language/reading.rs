@@ -1,9 +1,9 @@
 //! The declarations of an emitted crate: files, types, constants and functions.
 //!
-//! The language is the one that the generator documents for its output, read from that document
-//! and written anew here: 32-bit fixed-point aliases, structs, arrays, plain functions, no loops,
-//! no generics, no traits but `Default`, no macro but `assert!` in a constant. Anything else is
-//! refused with its place. Bodies are read in [`crate::language::lower`].
+//! The language is the one that the generator documents for its output, implemented here from that
+//! documentation: 32-bit fixed-point aliases, structs, arrays, plain functions, no loops,
+//! no generics, no traits except `Default`, no macro except `assert!` in a constant. Anything else is
+//! refused with its place. [`crate::language::lower`] reads the bodies.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::language::declarations::{
     Constant, Declarations, Enum, Function, Named, Read, SourceFile, Struct, refuse, shown,
 };
 use crate::language::signatures::{fixed_named, fixed_type};
-use crate::language::{plain, text};
+use crate::language::{plain, text, visibility};
 use crate::program::place::{SourceError, SourcePlace};
 use crate::program::types::{Integer, Type};
 
@@ -36,6 +36,7 @@ impl Declarations {
                 message: format!("this is no Rust: {error}"),
             })?;
             plain::check_file(&path, &file)?;
+            visibility::check_file(&path, &file)?;
             declarations.files.push(SourceFile {
                 module: module_name(&path),
                 path: path.clone(),
@@ -243,6 +244,15 @@ impl Declarations {
                         pending.push((module, path.clone(), segments, span));
                     })?;
                 }
+            }
+        }
+        for (_, path, segments, span) in &pending {
+            if let [.., file, name] = segments.as_slice()
+                && let Some(other) = self.module(file)
+                && !visibility::is_shown(&parsed[other].1, name)
+            {
+                let message = format!("`{name}` of src/{file}.rs is private");
+                return refuse(path, *span, message);
             }
         }
         while !pending.is_empty() {

@@ -1,9 +1,9 @@
-//! The text of an emitted file before anything parses it.
+//! The text of an emitted file, before it is parsed.
 //!
-//! The reader and rustc must see one program, so that only what both read alike may stand here:
+//! The reader and rustc must see the same program. Only text that both read alike is allowed:
 //!
-//! - outside of comments printable ASCII, spaces and line feeds; in comments everything that moves
-//!   no text (no control character, no mark of writing direction);
+//! - outside of comments, printable ASCII, spaces and line feeds; in comments, everything that cannot change how text is
+//!   displayed (no control character, no mark of writing direction);
 //! - names of letters, digits and `_`; never `r#name`, and so no second spelling of a name;
 //! - integers in decimal or hexadecimal, with `_`, and the suffix of an integer type or none;
 //! - strings of printable ASCII without `\`, with no prefix, for the messages of assertions;

@@ -1,4 +1,4 @@
-//! A function before and after a damage: whether the two are the same.
+//! A function before and after a damage: whether the two are equivalent.
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::domains::machine::Machine;
@@ -10,7 +10,7 @@ use crate::mutate::mutants::Mutant;
 use crate::mutate::tokens::tokens;
 use crate::program::steps::Program;
 
-/// How alike two versions are that no engine tells apart.
+/// How equal two versions are that no engine distinguishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Likeness {
     /// z3 proves that they return the same words.
@@ -25,17 +25,17 @@ const SEED: u64 = 1;
 /// Runs of one function before and after the damage.
 const COMPARISONS: usize = 20_000;
 
-/// Runs without an overflow before the damage that are enough to say something.
+/// Smallest number of runs without an overflow (before the damage) for a result.
 const ENOUGH: usize = 500;
 
-/// How far up from the damaged function its callers are compared.
+/// Number of levels of callers that are compared.
 const MOST_CALLERS_UP: usize = 3;
 
-/// The function with the damage against what it was before, for arguments within its contract:
-/// first in runs that favour the places where pieces meet (numbers that stand in the function,
-/// their neighbours, powers of two, ends of ranges), then, where these show no difference, by z3
-/// for all arguments. Where the function differs, its callers are compared, who may never call it
-/// with the arguments that make the difference. `None` where a difference remains, or nothing can be
+/// Compares the damaged function with the original, for arguments within its contract. First, runs with arguments
+/// near the places where branches meet are compared (numbers in the function,
+/// their neighbours, powers of two, ends of ranges). If these show no difference, z3 compares the functions
+/// for all arguments. If the function differs, its callers are compared, which may never pass
+/// the arguments that make the difference. `None` if a difference remains, or nothing can be
 /// compared.
 pub(crate) fn compared(
     emitted: &Emitted,
@@ -47,7 +47,7 @@ pub(crate) fn compared(
     alike(&before, &after, number, MOST_CALLERS_UP)
 }
 
-/// The function that stands at a line: the last that begins at or above it.
+/// The function that contains a line: the last that begins at or above it.
 fn function_at(module: &Module, file: &str, line: usize) -> Option<usize> {
     let functions = &module.declarations().functions;
     (0..functions.len())
@@ -58,7 +58,7 @@ fn function_at(module: &Module, file: &str, line: usize) -> Option<usize> {
         .max_by_key(|&number| functions[number].place.line)
 }
 
-/// The functions in whose text the name of function `number` stands.
+/// The functions whose text contains the name of function `number`.
 fn callers(module: &Module, number: usize) -> Vec<usize> {
     let name = &module.declarations().functions[number].name;
     let name = name.rsplit("::").next().unwrap_or(name);
@@ -129,8 +129,8 @@ fn alike(before: &Module, after: &Module, number: usize, up: usize) -> Option<(L
     }
 }
 
-/// In how many random runs two versions of a function return the same words; `None` where one does
-/// not.
+/// The number of random runs in which two versions of a function return the same words; `None` if one run
+/// differs.
 fn runs_alike(old: &Program, new: &Program, ranges: &[(i128, i128)]) -> Option<usize> {
     let constants = old.initial.iter().zip(&old.is_constant);
     let corners: Vec<i128> = constants

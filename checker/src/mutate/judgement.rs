@@ -1,4 +1,4 @@
-//! Which engine notices a mutant, and what is known of those that none notices.
+//! Which engine detects a mutant, and what is known about those that none detects.
 
 use std::collections::BTreeMap;
 
@@ -12,35 +12,35 @@ use crate::mutate::mutants::{Mutant, applied};
 use crate::prove::settings::ProofSettings;
 use crate::prove::settle::settle;
 
-/// What came of a mutant.
+/// The verdict on a mutant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MutantVerdict {
     /// The mutant.
     pub mutant: Mutant,
-    /// Claims that fail and the engines that noticed; empty for a survivor.
+    /// Claims that fail, and the engines that detected it; empty for a survivor.
     pub noticed: Vec<Notice>,
-    /// What is known of it.
+    /// The classification.
     pub fate: Fate,
-    /// What is known of a survivor, as a sentence; empty for others, and where nothing is known.
+    /// The reason for the classification of a survivor, as a sentence; otherwise empty.
     pub reason: String,
 }
 
-/// What is known of a mutant.
+/// The classification of a mutant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fate {
-    /// An engine noticed it.
+    /// An engine detected it.
     Caught,
     /// It survives, and z3 proves that it changes nothing.
     Same,
     /// It survives, and no difference was found in a random sample.
     NoDifferenceFound,
-    /// It survives, and a difference was found or nothing could be compared: to be looked at.
+    /// It survives, and a difference was found or nothing could be compared: it must be examined.
     Unexplained,
 }
 
 impl Fate {
-    /// As in JSON.
+    /// The name in JSON.
     pub fn as_str(self) -> &'static str {
         match self {
             Fate::Caught => "caught",
@@ -56,28 +56,28 @@ impl Fate {
 pub struct Notice {
     /// Identifier of the claim.
     pub claim: String,
-    /// What settled it.
+    /// The engine.
     pub engine: &'static str,
 }
 
-/// What runs on a mutant: no engine that some users do not have, none that takes minutes.
+/// The settings for a mutant: only engines that every user has, and none that takes minutes.
 const SETTINGS: ProofSettings = ProofSettings {
     cases: 3_000,
     seed: 1,
-    // A digest notices every mutant; what is measured here is what the engines would notice in a text
-    // that is to be audited.
+    // A digest detects every mutant. The purpose here is to measure what the other engines would detect in a text
+    // that is not audited yet.
     audited_texts: false,
     compiled: false,
     smt: false,
     kani: false,
-    // It reads nothing of the source but the law, and that is compared before.
+    // This engine reads only the law from the source, and the law has been compared before.
     closed_loop: false,
     python: false,
     filter_ranges: false,
     filter_length: false,
 };
 
-/// The claims that fail: the quick engines first, the slower only if these notice nothing.
+/// The claims that fail: the quick engines run first, the slower ones only if these detect nothing.
 pub fn notices(emitted: &Emitted, certificate: &Certificate) -> Vec<Notice> {
     let slower = ProofSettings {
         cases: 1,
@@ -137,20 +137,20 @@ pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> M
     }
 }
 
-/// Mutants, caught and not.
+/// Numbers of mutants, detected and undetected.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Summary {
-    /// How many there were.
+    /// Number of mutants.
     pub mutants: usize,
-    /// How many were caught.
+    /// Number of detected mutants.
     pub caught: usize,
-    /// How many survived and are proved to change nothing.
+    /// Number of survivors that are proved to change nothing.
     pub same: usize,
-    /// How many survived without a difference in a random sample.
+    /// Number of survivors without a difference in a random sample.
     pub no_difference_found: usize,
-    /// By the engine that noticed first.
+    /// By the engine that detected the mutant first.
     pub by_engine: BTreeMap<&'static str, usize>,
-    /// Caught and all, by kind.
+    /// Detected and all mutants, by kind.
     pub by_kind: BTreeMap<&'static str, (usize, usize)>,
 }
 

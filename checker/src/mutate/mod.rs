@@ -1,13 +1,13 @@
-//! Damages the emitted source in many small ways and shows which engine notices.
+//! Damages the emitted source in many small ways and shows which engine detects it.
 //!
-//! A mutant is one edit of one token in a function, constant or alias: a constant moved by one or
-//! by a bit, a sign turned, an operator or comparison exchanged, a shift or index moved, a format
-//! changed, two arguments or names swapped, a rounding, saturation or assignment dropped, a `let`
-//! made conditional. Documentation is left alone. The manifest and the head of `src/lib.rs` are
+//! A mutant is one edit of one token in a function, constant or alias: a constant changed by one or
+//! by a bit, a sign reversed, an operator or comparison exchanged, a shift or index changed, a format
+//! changed, two arguments or names swapped, a rounding, saturation or assignment removed, a `let`
+//! made conditional. Documentation is not changed. The manifest and the head of `src/lib.rs` are
 //! damaged line by line.
 //!
-//! No compiler runs: a mutant that `rustc` would refuse counts as noticed only where an engine
-//! notices it.
+//! The mutants are not compiled: one that `rustc` would refuse counts as detected only if an engine
+//! detects it.
 
 pub mod comparison;
 pub mod judgement;

@@ -14,13 +14,13 @@ pub struct Mutant {
     pub line: usize,
     /// Column, from one.
     pub column: usize,
-    /// What was done.
+    /// The kind of damage.
     pub kind: &'static str,
-    /// Text that was there.
+    /// The original text.
     pub before: String,
-    /// Text that is there now.
+    /// The new text.
     pub after: String,
-    /// Bytes of the file that were replaced.
+    /// The range of bytes in the file that was replaced.
     #[serde(skip)]
     range: (usize, usize),
 }
@@ -33,7 +33,7 @@ pub fn mutants(file: &str, text: &str) -> Vec<Mutant> {
     let mut is_assertion = false;
     for (index, token) in tokens.iter().enumerate() {
         // Imports and module declarations are names, not code. An assertion about constants
-        // computes nothing that runs; the checker derives what it asserts by itself.
+        // computes nothing at run time; the checker derives what it asserts separately.
         match token.text.as_str() {
             "use" | "mod" => is_use = true,
             "_" if index > 0 && tokens[index - 1].text == "const" => is_assertion = true,
@@ -83,6 +83,19 @@ pub fn mutants(file: &str, text: &str) -> Vec<Mutant> {
             let (a, b) = (&tokens[index - 1], &tokens[index + 1]);
             let swapped = format!("{}{}{}", b.text, &text[a.end..b.start], a.text);
             replace("swapped arguments", swapped, a.start, b.end);
+        }
+        // Another spelling of a name, and a receiver that says what it is.
+        if token.text == "let" && is_operand(next) && next != "mut" {
+            let name = &tokens[index + 1];
+            replace("name", format!("r#{}", name.text), name.start, name.end);
+        }
+        if token.text == "self" && ["&", "mut"].contains(&previous) {
+            let start = tokens[..index].iter().rposition(|token| token.text == "&");
+            if let Some(start) = start.filter(|start| index - start <= 2) {
+                let from = tokens[start].start;
+                let after = format!("self: {}Self", &text[from..token.start]);
+                replace("receiver", after, from, token.end);
+            }
         }
         // What stands under `cfg` is not there; an assignment may be missing.
         if token.text == "let" {
@@ -213,6 +226,15 @@ fn symbol(
         "x" if previous != "." => &[("swapped axis", "y")],
         "y" if previous != "." => &[("swapped axis", "z")],
         "z" if previous != "." => &[("swapped axis", "x")],
+        // What the reader reads: types, receivers, visibility.
+        "i16" => &[("type", "u16")],
+        "u16" => &[("type", "i16")],
+        "i32" => &[("type", "i64"), ("type", "u32")],
+        "i64" => &[("type", "i32")],
+        "u32" => &[("type", "i32")],
+        "bool" => &[("type", "i32")],
+        "mut" if previous == "&" => &[("receiver", "")],
+        "pub" => &[("visibility", ""), ("visibility", "pub(crate)")],
         _ => &[],
     };
     for (kind, after) in others {

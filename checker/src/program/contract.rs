@@ -1,4 +1,4 @@
-//! Contracts as ranges: the arguments that a function takes, and the results that it then gives.
+//! Contracts as ranges: the arguments that a function accepts, and the results that it then returns.
 
 use crate::program::steps::Slot;
 use crate::program::types::Type;
@@ -14,19 +14,19 @@ pub struct Range {
     pub high: i128,
 }
 
-/// If the arguments lie in their ranges, nothing overflows and the results lie in theirs.
+/// A contract: if the arguments are in their ranges, nothing overflows and the results are in theirs.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Contract {
     /// Ranges of words of the arguments; those left out may have any value.
     pub requires: Vec<Range>,
     /// Ranges of words of the result; those left out may have any value.
     pub ensures: Vec<Range>,
-    /// Whether the source requires something that is no range and is left out here.
+    /// Whether the source has a requirement that is not a range and is left out here.
     pub is_partial: bool,
 }
 
 impl Contract {
-    /// Ranges of all words of the result; those without a promise have that of their type.
+    /// Ranges of all words of the result; a word without a stated range has that of its type.
     pub(crate) fn promised(&self, types: &[Type], slots: &[Slot]) -> Vec<(Slot, i128, i128)> {
         let mut ranges: Vec<_> = slots
             .iter()

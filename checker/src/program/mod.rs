@@ -1,5 +1,5 @@
-//! What is computed in: words with their types, the steps of a resolved function, and the promises
-//! that functions make each other.
+//! The form in which everything is computed: words with their types, the steps of a resolved function, and the
+//! contracts between functions.
 
 pub mod contract;
 pub mod place;

@@ -1,4 +1,4 @@
-//! Places in the emitted source, and what is said about them.
+//! Places in the emitted source, and messages about them.
 
 use std::fmt;
 use std::sync::Arc;
@@ -34,8 +34,8 @@ impl fmt::Display for SourcePlace {
     }
 }
 
-/// Source that is not in the language of emitted code, with what was found and what would be
-/// right.
+/// A place where the source is not in the language of emitted code, with what was found and what is
+/// allowed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {message}")]
 pub struct SourceError {

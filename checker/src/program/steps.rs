@@ -1,8 +1,8 @@
-//! A function of the emitted crate, resolved: words in numbered slots, calls put in place.
+//! A function of the emitted crate, resolved: words in numbered slots, calls inlined.
 //!
 //! There are no loops in the language, so a function is a finite list of steps with branches.
 //! Every slot is written once, except that a branch writes the slots in which its two sides join.
-//! Everything that computes with a function reads this one form, by the walk of
+//! Every computation with a function uses this form, through the walk of
 //! [`crate::domains::walk`].
 
 use crate::program::place::SourcePlace;
@@ -29,8 +29,8 @@ pub enum Arithmetic {
 }
 
 impl Arithmetic {
-    /// a op b in unlimited integers; `None` where even 128 bits or the shift's range (`bits` of the
-    /// type) do not suffice.
+    /// a op b in unlimited integers; `None` if 128 bits or the shift's range (`bits` of the
+    /// type) are not sufficient.
     pub fn apply(self, a: i128, b: i128, bits: u32) -> Option<i128> {
         match self {
             Arithmetic::Add => a.checked_add(b),
@@ -77,7 +77,7 @@ pub enum WordComparison {
     NotEqual,
 }
 
-/// A word in which the two sides of a branch meet.
+/// A word in which the two sides of a branch join.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Join {
     /// Result.
@@ -149,7 +149,7 @@ pub enum Action {
         /// Upper end.
         high: Slot,
     },
-    /// Goes one way or the other, then copies for each join the word of that side.
+    /// Executes one of two lists of steps, then copies, for each join, the word of that side.
     If {
         /// Condition.
         condition: Slot,
@@ -157,7 +157,7 @@ pub enum Action {
         then: Vec<ProgramStep>,
         /// Steps if it does not.
         otherwise: Vec<ProgramStep>,
-        /// Where the two sides meet.
+        /// The words in which the two sides join.
         joins: Vec<Join>,
     },
     /// Fails unless `a` holds.
@@ -167,7 +167,7 @@ pub enum Action {
         /// What is said otherwise.
         message: String,
     },
-    /// A call that is represented by its contract: arguments must lie in ranges, results do.
+    /// A call, represented by its contract: the arguments must be in their ranges, the results are in theirs.
     Contract {
         /// Function.
         function: String,
@@ -178,7 +178,7 @@ pub enum Action {
     },
 }
 
-/// A step and where it stands in the source.
+/// A step, with its place in the source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgramStep {
     /// What it does.
@@ -202,7 +202,7 @@ pub struct Program {
     pub results: Vec<Slot>,
     /// Types of these words.
     pub result_types: Vec<Type>,
-    /// Slots before the first step; constants stand in them already.
+    /// Slots before the first step; they already contain the constants.
     pub initial: Vec<i128>,
     /// Slots that hold constants.
     pub is_constant: Vec<bool>,

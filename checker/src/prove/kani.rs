@@ -7,19 +7,20 @@ use crate::claims::outcome::{ClaimOutcome, KANI};
 use crate::prove::results::{ClaimResult, Table};
 use crate::prove::settings::ProofSettings;
 
-/// Claims that harnesses of the crate `verify` settle. A harness that is called like none of them
-/// shows a contract or a range that the others rest on, which is part of `primitives`.
-const CLAIMS: [&str; 5] = [
+/// Claims that harnesses of the crate `verify` settle. A harness belongs to the claim that its name begins with; one
+/// that is called like none of them shows a contract or a range that the others rest on, which is part of `primitives`.
+const CLAIMS: [&str; 6] = [
     "control-total",
     "control-accurate",
     "primitives",
     "filter-total",
     "step-total",
+    "supervisor",
 ];
 
-/// The harnesses of the crate `verify` beside `directory`, where Kani is installed.
+/// The harnesses of the crate `verify` beside `directory`, if Kani is installed.
 pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResult> {
-    let mut table = Table(Vec::new());
+    let mut table = Table(Vec::new(), None);
     match output(directory, settings) {
         Ok(text) => {
             for (id, outcome, seconds) in kani_rows(&text) {
@@ -35,12 +36,12 @@ pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResul
     table.0
 }
 
-/// What Kani printed, or why it did not run.
+/// The output of Kani, or the reason why it did not run.
 fn output(directory: &Path, settings: &ProofSettings) -> Result<String, String> {
     if !settings.kani {
         return Err("switched off".to_owned());
     }
-    // The harnesses call the crate `generated` beside them, and speak of no other.
+    // The harnesses call the crate `generated` beside them, and no other.
     let is_theirs = directory
         .canonicalize()
         .is_ok_and(|path| path.file_name().is_some_and(|name| name == "generated"));
@@ -74,7 +75,7 @@ fn output(directory: &Path, settings: &ProofSettings) -> Result<String, String> 
 /// The line that ends a harness.
 const VERDICT: &str = "VERIFICATION:- ";
 
-/// Claim by claim what Kani printed: proved where every harness of it succeeded and every cover was
+/// Kani's results by claim: a claim is proved if all its harnesses succeeded and every cover was
 /// reached.
 fn kani_rows(text: &str) -> Vec<(&'static str, ClaimOutcome, f64)> {
     let mut failed: [Option<String>; CLAIMS.len()] = Default::default();
@@ -87,7 +88,11 @@ fn kani_rows(text: &str) -> Vec<(&'static str, ClaimOutcome, f64)> {
             let harness = rest.trim_end_matches("...");
             name = harness.rsplit("::").next().unwrap_or(harness);
             let claim = name.replace('_', "-");
-            let own = CLAIMS.iter().position(|id| *id == claim);
+            let is_of = |id: &str| {
+                let rest = claim.strip_prefix(id);
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+            };
+            let own = CLAIMS.iter().position(|id| is_of(id));
             at = own.unwrap_or(2);
         } else if let Some(verdict) = line.strip_prefix(VERDICT) {
             harnesses[at] += 1;
@@ -95,7 +100,7 @@ fn kani_rows(text: &str) -> Vec<(&'static str, ClaimOutcome, f64)> {
                 failed[at].get_or_insert(format!("{name}: {verdict}"));
             }
         } else if let Some(covers) = line.strip_suffix("cover properties satisfied") {
-            // "** 3 of 4": what is never reached shows nothing.
+            // "** 3 of 4": a cover that is not reached means that its region was not tested.
             let counts: Vec<&str> = covers.split_whitespace().collect();
             if let [.., reached, "of", all] = counts.as_slice()
                 && reached != all
@@ -129,10 +134,14 @@ mod tests {
                     VERIFICATION:- FAILED\nVerification Time: 20s\n\
                     Checking harness attitude::seed_contract...\nVERIFICATION:- SUCCESSFUL\n\
                     Checking harness attitude::step_total...\n\
-                     ** 1 of 2 cover properties satisfied\nVERIFICATION:- SUCCESSFUL\n";
+                     ** 1 of 2 cover properties satisfied\nVERIFICATION:- SUCCESSFUL\n\
+                    Checking harness proofs::supervisor_counts...\nVERIFICATION:- SUCCESSFUL\n";
         let rows = kani_rows(text);
         let words: Vec<_> = rows.iter().map(|(_, outcome, _)| outcome.word()).collect();
-        assert_eq!(words, ["proved", "failed", "proved", "not run", "failed"]);
+        assert_eq!(
+            words,
+            ["proved", "failed", "proved", "not run", "failed", "proved"]
+        );
         assert_eq!((rows[0].0, rows[0].2), ("control-total", 2.25));
         assert!(rows[4].1.why().contains("1 of 2"), "{:?}", rows[4].1);
     }

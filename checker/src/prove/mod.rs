@@ -11,4 +11,4 @@ pub use crate::language::emitted::{Emitted, EmittedError};
 pub use results::{ClaimResult, ProofVerdict, passed, verdict};
 pub use run::{ProveError, prove};
 pub use settings::ProofSettings;
-pub use settle::{settle, settle_saying};
+pub use settle::{settle, settle_saying, settle_telling};

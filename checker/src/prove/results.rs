@@ -1,4 +1,4 @@
-//! Rows of what was settled.
+//! The rows of results.
 
 use std::time::Instant;
 
@@ -7,20 +7,20 @@ use serde::Serialize;
 use crate::certificate::claims::{CLAIMS, ClaimStatement, claim};
 use crate::claims::outcome::ClaimOutcome;
 
-/// One claim, settled by one engine.
+/// The result of one engine for one claim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClaimResult {
     /// Identifier.
     pub id: String,
     /// One sentence.
     pub statement: String,
-    /// By what means.
+    /// The engine.
     pub engine: &'static str,
-    /// For which inputs.
+    /// The inputs for which the claim holds.
     pub domain: String,
-    /// What is assumed; empty if nothing.
+    /// The assumptions; empty if there are none.
     pub assumptions: String,
-    /// What came of it.
+    /// The outcome.
     pub outcome: ClaimOutcome,
     /// Time that it took (s).
     pub seconds: f64,
@@ -57,18 +57,18 @@ impl Serialize for ClaimResult {
     }
 }
 
-/// What all rows together say.
+/// The verdict over all rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProofVerdict {
-    /// Every claim that says something of this module is proved or tested by some engine.
+    /// Every claim that applies to this module is proved or tested by some engine.
     Holds,
-    /// No row failed, but these claims were settled by no engine.
+    /// No row failed, but no engine decided these claims.
     Unsettled(Vec<String>),
     /// These claims have a row that failed.
     Fails(Vec<String>),
 }
 
-/// What all rows together say.
+/// The verdict over all rows.
 pub fn verdict(results: &[ClaimResult]) -> ProofVerdict {
     let with = |is_wanted: &dyn Fn(&ClaimOutcome) -> bool| -> Vec<String> {
         let mut ids: Vec<String> = Vec::new();
@@ -100,10 +100,10 @@ pub fn passed(results: &[ClaimResult]) -> bool {
     !matches!(verdict(results), ProofVerdict::Fails(_))
 }
 
-/// The rows in the order of [`CLAIMS`], with one for each claim that has none: `why` it was not
-/// looked at.
+/// The rows in the order of [`CLAIMS`], with one more for each claim that has none; `why` is the reason why it was
+/// not decided.
 pub(crate) fn complete(rows: Vec<ClaimResult>, why: &str) -> Vec<ClaimResult> {
-    let mut table = Table(rows);
+    let mut table = Table(rows, None);
     for claim in &CLAIMS {
         if table.0.iter().all(|row| row.id != claim.id) {
             let outcome = ClaimOutcome::NotRun(why.to_owned());
@@ -133,10 +133,13 @@ impl ClaimResult {
     }
 }
 
-/// Collects rows.
-pub(crate) struct Table(pub(crate) Vec<ClaimResult>);
+/// Collects rows, and tells of each as it is settled.
+pub(crate) struct Table<'a>(
+    pub(crate) Vec<ClaimResult>,
+    pub(crate) Option<&'a dyn Fn(&ClaimResult)>,
+);
 
-impl Table {
+impl Table<'_> {
     pub(crate) fn add(
         &mut self,
         id: &str,
@@ -144,7 +147,15 @@ impl Table {
         settle: impl FnOnce() -> ClaimOutcome,
     ) {
         let start = Instant::now();
-        let outcome = settle();
+        // A source that was read may still have other functions than an emitted crate. Where a claim takes one for granted,
+        // that is a failed claim, not the end of the program.
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(settle))
+            .unwrap_or_else(|_| {
+                ClaimOutcome::Failed(
+                    "the functions of the source are not those of an emitted crate: the check broke off"
+                        .to_owned(),
+                )
+            });
         self.row(id, engine, outcome, start.elapsed().as_secs_f64());
     }
 
@@ -155,6 +166,10 @@ impl Table {
         outcome: ClaimOutcome,
         seconds: f64,
     ) {
-        self.0.push(ClaimResult::new(id, engine, outcome, seconds));
+        let row = ClaimResult::new(id, engine, outcome, seconds);
+        if let Some(tell) = self.1 {
+            tell(&row);
+        }
+        self.0.push(row);
     }
 }

@@ -1,4 +1,4 @@
-//! All claims about an emitted crate in a folder, each by every engine that can settle it.
+//! All claims about an emitted crate in a folder, each by every engine that can decide it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::prove::results::{ClaimResult, complete};
 use crate::prove::settings::ProofSettings;
 use crate::prove::settle::settle_saying;
 
-/// Why there is nothing to prove.
+/// The reason why there is nothing to prove.
 #[derive(Debug, thiserror::Error)]
 pub enum ProveError {
     /// The folder holds no emitted crate, or cannot be read.
@@ -29,11 +29,12 @@ pub enum ProveError {
     },
 }
 
-/// Settles every claim about the crate in `directory`, against the user's `model` where one is given; `say` is told what takes a while.
+/// Decides every claim about the crate in `directory`, compared with the user's `model` if one is given. `say` receives
+/// progress messages.
 ///
 /// # Errors
-/// [`ProveError`] where the folder holds no emitted crate. Source or numbers that do not hold up
-/// are no error but a failed claim.
+/// [`ProveError`] if the folder does not contain an emitted crate. Source or numbers that are wrong
+/// are not an error but a failed claim.
 pub fn prove(
     directory: &Path,
     model: Option<&Path>,

@@ -7,21 +7,21 @@ pub struct ProofSettings {
     pub cases: usize,
     /// Seed of the random runs.
     pub seed: u64,
-    /// Whether the texts are held against the audited ones; an audit of new texts leaves this out.
+    /// Whether the texts are compared with the audited ones; an audit of new texts leaves this out.
     pub audited_texts: bool,
-    /// Whether the crate is compiled and run, where Cargo is installed (seconds).
+    /// Whether the crate is compiled and run, if Cargo is installed (takes seconds).
     pub compiled: bool,
-    /// Whether z3 is asked, where there is one.
+    /// Whether z3 is used, if it is installed.
     pub smt: bool,
-    /// Whether Kani runs, where it is installed (minutes).
+    /// Whether Kani runs, if it is installed (takes minutes).
     pub kani: bool,
     /// Whether the bounds of the closed loop are computed (a fraction of a second).
     pub closed_loop: bool,
-    /// Whether the second checker runs, where Python is installed (a second).
+    /// Whether the second checker runs, if Python is installed (takes a second).
     pub python: bool,
-    /// Whether the ranges of the filter are shown (minutes where they cannot be).
+    /// Whether the ranges of the filter are proved (takes minutes if they cannot be proved).
     pub filter_ranges: bool,
-    /// Whether the quaternion's length is bounded (seconds); it needs the ranges.
+    /// Whether the quaternion's length is bounded (takes seconds); this needs the ranges.
     pub filter_length: bool,
 }
 

@@ -11,8 +11,9 @@ use crate::claims::{
     bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_second,
     closed_loop_stable, compiled_agrees, control_accurate, control_accurate_real_gains,
     control_monotone, control_total, filter_accurate, filter_exact, filter_length, filter_total,
-    hardware_words, model_matches, physical_signs, primitives, region_of_attraction,
-    source_understood, stable_for_parameters, step_total, supervisor, texts_audited,
+    hardware_words, loop_as_shipped, model_matches, physical_signs, primitives,
+    region_of_attraction, source_understood, stable_for_parameters, step_total, supervisor,
+    texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -20,10 +21,10 @@ use crate::language::module::Module;
 use crate::prove::results::{ClaimResult, Table, complete};
 use crate::prove::settings::ProofSettings;
 
-/// More random words than this for each function show nothing new of the compiler.
+/// Largest number of random words per function for the compiled crate; more show nothing new.
 const MOST_COMPILED: usize = 2_000;
 
-/// Settles every claim, by every engine but Kani: each claim has a row, whatever becomes of it.
+/// Decides every claim, by every engine except Kani. Every claim gets a row.
 pub fn settle(
     emitted: &Emitted,
     certificate: &Certificate,
@@ -32,8 +33,8 @@ pub fn settle(
     settle_saying(emitted, certificate, None, settings, &|_| ())
 }
 
-/// As [`settle`], and held against the text of the user's model.toml where one is given; `say` is told
-/// what takes a while.
+/// As [`settle`], compared with the text of the user's model.toml if one is given; `say` receives
+/// progress messages.
 pub fn settle_saying(
     emitted: &Emitted,
     certificate: &Certificate,
@@ -41,7 +42,19 @@ pub fn settle_saying(
     settings: &ProofSettings,
     say: &dyn Fn(&str),
 ) -> Vec<ClaimResult> {
-    let mut table = Table(Vec::new());
+    settle_telling(emitted, certificate, model, settings, say, &|_| ())
+}
+
+/// As [`settle_saying`]; `tell` is told every row as soon as it is settled.
+pub fn settle_telling(
+    emitted: &Emitted,
+    certificate: &Certificate,
+    model: Option<&str>,
+    settings: &ProofSettings,
+    say: &dyn Fn(&str),
+    tell: &dyn Fn(&ClaimResult),
+) -> Vec<ClaimResult> {
+    let mut table = Table(Vec::new(), Some(tell));
     table.add("model-matches", READER, || match model {
         Some(text) => model_matches::by_reading(certificate, text),
         None => ClaimOutcome::NotApplicable(
@@ -183,7 +196,7 @@ fn control_claims(
     });
 }
 
-/// What is shown of the filter for every word.
+/// The claims about the filter that hold for every word.
 fn range_claims(
     table: &mut Table,
     module: &Module,
@@ -276,6 +289,26 @@ fn loop_claims(
     table.add("region-of-attraction", EXACT, || {
         region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law)
     });
+    let start = Instant::now();
+    let (shipped, kept_up) = if settings.closed_loop {
+        loop_as_shipped::by_exact_arithmetic(certificate, law)
+    } else {
+        let off = || ClaimOutcome::NotRun("switched off".to_owned());
+        (off(), off())
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    table.row("loop-as-shipped", EXACT, shipped, seconds);
+    let start = Instant::now();
+    let second = if settings.python {
+        closed_loop_second::as_shipped_by_python(emitted)
+    } else {
+        ClaimOutcome::NotRun("switched off".to_owned())
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    table.row("loop-as-shipped", PYTHON, second.clone(), seconds);
+    // Both claims come out of one computation.
+    table.row("motion-kept-up", EXACT, kept_up, 0.0);
+    table.row("motion-kept-up", PYTHON, second, 0.0);
     table.add("stable-for-parameters", EXACT, || {
         stable_for_parameters::by_exact_arithmetic(certificate, law)
     });

@@ -24,7 +24,7 @@ pub fn lines(attributes: &[Attribute]) -> Vec<String> {
     lines
 }
 
-/// A line without links of Rust's documentation, and without what would end a comment.
+/// A line without links of Rust's documentation, and without characters that would end a comment.
 fn plain(line: &str) -> String {
     line.replace("[`", "`")
         .replace("`]", "`")
@@ -33,7 +33,7 @@ fn plain(line: &str) -> String {
         .replace("Controller::", "flywheel_")
 }
 
-/// A comment before a declaration; empty where there is no documentation.
+/// A comment before a declaration; empty if there is no documentation.
 pub fn before(lines: &[String], indent: &str) -> String {
     match lines {
         [] => String::new(),

@@ -6,7 +6,7 @@ use super::items::Items;
 use super::scope::{Needs, Scope};
 use super::types::Key;
 
-/// The name of a constant in C: module and name, for two modules may use one name.
+/// The name of a constant in C: module and name, since two modules may use the same name.
 pub fn name((module, own): &Key) -> String {
     match module.as_str() {
         "constants" | "control" => format!("FLYWHEEL_{own}"),
@@ -14,7 +14,7 @@ pub fn name((module, own): &Key) -> String {
     }
 }
 
-/// Its definition, and what that needs.
+/// Its definition, and the items that it needs.
 pub fn definition(items: &Items, key: &Key) -> Result<(String, Needs)> {
     let mut scope = Scope::new(items, &key.0, None, &key.1);
     scope.depth = 0;

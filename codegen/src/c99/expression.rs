@@ -3,9 +3,9 @@
 use syn::{BinOp, Expr, UnOp};
 
 use super::Result;
-use super::items::{FunctionKey, last, literal, suffix};
-use super::scope::{Place, Scope};
-use super::types::{Int, Key, Type};
+use super::items::{literal, suffix};
+use super::scope::Scope;
+use super::types::{Int, Type};
 
 /// A scalar in C.
 #[derive(Debug, Clone)]
@@ -14,7 +14,7 @@ pub struct Scalar {
     pub text: String,
     /// Its type.
     pub ty: Type,
-    /// How tightly it holds together: 0 for what needs no parentheses anywhere.
+    /// Binding strength: 0 for a text that never needs parentheses.
     pub strength: u8,
 }
 
@@ -29,7 +29,7 @@ const AND: u8 = 7;
 const OR: u8 = 8;
 
 impl Scalar {
-    fn new(text: impl Into<String>, ty: Type, strength: u8) -> Scalar {
+    pub(super) fn new(text: impl Into<String>, ty: Type, strength: u8) -> Scalar {
         Scalar {
             text: text.into(),
             ty,
@@ -37,7 +37,7 @@ impl Scalar {
         }
     }
 
-    /// In parentheses unless it holds together at least this tightly.
+    /// The text, in parentheses unless it binds at least this tightly.
     pub fn within(&self, strength: u8) -> String {
         if self.strength <= strength {
             self.text.clone()
@@ -57,7 +57,7 @@ pub fn bare(expression: &Expr) -> &Expr {
     }
 }
 
-/// Whether it is a number that takes its type from where it stands.
+/// Whether it is a number whose type follows from the context.
 fn is_untyped(expression: &Expr) -> bool {
     match bare(expression) {
         Expr::Lit(value) => literal(&value.lit).is_some() && suffix(&value.lit).is_none(),
@@ -66,23 +66,13 @@ fn is_untyped(expression: &Expr) -> bool {
     }
 }
 
-/// What is called, with its arguments.
-pub struct Call<'e> {
-    /// The function.
-    pub key: FunctionKey,
-    /// The receiver, if there is one.
-    pub receiver: Option<&'e Expr>,
-    /// The others.
-    pub arguments: Vec<&'e Expr>,
-}
-
 impl Scope<'_> {
-    /// A scalar; `wanted` is its type where the place where it stands says so.
+    /// A scalar; `wanted` is the type that the context requires, if it does.
     pub fn scalar(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<Scalar> {
         self.scalar_beside(expression, wanted, true)
     }
 
-    /// `is_beside_wide`: something else gives the number its width: the other operand, or where it goes.
+    /// `is_beside_wide`: another operand, or the target, gives the number its width.
     fn scalar_beside(
         &mut self,
         expression: &Expr,
@@ -250,7 +240,7 @@ impl Scope<'_> {
         let lines = self.lines.len();
         let right = self.scalar(&binary.right, Some(&Type::Bool))?;
         if self.lines.len() != lines {
-            // It would be computed whether or not the left one holds.
+            // C would compute these steps even if the left side decides the result.
             return self.refuse(format!("steps on the right of `{sign}`"));
         }
         // Parentheses where the two signs meet, as compilers advise.
@@ -265,7 +255,7 @@ impl Scope<'_> {
         Ok(Scalar::new(text, Type::Bool, strength))
     }
 
-    /// Only of what is not negative, for C leaves the others open.
+    /// A left shift, only of a number that is not negative: C leaves the others undefined.
     fn shift_left(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<Scalar> {
         let Expr::Lit(_) = bare(&binary.left) else {
             return self.refuse("a shift to the left of something that may be negative");
@@ -287,7 +277,7 @@ impl Scope<'_> {
     }
 
     /// `inner as ty`.
-    fn cast(&mut self, inner: &Expr, ty: Type) -> Result<Scalar> {
+    pub(super) fn cast(&mut self, inner: &Expr, ty: Type) -> Result<Scalar> {
         let inner = self.scalar(inner, None)?;
         let Type::Int(int) = ty else {
             return self.refuse("this cast");
@@ -309,326 +299,10 @@ impl Scope<'_> {
         self.assign(expression, &place)?;
         Ok(Scalar::new(place.text, ty, 0))
     }
-
-    fn method(&mut self, call: &syn::ExprMethodCall) -> Result<Scalar> {
-        match call.method.to_string().as_str() {
-            "to_bits" => self.scalar(&call.receiver, None),
-            "clamp" => {
-                let value = self.scalar(&call.receiver, None)?;
-                let mut texts = vec![value.text.clone()];
-                for argument in &call.args {
-                    texts.push(self.scalar(argument, Some(&value.ty))?.text);
-                }
-                if value.ty != Type::Int(Int::I64) {
-                    return self.refuse("`clamp` of this type");
-                }
-                self.needs.clamp_64 = true;
-                let text = format!("clamp_64({})", texts.join(", "));
-                Ok(Scalar::new(text, value.ty, 0))
-            }
-            _ => self.called(&Expr::MethodCall(call.clone())),
-        }
-    }
-
-    fn call(&mut self, call: &syn::ExprCall) -> Result<Scalar> {
-        let Expr::Path(path) = &*call.func else {
-            return self.refuse("this call");
-        };
-        let names: Vec<String> = path
-            .path
-            .segments
-            .iter()
-            .map(|segment| segment.ident.to_string())
-            .collect();
-        let argument = call.args.first();
-        match (&names[..], argument) {
-            ([name], Some(inner)) if self.word(name).is_some() => {
-                let word = self.word(name);
-                self.scalar(inner, word.as_ref())
-            }
-            ([word, make], Some(inner)) if make == "from_bits" && self.word(word).is_some() => {
-                self.scalar(inner, Some(&Type::Int(Int::I32)))
-            }
-            ([int, make], Some(inner)) if make == "from" => match Int::from_name(int) {
-                Some(int) => self.cast(inner, Type::Int(int)),
-                None => self.refuse(format!("{int}::from")),
-            },
-            _ => self.called(&Expr::Call(call.clone())),
-        }
-    }
-
-    /// The number that a type of the module stands for.
-    fn word(&self, name: &str) -> Option<Type> {
-        let key = self.items.resolve(self.module, name);
-        let own = (self.module.to_string(), name.to_string());
-        let words = &self.items.words;
-        words
-            .get(&key)
-            .or_else(|| words.get(&own))
-            .map(|(word, _)| word.clone())
-    }
-
-    /// A call that returns a scalar.
-    fn called(&mut self, expression: &Expr) -> Result<Scalar> {
-        let call = self.resolved(expression)?;
-        let text = self.call_text(&call, &[])?;
-        let returns = self.function(&call.key)?.returns.clone();
-        Ok(Scalar::new(text, returns, 0))
-    }
-
-    /// The function that is called.
-    pub fn resolved<'e>(&mut self, expression: &'e Expr) -> Result<Call<'e>> {
-        match bare(expression) {
-            Expr::Call(call) => {
-                let Expr::Path(path) = &*call.func else {
-                    return self.refuse("this call");
-                };
-                let name = last(&path.path);
-                let key = match path.path.segments.len() {
-                    1 => {
-                        let (module, name) = self.items.resolve(self.module, &name);
-                        (module, None, name)
-                    }
-                    _ => {
-                        let owner = path.path.segments[0].ident.to_string();
-                        let owner = match (owner.as_str(), self.owner) {
-                            ("Self", Some(own)) => own.to_string(),
-                            _ => owner,
-                        };
-                        let (module, owner) = self.items.resolve(self.module, &owner);
-                        (module, Some(owner), name)
-                    }
-                };
-                Ok(Call {
-                    key,
-                    receiver: None,
-                    arguments: call.args.iter().collect(),
-                })
-            }
-            Expr::MethodCall(call) => {
-                let receiver = self.infer(&call.receiver)?;
-                let Some(Type::Struct((module, owner))) = receiver else {
-                    return self.refuse(format!("the method {}", call.method));
-                };
-                Ok(Call {
-                    key: (module, Some(owner), call.method.to_string()),
-                    receiver: Some(&call.receiver),
-                    arguments: call.args.iter().collect(),
-                })
-            }
-            other => self.refuse(kind(other)),
-        }
-    }
-
-    /// The function with this key.
-    pub fn function(&self, key: &FunctionKey) -> Result<&super::items::Function> {
-        match self.items.functions.get(key) {
-            Some(function) => Ok(function),
-            None => self.refuse(format!("a call of {}::{}", key.0, key.2)),
-        }
-    }
-
-    /// The text of a call; structures and arrays that it returns go to `targets`.
-    pub fn call_text(&mut self, call: &Call, targets: &[Place]) -> Result<String> {
-        self.needs.functions.insert(call.key.clone());
-        let parameters: Vec<Type> = {
-            let function = self.function(&call.key)?;
-            function
-                .parameters
-                .iter()
-                .map(|(_, ty)| ty.clone())
-                .collect()
-        };
-        let mut texts = vec![];
-        if let Some(receiver) = call.receiver {
-            texts.push(self.place(receiver)?.argument());
-        }
-        for (argument, ty) in call.arguments.iter().zip(&parameters) {
-            texts.push(if ty.is_aggregate() {
-                self.place(argument)?.argument()
-            } else {
-                self.scalar(argument, Some(ty))?.text
-            });
-        }
-        texts.extend(targets.iter().map(Place::argument));
-        Ok(format!(
-            "{}({})",
-            super::files::function_name(&call.key),
-            texts.join(", ")
-        ))
-    }
-
-    /// The place that an expression names, or a new one with its value.
-    pub fn place(&mut self, expression: &Expr) -> Result<Place> {
-        match bare(expression) {
-            Expr::Path(path) => self.named_place(&path.path),
-            Expr::Field(field) => {
-                let base = self.place(&field.base)?;
-                match (&field.member, &base.ty) {
-                    (syn::Member::Named(name), Type::Struct(key)) => {
-                        let name = name.to_string();
-                        match self.items.field(key, &name) {
-                            Some(ty) => Ok(base.field(&name, ty.clone())),
-                            None => self.refuse(format!("the field {name}")),
-                        }
-                    }
-                    // A structure around one number is that number.
-                    (syn::Member::Unnamed(_), Type::Int(_)) => Ok(base),
-                    _ => self.refuse("this field"),
-                }
-            }
-            Expr::Index(index) => {
-                let base = self.place(&index.expr)?;
-                let number = match bare(&index.index) {
-                    Expr::Lit(value) => literal(&value.lit),
-                    _ => None,
-                };
-                match number.and_then(|(number, _)| base.element(number as usize)) {
-                    Some(place) => Ok(place),
-                    None => self.refuse("this index"),
-                }
-            }
-            Expr::Unary(unary) if matches!(unary.op, UnOp::Deref(_)) => self.place(&unary.expr),
-            other => {
-                let Some(ty) = self.infer(other)? else {
-                    return self.refuse(kind(other));
-                };
-                if let Expr::MethodCall(_) | Expr::Call(_) = other
-                    && ty.is_aggregate()
-                {
-                    let call = self.resolved(other)?;
-                    if self.function(&call.key)?.returns_reference {
-                        let text = self.call_text(&call, &[])?;
-                        return Ok(Place::behind(&text, ty));
-                    }
-                }
-                let place = self.temporary(&ty);
-                self.assign(other, &place)?;
-                Ok(place)
-            }
-        }
-    }
-
-    fn named_place(&mut self, path: &syn::Path) -> Result<Place> {
-        let name = last(path);
-        if path.segments.len() == 1 {
-            if let Some(place) = self.lookup(&name) {
-                return Ok(place.clone());
-            }
-            let key = self.items.resolve(self.module, &name);
-            if let Some(constant) = self.items.constants.get(&key) {
-                let ty = constant.ty.clone();
-                self.needs.constants.insert(key.clone());
-                return Ok(Place::variable(&super::constants::name(&key), ty));
-            }
-        } else {
-            let owner = path.segments[path.segments.len() - 2].ident.to_string();
-            let key = self.items.resolve(self.module, &owner);
-            if let Some(own) = self.items.enums.get(&key)
-                && own.variants.iter().any(|(variant, _, _)| *variant == name)
-            {
-                let text = enumerator(&name);
-                return Ok(Place::variable(&text, Type::Enum(key)));
-            }
-            let constant: Key = (owner, name.clone());
-            if let Some(found) = self.items.constants.get(&constant) {
-                let ty = found.ty.clone();
-                self.needs.constants.insert(constant.clone());
-                return Ok(Place::variable(&super::constants::name(&constant), ty));
-            }
-        }
-        self.refuse(format!("the name {name}"))
-    }
-
-    /// The type of an expression; `None` where it takes that from where it stands.
-    pub fn infer(&mut self, expression: &Expr) -> Result<Option<Type>> {
-        Ok(match bare(expression) {
-            Expr::Lit(value) => match &value.lit {
-                syn::Lit::Bool(_) => Some(Type::Bool),
-                other => suffix(other).map(Type::Int),
-            },
-            Expr::Unary(unary) => self.infer(&unary.expr)?,
-            Expr::Cast(cast) => Some(self.items.type_of(self.module, &cast.ty)?),
-            Expr::Binary(binary) => match binary.op {
-                BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_) | BinOp::BitAnd(_) => {
-                    match self.infer(&binary.left)? {
-                        Some(ty) => Some(ty),
-                        None => self.infer(&binary.right)?,
-                    }
-                }
-                BinOp::Shl(_) | BinOp::Shr(_) => self.infer(&binary.left)?,
-                _ => Some(Type::Bool),
-            },
-            Expr::Array(array) => {
-                let mut element = None;
-                for one in &array.elems {
-                    if element.is_none() {
-                        element = self.infer(one)?;
-                    }
-                }
-                let element = element.unwrap_or(Type::Int(Int::I32));
-                Some(Type::Array(Box::new(element), array.elems.len()))
-            }
-            Expr::Struct(value) => {
-                let name = last(&value.path);
-                let name = match (name.as_str(), self.owner) {
-                    ("Self", Some(owner)) => owner.to_string(),
-                    _ => name,
-                };
-                Some(self.items.named(self.module, &name)?)
-            }
-            Expr::If(value) => match self.infer_block(&value.then_branch)? {
-                Some(ty) => Some(ty),
-                None => match &value.else_branch {
-                    Some((_, otherwise)) => self.infer(otherwise)?,
-                    None => Some(Type::Unit),
-                },
-            },
-            Expr::Block(block) => self.infer_block(&block.block)?,
-            Expr::MethodCall(call) => match call.method.to_string().as_str() {
-                "to_bits" | "clamp" => self.infer(&call.receiver)?,
-                _ => {
-                    let call = self.resolved(expression)?;
-                    Some(self.function(&call.key)?.returns.clone())
-                }
-            },
-            Expr::Call(call) => {
-                let Expr::Path(path) = &*call.func else {
-                    return self.refuse("this call");
-                };
-                let first = path.path.segments[0].ident.to_string();
-                let name = last(&path.path);
-                if let Some(word) = self.word(&first) {
-                    Some(word)
-                } else if name == "from" {
-                    Int::from_name(&first).map(Type::Int)
-                } else {
-                    let call = self.resolved(expression)?;
-                    Some(self.function(&call.key)?.returns.clone())
-                }
-            }
-            Expr::Path(_) | Expr::Field(_) | Expr::Index(_) => Some(self.place(expression)?.ty),
-            other => return self.refuse(kind(other)),
-        })
-    }
-
-    /// The type of a block's last expression, where its names are not needed to tell.
-    fn infer_block(&mut self, block: &syn::Block) -> Result<Option<Type>> {
-        match block.stmts.last() {
-            Some(syn::Stmt::Expr(last, None)) if block.stmts.len() == 1 => self.infer(last),
-            Some(syn::Stmt::Expr(_, None)) => Ok(None),
-            _ => Ok(Some(Type::Unit)),
-        }
-    }
-}
-
-/// `NotAligned` is `FLYWHEEL_NOT_ALIGNED`.
-pub fn enumerator(name: &str) -> String {
-    format!("FLYWHEEL_{}", super::types::snake(name).to_uppercase())
 }
 
 /// What an expression is, for messages.
-fn kind(expression: &Expr) -> String {
+pub(super) fn kind(expression: &Expr) -> String {
     let text = quote::quote!(#expression).to_string();
     format!("`{}`", text.chars().take(60).collect::<String>())
 }

@@ -6,10 +6,10 @@ use super::items::{Function, FunctionKey, Items, Passing};
 use super::scope::{Place, Scope};
 use super::statement::Target;
 use super::types::{Key, Type, type_name};
-use super::{Result, Untranslatable, comments, constants, expression};
+use super::{Result, Untranslatable, comments, constants, place};
 use crate::file::{EmittedCrate, EmittedFile, MARK};
 
-/// What a firmware calls: module, structure, name in Rust, name in C.
+/// The functions that a firmware calls: module, structure, name in Rust, name in C.
 const PUBLIC: [(&str, Option<&str>, &str, &str); 11] = [
     ("controller", Some("Controller"), "new", "flywheel_init"),
     ("controller", Some("Controller"), "arm", "flywheel_arm"),
@@ -78,11 +78,11 @@ struct Translated {
     body: Vec<String>,
 }
 
-/// Translates an emitted crate: a C99 header and source, an Arduino library and a PlatformIO one around them, an
-/// example, and the certificate, which says that the language is C.
+/// Translates an emitted crate: a C99 header and source, with an Arduino and a PlatformIO library around them, an
+/// example, and the certificate, which states that the language is C.
 ///
 /// # Errors
-/// [`Untranslatable`] where the crate has something that the translation does not know.
+/// [`Untranslatable`] if the crate contains something that the translation does not support.
 pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
     let items = Items::read(emitted)?;
     let mut functions: BTreeMap<FunctionKey, Translated> = BTreeMap::new();
@@ -169,7 +169,7 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
     })
 }
 
-/// The first line of the emitted source: from which model it is.
+/// The first line of the emitted source, which names the model.
 fn title(emitted: &EmittedCrate) -> String {
     let library = emitted.file("src/lib.rs").unwrap_or_default();
     let first = library.lines().next().unwrap_or_default();
@@ -186,12 +186,12 @@ fn certificate(emitted: &EmittedCrate) -> Result<String> {
     let open = text
         .find('{')
         .ok_or_else(|| fault("a certificate that is no object".to_string()))?;
-    // The text stays as it is, numbers to the last digit.
+    // The text is kept unchanged, with all digits of its numbers.
     let (before, after) = text.split_at(open + 1);
     Ok(format!("{before}\n  \"language\": \"c\",{after}"))
 }
 
-/// The types that a type is made of, and itself.
+/// A type and all types that it contains.
 fn collect(items: &Items, ty: &Type, found: &mut BTreeSet<Key>) {
     match ty {
         Type::Array(element, _) => collect(items, element, found),
@@ -285,7 +285,7 @@ fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::sco
     Ok((Translated { prototype, body }, scope.needs))
 }
 
-/// Declares structures and enumerations, each after those that it is made of.
+/// Declares structures and enumerations, each after the types that it contains.
 fn type_definitions(items: &Items, keys: &BTreeSet<Key>) -> String {
     let mut text = String::new();
     let mut done: BTreeSet<Key> = BTreeSet::new();
@@ -323,10 +323,7 @@ fn type_definition(items: &Items, key: &Key) -> String {
         text.push_str("typedef enum {\n");
         for (variant, value, attributes) in &own.variants {
             text.push_str(&comments::before(&comments::lines(attributes), "    "));
-            text.push_str(&format!(
-                "    {} = {value},\n",
-                expression::enumerator(variant)
-            ));
+            text.push_str(&format!("    {} = {value},\n", place::enumerator(variant)));
         }
         // A comma before the end is not for every compiler's strictest mode.
         let text = text.trim_end().trim_end_matches(',').to_string();
@@ -398,7 +395,7 @@ fn header(
     text + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
 }
 
-/// What the words of a function's parameters are: the documentation of their types.
+/// The meaning of the words of a function's parameters: the documentation of their types.
 fn formats(items: &Items, function: &Function) -> Vec<String> {
     if function.module != "control" {
         return vec![];

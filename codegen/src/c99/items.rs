@@ -1,4 +1,4 @@
-//! What the emitted files declare, by module and name.
+//! The declarations of the emitted files, by module and name.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ pub struct Function {
     pub owner: Option<String>,
     /// Its name.
     pub name: String,
-    /// How the receiver comes, if it is a method with one.
+    /// How the receiver is passed, if the function is a method with one.
     pub receiver: Option<Passing>,
     /// The other parameters.
     pub parameters: Vec<(String, Type)>,
@@ -30,7 +30,7 @@ pub struct Function {
     pub attributes: Vec<Attribute>,
 }
 
-/// How a receiver comes.
+/// How a receiver is passed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Passing {
     /// `&self`
@@ -43,7 +43,7 @@ pub enum Passing {
 pub struct Struct {
     /// Name, type and documentation of each field.
     pub fields: Vec<(String, Type, Vec<Attribute>)>,
-    /// Fields that may be missing; C has none of them.
+    /// Optional fields; the C version does not have them.
     pub optional: Vec<String>,
     /// Its documentation.
     pub attributes: Vec<Attribute>,
@@ -89,7 +89,7 @@ pub struct Items {
     pub constants: BTreeMap<Key, Constant>,
     /// In the order of the source.
     pub constant_order: Vec<Key>,
-    /// For every module what its names stand for.
+    /// For every module: the declarations that its names refer to.
     imports: BTreeMap<Key, Key>,
 }
 
@@ -122,7 +122,7 @@ impl Items {
                 .push((module.to_string(), parsed.attrs.clone()));
             files.push((module.to_string(), parsed.items));
         }
-        // Names first: types are written with them.
+        // The names are read first, since types refer to them.
         for (module, list) in &files {
             for item in list {
                 items.declare(module, item)?;
@@ -230,7 +230,7 @@ impl Items {
                 let (mut fields, mut optional) = (vec![], vec![]);
                 for field in named.named {
                     let name = field.ident.map(|name| name.to_string()).unwrap_or_default();
-                    // What may be missing is read by nothing that is translated, or refused there.
+                    // Translated code does not read optional fields, or is refused there.
                     if is_option(&field.ty) {
                         optional.push(name);
                         continue;
@@ -325,7 +325,7 @@ impl Items {
         Ok(())
     }
 
-    /// What a name means in a module: where it is declared.
+    /// The declaration that a name in a module refers to.
     pub fn resolve(&self, module: &str, name: &str) -> Key {
         let own = (module.to_string(), name.to_string());
         self.imports.get(&own).cloned().unwrap_or(own)
@@ -404,7 +404,7 @@ pub fn last(path: &syn::Path) -> String {
         .unwrap_or_default()
 }
 
-/// Value and text in C of a literal number, and nothing of another literal.
+/// Value and C text of a literal number; `None` for another literal.
 pub fn literal(value: &syn::Lit) -> Option<(u64, String)> {
     let syn::Lit::Int(value) = value else {
         return None;

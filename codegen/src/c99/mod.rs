@@ -1,11 +1,12 @@
-//! The emitted crate once more, as C99: for Arduino, PlatformIO and any other firmware in C.
+//! The emitted crate translated to C99: for Arduino, PlatformIO and any other firmware in C.
 //!
-//! The C text is a translation of the Rust text, expression by expression, so that both come from one
-//! representation. Only what the emitted language has is translated; anything else is refused. What differs:
+//! The C text is a translation of the Rust text, expression by expression, so that both have the same source.
+//! Only the constructs of the emitted language are translated; anything else is refused. The differences:
 //!
 //! - a word of `fixed` is its bits, an `int32_t`; a boolean is a `uint8_t`;
-//! - structures and arrays go in and out by pointer and are copied member by member, so that no compiler calls `memcpy`;
-//! - every operand is cast to its width before it is multiplied or shifted, whatever the width of `int`.
+//! - structures and arrays are passed and returned by pointer, and copied member by member, so that no compiler calls
+//!   `memcpy`;
+//! - every operand is cast to its width before it is multiplied or shifted, for any width of `int`.
 //!
 //! | file | job |
 //! |---|---|
@@ -13,27 +14,33 @@
 //! | `items` | what the emitted files declare, by module and name |
 //! | `scope` | the names of one function |
 //! | `expression` | scalars |
+//! | `call` | calls |
+//! | `place` | what an expression names |
+//! | `infer` | the types of expressions |
 //! | `statement` | blocks, structures and arrays |
 //! | `constants` | constants and their initialisers |
 //! | `comments` | documentation |
 //! | `files` | header, source, and the library around them |
 
+mod call;
 mod comments;
 mod constants;
 mod expression;
 mod files;
+mod infer;
 mod items;
+mod place;
 mod scope;
 mod statement;
 mod types;
 
 pub use files::emit;
 
-/// Something in the emitted Rust that has no translation: a fault of this program.
+/// A construct of the emitted Rust that has no translation: a fault of this program.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: no translation to C for {what}")]
 pub struct Untranslatable {
-    /// The module, and the function where there is one.
+    /// The module, and the function if there is one.
     pub place: String,
     /// What it is.
     pub what: String,

@@ -1,4 +1,4 @@
-//! The names of one function, and what its translation has needed so far.
+//! The names of one function, and the items that its translation needs so far.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -6,7 +6,7 @@ use super::items::{FunctionKey, Items};
 use super::types::{Key, Type};
 use super::{Result, Untranslatable};
 
-/// Words that C or Arduino's C++ keeps, or that the translation itself uses.
+/// Reserved words of C or Arduino's C++, and names that the translation itself uses.
 const RESERVED: [&str; 28] = [
     "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else",
     "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "out", "register",
@@ -71,7 +71,7 @@ impl Place {
         }
     }
 
-    /// Where a function that returns this type writes it, part by part.
+    /// The places to which a function that returns this type writes its parts.
     pub fn outs(returns: &Type) -> Vec<Place> {
         let part = |name: &str, ty: &Type| match ty {
             Type::Array(..) => Place::variable(name, ty.clone()),
@@ -89,7 +89,7 @@ impl Place {
     }
 }
 
-/// What a translation refers to.
+/// The items that a translation refers to.
 #[derive(Default)]
 pub struct Needs {
     /// Functions.
@@ -104,17 +104,17 @@ pub struct Needs {
 pub struct Scope<'a> {
     /// Everything that is declared.
     pub items: &'a Items,
-    /// The module whose names count.
+    /// The module whose names are used.
     pub module: &'a str,
     /// The structure that `Self` is.
     pub owner: Option<&'a str>,
-    /// For messages.
+    /// The name in messages.
     pub name: String,
-    /// What is needed.
+    /// The items that are needed.
     pub needs: Needs,
     /// The lines so far.
     pub lines: Vec<String>,
-    /// How deep the next line stands.
+    /// Nesting depth of the next line.
     pub depth: usize,
     /// What the function returns.
     pub returns: Type,
@@ -167,7 +167,7 @@ impl<'a> Scope<'a> {
         self.lines.push(format!("{indent}{rest}"));
     }
 
-    /// A new name in C for this one: C knows no second declaration of a name.
+    /// An unused name in C for this one: C allows no second declaration of a name.
     pub fn fresh(&mut self, name: &str) -> String {
         let mut own = name.to_string();
         if RESERVED.contains(&name) {
@@ -194,7 +194,7 @@ impl<'a> Scope<'a> {
         self.names.iter().rev().find_map(|block| block.get(name))
     }
 
-    /// A new variable for something in between.
+    /// A new variable for an intermediate value.
     pub fn temporary(&mut self, ty: &Type) -> Place {
         self.temporaries += 1;
         let name = self.fresh(&format!("part_{}", self.temporaries));
@@ -203,13 +203,13 @@ impl<'a> Scope<'a> {
         Place::variable(&name, ty.clone())
     }
 
-    /// Goes into a block.
+    /// Enters a block.
     pub fn enter(&mut self) {
         self.names.push(HashMap::new());
         self.depth += 1;
     }
 
-    /// Leaves it.
+    /// Leaves a block.
     pub fn leave(&mut self) {
         self.names.pop();
         self.depth -= 1;

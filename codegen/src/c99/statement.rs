@@ -8,14 +8,14 @@ use super::items::last;
 use super::scope::{Place, Scope};
 use super::types::{Int, Type};
 
-/// Where the value of a block goes.
+/// The target of a block's value.
 #[derive(Clone)]
 pub enum Target {
-    /// It is what the function returns.
+    /// The value is returned by the function.
     Return,
-    /// Into a place.
+    /// The value is written to a place.
     Place(Place),
-    /// There is none.
+    /// There is no value.
     Nothing,
 }
 
@@ -85,7 +85,7 @@ impl Scope<'_> {
                     let lines = self.lines.len();
                     let condition = self.scalar(&next.cond, Some(&Type::Bool))?;
                     if self.lines.len() != lines {
-                        // Its steps must not be taken where an earlier condition holds.
+                        // These steps must not be executed if an earlier condition holds.
                         let steps = self.lines.split_off(lines);
                         self.line("} else {");
                         self.enter();
@@ -155,7 +155,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Several things that a function returns.
+    /// A function that returns several values.
     fn unpacked(&mut self, names: &syn::PatTuple, value: &Expr) -> Result<()> {
         let Some(Type::Tuple(parts)) = self.infer(value)? else {
             return self.refuse("this pattern");
@@ -221,7 +221,7 @@ impl Scope<'_> {
             Expr::Assign(assign) => {
                 let place = self.place(&assign.left)?;
                 if place.ty.is_aggregate() && !matches!(bare(&assign.right), Expr::Path(_)) {
-                    // The right side may read what it replaces.
+                    // The right side may read the value that it replaces.
                     let new = self.temporary(&place.ty);
                     self.assign(&assign.right, &new)?;
                     return self.copy(&new, &place);
@@ -238,7 +238,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Puts the value of an expression into a place that no part of the expression names.
+    /// Writes the value of an expression to a place that the expression does not use.
     pub fn assign(&mut self, expression: &Expr, place: &Place) -> Result<()> {
         let ty = place.ty.clone();
         match bare(expression) {

@@ -16,7 +16,7 @@ pub enum Type {
     Struct(Key),
     /// An enumeration without data.
     Enum(Key),
-    /// What a function returns several of.
+    /// The type of several returned values.
     Tuple(Vec<Type>),
     /// `()`.
     Unit,

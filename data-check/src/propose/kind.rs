@@ -10,7 +10,11 @@ use crate::regression::least_squares;
 use crate::slips::short;
 use crate::view::{median, range};
 
-/// The proposal, with its reason.
+/// Asked where a wheel turns and no column is its current.
+pub(super) const HELD_AT_WHAT: &str = "the current was not logged: constants = { current = … } says at what it was \
+                                       held (0.0 for a coast-down)";
+
+/// What is proposed, and why.
 pub(super) struct Guess {
     pub kind: Kind,
     pub reason: String,
@@ -54,11 +58,7 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         guess.kind = Kind::SpinUp;
         guess.reason = "the file has the wheel and not the body".to_owned();
         if current.is_none() {
-            guess.questions.push(
-                "the current was not logged: constants = { current = … } says at what it was held (0.0 for a \
-                 coast-down)"
-                    .to_owned(),
-            );
+            guess.questions.push(HELD_AT_WHAT.to_owned());
         }
         return guess;
     }

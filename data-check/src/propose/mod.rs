@@ -4,6 +4,7 @@
 //! by which factor, and the proposal is corrected until nothing is refused. An open question becomes a
 //! comment that says what to decide.
 
+mod choices;
 mod columns;
 mod kind;
 mod text;
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::finding::{Finding, FindingId, Severity};
 use crate::slips::{DEGREES, RPM, short};
+pub use choices::{Choices, ColumnChoice, Corrections, units_of};
 use columns::Mapped;
 
 /// Largest number of rows of a file that are read: minutes of a fast log.
@@ -49,6 +51,10 @@ pub struct ProposedExperiment {
     pub reasons: Vec<String>,
     /// The questions that the user must decide, as sentences.
     pub questions: Vec<String>,
+    /// The same in parts, to be corrected: see [`propose_with`].
+    pub choices: Choices,
+    /// The columns of the file.
+    pub column_names: Vec<String>,
 }
 
 /// A proposed experiment that is still being corrected.
@@ -62,8 +68,13 @@ struct Draft {
     offset_rad: Option<(f64, String)>,
     held_current_a: Option<(f64, String)>,
     from_s: Option<(f64, String)>,
+    until_s: Option<f64>,
+    time_step_s: Option<f64>,
     questions: Vec<String>,
     unused: Vec<String>,
+    column_names: Vec<String>,
+    /// Its user has decided: what the check finds is said and not mended.
+    decided: bool,
 }
 
 /// Proposes a bench.toml for these files in `folder`. Writes no file.
@@ -71,6 +82,20 @@ struct Draft {
 /// # Errors
 /// If a file cannot be read, or does not hold a table.
 pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
+    propose_with(folder, files, &Corrections::default()).map(|(proposal, _)| proposal)
+}
+
+/// As [`propose`], with what a user has corrected. The second value are the corrections that make no sense, as
+/// sentences: what they are of is as it was proposed.
+///
+/// # Errors
+/// As for [`propose`].
+pub fn propose_with(
+    folder: &Path,
+    files: &[PathBuf],
+    corrections: &Corrections,
+) -> Result<(Proposal, Vec<String>), Error> {
+    let mut refused = vec![];
     let mut drafts: Vec<Draft> = vec![];
     let mut in_memory = FilesInMemory::default();
     for path in files {
@@ -86,7 +111,13 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
         while drafts.iter().any(|draft| draft.name == name) {
             name.push_str(" again");
         }
-        drafts.push(draft(name, file, &table));
+        let mut draft = draft(name, file, &table);
+        if let Some(choices) = corrections.files.get(&draft.file)
+            && let Err(reason) = draft.choose(choices, &table)
+        {
+            refused.push(reason);
+        }
+        drafts.push(draft);
     }
     let bench_name = folder.file_name().map_or_else(
         || "bench".to_owned(),
@@ -94,7 +125,7 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
     );
     let mut checked = Err("no file is given".to_owned());
     for _ in 0..ROUNDS {
-        let toml = text::bench_toml(&bench_name, &drafts);
+        let toml = text::bench_toml(&bench_name, &corrections.known, &drafts);
         in_memory.insert("bench.toml", toml.as_str());
         checked = match Bench::from_files(&in_memory) {
             Ok(bench) => Ok(crate::check(&bench)),
@@ -113,12 +144,13 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
         Ok(found) => (found, None),
         Err(open) => (vec![], Some(open)),
     };
-    Ok(Proposal {
-        text: text::bench_toml(&bench_name, &drafts),
+    let proposal = Proposal {
+        text: text::bench_toml(&bench_name, &corrections.known, &drafts),
         experiments: drafts.iter().map(Draft::told).collect(),
         findings,
         open,
-    })
+    };
+    Ok((proposal, refused))
 }
 
 /// A path as bench.toml in `folder` would name it.
@@ -173,9 +205,13 @@ fn draft(name: String, file: String, table: &Table) -> Draft {
         offset_rad: guess.offset_rad,
         held_current_a: guess.held_current_a,
         from_s: None,
+        until_s: None,
+        time_step_s: None,
         questions,
         unused,
         mapped,
+        column_names: table.names.clone(),
+        decided: false,
     }
 }
 
@@ -209,7 +245,11 @@ fn mend(drafts: &mut [Draft], finding: &Finding) -> bool {
         None => draft.kind == Kind::SpinUp,
     };
     let mut changed = false;
-    for draft in drafts.iter_mut().filter(concerned) {
+    for draft in drafts
+        .iter_mut()
+        .filter(concerned)
+        .filter(|draft| !draft.decided)
+    {
         changed |= mend_one(draft, finding);
     }
     changed
@@ -318,6 +358,8 @@ impl Draft {
             kind: self.kind.name().to_owned(),
             reasons,
             questions: self.questions.clone(),
+            choices: self.choices(),
+            column_names: self.column_names.clone(),
         }
     }
 }

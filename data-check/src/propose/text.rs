@@ -1,5 +1,7 @@
 //! A proposal as the text of a bench.toml that shows every key.
 
+use std::collections::BTreeMap;
+
 use bench_files::Channel;
 
 use super::Draft;
@@ -69,11 +71,12 @@ const TAIL: &str = r#"
 "#;
 
 /// The whole text.
-pub(super) fn bench_toml(name: &str, drafts: &[Draft]) -> String {
+pub(super) fn bench_toml(name: &str, known: &BTreeMap<String, f64>, drafts: &[Draft]) -> String {
     let mut text = format!(
         "# Proposed by `flywheel new`; the reasons stand beside each line. `flywheel check` says what is wrong.\n\
-         [bench]\nname = {}\n{HEAD}",
-        quoted(name)
+         [bench]\nname = {}\n{}",
+        quoted(name),
+        head(known)
     );
     for draft in drafts {
         text.push_str(&experiment(draft));
@@ -81,7 +84,28 @@ pub(super) fn bench_toml(name: &str, drafts: &[Draft]) -> String {
     text + TAIL
 }
 
-/// A text in TOML quotation marks.
+/// [`HEAD`] with what is known in the place of its example.
+fn head(known: &BTreeMap<String, f64>) -> String {
+    let lines = HEAD.lines().map(|line| {
+        let key = line
+            .strip_prefix("# ")
+            .and_then(|line| line.split_whitespace().next());
+        match key.and_then(|key| Some((key, known.get(key)?))) {
+            Some((key, value)) => {
+                let about = line
+                    .split_once('#')
+                    .and_then(|(_, rest)| rest.split_once('#'));
+                let about = about.map_or(String::new(), |(_, about)| format!("#{about}"));
+                let line = format!("{:30} {about}", format!("{key:15} = {value:?}"));
+                format!("{}\n", line.trim_end())
+            }
+            None => format!("{line}\n"),
+        }
+    });
+    lines.collect()
+}
+
+/// A text in quotation marks, as TOML writes it.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
@@ -155,6 +179,12 @@ fn experiment(draft: &Draft) -> String {
         text.push_str(&comment(reason));
         text.push_str(&format!("from = {from_s:?}\n"));
     }
+    if let Some(until_s) = draft.until_s {
+        text.push_str(&format!("until = {until_s:?}\n"));
+    }
+    if let Some(time_step_s) = draft.time_step_s {
+        text.push_str(&format!("time_step = {time_step_s:?}\n"));
+    }
     for question in &draft.questions {
         text.push_str(&comment(&format!("TO DECIDE: {question}")));
     }
@@ -191,7 +221,7 @@ mod tests {
     /// Every key of a bench.toml that begins a bench stands in the text, at least as a comment.
     #[test]
     fn every_key_stands_in_the_proposal() {
-        let text = bench_toml("bench", &[]) + "[[experiment]] name file";
+        let text = bench_toml("bench", &BTreeMap::new(), &[]) + "[[experiment]] name file";
         for section in BENCH
             .iter()
             .filter(|section| !section.name.starts_with("calibration"))

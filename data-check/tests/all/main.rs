@@ -1,5 +1,6 @@
 //! The check of the data, on benches whose faults are known.
 
+mod corrections;
 mod known_faults;
 mod recordings;
 mod simulated;

@@ -425,6 +425,7 @@ mod tests {
             plans: vec![swing(0.9), swing(0.3)],
             has_rate: true,
             known: [None, None, Some(truth.base[2]), None],
+            measured: bench_files::Known::default(),
             top: (1.0, 500.0),
         };
         let noise = SensorNoise {

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use bench_files::Known;
 use design::{Weights, discrete_regulator};
 use nalgebra::Vector3;
 use plant::{Kind, Model, linearise};
@@ -60,6 +61,8 @@ pub struct Choice {
     pub has_rate: bool,
     /// Which of Θ, j_w, G, τ are known.
     pub known: [Option<f64>; 4],
+    /// What a ruler says: from the second list of the exam on, the way from the pivot to the wheel.
+    pub measured: Known,
     /// Largest current of a spin-up (A), and the wheel speed that it reaches (rad/s).
     pub top: (f64, f64),
 }
@@ -167,6 +170,7 @@ pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Ch
         plans,
         has_rate: needs.rate || rng.random_bool(0.7),
         known,
+        measured: Known::default(),
         top: (top_a, speed),
     }
 }

@@ -1,10 +1,12 @@
 //! The draw: the bench that belongs to a seed.
 //!
-//! Forty seeds make a round. In every round, each effect of the library is hidden once
-//! alone and once in one of nine pairs. Each of the eight outsiders is hidden once. One effect of
-//! the library is hidden and removed from the suspects, and four benches hide nothing. Everything
-//! else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone; the diagnosis has no
-//! influence.
+//! Seeds below a million hide the effects of the first list, those from there on the effects of both (the lags,
+//! delays and the like of sensors came with the second); the suspects are the same for all. Of the first, forty
+//! seeds make a round. In every round each effect of the library is hidden once
+//! alone and once in one of nine pairs, each of the eight outsiders is hidden once, one effect of
+//! the library is hidden and taken out of the suspects, and four benches hide nothing. Everything
+//! else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and the diagnosis is
+//! never asked.
 //!
 //! The size of a hidden term is log-uniform from 1 to 30. It is the root mean square of its trace after the base model
 //! has been refitted, in the channel with the largest trace, in units of that channel's noise. An outsider counts only
@@ -32,12 +34,14 @@ use plant::{EffectId, Output, Role};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-pub use question::{Question, ROUND, effects, question};
+pub use question::{Question, ROUND, SENSOR_SEEDS, effects, effects_of, question};
 
 use self::combinations::left_by_combinations;
 use self::dice::log_uniform;
 use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
-use self::shape::{TermShape, is_plausible, place, shape_of_effect, shape_of_outsider};
+use self::shape::{
+    TermShape, is_plausible, pivot_to_wheel_m, place, shape_of_effect, shape_of_outsider,
+};
 use self::size::{base_fit, make, sized};
 use crate::bench_plan::SensorNoise;
 use crate::truth::{StatedTorque, Truth};
@@ -87,9 +91,17 @@ fn needs(question: &Question) -> Needs {
     let hidden = question.hidden();
     let any = |holds: fn(EffectId) -> bool| hidden.iter().any(|&effect| holds(effect));
     Needs {
-        rate: any(|effect| effect.info().senses == Some(Output::Rate)),
-        motor: any(|effect| matches!(effect.info().role, Role::Wheel | Role::Motor))
-            || matches!(question, Question::Outside(outsider) if outsider.needs_a_motor()),
+        // A late angle shows beside a rate.
+        rate: any(|effect| {
+            let info = effect.info();
+            info.senses == Some(Output::Rate)
+                || (info.senses == Some(Output::Angle) && info.sensor_timing.is_some())
+        }),
+        motor: any(|effect| {
+            let info = effect.info();
+            matches!(info.role, Role::Wheel | Role::Motor)
+                || info.senses == Some(Output::WheelSpeed)
+        }) || matches!(question, Question::Outside(outsider) if outsider.needs_a_motor()),
     }
 }
 
@@ -102,7 +114,11 @@ fn attempt_draw(
     let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1009).wrapping_add(attempt));
     let base = draw_truth(&mut rng);
     let noise = draw_noise(&mut rng);
-    let choice = draw_experiments(&mut rng, &base, needs(&question));
+    let mut choice = draw_experiments(&mut rng, &base, needs(&question));
+    if seed >= SENSOR_SEEDS {
+        choice.measured.gravity = Some(9.81);
+        choice.measured.pivot_to_wheel = Some(pivot_to_wheel_m(base.base[0]));
+    }
     let place = place(&base, choice.top);
     let shapes: Vec<TermShape> = match &question {
         Question::Outside(outsider) => vec![shape_of_outsider(&mut rng, *outsider, &base)],
@@ -140,7 +156,11 @@ fn attempt_draw(
     }
     if question.is_outside() {
         let fit = base_fit(&made.clean, &truth)?;
-        if left_by_combinations(&made.clean, &fit, &suspects, &place)? < LEFT_BY_SUSPECTS {
+        // Seeds of the first list keep their outsiders, whatever suspects came later.
+        let of_list = effects_of(seed);
+        let mut rivals = suspects.clone();
+        rivals.retain(|suspect| of_list.contains(suspect) || stated.is_some());
+        if left_by_combinations(&made.clean, &fit, &rivals, &place)? < LEFT_BY_SUSPECTS {
             return None;
         }
     }

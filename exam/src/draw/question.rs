@@ -6,8 +6,11 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::truth::Outsider;
 
-/// Number of seeds in a round.
+/// Seeds in a round of those below [`SENSOR_SEEDS`].
 pub const ROUND: u64 = 40;
+/// From this seed on the effects that came with the second list hide too (lags, delays and the like of sensors). A
+/// seed below hides what it always hid: marks of different years can be compared.
+pub const SENSOR_SEEDS: u64 = 1_000_000;
 
 /// The question that a bench asks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,6 +63,24 @@ pub fn effects() -> Vec<EffectId> {
         .collect()
 }
 
+/// Those of them that hide in benches of this seed's range.
+pub fn effects_of(seed: u64) -> Vec<EffectId> {
+    let since = u32::from(seed >= SENSOR_SEEDS);
+    let mut effects = effects();
+    effects.retain(|effect| effect.info().drawn_since <= since);
+    effects
+}
+
+/// Seeds in the round of a seed: each effect alone and once in a pair, each outsider, one that is withheld, and
+/// [`NOTHING`].
+fn round_of(seed: u64) -> u64 {
+    let effects = effects_of(seed).len();
+    (effects + effects / 2 + Outsider::ALL.len() + 1 + NOTHING) as u64
+}
+
+/// Benches of a round that hide nothing.
+const NOTHING: usize = 4;
+
 /// Two effects can hide together if neither replaces the other.
 fn go_together(a: EffectId, b: EffectId) -> bool {
     let model = Model::base().with(a).with(b);
@@ -68,9 +89,10 @@ fn go_together(a: EffectId, b: EffectId) -> bool {
 
 /// The question of a seed.
 pub fn question(seed: u64) -> Question {
-    let effects = effects();
-    let slot = (seed % ROUND) as usize;
-    let mut rng = ChaCha8Rng::seed_from_u64(0x0b5e_55ed ^ (seed / ROUND));
+    let effects = effects_of(seed);
+    let round = round_of(seed);
+    let slot = (seed % round) as usize;
+    let mut rng = ChaCha8Rng::seed_from_u64(0x0b5e_55ed ^ (seed / round));
     if let Some(&effect) = effects.get(slot) {
         return Question::One(effect);
     }
@@ -79,8 +101,8 @@ pub fn question(seed: u64) -> Question {
         return Question::Outside(outsider);
     }
     match slot - Outsider::ALL.len() {
-        0 => Question::Withheld(effects[(seed / ROUND) as usize % effects.len()]),
-        1..=4 => Question::Nothing,
+        0 => Question::Withheld(effects[(seed / round) as usize % effects.len()]),
+        1..=NOTHING => Question::Nothing,
         pair => {
             // The pairs of the round: shuffled until the effects of every pair can be hidden together.
             let mut order = effects;
@@ -88,11 +110,11 @@ pub fn question(seed: u64) -> Question {
                 for last in (1..order.len()).rev() {
                     order.swap(last, rng.random_range(0..=last));
                 }
-                if order.chunks(2).all(|two| go_together(two[0], two[1])) {
+                if order.chunks_exact(2).all(|two| go_together(two[0], two[1])) {
                     break;
                 }
             }
-            let at = 2 * ((pair - 5) % (order.len() / 2));
+            let at = 2 * ((pair - NOTHING - 1) % (order.len() / 2));
             Question::Two(order[at], order[at + 1])
         }
     }

@@ -17,6 +17,12 @@ pub struct TermShape {
     pub guess: f64,
 }
 
+/// From the pivot to the wheel's axis in m: that of the thesis' bench, in the proportion of a bench of this inertia Θ
+/// (kg m²) in the same materials, whose inertia grows with the fifth power of its lengths.
+pub fn pivot_to_wheel_m(total_inertia: f64) -> f64 {
+    0.085 * (total_inertia / 2.3e-3).powf(0.2)
+}
+
 /// The properties of the bench that effects use to hide in it. Their shape is drawn separately.
 pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) -> HidingPlace {
     let [
@@ -30,6 +36,7 @@ pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) 
         wheel_inertia,
         gravity_torque,
         torque_constant,
+        pivot_to_wheel_m: pivot_to_wheel_m(total_inertia),
         top_current_a,
         top_wheel_speed_rad_s,
         side: 1.0,

@@ -1,6 +1,5 @@
 //! The logs of a bench, and the amplitude with which a hidden term has the drawn size.
 
-use bench_files::Known;
 use identify::{
     Effort, FitProblem, Minimum, PredictedSeries, Record, final_windows, refit, traces,
 };
@@ -48,7 +47,7 @@ pub fn make(truth: &Truth, choice: &Choice, noise: &SensorNoise, seed: u64) -> O
         ));
         logs.push(log);
     }
-    let noisy = FitProblem::from_records(records, choice.known, Known::default()).ok()?;
+    let noisy = FitProblem::from_records(records, choice.known, choice.measured).ok()?;
     let mut clean = noisy.clone();
     for (record, log) in clean.records.iter_mut().zip(&logs) {
         for channel in &mut record.channels {

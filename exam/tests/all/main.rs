@@ -6,3 +6,4 @@ mod data;
 mod examined;
 mod external;
 mod imperfection;
+mod sensors;

@@ -1,12 +1,12 @@
 //! The parameters of a model on a bench: which are free, in which unit, and where a fit of them starts.
 
 use plant::{
-    BASE_PARAMETERS, Driving, EffectId, GRAVITY_TORQUE, Kind, Model, Role, StartFrom,
+    BASE_PARAMETERS, Driving, EffectId, GRAVITY_TORQUE, Given, Kind, Model, Role, StartFrom,
     TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA,
 };
 
 use super::problem::FitProblem;
-use crate::fit::{Ratios, base_values, driving_samples, ratios};
+use crate::fit::{Ratios, base_values, driving_samples, is_of_wheel, ratios};
 use crate::records::Record;
 
 impl FitProblem {
@@ -26,18 +26,38 @@ impl FitProblem {
                                 record.kind != Kind::FreeSwing && !record.current_a.is_empty()
                             })
                     }
-                    _ => {
-                        let effect = model.effect_at(position);
-                        match effect.map(|effect| effect.info().role) {
-                            Some(Role::Wheel | Role::Motor) => wheel,
-                            _ => body,
-                        }
-                    }
+                    _ if model.effect_at(position).is_some_and(is_of_wheel) => wheel,
+                    _ => body,
                 };
+                // The zero of a log that this bench does not have is nobody's.
+                let has_log = model.range_at(position).is_none_or(|(effect, own)| {
+                    let mut records = self.records.iter();
+                    records.any(|record| effect.is_of_log(position - own.start, &record.name))
+                });
                 let given = self.known.get(position).is_some_and(Option::is_some);
-                shown && !given && !infos[position].is_whole
+                let is_measured = model.range_at(position).is_some_and(|(effect, own)| {
+                    let mut given = effect.info().given.iter();
+                    given.any(|(at, _)| own.start + at == position)
+                });
+                shown && !is_measured && has_log && !given && !infos[position].is_whole
             })
             .collect()
+    }
+
+    /// An effect as this bench has it: with a parameter for each log that has the channel which it distorts, if it has
+    /// one per log.
+    pub fn made_for_logs(&self, effect: EffectId) -> EffectId {
+        let senses = effect.info().senses;
+        let shows = |record: &&Record| {
+            senses.is_some_and(|output| record.channel(output).is_some())
+                && effect.info().shows_in.contains(&record.kind)
+        };
+        let records = self.records.iter().filter(shows);
+        effect.for_logs(
+            &records
+                .map(|record| record.name.clone())
+                .collect::<Vec<_>>(),
+        )
     }
 
     /// The unit of a parameter of `model` on this bench; "… per kg m2" where the scale of its torques is unknown.
@@ -115,7 +135,7 @@ impl FitProblem {
         let info = effect.info();
         let scale = self.scale(info.role, base);
         let parameters = info.parameters.iter().zip(start);
-        parameters
+        let mut values: Vec<f64> = parameters
             .map(|(info, value)| {
                 if info.is_torque {
                     value * scale
@@ -123,7 +143,19 @@ impl FitProblem {
                     *value
                 }
             })
-            .collect()
+            .collect();
+        for &(at, given) in info.given {
+            values[at] = self.given(given).unwrap_or(values[at]);
+        }
+        values
+    }
+
+    /// A measured value of the bench, where it is known.
+    pub fn given(&self, given: Given) -> Option<f64> {
+        match given {
+            Given::Gravity => self.masses.gravity,
+            Given::PivotToWheel => self.masses.pivot_to_wheel,
+        }
     }
 
     /// The size of this bench relative to the one for which the library states its starts: Θ = 2.3e-3 kg m² and

@@ -47,6 +47,6 @@ pub use solver::{Minimum, cost, minimise};
 pub(crate) use start::driving_samples;
 pub use start::{Ratios, base_values, ratios};
 pub(crate) use transition::transitions_backwards;
-pub use unknowns::{Nuisance, Unknowns, Window, acts, relevant};
+pub use unknowns::{Nuisance, Unknowns, Window, acts, is_of_wheel, relevant};
 pub(crate) use windows::guess;
 pub use windows::{final_windows, guessed, joined};

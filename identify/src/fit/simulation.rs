@@ -6,12 +6,23 @@ use plant::{Current, Model, Plant, Reading, Scalar, Smoothing, State};
 use super::unknowns::{Nuisance, Window};
 use crate::records::{Record, RecordedCurrent};
 
-/// The start of a window from its nuisance parameters: the state (with the current before the log), a held current in
-/// A, and the zero of the angle in rad.
-fn start_state<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> (State<S>, S, S) {
+/// The start of a window as its local unknowns say.
+struct Start<S> {
+    /// With the current before it.
+    state: State<S>,
+    /// A current that is held, in A.
+    held_a: S,
+    /// The zero of the angle in rad.
+    angle_zero: S,
+    /// See [`Nuisance::PastMotion`].
+    motion_before: S,
+}
+
+fn start_of<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> Start<S> {
     let mut state = State::rest();
     let mut current = S::zero();
     let mut angle_zero = S::zero();
+    let mut motion_before = S::zero();
     for (local, &value) in nuisances.iter().zip(values) {
         match local {
             Nuisance::Angle => state.angle_rad = value,
@@ -20,10 +31,16 @@ fn start_state<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> (State<S>, S,
             Nuisance::Current => current = value,
             Nuisance::AngleZero => angle_zero = value,
             Nuisance::WheelAngle => state.wheel_angle_rad = value,
+            Nuisance::PastMotion => motion_before = value,
             Nuisance::PastCurrent => state.current_a = value,
         }
     }
-    (state, current, angle_zero)
+    Start {
+        state,
+        held_a: current,
+        angle_zero,
+        motion_before,
+    }
 }
 
 /// The plant of a record; without the motor's delay, lag and static stages if the record has the measured current.
@@ -33,7 +50,7 @@ pub(super) fn plant_of<S: Scalar>(
     values: &[S],
     smoothing: Smoothing,
 ) -> Plant<S> {
-    let plant = Plant::smoothed(model, values, record.kind, smoothing);
+    let plant = Plant::smoothed(model, values, record.kind, smoothing).for_log(&record.name);
     if record.current_is_measured {
         plant.with_measured_current()
     } else {
@@ -100,9 +117,10 @@ pub(super) fn run<S: Scalar>(
     smoothing: Smoothing,
     each: &mut EachSample<S>,
 ) {
-    let (start, held, angle_zero) = start_state(&Nuisance::of(record), nuisances);
-    let plant = plant_of(record, model, values, smoothing);
-    let start = with_memory(record, window, model, &plant, start);
+    let start = start_of(&Nuisance::of(record), nuisances);
+    let plant = plant_of(record, model, values, smoothing).with_motion_before(start.motion_before);
+    let (held, angle_zero) = (start.held_a, start.angle_zero);
+    let start = with_memory(record, window, model, &plant, start.state);
     plant.run(
         start,
         &record.time_s,

@@ -1,7 +1,7 @@
 //! The unknowns of a fit: the parameters that all windows share, and the nuisance parameters of one window (its start,
 //! and quantities that nobody recorded); and which of them a record depends on.
 
-use plant::{EffectId, Kind, Model};
+use plant::{EffectId, Kind, Model, Role, Timing};
 
 use crate::records::{Output, Record, RecordedCurrent};
 
@@ -22,14 +22,17 @@ pub enum Nuisance {
     /// Wheel angle at the start, relative to the integral of the measured wheel speed, rad. The integrated noise is a random
     /// walk, so a window in the middle of a log does not know the wheel's angle exactly.
     WheelAngle,
+    /// The share of its motion that the model had before the log began ([`plant::Plant::with_motion_before`]): a sensor
+    /// with a delay shows it in the log. Only the window with the first sample has it.
+    PastMotion,
     /// Current commanded before the log began, A. Nobody recorded it, but a delay or a lag carries it into the log. Only
     /// the window with the first sample has this nuisance parameter.
     PastCurrent,
 }
 
 impl Nuisance {
-    /// The nuisance parameters of every window of this record, as its kind and channels require. The last one is left out
-    /// if it is [`Nuisance::PastCurrent`] and the window does not begin with the log.
+    /// The unknowns of every window of this record, as its kind and channels allow; the last ones, those of the
+    /// time before the log ([`Nuisance::is_past`]), are left out where the window does not begin with the log.
     pub fn of(record: &Record) -> Vec<Nuisance> {
         let measures = |output| record.channel(output).is_some();
         let mut nuisances = vec![];
@@ -48,6 +51,7 @@ impl Nuisance {
         if matches!(record.kind, Kind::Balance | Kind::Driven) && measures(Output::WheelSpeed) {
             nuisances.push(Nuisance::WheelAngle);
         }
+        nuisances.push(Nuisance::PastMotion);
         let is_commanded = matches!(record.current, RecordedCurrent::Known(_));
         if record.kind != Kind::FreeSwing && is_commanded && !record.current_is_measured {
             nuisances.push(Nuisance::PastCurrent);
@@ -55,11 +59,19 @@ impl Nuisance {
         nuisances
     }
 
+    /// Whether it is of the time before the log.
+    pub fn is_past(self) -> bool {
+        matches!(self, Nuisance::PastMotion | Nuisance::PastCurrent)
+    }
+
     /// Whether the motion of this model depends on the nuisance parameter.
     pub fn acts_on(self, model: &Model) -> bool {
         match self {
             Nuisance::WheelAngle => model.find(|info| info.uses_wheel_angle).is_some(),
             Nuisance::PastCurrent => model.find(|info| info.timing.is_some()).is_some(),
+            Nuisance::PastMotion => model
+                .find(|info| info.sensor_timing == Some(Timing::Delay))
+                .is_some(),
             _ => true,
         }
     }
@@ -76,6 +88,8 @@ impl Nuisance {
                 // At the first sample the angle is zero by definition.
                 Some((noise * span_s / steps.sqrt()).max(LEAST_WHEEL_ANGLE_STD_RAD))
             }
+            // Held still or moving on: both are usual.
+            Nuisance::PastMotion => Some(1.0),
             Nuisance::PastCurrent => {
                 // The past command is assumed to be like the recorded commands.
                 let finite = record
@@ -144,12 +158,23 @@ impl Unknowns {
     }
 }
 
-/// Whether an effect can act in an experiment of this kind. Body terms do not act while the body is clamped, wheel
-/// terms not while the wheel is locked.
+/// Whether an effect can show in an experiment of this kind: body terms, and sensors of the body, do not while the
+/// body is clamped, nor wheel terms while the wheel is locked.
 pub fn acts(effect: EffectId, kind: Kind) -> bool {
-    match effect.info().role {
-        plant::Role::Body | plant::Role::Sensor => kind != Kind::SpinUp,
-        plant::Role::Wheel | plant::Role::Motor => kind != Kind::FreeSwing,
+    if is_of_wheel(effect) {
+        kind != Kind::FreeSwing
+    } else {
+        kind != Kind::SpinUp
+    }
+}
+
+/// Whether an effect acts on the wheel, its motor or its sensor; else it is of the body.
+pub fn is_of_wheel(effect: EffectId) -> bool {
+    let info = effect.info();
+    match info.role {
+        Role::Body => false,
+        Role::Wheel | Role::Motor => true,
+        Role::Sensor => info.senses == Some(Output::WheelSpeed),
     }
 }
 
@@ -158,9 +183,9 @@ pub fn relevant(record: &Record, model: &Model, unknowns: &Unknowns) -> Vec<usiz
     let shows = |position: usize| match position {
         plant::TOTAL_INERTIA | plant::GRAVITY_TORQUE => record.kind != Kind::SpinUp,
         plant::WHEEL_INERTIA | plant::TORQUE_CONSTANT => record.kind != Kind::FreeSwing,
-        _ => model
-            .effect_at(position)
-            .is_some_and(|effect| acts(effect, record.kind)),
+        _ => model.range_at(position).is_some_and(|(effect, own)| {
+            acts(effect, record.kind) && effect.is_of_log(position - own.start, &record.name)
+        }),
     };
     (0..unknowns.free.len())
         .filter(|&unknown| shows(unknowns.free[unknown]))

@@ -27,7 +27,7 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
     let speed = record.channel(Output::WheelSpeed).map(|c| line(&c.samples));
     let nuisances = Nuisance::of(record)
         .iter()
-        .filter(|local| **local != Nuisance::PastCurrent || samples.start == 0)
+        .filter(|local| !local.is_past() || samples.start == 0)
         .map(|local| match local {
             Nuisance::Angle => angle.map_or(0.0, |(value, _)| value),
             Nuisance::Rate => rate
@@ -35,7 +35,10 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
                 .or(angle.map(|(_, slope)| slope))
                 .unwrap_or(0.0),
             Nuisance::WheelSpeed => speed.map_or(0.0, |(value, _)| value),
-            Nuisance::AngleZero | Nuisance::WheelAngle | Nuisance::PastCurrent => 0.0,
+            Nuisance::AngleZero
+            | Nuisance::WheelAngle
+            | Nuisance::PastMotion
+            | Nuisance::PastCurrent => 0.0,
             Nuisance::Current => {
                 let torque_per_ampere = values[TORQUE_CONSTANT];
                 let inertia = values[WHEEL_INERTIA];

@@ -13,6 +13,7 @@ mod pushes;
 mod real;
 mod recovery;
 mod scales;
+mod sensors;
 mod simulated;
 mod solver;
 mod standard_errors;

@@ -9,7 +9,7 @@ use crate::running::Running;
 use crate::webdriver::Browser;
 
 /// Waits until the page shows the state after the work under way.
-fn settled(browser: &Browser, ready: u64) {
+pub fn settled(browser: &Browser, ready: u64) {
     browser.wait_for(&format!(
         "document.body.dataset.working === 'no' && Number(document.body.dataset.ready) >= {ready} \
          && document.body.dataset.drawn"
@@ -22,7 +22,7 @@ fn ready(browser: &Browser) -> u64 {
 }
 
 /// Does something that begins work, and waits for its end.
-fn work(browser: &Browser, act: impl FnOnce()) {
+pub fn work(browser: &Browser, act: impl FnOnce()) {
     let before = ready(browser);
     act();
     settled(browser, before + 1);

@@ -113,3 +113,46 @@ fn names_that_lead_elsewhere_and_files_that_are_no_logs_are_refused() {
     );
     assert_eq!(lab.ask("DELETE", "/api/drop", "").status, 204);
 }
+
+/// What is clicked comes back as bench.toml: a unit, a window, a constant; what stays unknown is said.
+#[test]
+fn a_click_writes_the_text_anew() {
+    let lab = Running::entered(None);
+    let name = "free-swing-20deg.csv";
+    lab.ask("POST", &format!("/api/drop?name={name}"), log(name));
+    let found = lab.ask("GET", "/api/drop", "").json();
+    assert!(
+        found["open_ends"]
+            .to_string()
+            .contains("per unit of inertia"),
+        "{}",
+        found["open_ends"]
+    );
+    let curve = &found["previews"][0]["curves"][0];
+    assert!(
+        curve["x"].as_array().is_some_and(|x| x.len() > 100),
+        "{curve}"
+    );
+    let mut choices = found["proposal"]["experiments"][0]["choices"].clone();
+    choices["until_s"] = json!(9.5);
+    let corrections = json!({"known": {"gravity_torque": 0.238383}, "files": {name: choices}});
+    let found = lab
+        .ask("POST", "/api/drop/correct", &corrections.to_string())
+        .json();
+    let text = found["proposal"]["text"].as_str().expect("a text");
+    assert!(
+        text.contains("until = 9.5") && text.contains("gravity_torque  = 0.238383"),
+        "{text}"
+    );
+    assert!(
+        !found["open_ends"]
+            .to_string()
+            .contains("per unit of inertia")
+    );
+    let unknown = json!({"known": {}, "files": {}, "more": 1});
+    assert_eq!(
+        lab.ask("POST", "/api/drop/correct", &unknown.to_string())
+            .status,
+        422
+    );
+}

@@ -55,6 +55,23 @@ fn the_missing_effect_is_found_added_and_taken_back() {
             .is_some_and(|bins| bins.len() > 3)
     );
 
+    // And the first suspect's fingerprint: how the swing dies out without and with it.
+    let drawn = &found["fingerprints"][0];
+    assert_eq!(drawn["effect"], "body-coulomb-friction");
+    let mean = |key: &str| {
+        let points = drawn["decay"][0][key].as_array().expect("points");
+        points
+            .iter()
+            .map(|point| point[1].as_f64().expect("a rate"))
+            .sum::<f64>()
+            / points.len() as f64
+    };
+    let (measured, with, without) = (mean("rates"), mean("model_rates"), mean("other_rates"));
+    assert!(
+        (with - measured).abs() < 0.5 * (without - measured).abs(),
+        "{measured} {with} {without}"
+    );
+
     let added = lab.work(&json!({"task": "apply"}));
     assert!(effects(&added).contains(&"body-coulomb-friction"));
     assert!(model().contains("body-coulomb-friction"));
@@ -169,16 +186,37 @@ fn a_controller_is_designed_emitted_and_written() {
     let state = lab.settled();
     let mut wishes = state["bench"]["design"].clone();
     wishes["current_weight"] = json!(2.0);
-    let designed = lab.ask("POST", "/api/design", &wishes.to_string());
+    let asked = |asked: Value| lab.ask("POST", "/api/design", &asked.to_string());
+    let designed = asked(json!({"wishes": wishes}));
     assert_eq!(designed.status, 200, "{}", designed.body);
     let designed = designed.json();
     assert_eq!(designed["report"]["current_weight"], json!(2.0));
     assert_eq!(designed["responses"].as_array().map(Vec::len), Some(2));
+    // Bryson's rule: what the weights allow gives the weights back.
+    let allowed = &designed["expectations"]["excursions"];
+    let allowed = ["angle_rad", "rate_rad_s", "wheel_speed_rad_s", "current_a"]
+        .map(|key| allowed[key].clone());
+    let same = asked(json!({"wishes": wishes, "excursions": allowed})).json();
+    let gain = |designed: &Value| designed["report"]["gains"][0].as_f64().expect("a gain");
+    assert!((gain(&same) / gain(&designed) - 1.0).abs() < 1e-9);
+    // A delay beyond all bounds is told, not refused.
+    let late = asked(json!({"wishes": wishes, "delay_s": 1.0})).json();
+    assert_eq!(late["expectations"]["stable"], json!(false));
+    assert_eq!(late["step"], json!(null));
     wishes["current_weight"] = json!(-1.0);
+    assert_eq!(asked(json!({"wishes": wishes})).status, 422);
     assert_eq!(
         lab.ask("POST", "/api/design", &wishes.to_string()).status,
         422
     );
+    for (language, begins) in [("python", "# "), ("matlab", "% ")] {
+        let export = lab.ask("GET", &format!("/api/export/{language}"), "");
+        assert!(
+            export.status == 200 && export.body.starts_with(begins),
+            "{export:?}"
+        );
+    }
+    assert_eq!(lab.ask("GET", "/api/export/fortran", "").status, 400);
 
     wishes["current_weight"] = json!(2.0);
     lab.work(&json!({"task": "generate", "wishes": wishes}));

@@ -30,7 +30,7 @@ impl Effect for AngleOffset {
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),
-        confused_with: &["body-cable-spring"],
+        confused_with: &["body-cable-spring", "angle-eccentricity"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         senses: Some(Output::Angle),
         angle_power: Some(0),

@@ -30,7 +30,7 @@ impl Effect for InputDelay {
         }],
         starts: &[&[1e-3], &[1e-2]],
         absent: Some(&[0.0]),
-        confused_with: &["motor-lag"],
+        confused_with: &["motor-lag", "wheel-speed-delay"],
         shows_in: &[Kind::Balance, Kind::Driven, Kind::SpinUp],
         timing: Some(Timing::Delay),
         is_electrical: true,

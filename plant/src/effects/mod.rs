@@ -1,7 +1,8 @@
 //! The library of effects: one file each, and the list of them.
 
-use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing};
+use crate::effect::{Effect, EffectInfo, Instant, Role, Smoothing, Unbalance};
 use crate::external::External;
+use crate::per_log::PerLog;
 use crate::{Reading, Scalar};
 
 /// The equation of an effect if it has the requested role. The role is a constant, so a loop over the
@@ -30,6 +31,8 @@ macro_rules! effects {
             )*
             /// One that was defined while the program runs ([`EffectId::external`]).
             External(External),
+            /// One of the library made for the logs of a bench ([`EffectId::for_logs`]).
+            PerLog(PerLog),
         }
 
         impl EffectId {
@@ -45,6 +48,7 @@ macro_rules! effects {
                         &INFO
                     })*
                     EffectId::External(external) => external.info(),
+                    EffectId::PerLog(made) => made.info(),
                 }
             }
 
@@ -54,6 +58,7 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => of_role!($module::$effect, Role::Body, torque(p, at, v0), S::zero()),)*
                     EffectId::External(external) => external.torque(p, at, v0),
+                    EffectId::PerLog(_) => S::zero(),
                 }
             }
 
@@ -63,6 +68,18 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => of_role!($module::$effect, Role::Wheel, torque(p, at, v0), S::zero()),)*
                     EffectId::External(external) => external.torque(p, at, v0),
+                    EffectId::PerLog(_) => S::zero(),
+                }
+            }
+
+            /// [`Effect::unbalance`]; `None` for whatever is none.
+            #[inline(always)]
+            pub(crate) fn unbalance<S: Scalar>(self, p: &[S], at: &Instant<S>) -> Option<Unbalance<S>> {
+                match self {
+                    $(EffectId::$effect if <$module::$effect as Effect>::INFO.is_unbalance => {
+                        Some(<$module::$effect as Effect>::unbalance(p, at))
+                    })*
+                    _ => None,
                 }
             }
 
@@ -71,7 +88,7 @@ macro_rules! effects {
             pub(crate) fn remember<S: Scalar>(self, p: &[S], memory: S, displacement_rad: S) -> S {
                 match self {
                     $(EffectId::$effect => $module::$effect::remember(p, memory, displacement_rad),)*
-                    EffectId::External(_) => memory,
+                    EffectId::External(_) | EffectId::PerLog(_) => memory,
                 }
             }
 
@@ -81,6 +98,7 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => $module::$effect::current(p, current_a, at, torque_constant),)*
                     EffectId::External(external) => external.current(p, current_a, at, torque_constant),
+                    EffectId::PerLog(_) => current_a,
                 }
             }
 
@@ -89,7 +107,7 @@ macro_rules! effects {
             pub(crate) fn lag_s<S: Scalar>(self, p: &[S]) -> Option<S> {
                 match self {
                     $(EffectId::$effect => $module::$effect::lag_s(p),)*
-                    EffectId::External(_) => None,
+                    EffectId::External(_) | EffectId::PerLog(_) => None,
                 }
             }
 
@@ -98,7 +116,7 @@ macro_rules! effects {
             pub(crate) fn delay_s<S: Scalar>(self, p: &[S]) -> Option<S> {
                 match self {
                     $(EffectId::$effect => $module::$effect::delay_s(p),)*
-                    EffectId::External(_) => None,
+                    EffectId::External(_) | EffectId::PerLog(_) => None,
                 }
             }
 
@@ -108,6 +126,8 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => $module::$effect::distort(p, reading),)*
                     EffectId::External(external) => external.distort(p, reading),
+                    // Its library effect acts, with the parameter of one log.
+                    EffectId::PerLog(_) => {}
                 }
             }
         }
@@ -126,15 +146,23 @@ effects! {
     wheel_coulomb_friction::WheelCoulombFriction,
     wheel_quadratic_drag::WheelQuadraticDrag,
     wheel_cogging::WheelCogging,
+    wheel_unbalance::WheelUnbalance,
     input_delay::InputDelay,
     motor_lag::MotorLag,
     back_emf_limit::BackEmfLimit,
     motor_dead_zone::MotorDeadZone,
     current_offset::CurrentOffset,
     motor_saturation::MotorSaturation,
+    angle_eccentricity::AngleEccentricity,
     angle_offset::AngleOffset,
+    angle_zero::AngleZero,
     gyro_scale::GyroScale,
     gyro_bias::GyroBias,
+    rate_lag::RateLag,
+    wheel_speed_lag::WheelSpeedLag,
+    angle_delay::AngleDelay,
+    rate_delay::RateDelay,
+    wheel_speed_delay::WheelSpeedDelay,
 }
 
 impl EffectId {

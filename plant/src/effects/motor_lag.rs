@@ -30,7 +30,7 @@ impl Effect for MotorLag {
         }],
         starts: &[&[1e-3], &[2e-2]],
         absent: Some(&[0.0]),
-        confused_with: &["input-delay"],
+        confused_with: &["input-delay", "wheel-speed-lag"],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         timing: Some(Timing::Lag),
         is_electrical: true,

@@ -50,6 +50,7 @@ impl Effect for WheelCogging {
         }],
         starts: &[&[1e-4, 1.0, 0.0]],
         absent: Some(&[0.0, 1.0, 0.0]),
+        confused_with: &["wheel-unbalance"],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         uses_wheel_angle: true,
         ripple: Some(Ripple { amplitude: 0, order: 1, phase: 2 }),

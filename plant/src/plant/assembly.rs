@@ -41,7 +41,13 @@ pub(super) struct Structure {
     /// The static stages of the motor chain.
     pub motor: Vec<Term>,
     pub sensor: Vec<Term>,
+    /// Those with a parameter for each log; they act once it is known which log that is.
+    per_log: Vec<Term>,
+    /// The lags and delays of the sensors.
+    pub late: Vec<Term>,
     timed: Vec<Term>,
+    /// The unbalance of the wheel.
+    pub unbalance: Option<Term>,
     /// The term of the body that has a memory.
     pub memory: Option<Term>,
     /// The order of the ripple that integration steps must resolve.
@@ -77,7 +83,10 @@ impl Structure {
             wheel: vec![],
             motor: vec![],
             sensor: vec![],
+            late: vec![],
+            per_log: vec![],
             timed: vec![],
+            unbalance: None,
             memory: None,
             ripple_order: None,
             smoothing,
@@ -97,7 +106,15 @@ impl Structure {
                 memory: info.memory,
             };
             if let Some(Ripple { order, .. }) = info.ripple {
-                structure.ripple_order = Some(values[own.start + order]);
+                let faster = structure.ripple_order.unwrap_or(0.0);
+                structure.ripple_order = Some(values[own.start + order].max(faster));
+            }
+            if info.is_unbalance {
+                structure.unbalance = Some(term);
+                // It acts once in every turn: steps follow it as they follow a ripple.
+                let order = structure.ripple_order.unwrap_or(0.0);
+                structure.ripple_order = Some(order.max(1.0));
+                continue;
             }
             if info.memory.is_some() {
                 structure.memory = Some(term);
@@ -113,6 +130,10 @@ impl Structure {
                 }
                 Role::Motor if info.timing.is_some() => structure.timed.push(term),
                 Role::Motor => structure.motor.push(term),
+                Role::Sensor if matches!(effect, EffectId::PerLog(_)) => {
+                    structure.per_log.push(term);
+                }
+                Role::Sensor if info.sensor_timing.is_some() => structure.late.push(term),
                 Role::Sensor => structure.sensor.push(term),
             }
         }
@@ -123,6 +144,23 @@ impl Structure {
     /// The stage of the motor chain with this kind of time dependence.
     pub fn timed(&self, timing: Timing) -> Option<&Term> {
         self.timed.iter().find(|term| term.timing == Some(timing))
+    }
+
+    /// Lets what has a parameter for each log act with that of this one.
+    pub fn act_in_log(&mut self, log: &str) {
+        for term in std::mem::take(&mut self.per_log) {
+            let EffectId::PerLog(made) = term.effect else {
+                continue;
+            };
+            if let Some(at) = made.parameter_of(log) {
+                self.sensor.push(Term {
+                    effect: made.template(),
+                    first: term.first + at,
+                    end: term.first + at + 1,
+                    ..term
+                });
+            }
+        }
     }
 
     /// Removes the stages between the command and the current.

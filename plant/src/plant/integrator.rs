@@ -14,6 +14,22 @@ pub struct Drive<S> {
     pub push: [f64; 3],
 }
 
+impl<S: Scalar> Drive<S> {
+    /// The drive of a part of the step, from one share of it to another: the push along the parabola through its
+    /// three values.
+    pub(super) fn part(&self, from: f64, to: f64) -> Drive<S> {
+        let push = |fraction: f64| {
+            let [a, b, c] = self.push;
+            let x = 2.0 * fraction - 1.0;
+            b + 0.5 * (c - a) * x + (0.5 * (a + c) - b) * x * x
+        };
+        Drive {
+            current_a: self.current_a,
+            push: [push(from), push(0.5 * (from + to)), push(to)],
+        }
+    }
+}
+
 /// The current during a run, commanded or measured.
 #[derive(Clone, Copy, Debug)]
 pub enum Current<'a, S> {
@@ -117,23 +133,29 @@ impl<S: Scalar> Plant<S> {
             return self.checked_step(start, drive, step_s, with_ripple);
         }
         let part_s = step_s / parts;
-        let push = |fraction: f64| {
-            // The parabola through the three given values of the push.
-            let [a, b, c] = drive.push;
-            let x = 2.0 * fraction - 1.0;
-            b + 0.5 * (c - a) * x + (0.5 * (a + c) - b) * x * x
-        };
         let mut state = *start;
         for part in 0..parts as usize {
-            let from = part as f64 / parts;
-            let to = (part as f64 + 1.0) / parts;
-            let drive = Drive {
-                current_a: drive.current_a,
-                push: [push(from), push(0.5 * (from + to)), push(to)],
-            };
+            let drive = drive.part(part as f64 / parts, (part as f64 + 1.0) / parts);
             state = self.checked_step(&state, &drive, part_s, with_ripple);
         }
         state
+    }
+
+    /// The equal parts that a step of this length asks for, cogging apart.
+    pub(super) fn parts(&self, step_s: f64) -> usize {
+        let parts = step_s / self.structure.longest_step_s;
+        parts.ceil().clamp(1.0, MOST_PARTS) as usize
+    }
+
+    /// One step as it is, forwards or backwards.
+    pub(super) fn single_step(&self, start: &State<S>, drive: &Drive<S>, step_s: f64) -> State<S> {
+        self.rk4(start, drive, step_s, self.has_ripple(start, step_s))
+    }
+
+    /// Whether cogging acts in a step of this length from here.
+    pub(super) fn has_ripple(&self, start: &State<S>, step_s: f64) -> bool {
+        let ripple = self.ripples(start.wheel_speed_rad_s.value(), step_s);
+        self.structure.ripple_order.is_none() || ripple.is_some()
     }
 
     fn checked_step(
@@ -223,8 +245,12 @@ impl<S: Scalar> Plant<S> {
             }
             _ => None,
         };
+        let mut late = self.late_at_start(&state, time_s, &samples, current);
         for k in samples.clone() {
-            each(k, &self.read(&state), &state);
+            match &late {
+                None => each(k, &self.read(&state), &state),
+                late => each(k, &self.read_late(&state, late.as_ref(), time_s[k]), &state),
+            }
             if k + 1 >= samples.end {
                 break;
             }
@@ -245,7 +271,8 @@ impl<S: Scalar> Plant<S> {
                     let push = push.map_or([0.0; 3], |push| {
                         [push(from), push(0.5 * (from + to)), push(to)]
                     });
-                    state = driven.step(&state, &Drive { current_a, push }, to - from);
+                    let drive = Drive { current_a, push };
+                    state = driven.step_with(&state, &drive, (from, to), late.as_mut());
                     state.current_a = flowing_a;
                     from = to;
                 }
@@ -269,7 +296,7 @@ impl<S: Scalar> Plant<S> {
                         [push(from), push(0.5 * (from + to)), push(to)]
                     }),
                 };
-                state = self.step(&state, &drive, to - from);
+                state = self.step_with(&state, &drive, (from, to), late.as_mut());
                 from = to;
             }
         }

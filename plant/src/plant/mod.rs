@@ -7,20 +7,25 @@
 //! - wheel locked (`free-swing`): Θ α̈ = f − T_b,
 //! - body clamped (`spin-up`): j_w φ̈ = M − T_w.
 //!
-//! This file holds the only right-hand side. `assembly` puts a plant together and decides how long its integration
-//! steps may be, `motor` is the chain from command to current, and `integrator` computes the motion over time.
+//! An unbalanced wheel couples the accelerations once more ([`Unbalance`]).
+//!
+//! This file holds the one right-hand side. `assembly` puts a plant together and says how long its steps may be,
+//! `motor` is the chain from command to current, `integrator` follows the motion, `late` are the sensors that
+//! need the time.
 
 mod assembly;
 mod integrator;
+mod late;
 mod motor;
 
 use assembly::{Structure, Term};
 
-use crate::effect::{Instant, Smoothing};
+use crate::effect::{Instant, Smoothing, Unbalance};
 use crate::model::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 use crate::{Kind, Model, Reading, Scalar, Timing};
 
 pub use integrator::{Current, Drive};
+pub use late::Late;
 
 /// The state of the pendulum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,8 +70,12 @@ pub struct Plant<S> {
     inverse_body: S,
     /// 1/j_w in 1/(kg m²).
     inverse_wheel: S,
+    /// Θ and j_w in kg m².
+    inertias: [S; 2],
     lag_s: Option<S>,
     delay_s: Option<S>,
+    /// The share of its motion that the model had before a log began ([`Plant::with_motion_before`]).
+    motion_before: S,
 }
 
 impl<S: Scalar> Plant<S> {
@@ -98,11 +107,21 @@ impl<S: Scalar> Plant<S> {
             torque_constant: values[TORQUE_CONSTANT],
             inverse_body: one / body_inertia,
             inverse_wheel: one / values[WHEEL_INERTIA],
+            inertias: [values[TOTAL_INERTIA], values[WHEEL_INERTIA]],
             lag_s: timed(Timing::Lag),
             delay_s: timed(Timing::Delay),
+            motion_before: S::zero(),
             values: values.to_vec(),
             structure,
         }
+    }
+
+    /// In the experiment with this name: what has a parameter for each log acts with that of this one, and not at
+    /// all before it is said or in a log that it does not know.
+    #[must_use]
+    pub fn for_log(mut self, log: &str) -> Plant<S> {
+        self.structure.act_in_log(log);
+        self
     }
 
     /// Removes the stages between the command and the current: delay, lag and the
@@ -146,6 +165,15 @@ impl<S: Scalar> Plant<S> {
                 wheel_torque = wheel_torque - torque;
             }
         }
+        let unbalance = match &structure.unbalance {
+            Some(term) if with_ripple && structure.kind != Kind::FreeSwing => {
+                term.effect.unbalance(self.p(term), at)
+            }
+            _ => None,
+        };
+        if let Some(unbalance) = &unbalance {
+            wheel_torque = wheel_torque - unbalance.wheel_torque;
+        }
         if structure.kind == Kind::SpinUp {
             return (S::zero(), wheel_torque * self.inverse_wheel);
         }
@@ -160,10 +188,29 @@ impl<S: Scalar> Plant<S> {
         if structure.kind == Kind::FreeSwing {
             return (body_torque * self.inverse_body, S::zero());
         }
+        if let Some(unbalance) = unbalance {
+            return self.with_unbalance(&unbalance, body_torque, wheel_torque);
+        }
         let rate_derivative = (body_torque - wheel_torque) * self.inverse_body;
         (
             rate_derivative,
             wheel_torque * self.inverse_wheel - rate_derivative,
+        )
+    }
+
+    /// The accelerations where the wheel is unbalanced and free: with c its coupling, B the torque on the body and W
+    /// that on the wheel, (Θ + 2c) α̈ + (j_w + c) φ̈ = B and (j_w + c) α̈ + j_w φ̈ = W.
+    // Not inlined: most models have none.
+    #[inline(never)]
+    fn with_unbalance(&self, unbalance: &Unbalance<S>, body_torque: S, wheel_torque: S) -> (S, S) {
+        let [total, wheel] = self.inertias;
+        let body_torque = body_torque - unbalance.body_torque;
+        let total = total + unbalance.coupling * 2.0;
+        let shared = wheel + unbalance.coupling;
+        let determinant = total * wheel - shared * shared;
+        (
+            (body_torque * wheel - shared * wheel_torque) / determinant,
+            (total * wheel_torque - shared * body_torque) / determinant,
         )
     }
 
@@ -199,14 +246,20 @@ impl<S: Scalar> Plant<S> {
         distance_rad.is_finite().then_some(distance_rad)
     }
 
-    /// The readings of the sensors in a state.
+    /// What the sensors say in a state, without their lags and delays: those need the way there
+    /// ([`Plant::read_late`]).
     #[inline(always)]
     pub fn read(&self, state: &State<S>) -> Reading<S> {
-        let mut reading = Reading {
+        self.distorted(Reading {
             angle_rad: state.angle_rad,
             rate_rad_s: state.rate_rad_s,
             wheel_speed_rad_s: state.wheel_speed_rad_s,
-        };
+        })
+    }
+
+    /// What the sensors make of these readings.
+    #[inline(always)]
+    fn distorted(&self, mut reading: Reading<S>) -> Reading<S> {
         for term in &self.structure.sensor {
             term.effect.distort(self.p(term), &mut reading);
         }

@@ -41,6 +41,14 @@ impl<S: Scalar> Plant<S> {
         driven
     }
 
+    /// The same plant driven by the current behind delay and lag.
+    pub(super) fn without_timing(&self) -> Plant<S> {
+        let mut driven = self.clone();
+        driven.lag_s = None;
+        driven.delay_s = None;
+        driven
+    }
+
     /// The mean command in A that reaches the motor over [from_s, to_s], after the model's delay, if it has one.
     /// `before_a` was commanded before the log began. `hint` is the index of a sample nearby.
     pub fn command(

@@ -1,9 +1,11 @@
 //! The plant through its public face.
 
+mod late;
 mod motion;
 mod motor;
 mod outside;
 mod sensitivities;
+mod unbalance;
 
 use plant::{Current, Plant, State};
 

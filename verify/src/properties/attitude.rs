@@ -1,12 +1,12 @@
-//! The attitude filter and the whole step: ranges, whatever the sensors say.
+//! The attitude filter and the whole step: ranges, for any sensor readings.
 //!
-//! The state's invariant has two parts. The components' ranges are shown by induction for every
+//! The state's invariant has two parts. The ranges of the components are proved by induction for every
 //! bit pattern of every reading: [`step_keeps_ranges`]. The quaternion's length is a polynomial of
-//! degree six, which does not close as bits: the checker of the source proves it in exact
-//! arithmetic, and [`step_keeps_length`] is run on random states.
+//! degree six, which bit-level solvers do not decide. The source checker proves it in exact
+//! arithmetic, and [`step_keeps_length`] is tested on random states.
 
-use generated::constants::{FILTER, MOUNTING_ANGLE, ZERO_CURRENT};
-use generated::filter::{FilterState, step_imu, step_marg};
+use generated::constants::{DUTY_LINE, FILTER, MOUNTING_ANGLE, ZERO_CURRENT};
+use generated::filter::{FilterState, step_imu, step_marg, step_tracked};
 use generated::madgwick::COMPONENT_MAX;
 use generated::pivot_angle::pivot_angle;
 use generated::{Attitude, Controller, Duty, Sample, Status};
@@ -33,7 +33,7 @@ pub fn in_ranges(state: &FilterState) -> bool {
         && rate(state.slow_rate)
 }
 
-/// Whether the quaternion's length is that of the invariant.
+/// Whether the quaternion's length satisfies the invariant.
 pub fn has_unit_length(state: &FilterState) -> bool {
     let squared: i64 = state
         .quaternion
@@ -43,23 +43,68 @@ pub fn has_unit_length(state: &FilterState) -> bool {
     (squared - (1 << 60)).abs() <= LENGTH_TOLERANCE
 }
 
-/// Claim `filter-total`: from a state in its ranges and any reading, both steps are defined and
-/// lead to a state in its ranges, whose angle is within ±π.
+/// Claim `filter-total`: from a state in its ranges and any reading, each step is defined and
+/// leads to a state in its ranges, whose angle is within ±π.
 ///
 /// # Panics
 /// If the claim does not hold for these words.
 pub fn step_keeps_ranges(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
-    for next in [
-        step_imu(state, gyro, accel, &FILTER),
-        step_marg(state, gyro, accel, mag, &FILTER),
-    ] {
-        assert!(in_ranges(&next), "a word is out of its range");
-        let angle = pivot_angle(next.quaternion, MOUNTING_ANGLE);
+    six_axes_keep_ranges(state, gyro, accel);
+    nine_axes_keep_ranges(state, gyro, accel, mag);
+    let next = step_marg(state, gyro, accel, mag, &FILTER);
+    angle_is_within_half_a_turn(next.quaternion);
+}
+
+/// The part of [`step_keeps_ranges`] that speaks of six axes.
+///
+/// # Panics
+/// If it does not hold for these words.
+pub fn six_axes_keep_ranges(state: &FilterState, gyro: [i16; 3], accel: [i16; 3]) {
+    let next = step_imu(state, gyro, accel, &FILTER);
+    assert!(in_ranges(&next), "a word is out of its range");
+}
+
+/// The part of [`step_keeps_ranges`] that speaks of nine axes.
+///
+/// # Panics
+/// If it does not hold for these words.
+pub fn nine_axes_keep_ranges(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
+    let next = step_marg(state, gyro, accel, mag, &FILTER);
+    assert!(in_ranges(&next), "a word is out of its range");
+}
+
+/// The step of the controller, which follows the gyroscope's drift: as [`six_axes_keep_ranges`], and the drift stays
+/// within its limit.
+///
+/// # Panics
+/// If it does not hold for these words.
+pub fn tracked_step_keeps_ranges(
+    state: &FilterState,
+    drift: [i32; 3],
+    gyro: [i16; 3],
+    accel: [i16; 3],
+) {
+    let (next, drift) = step_tracked(state, drift, gyro, accel, &FILTER);
+    assert!(in_ranges(&next), "a word is out of its range");
+    let limit = FILTER.drift.limit;
+    for value in drift {
         assert!(
-            (-ANGLE_MAX..=ANGLE_MAX).contains(&angle),
-            "the angle is beyond half a turn"
+            (-limit..=limit).contains(&value),
+            "the drift is out of its range"
         );
     }
+}
+
+/// The part of [`step_keeps_ranges`] that speaks of the angle, for components in their ranges.
+///
+/// # Panics
+/// If it does not hold for these words.
+pub fn angle_is_within_half_a_turn(quaternion: [i32; 4]) {
+    let angle = pivot_angle(quaternion, MOUNTING_ANGLE);
+    assert!(
+        (-ANGLE_MAX..=ANGLE_MAX).contains(&angle),
+        "the angle is beyond half a turn"
+    );
 }
 
 /// Claim `filter-length`: a quaternion whose squared length is 1 ± 2⁻¹¹ has such a length after
@@ -76,7 +121,7 @@ pub fn step_keeps_length(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], m
     }
 }
 
-/// Claim `step-total`: the duty is within 10 % and 90 %, and that of zero current unless the
+/// Claim `step-total`: the duty is within the drive's ends, and that of zero current unless the
 /// controller runs.
 ///
 /// # Panics
@@ -90,7 +135,7 @@ pub fn duty_within_limits(controller: &mut Controller, sample: &Sample, is_armed
     let may_flow = controller.status() == Status::Running;
     let Duty(duty) = controller.step(sample);
     assert!(
-        (6554..=58982).contains(&duty),
+        (DUTY_LINE.low..=DUTY_LINE.high).contains(&i32::from(duty)),
         "the duty is beyond its limits"
     );
     assert!(

@@ -1,13 +1,13 @@
-//! The supervisor: what trips, and that nothing else than arming ends a trip.
+//! The supervisor: which conditions trip it, and that only arming ends a trip.
 
 use generated::constants::LIMITS;
 use generated::supervisor::{
-    Counters, EMPTY_WINDOW, Status, Window, counted, gathered, judged, may_arm, observed,
+    Counters, EMPTY_WINDOW, SUM_MAX, Status, Window, counted, gathered, judged, may_arm, observed,
 };
 use generated::{Controller, Sample, ZERO_CURRENT};
 
-/// Claim `supervisor`: a count grows by one while its condition holds, never beyond its limit, and
-/// starts anew once it does not.
+/// Claim `supervisor`: a count grows by one while its condition holds, never exceeds its limit, and
+/// is reset once the condition does not hold.
 ///
 /// # Panics
 /// If the claim does not hold for these words.
@@ -21,8 +21,8 @@ pub fn counts_are_bounded(count: i32, holds: bool, limit: i32) {
     }
 }
 
-/// Claim `supervisor`: counts below their limits and an angle within its own let the controller run;
-/// any other word trips it, by a status that says which.
+/// Claim `supervisor`: if the counts and the angle are below their limits, the controller may run;
+/// any other value trips it, with a status that names the cause.
 ///
 /// # Panics
 /// If the claim does not hold for these words.
@@ -56,7 +56,7 @@ pub fn arming_needs_sound_sensors(counters: &Counters, angle: i32, rate: i32) {
     }
 }
 
-/// Claim `supervisor`: a window holds at most its samples, and none that is not quiet.
+/// Claim `supervisor`: a window holds at most its number of samples, and only quiet ones.
 ///
 /// # Panics
 /// If the claim does not hold for these words.
@@ -66,13 +66,19 @@ pub fn windows_are_of_quiet_samples(window: &Window, up: [i32; 3], is_quiet: boo
         (0..=LIMITS.window).contains(&next.count),
         "a window too long"
     );
+    for sum in next.sum {
+        assert!(
+            (-SUM_MAX..=SUM_MAX).contains(&sum),
+            "a sum out of its range"
+        );
+    }
     assert!(
         is_quiet || next == EMPTY_WINDOW,
         "a sample that is not quiet"
     );
 }
 
-/// Claim `supervisor`: counts after a sample are those of [`counted`], of whatever sample.
+/// Claim `supervisor`: after any sample, the counts are those of [`counted`].
 ///
 /// # Panics
 /// If the claim does not hold for these words.

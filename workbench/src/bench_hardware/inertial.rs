@@ -20,7 +20,7 @@ const DRIFT_MARGIN: f64 = 3.0;
 const CROSS_AXIS_MAX: f64 = 0.5;
 
 /// A calibration must be in the sensor's own axes: each output mainly follows its own axis. If it does
-/// not, the mounting is different, and a calibration by field strength alone cannot find the mounting.
+/// not, the mounting is different, and a calibration from vector lengths cannot find it.
 fn require_own_axes(name: &str, matrix: &[[f64; 3]; 3]) -> Result<(), HardwareError> {
     for (row, entries) in matrix.iter().enumerate() {
         let own = entries[row];

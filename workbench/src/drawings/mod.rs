@@ -6,3 +6,6 @@ mod comparison;
 mod decay;
 mod design;
 mod diagnosis;
+mod loops;
+
+pub use loops::{NamedLoop, loop_drawings};

@@ -5,6 +5,8 @@ mod bring_up;
 mod calling_off;
 mod controller;
 mod hardware;
+mod loops;
 mod results;
 mod session;
 mod sliders;
+mod sound_modules;

@@ -1,4 +1,4 @@
-//! Random words that favour the places where pieces meet.
+//! Random words, with a preference for values where two branches of a function meet.
 
 use crate::claims::filter_exact::second::{COMPONENT_MAX, ONE, Words};
 use crate::claims::random::Random;

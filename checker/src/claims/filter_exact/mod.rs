@@ -1,7 +1,7 @@
-//! Claim `filter-exact`: the source computes just the words of a second version of it.
+//! Claim `filter-exact`: the source computes exactly the words of a second implementation.
 //!
-//! [`crate::claims::filter_accurate`] shows that the equations are the right ones, to within a
-//! tolerance; this notices a damage below that.
+//! [`crate::claims::filter_accurate`] shows that the equations are right within a
+//! tolerance; this claim detects changes below that tolerance.
 
 pub mod draw;
 pub mod every_input;

@@ -1,4 +1,4 @@
-//! Runs of the source against the second version of its functions.
+//! Runs of the source, compared with the second implementation of its functions.
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::claims::filter_exact::second::*;

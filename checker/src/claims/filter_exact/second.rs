@@ -1,8 +1,8 @@
-//! The filter's functions a second time, in exact integers.
+//! The second implementation of the filter's functions, in exact integers.
 //!
-//! Written from the documents of each function: its formats, where it rounds, where it clamps, and
-//! the coefficients. Words here are wide, so nothing overflows; an argument that the source may
-//! not be given is not tried.
+//! It is written from the documentation of each function: its formats, where it rounds, where it clamps, and
+//! the coefficients. Its words are wide, so nothing overflows. Arguments that the source does not
+//! accept are not tried.
 
 /// A vector of words.
 pub(crate) type Words = Vec<i128>;

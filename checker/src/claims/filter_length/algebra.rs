@@ -1,4 +1,4 @@
-//! Functions with calls kept as calls, and forms that their words are compared with.
+//! Functions whose calls are kept as calls, and the forms with which their words are compared.
 
 use std::collections::HashMap;
 

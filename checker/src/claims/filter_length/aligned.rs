@@ -1,4 +1,4 @@
-//! 5: an alignment.
+//! Step 5 of the argument in [`super::check`]: an alignment gives a unit quaternion.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

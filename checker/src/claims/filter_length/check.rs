@@ -1,20 +1,20 @@
-//! The norm of the attitude's quaternion: no step leaves it outside 1 ± 2⁻¹¹ (squared).
+//! The norm of the attitude's quaternion: every step keeps it within 1 ± 2⁻¹¹ (squared).
 //!
-//! No ranges of components can say this, so it is shown by algebra on the source itself, with
+//! Ranges of components cannot express this. It is proved by algebra on the source itself, with
 //! words as polynomials ([`crate::domains::polynomials`]) and rational arithmetic:
 //!
 //! 1. `inverse_length`, `coarse_inverse_length`: n r² is 1 to within a stated share, by halving
 //!    the range of n.
-//! 2. `scaled_correction`: direction times gain is then no longer than a bound, C.
-//! 3. `turned`: without the correction the squares of the sum are, as polynomials, those of
-//!    q times 1 + ‖h‖², h the half-angles. So the sum's norm is known to within C and rounding.
-//! 4. `normalised`: its result is q S(ε), ε the excess of ‖q‖² over 1, and (1 + ε) S(ε)² is 1 to
-//!    within 5ε³/8 or so, the coefficients being those of the source.
-//! 5. `aligned`: four times a unit vector from `unit_q28`, which is one by 1.
-//! 6. Whatever changes the attitude's quaternion takes it from `turned` or `aligned`, or leaves it
-//!    as it was, and a new one is 1.
+//! 2. `scaled_correction`: the product of direction and gain is therefore no longer than a bound C.
+//! 3. `turned`: without the correction, the squares of the sum are, as polynomials, those of
+//!    q times 1 + ‖h‖², with h the half-angles. The norm of the sum is thus known within C and rounding.
+//! 4. `normalised`: its result is q S(ε), with ε the excess of ‖q‖² over 1, and (1 + ε) S(ε)² is 1
+//!    within about 5ε³/8, with the coefficients of the source.
+//! 5. `aligned`: four times a unit vector from `unit_q28`, which is a unit vector by step 1.
+//! 6. Every change of the attitude's quaternion comes from `turned` or `aligned`, or leaves it
+//!    unchanged, and a new quaternion is 1.
 //!
-//! That no word overflows, and the ranges of half-angles and directions, are for
+//! The absence of overflow, and the ranges of half-angles and directions, are proved by
 //! [`crate::claims::filter_total`]; this claim holds together with `filter-total`.
 
 use std::collections::HashMap;

@@ -1,4 +1,4 @@
-//! 2: how much a correction adds.
+//! Step 2 of the argument in [`super::check`]: the largest length of a correction.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

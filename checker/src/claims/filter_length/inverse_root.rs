@@ -1,4 +1,4 @@
-//! 1: inverse square roots, by halving the range of their argument.
+//! Step 1 of the argument in [`super::check`]: inverse square roots, by halving the range of their argument.
 
 use crate::claims::filter_length::algebra::unless;
 use crate::domains::intervals::{IntegerInterval, ranges};

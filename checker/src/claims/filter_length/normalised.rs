@@ -1,4 +1,4 @@
-//! 4: the sum, normalised.
+//! Step 4 of the argument in [`super::check`]: the normalised sum.
 
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};

@@ -1,4 +1,4 @@
-//! 6: where quaternions and corrections come from.
+//! Step 6 of the argument in [`super::check`]: the origin of quaternions and corrections.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! 3: the sum of quaternion, turn and correction.
+//! Step 3 of the argument in [`super::check`]: the sum of quaternion, rotation and correction.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

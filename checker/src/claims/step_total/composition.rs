@@ -1,4 +1,4 @@
-//! Claim `step-total` in random runs: the methods are put together from their parts.
+//! Claim `step-total` in random runs: the methods equal the composition of their parts.
 
 use crate::claims::filter_accurate::constants::Filter;
 use crate::claims::filter_accurate::equations::unit;

@@ -1,5 +1,5 @@
-//! Claim `step-total`: raw counts give a duty within the drive's limits, and that of zero current when
-//! not armed.
+//! Claim `step-total`: raw counts give a duty within the drive's limits, and the duty of zero current if
+//! the controller is not armed.
 
 pub mod composition;
 pub mod ranges;

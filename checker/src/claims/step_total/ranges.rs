@@ -1,4 +1,4 @@
-//! Claim `step-total` by the ranges of its words.
+//! Claim `step-total`, decided by the ranges of its words.
 
 use std::collections::HashMap;
 

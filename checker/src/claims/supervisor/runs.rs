@@ -1,5 +1,5 @@
-//! Claim `supervisor` in random runs: sequences of samples with faults, word by word against the
-//! second statement; and each condition alone, which must end the current within its steps.
+//! Claim `supervisor` in random runs: sequences of samples with faults are compared word by word with the
+//! second implementation, and each condition alone must end the current within its number of steps.
 
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;

@@ -1,5 +1,5 @@
-//! A second statement of the controller's step and of its arming, in integers of any size. Attitude,
-//! law, observer and lines are the emitted functions, of which other claims speak.
+//! A second implementation of the controller's step and of its arming, in integers of any size. Attitude,
+//! law, observer and lines are the emitted functions, which other claims cover.
 
 use crate::claims::filter_exact::second::{calibrated, is_saturated, squares};
 use crate::claims::functions::Functions;

@@ -1,8 +1,8 @@
 //! The words of `LIMITS`, from the certificate's plant, sensors and drive.
 //!
-//! All follow from the linear model about upright, derived here a second time: the largest current
-//! holds the body at asin(|B₂| I/A₂₁), which it leaves at √A₂₁ 1/s; the wheel alone is sped up by
-//! (B₂ + B₃) I. The times are those that the claim states.
+//! All follow from the linear model about upright, which is derived here a second time. The largest current
+//! holds the body at asin(|B₂| I/A₂₁), which it leaves with the rate constant √A₂₁ (1/s). The wheel alone is accelerated
+//! by (B₂ + B₃) I. The times are those that the claim states.
 
 use num_traits::ToPrimitive;
 

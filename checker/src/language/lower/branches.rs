@@ -1,4 +1,4 @@
-//! Branches: `if`, `match` on an `Option`, and what `&&` and `||` leave out.
+//! Branches: `if`, `match` on an `Option`, and the short-circuit operators `&&` and `||`.
 
 use syn::spanned::Spanned;
 

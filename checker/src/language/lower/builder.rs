@@ -1,4 +1,4 @@
-//! What builds a program: its words so far, and what is known while a body is read.
+//! The builder of a program: its words so far, and what is known while a body is read.
 
 use std::collections::HashMap;
 use std::sync::Arc;

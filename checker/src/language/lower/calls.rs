@@ -1,5 +1,5 @@
-//! Calls: of functions and methods of the crate, which are put in place, and of the few that the
-//! language has beside.
+//! Calls: those of functions and methods of the crate, which are inlined, and the few others that the
+//! language has.
 
 use syn::spanned::Spanned;
 
@@ -121,6 +121,10 @@ impl Builder<'_> {
     ) -> Read<Value> {
         let declarations = self.declarations;
         let function = &declarations.functions[number];
+        if !function.is_public && function.module != scope.module {
+            let message = format!("`{}` is private to another file", function.name);
+            return refuse(&scope.path, span, message);
+        }
         let mut values = Vec::new();
         let mut targets = Vec::new();
         if let Some((value, target)) = receiver {

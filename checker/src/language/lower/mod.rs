@@ -1,5 +1,5 @@
 //! From the body of a function to a [`crate::program::Program`]: types are checked, names resolved,
-//! calls put in place, and every construct that is not understood is refused with its place.
+//! calls inlined, and every construct that is not understood is refused with its place.
 
 mod branches;
 mod builder;

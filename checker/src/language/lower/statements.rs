@@ -11,11 +11,11 @@ use crate::program::place::SourceError;
 use crate::program::steps::{Action, ProgramStep};
 use crate::program::types::Type;
 
-/// More steps than this come from calls that multiply, not from a controller.
+/// Largest number of steps. More come from multiplying calls, not from a controller.
 const LARGEST_PROGRAM: usize = 200_000;
 
 impl Builder<'_> {
-    /// Puts the body of a function in place; returns its result and its `&mut` arguments.
+    /// Inlines the body of a function; returns its result and its `&mut` arguments.
     pub(super) fn body(
         &mut self,
         number: usize,

@@ -1,4 +1,4 @@
-//! Types of expressions before they are read.
+//! The types of expressions, determined before the expressions are read.
 
 use crate::language::declarations::Named;
 use crate::language::lower::builder::{Builder, Scope};

@@ -2,6 +2,7 @@
 
 mod motion;
 mod torque;
+mod undo;
 
 pub use motion::MeasuredMotion;
 pub use torque::{ResidualTorque, TorqueOn, half_bump, residual_torque, residual_torques};

@@ -2,6 +2,8 @@
 
 use plant::{Current, Kind, Model, Plant, State, period_s};
 
+use super::undo::undone;
+
 use crate::fit::{Nuisance, Window, simulate};
 use crate::records::{Bump, Output, Record, RecordedCurrent, angle_samples, dot, half_samples};
 
@@ -55,27 +57,12 @@ impl MeasuredMotion {
         if n < 2 * half + 2 {
             return None;
         }
-        let plant = Plant::new(model, values, record.kind);
-        // Every sensor effect is affine in its own channel, so two readings give its scale and bias.
-        let at = |value: f64| {
-            plant.read(&State {
-                angle_rad: value,
-                rate_rad_s: value,
-                wheel_speed_rad_s: value,
-                ..State::rest()
-            })
-        };
-        let (zero, one) = (at(0.0), at(1.0));
-        let undo = |output: Output, samples: &[f64]| -> (Vec<f64>, f64) {
-            let (bias, scale) = (output.of(&zero), output.of(&one) - output.of(&zero));
-            let undone = samples.iter().map(|sample| (sample - bias) / scale);
-            (undone.collect(), scale.abs())
-        };
+        let plant = Plant::new(model, values, record.kind).for_log(&record.name);
         let moves_body = record.kind != Kind::SpinUp;
         let mut noise_std = [0.0; 3];
         let mut measured = |output: Output| -> Option<Vec<f64>> {
             let channel = record.channel(output)?;
-            let (samples, scale) = undo(output, &channel.samples);
+            let (samples, scale) = undone(&plant, output, &channel.samples, &record.time_s);
             noise_std[output as usize] = channel.noise_std / scale;
             Some(samples)
         };

@@ -1,0 +1,391 @@
+#!/usr/bin/env python3
+"""The claims `loop-as-shipped` and `motion-kept-up` a second time: python3 loop_as_shipped.py certificate.json
+
+Nothing here is shared with the checker in Rust. It reads the certificate alone; that the source has the stated
+words is for `flywheel prove` to show. Numbers are integers in units of 2^-BITS and fractions; what rounding does is
+added to every result.
+
+The pendulum x = (angle, rate, wheel speed) with viscous friction alone obeys
+
+    x' = A x + B i + e f + e_w f_w,    e = (0, 1, -1),    e_w = (0, 1/D, -Theta/(j_w D)),
+
+where |f| is at most dry friction over D plus g |angle|^3/6, what a straight line leaves out of the sine, and f_w the dry
+torque on the wheel. The command of a sample is N x plus errors, and flows after a delay. z = (x, N x of one
+sample before), z+ = F z for a delay of 1, 3, 5 or 7 eighths of a sample; what the delay is off by, at most
+1/8 of a sample, is an input as large as the command's change.
+
+For a row C and an input v, T (|C v| + |C F v| + |C F^2 v| + ...) bounds what the input does. Later terms than
+those added up are bounded by a power of F whose weighted norm is at most 1/2.
+
+The filter's correction turns the estimate by c, 2/3 * 2 beta T <= c <= 2 beta T, towards what the accelerometer
+shows, which is off by at most eta; the gyroscope disturbs by at most delta a step. Above
+max(4 beta T, eta/s), s^2 = 1 - (delta/c + 2 beta T/eta)^2 or 2/3 (1 - delta/c), the estimate comes nearer.
+
+Exit code 0 and one line: from which angle at rest, and what stays. 3: the argument does not hold this module. 1: the
+certificate contradicts itself. 2: no certificate.
+"""
+
+import json
+import sys
+from fractions import Fraction
+from math import factorial, isqrt
+
+BITS = 140
+ONE = 1 << BITS
+PARTS, LATER = 3, 12
+MODEL = {
+    "total_inertia", "wheel_inertia", "gravity_torque", "torque_constant",
+    "body_viscous_friction", "wheel_viscous_friction",
+}  # fmt: skip
+OTHER = {
+    "body_coulomb_torque", "body_breakaway_torque", "wheel_coulomb_torque", "cogging_torque", "dead_zone",
+    "current_offset", "body_stribeck_speed", "body_presliding_stiffness", "cogging_order", "cogging_phase",
+}  # fmt: skip
+
+
+class NotShown(Exception):
+    """The argument does not hold, or does not close."""
+
+
+class Contradiction(Exception):
+    """The certificate cannot be true."""
+
+
+def root(value, up):
+    """The square root to 60 decimals, rounded up or down."""
+    if value < 0:
+        raise NotShown("a square is negative")
+    scale = 10**120
+    return Fraction(isqrt(value.numerator * scale // value.denominator) + int(up), 10**60)
+
+
+def grid(value):
+    return value.numerator * ONE // value.denominator
+
+
+def real(entry):
+    return Fraction(entry, ONE)
+
+
+def times(a, b):
+    """Matrices in units of 2^-BITS."""
+    columns = list(zip(*b))
+    return [[sum(x * y for x, y in zip(row, column)) >> BITS for column in columns] for row in a]
+
+
+def short(value):
+    """Rounded up to few digits."""
+    return Fraction(-((-value.numerator << 80) // value.denominator), 1 << 80)
+
+
+def exponential(a, b, t):
+    """exp(A t) and what a current of 1 A does in t, from the series of the matrix (A B; 0 0)."""
+    m = [[grid(x * t) for x in row] + [grid(y * t)] for row, y in zip(a, b)] + [[0] * 4]
+    if max(sum(abs(x) for x in row) for row in m) > 8 * ONE:
+        raise NotShown("the sample time is too long for the series")
+    term = [[ONE * (i == j) for j in range(4)] for i in range(4)]
+    total = [row[:] for row in term]
+    for k in range(1, 100):
+        term = [[x // k for x in row] for row in times(term, m)]
+        total = [[x + y for x, y in zip(*rows)] for rows in zip(total, term)]
+    return [row[:3] for row in total[:3]], [row[3] for row in total[:3]]
+
+
+class Plant:
+    """A, B, gains, and the sizes of what acts on them."""
+
+    def __init__(self, certificate):
+        if certificate["bias_observer"] is not None:
+            raise NotShown("the module has an observer of the angle's bias")
+        p = {entry["name"]: Fraction(entry["value"]) for entry in certificate["parameters"]}
+        for name in p:
+            if name not in MODEL | OTHER:
+                raise NotShown(f"the argument does not hold the effect of {name}")
+        of = lambda name: abs(p.get(name, Fraction(0)))
+        theta, wheel = p["total_inertia"], p["wheel_inertia"]
+        d = theta - wheel
+        if d <= 0 or wheel <= 0 or p["gravity_torque"] <= 0 or p["torque_constant"] <= 0:
+            raise Contradiction("these are the parameters of no pendulum")
+        if p.get("body_viscous_friction", 0) < 0 or p.get("wheel_viscous_friction", 0) < 0:
+            raise Contradiction("viscous friction is negative")
+        self.g, body, drag = p["gravity_torque"] / d, of("body_viscous_friction") / d, of("wheel_viscous_friction") / d
+        self.lever = theta / (wheel * d)
+        spin = of("wheel_viscous_friction") * self.lever
+        zero, one = Fraction(0), Fraction(1)
+        self.a = [[zero, one, zero], [self.g, -body, drag], [-self.g, body, -spin]]
+        self.b = [zero, -p["torque_constant"] / d, p["torque_constant"] * self.lever]
+        if abs(Fraction(certificate["plant"]["A"][1][0]) - self.g) > self.g / 10**5:
+            raise Contradiction("A[1][0] is not the gravity of the parameters")
+        words = certificate["constants"]
+        self.n = [Fraction(word["raw"], 2 ** word["fraction_bits"]) for word in words[:3]]
+        self.limit = Fraction(words[3]["raw"], 2 ** words[3]["fraction_bits"])
+        self.t = Fraction(certificate["sample_time_s"])
+        self.dry = max(of("body_coulomb_torque"), of("body_breakaway_torque")) / d
+        self.wheel_dry = of("wheel_coulomb_torque") + of("cogging_torque")
+        self.current_off = of("dead_zone") + of("current_offset")
+        self.inputs = [self.b, [zero, one, -one], [zero, 1 / d, -self.lever]]
+
+
+class Responses:
+    """The worst that start and inputs do to each row."""
+
+    def __init__(self, plant, eighths):
+        t, n = plant.t, plant.n
+        ad, whole = exponential(plant.a, plant.b, t)
+        _, new = exponential(plant.a, plant.b, t * (8 - eighths) / 8)
+        row = [grid(x) for x in n]
+        f = [[ad[i][j] + (new[i] * row[j] >> BITS) for j in range(3)] + [whole[i] - new[i]] for i in range(3)]
+        f.append(row + [0])
+        weights = [abs(x) or Fraction(1) for x in n] + [Fraction(1)]
+        norm = lambda m: max(
+            sum(real(abs(m[i][j])) * weights[i] / weights[j] for j in range(4)) for i in range(4)
+        ) * (1 + Fraction(1, 1 << 40)) + Fraction(1, 1 << 60)
+        power, m = f, 1
+        while (q := norm(power)) > Fraction(1, 2):
+            if m > 1 << 17:
+                raise NotShown("with viscous friction alone the loop is not stable, or too slow")
+            power, m = times(power, power), 2 * m
+        power, total = [[ONE * (i == j) for j in range(4)] for i in range(4)], Fraction(0)
+        for _ in range(m):
+            total, power = total + short(norm(power)), times(power, f)
+        total /= 1 - q
+
+        fall, push = plant.a[1], plant.b[1]
+        rows = [[ONE * (i == j) for j in range(4)] for i in range(3)]
+        rows += [row + [0], row + [-ONE]]
+        rows += [[grid(x) for x in fall] + [grid(push)]]
+        rows += [[grid(x + push * y) for x, y in zip(fall, n)] + [0]]
+        columns, later = [[ONE, 0, 0, 0]], []
+        for v in plant.inputs:
+            size = Fraction(0)
+            for k in range(LATER):
+                if k < PARTS:
+                    columns.append([grid(x) for x in v] + [0])
+                else:
+                    size += max(w * abs(x) for w, x in zip(weights, v))
+                v = [sum(x * y for x, y in zip(line, v)) * t / (k + 1) for line in plant.a]
+            later.append(size)
+        reach = max(sum(abs(x) for x in line) for line in plant.a) * t
+        if reach >= 1:
+            raise NotShown("the sample time is too long: |A| T is above 1")
+        beyond = reach**LATER / factorial(LATER) / (1 - reach)
+        peak, kick, sums = [0] * 7, [0] * 7, [[0] * 7 for _ in range(3)]
+        first, steps = 0, 16 * m
+        for step in range(steps):
+            for index, c in enumerate(rows):
+                seen = [abs(sum(x * y for x, y in zip(c, column)) >> BITS) for column in columns]
+                if index == 4 and step == 0:
+                    first = seen[0]
+                else:
+                    peak[index] = max(peak[index], seen[0])
+                terms = [sum(seen[1 + PARTS * i : 1 + PARTS * (i + 1)]) for i in range(3)]
+                kick[index] = max(kick[index], terms[0])
+                for i in range(3):
+                    sums[i][index] += terms[i]
+            columns = [[sum(x * y for x, y in zip(line, column)) >> BITS for line in f] for column in columns]
+        largest = max(weights)
+        # Each step is off by less than this in an entry: products of numbers below 2^30, and a unit of F's entries.
+        drift = Fraction(1, 1 << (BITS - 40)) * largest * total
+        size = lambda some: sum(max(w * real(abs(x)) for w, x in zip(weights, c)) for c in some) + drift
+        late = [size(columns[:1])] + [size(columns[1 + PARTS * i : 1 + PARTS * (i + 1)]) for i in range(3)]
+        norms = [sum(real(abs(x)) / w for x, w in zip(c, weights)) for c in rows]
+
+        def settled(index, group, value):
+            found = real(value) + norms[index] * (late[group] * total + drift * steps * PARTS)
+            if group:
+                rest = beyond * max(abs(x) for x in plant.inputs[group - 1]) * largest
+                found += (later[group - 1] + rest) * norms[index] * total
+            return short(found)
+
+        self.peak = [settled(i, 0, peak[i]) for i in range(7)]
+        self.first = settled(4, 0, first)
+        self.sums = [[t * settled(i, j + 1, sums[j][i]) for i in range(7)] for j in range(3)]
+        self.kick = [t * settled(i, 1, kick[i]) for i in range(7)]
+
+
+class Errors:
+    """What sensors, filter, words and duty do to the command."""
+
+    def __init__(self, certificate, plant, noisy):
+        hardware = certificate["hardware"]
+        steps = Fraction(3, 2) if noisy else Fraction(1, 2)
+
+        def sensor(name):
+            clips = [abs(clip) for clip in hardware[name]["clip_counts"] if clip]
+            step = min((clip & -clip for clip in clips), default=1)
+            axes = [sum(abs(Fraction(x)) for x in line) * steps * step for line in hardware[name]["matrix"]]
+            return max(axes), root(sum(axis * axis for axis in axes), True)
+
+        self.gyro_axis, self.gyro = sensor("gyroscope")
+        _, self.accel = sensor("accelerometer")
+        beta, rate = Fraction(hardware["beta_rad_s"]), certificate["gyro_rate_hz"]
+        if beta <= 0:
+            raise Contradiction("the filter never corrects")
+        if Fraction(hardware["drift_time_s"]) < 20:
+            raise NotShown("the gyroscope's drift is followed so fast that it follows the correction's ripple")
+
+        def per_unit(name):
+            m = [[Fraction(x) for x in line] for line in hardware[name]["matrix"]]
+            minor = lambda i, j: (
+                m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
+                - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3]
+            )
+            d = sum(m[0][j] * minor(0, j) for j in range(3))
+            if d == 0:
+                raise Contradiction("a sensor's matrix is singular")
+            room = [
+                clip - abs(Fraction(bias)) - 16 * steps
+                for clip, bias in zip(hardware[name]["clip_counts"], hardware[name]["bias_counts"])
+            ]
+            return [[minor(j, i) / d for j in range(3)] for i in range(3)], room
+
+        counts, room = per_unit("gyroscope")
+        self.rate_range = min(space / abs(line[2]) for space, line in zip(room, counts) if line[2])
+        counts, room = per_unit("accelerometer")
+        self.accel_range = min(space / root(sum(x * x for x in line), True) for space, line in zip(room, counts))
+        wheel = hardware["wheel_speed"]
+        ends = [
+            Fraction(wheel["rad_s_per_count"]) * wheel[end] + Fraction(wheel["rad_s_at_zero"])
+            for end in ("low_counts", "high_counts")
+        ]
+        self.wheel_range = min(map(abs, ends)) if ends[0] * ends[1] < 0 else Fraction(0)
+        self.turn, self.t = 2 * beta * plant.t, plant.t
+        self.drift = beta / 10 if noisy else Fraction(0)
+        self.age = 1 / Fraction(rate) if rate is not None and Fraction(rate) > 0 else Fraction(0)
+        self.wheel = abs(Fraction(hardware["wheel_speed"]["rad_s_per_count"])) * steps
+        self.lever = root(sum(Fraction(x) ** 2 for x in hardware["lever_arm_m"]), True)
+        self.g, self.n = Fraction(hardware["gravity_m_s2"]), plant.n
+        words = [Fraction(1, 2 ** entry["fraction_bits"]) for entry in certificate["inputs"]]
+        self.rate_word = words[1]
+        self.rounding = sum(abs(x) * y for x, y in zip(self.n, words))
+        self.rounding += Fraction(1, 2 ** certificate["output"]["fraction_bits"])
+        self.rounding += abs(Fraction(certificate["drive"]["amperes_per_count"])) * Fraction(51, 100)
+
+    def filter(self, acceleration, rate):
+        moved = 2 * self.lever * (2 * acceleration + rate * rate) + self.lever * self.gyro / self.t
+        off = self.accel + moved
+        if 2 * off >= self.g:
+            raise NotShown("at the accelerometer the motion is as large as gravity")
+        if self.g + off >= self.accel_range:
+            raise NotShown("the accelerometer may come to the end of its range")
+        eta = off / (self.g - off) * Fraction(101, 100)
+        old = self.age - self.t / 2 if self.age > self.t else self.t / 2
+        delta = self.t * (self.gyro + self.drift + acceleration * old) + Fraction(16, 10**7)
+        share = delta / (self.turn * Fraction(2, 3))
+        if share >= 1:
+            raise NotShown("the gyroscope may turn the estimate faster than the filter's beta turns it back")
+        square, other = Fraction(2, 3) * (1 - share), share + self.turn / eta
+        if other < 1:
+            square = max(square, 1 - other * other)
+        return max(eta / root(square, False), 2 * self.turn) + self.turn + delta + Fraction(1, 10**6)
+
+    def current(self, acceleration, rate):
+        angle = self.filter(acceleration, rate)
+        speed = self.gyro_axis + self.drift + self.age * acceleration + self.rate_word
+        return sum(abs(x) * y for x, y in zip(self.n, (angle, speed, self.wheel))) + self.rounding
+
+
+def following(plant, responses, errors, rows, start):
+    """What bounds follow at the next sample from those that held until now; states between, noise, filter."""
+    sine = lambda angle: plant.g * angle**3 / 6
+    current = plant.limit + plant.current_off + errors.rounding
+    strength = max(abs(x) for x in plant.inputs[2])
+    b = rows[:3]
+    for _ in range(200):
+        reached = []
+        for i in range(3):
+            speed = abs(plant.b[i]) * current + sum(abs(x) * y for x, y in zip(plant.a[i], b))
+            if i:
+                speed += plant.dry + sine(b[0]) + strength * plant.wheel_dry
+            reached.append(rows[i] + plant.t * speed)
+        if all(new < old for new, old in zip(reached, b)):
+            break
+        b = [short(x * (1 + Fraction(1, 1 << 20)) + Fraction(1, 1 << 60)) for x in reached]
+    else:
+        raise NotShown("the motion between two samples does not settle")
+    plain = max(rows[5], rows[6]) + sum(abs(x) * (y - z) for x, y, z in zip(plant.a[1], b, rows))
+    plain += plant.dry + sine(b[0]) + strength * plant.wheel_dry
+    noise = Fraction(0)
+    for _ in range(200):
+        acceleration = plain + abs(plant.b[1]) * noise
+        more = errors.current(acceleration, b[1]) + plant.current_off
+        if more <= noise:
+            break
+        noise = short(more * (1 + Fraction(1, 1 << 30)))
+    else:
+        raise NotShown("the age of the gyroscope's readings feeds on itself")
+    body, late = plant.dry + sine(b[0]), rows[4] / 8
+    sums = responses.sums
+    found = [
+        short(
+            start * responses.peak[i] + sums[0][i] * (noise + late) + sums[1][i] * body
+            + sums[2][i] * plant.wheel_dry + responses.kick[i] * responses.first * start / 8
+        )
+        for i in range(7)
+    ]  # fmt: skip
+    inside = b[1] + errors.gyro_axis + errors.drift + errors.age * acceleration + errors.rate_word < errors.rate_range
+    return found, b, noise, inside and b[2] + errors.wheel < errors.wheel_range
+
+
+def closing(plant, responses, errors, start):
+    """Bounds that keep themselves, or None."""
+    rows = [short(start * x) for x in responses.peak]
+    for _ in range(200):
+        try:
+            found, b, noise, inside = following(plant, responses, errors, rows, start)
+        except NotShown:
+            return None
+        if not inside or found[3] + noise >= plant.limit or b[0] * plant.g >= abs(plant.b[1]) * plant.limit:
+            return None
+        if all(new <= old for new, old in zip(found, rows)):
+            return rows, b, found[3] + noise
+        rows = [short(max(x, y) * (1 + Fraction(1, 1 << 12))) for x, y in zip(found, rows)]
+    return None
+
+
+def check(certificate):
+    plant = Plant(certificate)
+    noisy, quiet = Errors(certificate, plant, True), Errors(certificate, plant, False)
+    start, all_responses = Fraction(1), [Responses(plant, eighths) for eighths in (1, 3, 5, 7)]
+    for responses in all_responses:
+        if closing(plant, responses, noisy, Fraction(0)) is None:
+            raise NotShown("even from upright no bounds keep themselves")
+        low, high = Fraction(0), Fraction(1)
+        for _ in range(18):
+            middle = (low + high) / 2
+            low, high = (middle, high) if closing(plant, responses, noisy, middle) else (low, middle)
+        start = min(start, low)
+    bounds, kept = [Fraction(0)] * 4, [Fraction(0)] * 4
+    for responses in all_responses:
+        rows, b, command = closing(plant, responses, noisy, start)
+        bounds = [max(x, y) for x, y in zip(bounds, b + [command])]
+        for _ in range(200):
+            found, b, noise, _ = following(plant, responses, quiet, rows, Fraction(0))
+            done = all(new * (1 + Fraction(1, 1 << 12)) >= old for new, old in zip(found, rows))
+            rows = [min(x, y) for x, y in zip(found, rows)]
+            if done:
+                break
+        kept = [max(x, y) for x, y in zip(kept, b + [found[3] + noise])]
+    three = lambda values: ", ".join(f"{float(value):.4g}" for value in values)
+    return f"from rest up to {float(start):.5f} rad: within {three(bounds)} (rad, rad/s, rad/s, A); kept up: {three(kept)}"
+
+
+def main():
+    try:
+        with open(sys.argv[1], encoding="utf-8") as file:
+            certificate = json.load(file)
+        print(check(certificate))
+        return 0
+    except NotShown as why:
+        print(why)
+        return 3
+    except Contradiction as why:
+        print(why)
+        return 1
+    except (IndexError, OSError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
+        print(f"no certificate: {error!r}")
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,296 @@
+//! Bounds that keep themselves, and the largest start for which there are any.
+
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+
+use crate::claims::loop_as_shipped::NoBounds;
+use crate::claims::loop_as_shipped::errors::{Motion, SensorErrors};
+use crate::claims::loop_as_shipped::plant::{Loop, delay_off};
+use crate::claims::loop_as_shipped::responses::{ACCELERATIONS, CHANGE, COMMAND, ROWS, Responses};
+use crate::exact::rational::{half, integer, power_of_two};
+
+/// Rounds in which bounds are enlarged until they keep themselves.
+const ROUNDS: usize = 200;
+/// Halvings of the start.
+const HALVINGS: usize = 24;
+/// Largest start that is looked at (rad).
+const LARGEST_START: i128 = 1;
+
+/// Bounds that hold at every step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    /// Angle, rate and wheel speed (rad, rad/s, rad/s), between samples too.
+    pub states: [BigRational; 3],
+    /// The command, errors included (A).
+    pub command: BigRational,
+    /// What the filter is off (rad).
+    pub filter: BigRational,
+    rows: [BigRational; ROWS],
+}
+
+/// Why bounds do not close.
+enum Open {
+    /// A command may reach the limit, or a state the end of its range: a smaller start may do.
+    TooLarge(String),
+    /// They grow without end.
+    Grows(String),
+}
+
+impl Open {
+    fn why(self) -> String {
+        match self {
+            Open::TooLarge(why) | Open::Grows(why) => why,
+        }
+    }
+}
+
+/// Rounded up to 2⁻¹⁰⁰, so that numbers stay short.
+fn up(value: BigRational) -> BigRational {
+    (value * power_of_two(100)).ceil() * power_of_two(-100)
+}
+
+/// States between samples.
+struct Between {
+    states: [BigRational; 3],
+    motion: Motion,
+    /// g |sin α − α| (rad/s²).
+    sine: BigRational,
+}
+
+/// From the bounds at samples to those between: while the states keep to `b`, they change in one sample by no more than
+/// the model's rows say; where that cannot reach `b`, it is never left.
+fn between(model: &Loop, rows: &[BigRational; ROWS], current: &BigRational) -> Option<Between> {
+    let t = &model.t;
+    let sine = |angle: &BigRational| &model.gravity * angle * angle * angle / integer(6);
+    let lever = [0, 1, 2].map(|i| {
+        // e_w of the plant: zero, 1/D, Θ/(j_w D); the push of a current over the torque constant.
+        model.wheel_dry.clone() * &model.on_wheel * integer(i128::from(i > 0))
+    });
+    let mut b: [BigRational; 3] = [0, 1, 2].map(|i| rows[i].clone());
+    for _ in 0..ROUNDS {
+        let outer = sine(&b[0]);
+        let reached: [BigRational; 3] = [0, 1, 2].map(|i| {
+            let mut rate = model.b[i].abs() * current + &lever[i];
+            for (entry, bound) in model.a[i].iter().zip(&b) {
+                rate += entry.abs() * bound;
+            }
+            if i > 0 {
+                rate += &model.dry + &outer;
+            }
+            &rows[i] + t * rate
+        });
+        if reached.iter().zip(&b).all(|(new, old)| new < old) {
+            // The acceleration at the sample, and what angle, rate and wheel speed add until the next.
+            let mut drift = BigRational::zero();
+            for j in 0..3 {
+                drift += model.a[1][j].abs() * (&b[j] - &rows[j]);
+            }
+            let at_sample = ACCELERATIONS.iter().map(|row| &rows[*row]).max()?;
+            // Where the current is what was asked for before that: one change more.
+            let acceleration = at_sample + drift + &model.dry + &outer + &lever[1];
+            return Some(Between {
+                motion: Motion {
+                    acceleration,
+                    rate: b[1].clone(),
+                },
+                sine: outer,
+                states: b,
+            });
+        }
+        b = reached.map(|value| up(value * (integer(1) + power_of_two(-20)) + power_of_two(-60)));
+    }
+    None
+}
+
+/// What follows at the next step from bounds that held until now.
+struct Following {
+    rows: [BigRational; ROWS],
+    between: Between,
+    noise: BigRational,
+}
+
+fn following(
+    model: &Loop,
+    responses: &Responses,
+    errors: &SensorErrors,
+    rows: &[BigRational; ROWS],
+    start: &BigRational,
+) -> Result<Following, Open> {
+    // Nothing flows above the limit but what the drive is off.
+    let current = &model.limit + &model.current_off + &errors.rounding;
+    let mut between = between(model, rows, &current)
+        .ok_or_else(|| Open::Grows("the motion between two samples does not settle".to_owned()))?;
+    // The acceleration depends on the noise of the current, which depends on the acceleration.
+    let plain = between.motion.acceleration.clone();
+    let mut noise = BigRational::zero();
+    let mut settled = false;
+    for _ in 0..ROUNDS {
+        between.motion.acceleration = &plain + model.b[1].abs() * &noise;
+        let next = errors
+            .current(&between.motion)
+            .map_err(|open| Open::TooLarge(open.to_string()))?
+            + &model.current_off;
+        if next <= noise {
+            settled = true;
+            break;
+        }
+        noise = up(next * (integer(1) + power_of_two(-30)));
+    }
+    if !settled {
+        return Err(Open::TooLarge(
+            "the age of the gyroscope's readings feeds on itself".to_owned(),
+        ));
+    }
+    let body = &model.dry + &between.sine;
+    let late = delay_off() * &rows[CHANGE];
+    let first = delay_off() * &responses.first_change * start;
+    let rows = std::array::from_fn(|row| {
+        up(start * &responses.start[row]
+            + &responses.sums[0][row] * (&noise + &late)
+            + &responses.sums[1][row] * &body
+            + &responses.sums[2][row] * &model.wheel_dry
+            + &responses.kick[row] * &first)
+    });
+    Ok(Following {
+        rows,
+        between,
+        noise,
+    })
+}
+
+impl Bounds {
+    /// Bounds from rest at any angle up to `start`.
+    ///
+    /// # Errors
+    /// [`NoBounds::NotShown`].
+    pub fn from_rest(
+        model: &Loop,
+        responses: &Responses,
+        errors: &SensorErrors,
+        start: &BigRational,
+    ) -> Result<Bounds, NoBounds> {
+        closing(model, responses, errors, start).map_err(|open| NoBounds::NotShown(open.why()))
+    }
+
+    /// The larger of each.
+    #[must_use]
+    pub fn larger(self, other: Bounds) -> Bounds {
+        let mut all = self;
+        for (own, theirs) in all.states.iter_mut().zip(other.states) {
+            *own = own.clone().max(theirs);
+        }
+        for (own, theirs) in all.rows.iter_mut().zip(other.rows) {
+            *own = own.clone().max(theirs);
+        }
+        all.command = all.command.max(other.command);
+        all.filter = all.filter.max(other.filter);
+        all
+    }
+}
+
+fn closing(
+    model: &Loop,
+    responses: &Responses,
+    errors: &SensorErrors,
+    start: &BigRational,
+) -> Result<Bounds, Open> {
+    let mut rows: [BigRational; ROWS] =
+        std::array::from_fn(|row| up(start * &responses.start[row]));
+    for _ in 0..ROUNDS {
+        let next = following(model, responses, errors, &rows, start)?;
+        let command = &next.rows[COMMAND] + &next.noise;
+        if command >= model.limit {
+            return Err(Open::TooLarge("the command may reach its limit".to_owned()));
+        }
+        let leans = &next.between.states[0] * model.gravity.clone();
+        if leans >= model.b[1].abs() * &model.limit {
+            return Err(Open::TooLarge(
+                "the body may lean further than the current holds it".to_owned(),
+            ));
+        }
+        let [_, rate, speed] = &next.between.states;
+        if rate + errors.rate(&next.between.motion) >= errors.rate_range {
+            return Err(Open::TooLarge(
+                "the gyroscope may come to the end of its range".to_owned(),
+            ));
+        }
+        if speed + &errors.wheel_speed >= errors.wheel_range {
+            return Err(Open::TooLarge(
+                "the wheel's sensor may come to the end of its range".to_owned(),
+            ));
+        }
+        if next.rows.iter().zip(&rows).all(|(new, old)| new <= old) {
+            let filter = errors
+                .filter(&next.between.motion)
+                .map_err(|open| Open::TooLarge(open.to_string()))?;
+            return Ok(Bounds {
+                states: next.between.states,
+                command,
+                filter,
+                rows,
+            });
+        }
+        rows = std::array::from_fn(|row| {
+            let larger = next.rows[row].clone().max(rows[row].clone());
+            up(larger * (integer(1) + power_of_two(-12)))
+        });
+    }
+    Err(Open::Grows("the bounds grow without end".to_owned()))
+}
+
+/// The largest start at rest for which bounds close, to one part in 2²⁴ of a radian.
+///
+/// # Errors
+/// [`NoBounds::NotShown`] where there are none even from upright.
+pub fn largest_start(
+    model: &Loop,
+    responses: &Responses,
+    errors: &SensorErrors,
+) -> Result<BigRational, NoBounds> {
+    closing(model, responses, errors, &BigRational::zero())
+        .map_err(|open| NoBounds::NotShown(format!("even from upright {}", open.why())))?;
+    let (mut low, mut high) = (BigRational::zero(), integer(LARGEST_START));
+    for _ in 0..HALVINGS {
+        let middle = (&low + &high) * half();
+        if closing(model, responses, errors, &middle).is_ok() {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(low)
+}
+
+/// What every motion within `bounds` comes down to: the bounds that follow, again and again, without a start.
+///
+/// # Errors
+/// [`NoBounds::NotShown`].
+pub fn kept_up(
+    model: &Loop,
+    responses: &Responses,
+    errors: &SensorErrors,
+    bounds: &Bounds,
+) -> Result<Bounds, NoBounds> {
+    let none = BigRational::zero();
+    let not_shown = |open: Open| NoBounds::NotShown(open.why());
+    let mut kept = bounds.clone();
+    for _ in 0..ROUNDS {
+        let next = following(model, responses, errors, &kept.rows, &none).map_err(not_shown)?;
+        let settles = next
+            .rows
+            .iter()
+            .zip(&kept.rows)
+            .all(|(new, old)| new * (integer(1) + power_of_two(-12)) >= *old);
+        let rows = std::array::from_fn(|row| next.rows[row].clone().min(kept.rows[row].clone()));
+        kept = Bounds {
+            command: &next.rows[COMMAND] + &next.noise,
+            filter: errors.filter(&next.between.motion)?,
+            states: next.between.states,
+            rows,
+        };
+        if settles {
+            break;
+        }
+    }
+    Ok(kept)
+}

@@ -1,0 +1,167 @@
+//! Claims `loop-as-shipped` and `motion-kept-up`: the loop from raw counts to the motor, with what a bench
+//! adds to the equations, in exact arithmetic.
+//!
+//! **Loop.** x = (angle, rate, wheel speed). At a sample the step sees x + ε and commands N (x + ε) + ρ. The
+//! drive turns the duty of it into a current that is off by half a count, and the current begins to flow after a
+//! delay. With w = N x and all errors in n, |n| ≤ ν, the current is w + n. The motion is
+//!
+//! ẋ = A x + B (w + n) + e f + e_w f_w,   e = (0, 1, −1),   e_w = (0, 1/D, −Θ/(j_w D)),
+//!
+//! where A has viscous friction alone. f holds dry friction, |f| ≤ μ/D, whatever its course, and the
+//! gravity that the straight line leaves out, g |sin α − α| ≤ g |α|³/6; f_w holds dry friction and cogging of the wheel.
+//!
+//! **Delay.** It is a part d of the sample time, 0 ≤ d ≤ 1, the same at each step to 1/8. For four values of d
+//! the loop in z = (x, w of the last step) is z⁺ = F z; what d is off adds at most T/8 of the current's change
+//! w − w⁻ ([`plant`]).
+//!
+//! **Responses.** For a row C and an input v the sum of |C Fʲ v| over all j is a bound, and the best one, of what
+//! inputs within ±1 can do ([`responses`]). From rest at α₀ each quantity C z is then bounded by
+//! |α₀| max |C Fʲ e₁| + Σ sums × sizes of the inputs.
+//!
+//! **Induction.** The sizes depend on the bounds themselves: the sine on the angle, an old reading of the gyroscope on the
+//! acceleration, the delay on the current's change. Bounds b with (what follows from b) ≤ b hold at
+//! every step if they hold at the first ([`bounds`]).
+//!
+//! **Filter.** Its correction is a relay: it turns the estimate by at most 2βT a step towards the direction that the
+//! accelerometer shows. Nothing is linearised ([`errors`]).
+//!
+//! **What stays.** The start dies away, so the largest bounds that every motion comes down to obey the same
+//! inequality with α₀ = 0. From the bounds above it is applied again until nothing changes; that is
+//! `motion-kept-up`, with rounding and dry friction alone.
+
+pub mod bounds;
+pub mod errors;
+pub mod plant;
+pub mod responses;
+
+use num_rational::BigRational;
+
+use crate::certificate::reader::Certificate;
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::outcome::ClaimOutcome;
+use crate::exact::rational::{power, rounded_up};
+use bounds::{Bounds, kept_up, largest_start};
+use errors::SensorErrors;
+use plant::{DELAYS, Loop};
+use responses::Responses;
+
+/// Why the claim is not settled.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoBounds {
+    /// The argument does not cover the module, or does not close for it.
+    #[error("{0}")]
+    NotShown(String),
+    /// The certificate contradicts itself.
+    #[error("{0}")]
+    Unphysical(String),
+}
+
+/// What is shown of a module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShippedLoop {
+    /// Largest angle from which the loop, at rest, is armed (rad).
+    pub start: BigRational,
+    /// Bounds from there on.
+    pub bounds: Bounds,
+    /// Sensors' errors that are within.
+    pub errors: SensorErrors,
+    /// What rounding and dry friction keep up.
+    pub kept_up: Bounds,
+}
+
+/// Both claims: the loop as shipped, and the motion that is kept up.
+pub fn by_exact_arithmetic(
+    certificate: &Certificate,
+    law: &EmittedLaw,
+) -> (ClaimOutcome, ClaimOutcome) {
+    match check(certificate, law) {
+        Ok(shown) => {
+            let three = |value: &BigRational| rounded_up(value, 3);
+            let bounds = &shown.bounds;
+            let errors = &shown.errors;
+            let shipped = format!(
+                "from rest up to {} rad: within {} rad, {} rad/s, {} rad/s, {} A; the filter within {} rad; sensors within {} rad/s, {} m/s2, {} rad/s an axis, drift left within {} rad/s",
+                rounded_down(&shown.start),
+                three(&bounds.states[0]),
+                three(&bounds.states[1]),
+                three(&bounds.states[2]),
+                three(&bounds.command),
+                three(&bounds.filter),
+                three(&errors.gyro_axis),
+                three(&errors.accel_axis),
+                three(&errors.wheel_speed),
+                three(&errors.drift),
+            );
+            let kept = &shown.kept_up;
+            let kept_up = format!(
+                "within {} rad, {} rad/s, {} rad/s, {} A",
+                three(&kept.states[0]),
+                three(&kept.states[1]),
+                three(&kept.states[2]),
+                three(&kept.command),
+            );
+            (ClaimOutcome::Proved(shipped), ClaimOutcome::Proved(kept_up))
+        }
+        Err(NoBounds::NotShown(why)) => {
+            (ClaimOutcome::NotRun(why.clone()), ClaimOutcome::NotRun(why))
+        }
+        Err(NoBounds::Unphysical(why)) => {
+            (ClaimOutcome::Failed(why.clone()), ClaimOutcome::NotRun(why))
+        }
+    }
+}
+
+/// A positive number in steps of 1e-5, not above it.
+fn rounded_down(value: &BigRational) -> String {
+    let steps = power(10, 5);
+    rounded_up(&((value * &steps).floor() / steps), 6)
+}
+
+/// Finds the largest start, and the bounds that follow.
+///
+/// # Errors
+/// [`NoBounds`].
+pub fn check(certificate: &Certificate, law: &EmittedLaw) -> Result<ShippedLoop, NoBounds> {
+    let noisy = SensorErrors::of(certificate, law, true)?;
+    let quiet = SensorErrors::of(certificate, law, false)?;
+    let mut shown: Option<ShippedLoop> = None;
+    let loops = std::thread::scope(|scope| {
+        let all = DELAYS.map(|eighths| {
+            scope.spawn(move || {
+                let model = Loop::of(certificate, law, eighths)?;
+                let responses = Responses::of(&model)?;
+                Ok((model, responses))
+            })
+        });
+        let join = |run: std::thread::ScopedJoinHandle<'_, Result<_, NoBounds>>| {
+            run.join()
+                .unwrap_or_else(|_| Err(NoBounds::NotShown("the computation broke off".to_owned())))
+        };
+        all.into_iter().map(join).collect::<Result<Vec<_>, _>>()
+    })?;
+    // One start for every delay: the smallest of the four, and the largest of each bound.
+    let mut start: Option<BigRational> = None;
+    for (model, responses) in &loops {
+        let own = largest_start(model, responses, &noisy)?;
+        start = Some(start.map_or(own.clone(), |other| other.min(own)));
+    }
+    let start = start.unwrap_or_default();
+    for (model, responses) in &loops {
+        let bounds = Bounds::from_rest(model, responses, &noisy, &start)?;
+        let rest = kept_up(model, responses, &quiet, &bounds)?;
+        shown = Some(match shown {
+            None => ShippedLoop {
+                start: start.clone(),
+                bounds,
+                errors: noisy.clone(),
+                kept_up: rest,
+            },
+            Some(other) => ShippedLoop {
+                bounds: other.bounds.larger(bounds),
+                kept_up: other.kept_up.larger(rest),
+                ..other
+            },
+        });
+    }
+    shown.ok_or_else(|| NoBounds::NotShown("no delay was looked at".to_owned()))
+}

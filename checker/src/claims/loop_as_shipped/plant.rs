@@ -1,0 +1,323 @@
+//! The pendulum with viscous friction, sampled, under the emitted gains, for one delay.
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+
+use crate::certificate::reader::Certificate;
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::loop_as_shipped::NoBounds;
+use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
+use crate::exact::rational::{integer, power};
+
+/// Delays whose loops are looked at, in eighths of a sample: with 1/8 to either side they cover all from none to one.
+pub const DELAYS: [i128; 4] = [1, 3, 5, 7];
+
+/// Share of a sample by which a delay may be off one of [`DELAYS`].
+pub fn delay_off() -> BigRational {
+    BigRational::new(1.into(), 8.into())
+}
+
+/// States of the loop: angle, rate, wheel speed, current that was asked for one step before.
+pub const ORDER: usize = 4;
+
+/// Terms of the exponential series; |A| T ≤ 8 leaves less than 2⁻¹⁴⁴ after so many.
+const TERMS: i128 = 120;
+
+/// Terms of exp(A σ) v whose responses are added up one by one.
+pub const PARTS: usize = 3;
+
+/// Terms that are bounded by their size, from [`PARTS`] on; what is left after them is far smaller.
+const LATER: usize = 12;
+
+/// Parameters that enter A and B.
+const OF_THE_MODEL: [&str; 6] = [
+    "total_inertia",
+    "wheel_inertia",
+    "gravity_torque",
+    "torque_constant",
+    "body_viscous_friction",
+    "wheel_viscous_friction",
+];
+
+/// Dry friction of the body: its torque is nowhere above the larger of them.
+const ON_THE_BODY: [&str; 2] = ["body_coulomb_torque", "body_breakaway_torque"];
+
+/// Torques between body and wheel, which add up.
+const ON_THE_WHEEL: [&str; 2] = ["wheel_coulomb_torque", "cogging_torque"];
+
+/// What the current may be off, added up (A).
+const OF_THE_CURRENT: [&str; 2] = ["dead_zone", "current_offset"];
+
+/// Parameters that shape one of these torques without making it larger.
+const SHAPES: [&str; 4] = [
+    "body_stribeck_speed",
+    "body_presliding_stiffness",
+    "cogging_order",
+    "cogging_phase",
+];
+
+/// One loop.
+#[derive(Clone, Debug)]
+pub struct Loop {
+    /// Sample time (s).
+    pub t: BigRational,
+    /// g = G/D (1/s²).
+    pub gravity: BigRational,
+    /// A, viscous friction alone.
+    pub a: [[BigRational; 3]; 3],
+    /// B.
+    pub b: [BigRational; 3],
+    /// N.
+    pub gains: [BigRational; 3],
+    /// Largest command (A).
+    pub limit: BigRational,
+    /// Largest dry friction of the body over D (rad/s²).
+    pub dry: BigRational,
+    /// Largest dry torque between body and wheel (N m).
+    pub wheel_dry: BigRational,
+    /// What the current may be off by the drive's dead zone and offset (A).
+    pub current_off: BigRational,
+    /// F on the grid.
+    pub f: [[BigInt; ORDER]; ORDER],
+    /// Terms A^k v T^k/k! on the grid, of B, e and e_w.
+    pub inputs: [[[BigInt; 3]; PARTS]; 3],
+    /// What all later terms together are below in each entry, of B, e and e_w.
+    pub later: [[BigRational; 3]; 3],
+    /// The largest entry of e_w.
+    pub on_wheel: BigRational,
+}
+
+impl Loop {
+    /// The loop with a delay of `eighths` of a sample.
+    ///
+    /// # Errors
+    /// [`NoBounds`].
+    pub fn of(
+        certificate: &Certificate,
+        law: &EmittedLaw,
+        eighths: i128,
+    ) -> Result<Loop, NoBounds> {
+        if certificate.bias_observer.is_some() {
+            return Err(NoBounds::NotShown(
+                "the module has an observer of the angle's bias, which the argument does not hold"
+                    .to_owned(),
+            ));
+        }
+        let known = |name: &str| {
+            [
+                &OF_THE_MODEL[..],
+                &ON_THE_BODY,
+                &ON_THE_WHEEL,
+                &OF_THE_CURRENT,
+                &SHAPES,
+            ]
+            .iter()
+            .any(|list| list.contains(&name))
+        };
+        for parameter in &certificate.parameters {
+            if !known(&parameter.name) {
+                return Err(NoBounds::NotShown(format!(
+                    "the argument does not hold the effect of the parameter {}",
+                    parameter.name
+                )));
+            }
+        }
+        let find = |name: &str| {
+            let found = certificate.parameters.iter().find(|p| p.name == name);
+            found.map(|p| p.value.value.clone())
+        };
+        let need = |name: &str| {
+            find(name).ok_or_else(|| {
+                NoBounds::Unphysical(format!(
+                    "the certificate does not state the parameter {name}"
+                ))
+            })
+        };
+        let size = |name: &str| find(name).unwrap_or_default().abs();
+        let sum = |names: &[&str]| names.iter().map(|name| size(name)).sum::<BigRational>();
+
+        let (theta, wheel) = (need("total_inertia")?, need("wheel_inertia")?);
+        let d = &theta - &wheel;
+        if !d.is_positive() || !wheel.is_positive() {
+            return Err(NoBounds::Unphysical(
+                "the inertias must satisfy total > wheel > 0".to_owned(),
+            ));
+        }
+        let gravity = need("gravity_torque")? / &d;
+        let torque = need("torque_constant")?;
+        if !gravity.is_positive() || !torque.is_positive() {
+            return Err(NoBounds::Unphysical(
+                "gravity torque and torque constant are not positive".to_owned(),
+            ));
+        }
+        for name in ["body_viscous_friction", "wheel_viscous_friction"] {
+            if find(name).is_some_and(|value| value.is_negative()) {
+                return Err(NoBounds::Unphysical(format!("{name} is negative")));
+            }
+        }
+        let body = size("body_viscous_friction") / &d;
+        let (drag, spin) = (
+            size("wheel_viscous_friction") / &d,
+            size("wheel_viscous_friction") * &theta / (&wheel * &d),
+        );
+        let zero = BigRational::zero;
+        let a = [
+            [zero(), integer(1), zero()],
+            [gravity.clone(), -body.clone(), drag],
+            [-gravity.clone(), body, -spin],
+        ];
+        let lever = &theta / (&wheel * &d);
+        let b = [zero(), -&torque / &d, &torque * &lever];
+        is_gravity_of_the_model(certificate, &gravity)?;
+
+        let t = certificate.sample_time_s.value.clone();
+        if !t.is_positive() {
+            return Err(NoBounds::Unphysical(
+                "the sample time is not positive".to_owned(),
+            ));
+        }
+        let late = &t * integer(eighths) / integer(8);
+        let (ad, whole) = sampled(&a, &b, &t)?;
+        // What the new command does in the rest of the sample, after the delay.
+        let (_, new) = sampled(&a, &b, &(&t - late))?;
+        let gains = law.gains.clone();
+        let row = gains.each_ref().map(on_grid);
+        let mut f: [[BigInt; ORDER]; ORDER] = Default::default();
+        for i in 0..3 {
+            for j in 0..3 {
+                f[i][j] = &ad[i][j] + times(&new[i], &row[j]);
+            }
+            f[i][3] = &whole[i] - &new[i];
+        }
+        f[3][..3].clone_from_slice(&row);
+
+        let directions = [
+            b.clone(),
+            [zero(), integer(1), integer(-1)],
+            [zero(), integer(1) / &d, -lever],
+        ];
+        let norm = a
+            .iter()
+            .map(|row| row.iter().map(Signed::abs).sum::<BigRational>() * &t)
+            .max()
+            .unwrap_or_default();
+        if norm >= integer(1) {
+            return Err(NoBounds::NotShown(
+                "the sample time is too long for the argument: |A| T is above 1".to_owned(),
+            ));
+        }
+        // Σ_{k ≥ n} x^k/k! ≤ x^n/n! · 1/(1 − x) for x < 1.
+        let mut rest = integer(1) / (integer(1) - &norm);
+        for k in 1..=LATER {
+            rest = rest * &norm / integer(k as i128);
+        }
+        let mut inputs: [[[BigInt; 3]; PARTS]; 3] = Default::default();
+        let mut later: [[BigRational; 3]; 3] = Default::default();
+        for (index, v) in directions.iter().enumerate() {
+            let largest = v.iter().map(Signed::abs).max().unwrap_or_default();
+            later[index] = [0, 1, 2].map(|_| &rest * &largest);
+            let mut term = v.clone();
+            for k in 0..LATER {
+                match inputs[index].get_mut(k) {
+                    Some(part) => *part = term.each_ref().map(on_grid),
+                    None => {
+                        for (sum, entry) in later[index].iter_mut().zip(&term) {
+                            *sum += entry.abs();
+                        }
+                    }
+                }
+                term = [0, 1, 2].map(|i| {
+                    let sum: BigRational = (0..3).map(|j| &a[i][j] * &term[j]).sum();
+                    sum * &t / integer(k as i128 + 1)
+                });
+            }
+        }
+        let later = later.map(|sums| sums.map(|sum| exactly(&above(&sum))));
+        let [_, _, wheel_direction] = &directions;
+        let on_wheel = wheel_direction
+            .iter()
+            .map(Signed::abs)
+            .max()
+            .unwrap_or_default();
+        let body_dry = size(ON_THE_BODY[0]).max(size(ON_THE_BODY[1]));
+        Ok(Loop {
+            dry: body_dry / &d,
+            wheel_dry: sum(&ON_THE_WHEEL),
+            current_off: sum(&OF_THE_CURRENT),
+            limit: law.limit.clone(),
+            t,
+            gravity,
+            a,
+            b,
+            gains,
+            f,
+            inputs,
+            later,
+            on_wheel,
+        })
+    }
+}
+
+/// The stated A falls with the gravity of the parameters; a spring would need another argument.
+fn is_gravity_of_the_model(
+    certificate: &Certificate,
+    gravity: &BigRational,
+) -> Result<(), NoBounds> {
+    let stated = &certificate.plant.a[1][0].value;
+    if (stated - gravity).abs() <= gravity * power(10, -5) {
+        Ok(())
+    } else {
+        Err(NoBounds::Unphysical(format!(
+            "A[1][0] is {}, the parameters make it {}",
+            crate::exact::rational::rounded_up(stated, 7),
+            crate::exact::rational::rounded_up(gravity, 7)
+        )))
+    }
+}
+
+/// exp(A t) and ∫ exp(A s) B ds over 0 ≤ s ≤ t, on the grid.
+fn sampled(
+    a: &[[BigRational; 3]; 3],
+    b: &[BigRational; 3],
+    t: &BigRational,
+) -> Result<([[Grid; 3]; 3], [Grid; 3]), NoBounds> {
+    // Columns of (A B; 0 0) t.
+    let mut m: [[BigInt; 4]; 4] = Default::default();
+    for i in 0..3 {
+        for j in 0..3 {
+            m[i][j] = on_grid(&(&a[i][j] * t));
+        }
+        m[i][3] = on_grid(&(&b[i] * t));
+    }
+    let too_long = m.iter().any(|row| {
+        let sum: BigInt = row.iter().map(Signed::abs).sum();
+        sum > BigInt::from(8) << BITS
+    });
+    if too_long {
+        return Err(NoBounds::NotShown(
+            "the sample time is too long for the series".to_owned(),
+        ));
+    }
+    let one = BigInt::from(1) << BITS;
+    let mut term: [[BigInt; 4]; 4] = Default::default();
+    for (i, row) in term.iter_mut().enumerate() {
+        row[i].clone_from(&one);
+    }
+    let mut total = term.clone();
+    for k in 1..=TERMS {
+        term = product(&term, &m).map(|row| row.map(|entry| entry / k));
+        for (sum, entry) in total.iter_mut().flatten().zip(term.iter().flatten()) {
+            *sum += entry;
+        }
+    }
+    let ad = [0, 1, 2].map(|i| [0, 1, 2].map(|j| total[i][j].clone()));
+    let bd = [0, 1, 2].map(|i| total[i][3].clone());
+    Ok((ad, bd))
+}
+
+/// a · b on the grid.
+pub fn product(a: &[[Grid; ORDER]; ORDER], b: &[[Grid; ORDER]; ORDER]) -> [[Grid; ORDER]; ORDER] {
+    let entry = |i: usize, j: usize| (0..ORDER).map(|k| times(&a[i][k], &b[k][j])).sum();
+    [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| entry(i, j)))
+}

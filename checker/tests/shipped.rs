@@ -1,0 +1,368 @@
+//! The loop as shipped: what is proved of it, against a pendulum that knows nothing of the proof.
+//!
+//! The pendulum here is nonlinear, integrated in double precision in short steps; its friction, delay and sensors are
+//! chosen against the loop. The controller is a relay filter and the law, written again.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use checker::certificate::reader::Certificate;
+use checker::claims::closed_loop_second;
+use checker::claims::control_law::EmittedLaw;
+use checker::claims::loop_as_shipped::{self, NoBounds, ShippedLoop};
+use checker::prove::Emitted;
+use checker::{ClaimOutcome, Module};
+use num_rational::BigRational;
+use num_traits::ToPrimitive;
+
+fn emitted() -> (Certificate, EmittedLaw) {
+    let folder = Path::new("../generated");
+    let module = Module::read(folder).unwrap();
+    let certificate = Certificate::read(folder).unwrap();
+    let law = EmittedLaw::read(&module).unwrap();
+    (certificate, law)
+}
+
+fn shown() -> &'static ShippedLoop {
+    static SHOWN: OnceLock<ShippedLoop> = OnceLock::new();
+    SHOWN.get_or_init(|| {
+        let (certificate, law) = emitted();
+        loop_as_shipped::check(&certificate, &law).unwrap()
+    })
+}
+
+fn real(value: &BigRational) -> f64 {
+    value.to_f64().unwrap()
+}
+
+fn parameter(certificate: &Certificate, name: &str) -> f64 {
+    let found = certificate.parameters.iter().find(|p| p.name == name);
+    real(&found.unwrap().value.value)
+}
+
+/// How the sensors err.
+#[derive(Clone, Copy)]
+enum Sensors {
+    /// Each sensor reads its nearest count.
+    Round,
+    /// Anywhere within what the claim allows, drawn anew at each sample.
+    Draw,
+    /// At the end that pushes the body away from upright.
+    Push,
+}
+
+/// Numbers of 0 to 1 (SplitMix64).
+struct Draws(u64);
+
+impl Draws {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+struct Pendulum {
+    d: f64,
+    wheel: f64,
+    gravity: f64,
+    torque: f64,
+    body: f64,
+    spin: f64,
+    dry: f64,
+    t: f64,
+    gains: [f64; 3],
+    limit: f64,
+    turn: f64,
+    errors: [f64; 4],
+    age: f64,
+    wheel_count: f64,
+    gyro_count: f64,
+    duty_count: f64,
+}
+
+/// Largest |angle|, |rate|, |wheel speed| and |command| of a run, and of its last quarter.
+struct Seen {
+    whole: [f64; 4],
+    late: [f64; 4],
+}
+
+impl Pendulum {
+    fn new() -> Pendulum {
+        let (certificate, law) = emitted();
+        let p = |name: &str| parameter(&certificate, name);
+        let (theta, wheel) = (p("total_inertia"), p("wheel_inertia"));
+        let t = real(&certificate.sample_time_s.value);
+        let errors = &shown().errors;
+        Pendulum {
+            d: theta - wheel,
+            wheel,
+            gravity: p("gravity_torque"),
+            torque: p("torque_constant"),
+            body: p("body_viscous_friction"),
+            spin: p("wheel_viscous_friction"),
+            dry: p("body_coulomb_torque"),
+            t,
+            gains: law.gains.each_ref().map(real),
+            limit: real(&law.limit),
+            turn: 2.0 * real(&certificate.hardware.beta_rad_s.value) * t,
+            errors: [
+                real(&errors.accel) / 9.80665,
+                real(&errors.gyro_axis),
+                real(&errors.wheel_speed),
+                real(&errors.drift),
+            ],
+            age: real(&errors.age),
+            wheel_count: real(&certificate.hardware.wheel_speed.rad_s_per_count.value),
+            gyro_count: real(&certificate.hardware.gyroscope.matrix[2][2].value),
+            duty_count: real(&certificate.drive.amperes_per_count.value),
+        }
+    }
+
+    fn accelerations(&self, [angle, rate, speed]: [f64; 3], current: f64) -> [f64; 2] {
+        let dry = self.dry * (rate / 1e-3).tanh();
+        let torque = self.torque * current - self.spin * speed;
+        let lean = self.gravity * angle.sin();
+        let body = (lean - self.body * rate - dry - torque) / self.d;
+        [body, torque / self.wheel - body]
+    }
+
+    /// From rest at `start`, with a current that is late by the share `delay` of a sample.
+    fn run(&self, start: f64, delay: f64, sensors: Sensors, steps: usize, seed: u64) -> Seen {
+        const PARTS: usize = 20;
+        let mut random = Draws(seed);
+        let mut x = [start, 0.0, 0.0];
+        let mut believed = start;
+        let mut flowing = 0.0;
+        let mut rates = std::collections::VecDeque::from(vec![0.0; 200]);
+        let mut seen = Seen {
+            whole: [0.0; 4],
+            late: [0.0; 4],
+        };
+        let [direction, gyro, wheel, drift] = self.errors;
+        for step in 0..steps {
+            // A reading of the gyroscope as old as it may be, or fresh.
+            let old = match sensors {
+                Sensors::Round => 0.0,
+                Sensors::Draw => random.next(),
+                Sensors::Push => 1.0,
+            };
+            let back = (old * self.age / self.t * PARTS as f64).round() as usize;
+            let rate = rates[rates.len() - 1 - back.min(rates.len() - 1)];
+            let away = if x[0] >= 0.0 { -1.0 } else { 1.0 };
+            let mut error = |size: f64| match sensors {
+                Sensors::Round => 0.0,
+                Sensors::Draw => (2.0 * random.next() - 1.0) * size,
+                Sensors::Push => away * size,
+            };
+            let seen_direction = x[0] + error(direction);
+            let mut seen_rate = rate + error(gyro) + error(drift);
+            let mut seen_speed = x[2] + error(wheel);
+            if matches!(sensors, Sensors::Round) {
+                seen_rate = (seen_rate / self.gyro_count).round() * self.gyro_count;
+                seen_speed = (seen_speed / self.wheel_count).round() * self.wheel_count;
+            }
+            believed += self.t * seen_rate;
+            believed -= self.turn * (believed - seen_direction).signum();
+            let [n1, n2, n3] = self.gains;
+            let wished = n1 * believed + n2 * seen_rate + n3 * seen_speed;
+            let command = wished.clamp(-self.limit, self.limit);
+            let sent = (command / self.duty_count).round() * self.duty_count;
+            let quantities = [x[0], x[1], x[2], wished];
+            for (index, value) in quantities.into_iter().enumerate() {
+                seen.whole[index] = seen.whole[index].max(value.abs());
+                if step >= steps * 3 / 4 {
+                    seen.late[index] = seen.late[index].max(value.abs());
+                }
+            }
+            if x[0].abs() > 1.0 {
+                seen.late[0] = x[0].abs();
+                break;
+            }
+            for part in 0..PARTS {
+                let h = self.t / PARTS as f64;
+                let is_late = (part as f64) < delay * PARTS as f64;
+                let current = if is_late { flowing } else { sent };
+                let [a, b] = self.accelerations(x, current);
+                let middle = [
+                    x[0] + h / 2.0 * x[1],
+                    x[1] + h / 2.0 * a,
+                    x[2] + h / 2.0 * b,
+                ];
+                let [a, b] = self.accelerations(middle, current);
+                x = [x[0] + h * middle[1], x[1] + h * a, x[2] + h * b];
+                rates.pop_front();
+                rates.push_back(x[1]);
+            }
+            flowing = sent;
+        }
+        seen
+    }
+}
+
+/// No run from within the proved start leaves the proved bounds, whatever sensors and delay do.
+#[test]
+fn no_run_leaves_the_bounds() {
+    let shown = shown();
+    let bench = Pendulum::new();
+    let start = real(&shown.start);
+    let seed: u64 = std::env::var("SEED")
+        .ok()
+        .and_then(|s| s.parse().ok())
+        .unwrap_or(20);
+    println!("seed {seed}");
+    for (run, delay) in [0.0, 0.3, 0.5, 0.8, 1.0].into_iter().enumerate() {
+        for sensors in [Sensors::Round, Sensors::Draw, Sensors::Push] {
+            for share in [-1.0, 0.4, 1.0] {
+                let seen = bench.run(share * start, delay, sensors, 1_500, seed + run as u64);
+                for (index, bound) in shown
+                    .bounds
+                    .states
+                    .iter()
+                    .chain([&shown.bounds.command])
+                    .enumerate()
+                {
+                    assert!(
+                        seen.whole[index] <= real(bound),
+                        "quantity {index}: {} above {} with delay {delay}, start {share}",
+                        seen.whole[index],
+                        real(bound)
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// What stays of a motion with sensors that only round is within what is proved of it, and not nothing.
+#[test]
+fn what_stays_is_within_what_is_proved() {
+    let shown = shown();
+    let bench = Pendulum::new();
+    let mut worst = [0.0_f64; 4];
+    for delay in [0.0, 0.5, 1.0] {
+        let seen = bench.run(0.9 * real(&shown.start), delay, Sensors::Round, 12_000, 1);
+        for (worst, seen) in worst.iter_mut().zip(seen.late) {
+            *worst = worst.max(seen);
+        }
+    }
+    println!("kept up in simulation: {worst:?}");
+    for (index, bound) in shown
+        .kept_up
+        .states
+        .iter()
+        .chain([&shown.kept_up.command])
+        .enumerate()
+    {
+        println!("{index}: {:.3e} of {:.3e}", worst[index], real(bound));
+        assert!(worst[index] <= real(bound), "{index}");
+    }
+    // Dry friction and rounding keep the pendulum moving.
+    assert!(worst[0] > 1e-6);
+}
+
+/// How much of the truth the proof reaches: the largest start from which a run comes back.
+#[test]
+fn the_proved_start_is_part_of_the_true_one() {
+    let bench = Pendulum::new();
+    let proved = real(&shown().start);
+    let comes_back = |start: f64| {
+        [0.0, 1.0].iter().all(|delay| {
+            let seen = bench.run(start, *delay, Sensors::Push, 3_000, 3);
+            seen.late[0] < 0.03
+        })
+    };
+    assert!(comes_back(proved));
+    let mut largest = proved;
+    while comes_back(largest + 0.01) {
+        largest += 0.01;
+    }
+    println!("proved {proved:.4} rad, simulated {largest:.4} rad");
+    // No loop returns from beyond the angle that the largest current holds.
+    let holds = (bench.torque * bench.limit / bench.gravity).asin();
+    assert!(proved < largest && largest < holds, "{largest} {holds}");
+}
+
+/// The second checker, which shares nothing with the first, finds the same start and the same bounds.
+#[test]
+fn the_second_checker_agrees() {
+    let emitted = Emitted::read(Path::new("../generated")).unwrap();
+    let said = match closed_loop_second::as_shipped_by_python(&emitted) {
+        ClaimOutcome::Proved(said) => said,
+        ClaimOutcome::NotRun(why) => {
+            eprintln!("not run: {why}");
+            return;
+        }
+        other => panic!("{other:?}"),
+    };
+    let numbers: Vec<f64> = said
+        .split(|c: char| !(c.is_ascii_digit() || c == '.'))
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    let shown = shown();
+    let own = [&shown.start]
+        .into_iter()
+        .chain(&shown.bounds.states)
+        .chain([&shown.bounds.command])
+        .chain(&shown.kept_up.states)
+        .chain([&shown.kept_up.command]);
+    let own: Vec<f64> = own.map(real).collect();
+    assert_eq!(numbers.len(), own.len(), "{said}");
+    for (own, theirs) in own.iter().zip(numbers) {
+        assert!((own - theirs).abs() < 1e-3 * own, "{own} {theirs}: {said}");
+    }
+}
+
+fn altered(pointer: &str, value: serde_json::Value) -> Result<ShippedLoop, NoBounds> {
+    let text = std::fs::read_to_string("../generated/certificate.json").unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    *json.pointer_mut(pointer).unwrap() = value;
+    let (_, law) = emitted();
+    loop_as_shipped::check(&Certificate::parse(&json.to_string()).unwrap(), &law)
+}
+
+/// A module that falls with every other row proved: a fast filter beside an accelerometer that the motion shakes.
+#[test]
+fn a_fast_filter_on_a_lever_arm_is_not_proved() {
+    let text = std::fs::read_to_string("../generated/certificate.json").unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    json["hardware"]["beta_rad_s"] = "3.9".into();
+    json["hardware"]["lever_arm_m"] = serde_json::json!(["0.085", "0"]);
+    let (_, law) = emitted();
+    let outcome = loop_as_shipped::check(&Certificate::parse(&json.to_string()).unwrap(), &law);
+    assert!(matches!(outcome, Err(NoBounds::NotShown(_))), "{outcome:?}");
+}
+
+#[test]
+fn what_the_argument_does_not_hold_is_named() {
+    // An effect without a place in the argument.
+    let outcome = altered("/parameters/5/name", "motor_lag".into());
+    assert!(
+        matches!(&outcome, Err(NoBounds::NotShown(why)) if why.contains("motor_lag")),
+        "{outcome:?}"
+    );
+    // A pendulum that no gravity pulls.
+    let outcome = altered("/parameters/2/value", "-0.245158".into());
+    assert!(
+        matches!(outcome, Err(NoBounds::Unphysical(_))),
+        "{outcome:?}"
+    );
+    // Gravity of the sine and of the matrix.
+    let outcome = altered("/parameters/2/value", "0.3".into());
+    assert!(
+        matches!(outcome, Err(NoBounds::Unphysical(_))),
+        "{outcome:?}"
+    );
+}
+
+/// More friction and a coarser sensor make the start smaller, not larger.
+#[test]
+fn worse_parts_prove_less() {
+    let good = real(&shown().start);
+    let dry = altered("/parameters/5/value", "0.002".into()).map(|loop_| real(&loop_.start));
+    assert!(dry.is_ok_and(|start| start < good));
+    let coarse = altered("/hardware/wheel_speed/rad_s_per_count", "3".into());
+    assert!(coarse.is_ok_and(|loop_| real(&loop_.start) < good));
+}

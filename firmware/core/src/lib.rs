@@ -1,0 +1,196 @@
+//! The control loop around the emitted module, free of any chip: a board gives it time, sensors, a timer
+//! and the bytes of the serial line, and calls [`LoopCore::tick`] once every sample time.
+//!
+//! ```text
+//! bytes ──> LoopCore::received ──> orders ─┐
+//! sensors ──> LoopCore::tick ──> Controller ──> duty ──> timer
+//!                       └──> frame ──> serial line
+//! ```
+//!
+//! # What keeps the motor still
+//! - The emitted controller: it drives only when it was armed, near upright, at rest, with sound sensors,
+//!   and trips by itself.
+//! - A tick that comes too late, a sensor that fails, a timer that fails: [`Controller::fault`].
+//! - An order is good for its lease only: a line that falls silent disarms.
+//! - A trip stays until an order with a new number comes. A controller that tripped is then begun anew,
+//!   finds its attitude anew, and is armed at most once for that order.
+#![no_std]
+
+mod orders;
+mod reading;
+
+use embedded_hal::pwm::SetDutyCycle;
+use generated::{
+    Controller, Current, Duty, SAMPLE_TIME_US, Sample, Status, ZERO_CURRENT, wheel_speed,
+};
+use serial_frame::{Frame, Receiver, Task, Telemetry};
+
+pub use orders::Orders;
+pub use reading::{Reading, Sensors};
+
+/// Bits of the timer that the emitted module's duties are for (`bits` of `[hardware.drive]`). A timer with
+/// another range gets the same share of it.
+pub const DUTY_BITS: u32 = 16;
+
+/// Why a tick was no good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// It came more than half a sample time late: the law's sample time does not hold.
+    Late,
+    /// A sensor gave no reading.
+    Sensor,
+    /// The timer did not take the duty.
+    Timer,
+}
+
+/// What came of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tick {
+    /// For the serial line, where one is due. What the line cannot take is dropped whole: the other end
+    /// counts it by its number.
+    pub frame: Option<Frame>,
+    /// The controller was told of it.
+    pub fault: Option<Fault>,
+}
+
+/// The loop.
+#[derive(Clone, Debug)]
+pub struct LoopCore {
+    controller: Controller,
+    orders: Orders,
+    receiver: Receiver,
+    sequence: u16,
+    last_tick_us: Option<u32>,
+    /// What the sensors said last; sent again where they fail.
+    last: Reading,
+}
+
+impl LoopCore {
+    /// At rest: nothing is driven before an order comes.
+    pub const fn new() -> LoopCore {
+        LoopCore {
+            controller: Controller::new(),
+            orders: Orders::new(),
+            receiver: Receiver::new(),
+            sequence: 0,
+            last_tick_us: None,
+            last: Reading::NONE,
+        }
+    }
+
+    /// What the controller does, or why it does nothing.
+    pub fn status(&self) -> Status {
+        self.controller.status()
+    }
+
+    /// Takes a byte of the serial line. Bytes that are no order are left out.
+    pub fn received(&mut self, byte: u8, now_us: u32) {
+        if let Some(Ok(command)) = self.receiver.command(byte) {
+            self.orders.take(command, now_us);
+        }
+    }
+
+    /// One step: call it every [`SAMPLE_TIME_US`]. `now_us` is a clock that may wrap.
+    pub fn tick<S: Sensors, P: SetDutyCycle>(
+        &mut self,
+        now_us: u32,
+        sensors: &mut S,
+        timer: &mut P,
+    ) -> Tick {
+        let late = self.is_late(now_us).then_some(Fault::Late);
+        let reading = sensors.read();
+        let fault = late.or(reading.is_err().then_some(Fault::Sensor));
+        if let Ok(reading) = reading {
+            self.last = reading;
+        }
+        self.follow(now_us);
+        if fault.is_some() {
+            self.controller.fault();
+        }
+        // Without a reading there is nothing to step with; after a fault there is no current anyway.
+        let duty = match fault {
+            Some(Fault::Sensor) => Duty(ZERO_CURRENT),
+            _ => self.step(),
+        };
+        let mut fault = fault;
+        if timer
+            .set_duty_cycle(scaled(duty, timer.max_duty_cycle()))
+            .is_err()
+        {
+            self.controller.fault();
+            fault = fault.or(Some(Fault::Timer));
+        }
+        let frame = self.frame(now_us, duty);
+        Tick { frame, fault }
+    }
+
+    /// Whether this tick comes more than half a sample time late; the first one never does.
+    fn is_late(&mut self, now_us: u32) -> bool {
+        let last = self.last_tick_us.replace(now_us);
+        last.is_some_and(|last| now_us.wrapping_sub(last) > SAMPLE_TIME_US + SAMPLE_TIME_US / 2)
+    }
+
+    /// Does what the orders say of arming.
+    fn follow(&mut self, now_us: u32) {
+        self.orders.expire(now_us);
+        if self.orders.takes_new() && is_tripped(self.controller.status()) {
+            self.controller = Controller::new();
+        }
+        if self.orders.task() == Task::Watch {
+            self.controller.disarm();
+        } else if self.orders.may_arm() && self.controller.arm() {
+            self.orders.armed();
+        }
+    }
+
+    fn step(&mut self) -> Duty {
+        let sample: Sample = self.last.sample();
+        match self.orders.task() {
+            Task::Drive { .. } => {
+                let current = Current::from_bits(self.orders.current_word());
+                self.controller.step_with_current(&sample, current)
+            }
+            _ => self.controller.step(&sample),
+        }
+    }
+
+    /// The frame of this step, where one is due.
+    fn frame(&mut self, now_us: u32, duty: Duty) -> Option<Frame> {
+        let sequence = self.sequence;
+        self.sequence = sequence.wrapping_add(1);
+        if !self.orders.is_frame_due() {
+            return None;
+        }
+        let attitude = self.controller.attitude();
+        let telemetry = Telemetry {
+            status: self.controller.status() as u8,
+            sequence,
+            time_us: now_us,
+            gyro: self.last.gyro,
+            accel: self.last.accel,
+            mag: self.last.mag,
+            wheel: self.last.wheel,
+            duty: duty.0,
+            angle: attitude.angle().to_bits(),
+            rate: attitude.rate().to_bits(),
+            wheel_speed: wheel_speed(self.last.wheel).to_bits(),
+        };
+        Some(telemetry.frame())
+    }
+}
+
+impl Default for LoopCore {
+    fn default() -> Self {
+        LoopCore::new()
+    }
+}
+
+fn is_tripped(status: Status) -> bool {
+    !matches!(status, Status::NotAligned | Status::Ready | Status::Running)
+}
+
+/// A duty as the same share of a timer whose largest duty is `most`.
+fn scaled(duty: Duty, most: u16) -> u16 {
+    let share = (u32::from(duty.0) * (u32::from(most) + 1)) >> DUTY_BITS;
+    share.min(u32::from(most)) as u16
+}

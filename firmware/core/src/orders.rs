@@ -1,0 +1,108 @@
+//! What the program at the other end of the line has asked for.
+
+use generated::Current;
+use serial_frame::{Command, Task};
+
+/// The order in force.
+#[derive(Clone, Debug)]
+pub struct Orders {
+    command: Command,
+    /// When it came, µs.
+    came_us: u32,
+    /// Its number was seen for the first time and nothing has been made of that yet.
+    is_new: bool,
+    /// The controller was armed for it: not again.
+    was_armed: bool,
+    /// Word of the current that it asks for.
+    current_word: i32,
+    /// Steps since the last frame.
+    since_frame: u8,
+}
+
+impl Orders {
+    /// No order yet: watch, and send every frame.
+    pub const fn new() -> Orders {
+        Orders {
+            command: Command {
+                task: Task::Watch,
+                wish: 0,
+                every: 1,
+                lease_ms: 0,
+            },
+            came_us: 0,
+            is_new: false,
+            was_armed: false,
+            current_word: 0,
+            since_frame: u8::MAX,
+        }
+    }
+
+    /// Takes an order.
+    pub fn take(&mut self, command: Command, now_us: u32) {
+        if command.wish != self.command.wish {
+            self.is_new = true;
+            self.was_armed = false;
+        }
+        if let Task::Drive { current_ua } = command.task {
+            self.current_word = word_of(current_ua);
+        }
+        self.command = command;
+        self.came_us = now_us;
+    }
+
+    /// Ends an order whose lease is over: nothing is driven, and its number is used up.
+    pub fn expire(&mut self, now_us: u32) {
+        let age_us = now_us.wrapping_sub(self.came_us);
+        if self.command.task != Task::Watch && age_us > u32::from(self.command.lease_ms) * 1000 {
+            self.command.task = Task::Watch;
+            self.was_armed = true;
+        }
+    }
+
+    /// What is to be done.
+    pub fn task(&self) -> Task {
+        self.command.task
+    }
+
+    /// Whether an order with a new number has come since this was asked.
+    pub fn takes_new(&mut self) -> bool {
+        core::mem::take(&mut self.is_new)
+    }
+
+    /// Whether the controller may be armed for the order: once.
+    pub fn may_arm(&self) -> bool {
+        !self.was_armed
+    }
+
+    /// The controller was armed.
+    pub fn armed(&mut self) {
+        self.was_armed = true;
+    }
+
+    /// Word of the current that is asked for.
+    pub fn current_word(&self) -> i32 {
+        self.current_word
+    }
+
+    /// Whether a frame is due in this step.
+    pub fn is_frame_due(&mut self) -> bool {
+        self.since_frame = self.since_frame.saturating_add(1);
+        if self.since_frame < self.command.every.max(1) {
+            return false;
+        }
+        self.since_frame = 0;
+        true
+    }
+}
+
+impl Default for Orders {
+    fn default() -> Self {
+        Orders::new()
+    }
+}
+
+/// A current in µA as the module's word; beyond the word's range its end, which the module limits.
+fn word_of(current_ua: i32) -> i32 {
+    let word = (i64::from(current_ua) << Current::FRAC_NBITS) / 1_000_000;
+    word.clamp(i64::from(i32::MIN + 1), i64::from(i32::MAX)) as i32
+}

@@ -1,0 +1,124 @@
+//! What lets a person see why an effect is suspected, as JSON: fingerprints without and with it, and the recipe that
+//! settles a tie.
+
+use serde_json::{Value, json};
+use workbench::numbers::{significant, with_prefix};
+use workbench::{EffectFingerprint, Recipe, SwingDecay, words};
+
+use crate::facts::reasons;
+
+/// How a swing dies out over its amplitude: measured, by a model, and by another one.
+pub fn decay(swing: &SwingDecay, other: Option<&SwingDecay>) -> Option<Value> {
+    let measured = swing.measured.as_ref()?;
+    let points = |series: &[identify::AtAmplitude]| -> Vec<[f64; 3]> {
+        let at = series.iter();
+        at.map(|at| [at.amplitude_rad, at.value, at.std]).collect()
+    };
+    let simulated = swing.simulated.as_ref();
+    let other = other.and_then(|other| other.simulated.as_ref());
+    Some(json!({
+        "experiment": swing.experiment,
+        "law": swing.laws.first().map(words::amplitude_law),
+        "rates": points(&measured.rates),
+        "periods": points(&measured.small_swing_periods),
+        "model_rates": simulated.map(|one| points(&one.rates)),
+        "model_periods": simulated.map(|one| points(&one.small_swing_periods)),
+        "other_rates": other.map(|one| points(&one.rates)),
+        "other_periods": other.map(|one| points(&one.small_swing_periods)),
+    }))
+}
+
+/// An effect's fingerprint: residuals without (before) and with it (after); decays by the model with it, and by the
+/// other without.
+pub fn fingerprint(found: &EffectFingerprint) -> Value {
+    let decays = found.decay_with.iter().filter_map(|swing| {
+        let mut all = found.decay_without.iter();
+        let other = all.find(|other| other.experiment == swing.experiment)?;
+        shows(swing, other).then(|| decay(swing, Some(other)))?
+    });
+    json!({
+        "effect": found.effect,
+        "reasons": reasons(&found.without, &found.with),
+        "decay": decays.collect::<Vec<_>>(),
+    })
+}
+
+/// Standard errors of a measured point by which two models differ where the swing tells them apart for the eye.
+const APART: f64 = 2.0;
+
+/// Whether the effect shows in how this swing dies out: the models without and with it are apart, at some measured
+/// amplitude, by more than the measurement is uncertain there.
+fn shows(with: &SwingDecay, without: &SwingDecay) -> bool {
+    let (Some(measured), Some(a), Some(b)) = (&with.measured, &with.simulated, &without.simulated)
+    else {
+        return true;
+    };
+    let near = |points: &[identify::AtAmplitude], amplitude_rad: f64| {
+        let distance = |at: &&identify::AtAmplitude| (at.amplitude_rad - amplitude_rad).abs();
+        let nearest = points
+            .iter()
+            .min_by(|x, y| distance(x).total_cmp(&distance(y)));
+        nearest.map(|at| at.value)
+    };
+    let apart = |points: &[identify::AtAmplitude],
+                 a: &[identify::AtAmplitude],
+                 b: &[identify::AtAmplitude]| {
+        points.iter().any(|at| {
+            let both = near(a, at.amplitude_rad).zip(near(b, at.amplitude_rad));
+            both.is_some_and(|(a, b)| (a - b).abs() > APART * at.std)
+        })
+    };
+    apart(&measured.rates, &a.rates, &b.rates)
+        || apart(
+            &measured.small_swing_periods,
+            &a.small_swing_periods,
+            &b.small_swing_periods,
+        )
+}
+
+/// The experiment that settles a tie, and what each explanation would show in it.
+pub fn recipe(recipe: &Recipe, ties: &[Vec<String>]) -> Value {
+    let names: Vec<String> = ties.iter().map(|set| set.join(" + ")).collect();
+    let spread = |index: usize| {
+        let values = recipe.answers.iter().filter_map(|answer| answer.get(index));
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = values.fold(ends, |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        });
+        high - low
+    };
+    let indices = 0..recipe.time_s.len();
+    let widest = indices.max_by(|a, b| spread(*a).total_cmp(&spread(*b)));
+    let said = widest.map(|index| {
+        let each = recipe
+            .answers
+            .iter()
+            .zip(&names)
+            .filter_map(|(answer, name)| {
+                Some(format!(
+                    "{} by {name}",
+                    with_prefix(*answer.get(index)?, recipe.unit)
+                ))
+            });
+        format!(
+            "At {} s the {} would be {}.",
+            significant(recipe.time_s[index], 3),
+            words::spoken(recipe.channel),
+            each.collect::<Vec<_>>().join(", ")
+        )
+    });
+    json!({
+        "experiment": recipe.experiment,
+        "steps": recipe.steps,
+        "channel": words::spoken(recipe.channel),
+        "unit": recipe.unit,
+        "difference": format!(
+            "{} times the noise of the sensor (root mean square)",
+            significant(recipe.difference_over_noise, 3)
+        ),
+        "widest": said,
+        "time_s": recipe.time_s,
+        "answers": recipe.answers,
+        "names": names,
+    })
+}

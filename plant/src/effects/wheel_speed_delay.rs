@@ -1,0 +1,46 @@
+//! The measured speed of the wheel comes late.
+
+use crate::prior::{Commonness, Prior};
+use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
+use crate::hiding::Hiding;
+use crate::{Kind, Output, Scalar};
+
+/// y(t) = φ̇(t − δ)
+#[derive(Clone, Copy, Debug)]
+pub struct WheelSpeedDelay;
+
+impl Effect for WheelSpeedDelay {
+    const INFO: EffectInfo = EffectInfo {
+        name: "wheel-speed-delay",
+        equation: "y(t) = φ̇(t − δ)",
+        meaning: "a speed that is counted over a window, or sent over a bus",
+        source: "Åström & Wittenmark, Computer-Controlled Systems (3rd ed. 1997), ch. 2, systems with time delay",
+        fingerprint: "the measured speed answers a step of the command late, while the body feels the torque at once",
+        prior: Prior { commonness: Commonness::Occasional, reason: "a speed over a window of counts is late by half the window" },
+        role: Role::Sensor,
+        parameters: &[ParameterInfo {
+            name: "wheel_speed_delay",
+            unit: "s",
+            meaning: "delay δ",
+            plausible: (2e-4, 0.1),
+            bounds: (0.0, 1.0),
+            is_torque: false,
+            logarithmic: false,
+            is_whole: false,
+        }],
+        starts: &[&[0.0]],
+        absent: Some(&[0.0]),
+        confused_with: &["wheel-speed-lag", "input-delay"],
+        shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        senses: Some(Output::WheelSpeed),
+        sensor_timing: Some(Timing::Delay),
+        drawn_since: 1,
+        hiding: Some(Hiding { parameters: |s, _| vec![s], first_guess: 5e-3, beyond_plausible: false }),
+        ..EffectInfo::PLAIN
+    };
+
+    #[inline(always)]
+    fn delay_s<S: Scalar>(p: &[S]) -> Option<S> {
+        Some(p[0])
+    }
+}

@@ -1,0 +1,187 @@
+//! Effects with one parameter for each log: how many they have depends on the bench.
+//!
+//! The library holds such an effect once, with the one parameter of a log without a name. A bench makes its own out of
+//! it ([`EffectId::for_logs`]), whose description lists a parameter for each of its logs, so that everything which
+//! reads descriptions (fit, reports, model.toml) needs to know no more. In an experiment only the parameter of its log
+//! acts ([`crate::Plant::for_log`]).
+
+use std::cmp::Ordering;
+use std::hash::{Hash, Hasher};
+use std::sync::{Mutex, PoisonError};
+
+use crate::EffectId;
+use crate::effect::{EffectInfo, ParameterInfo};
+
+/// An effect of the library made for the logs of a bench. Those of the same logs are one and the same.
+#[derive(Clone, Copy)]
+pub struct PerLog(&'static Made);
+
+struct Made {
+    template: EffectId,
+    logs: Vec<String>,
+    info: EffectInfo,
+}
+
+impl Made {
+    fn key(&self) -> (EffectId, &[String]) {
+        (self.template, &self.logs)
+    }
+}
+
+impl PerLog {
+    /// The effect of the library.
+    pub(crate) fn template(self) -> EffectId {
+        self.0.template
+    }
+
+    /// The description, with a parameter for each log.
+    pub(crate) fn info(self) -> &'static EffectInfo {
+        &self.0.info
+    }
+
+    /// Which of its parameters is that of a log.
+    pub fn parameter_of(self, log: &str) -> Option<usize> {
+        self.0.logs.iter().position(|own| own == log)
+    }
+}
+
+impl std::fmt::Debug for PerLog {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "PerLog({:?}, {:?})", self.0.template, self.0.logs)
+    }
+}
+
+impl PartialEq for PerLog {
+    fn eq(&self, other: &PerLog) -> bool {
+        std::ptr::eq(self.0, other.0)
+    }
+}
+
+impl Eq for PerLog {}
+
+impl Hash for PerLog {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.key().hash(state);
+    }
+}
+
+impl PartialOrd for PerLog {
+    fn partial_cmp(&self, other: &PerLog) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for PerLog {
+    fn cmp(&self, other: &PerLog) -> Ordering {
+        self.0.key().cmp(&other.0.key())
+    }
+}
+
+/// Everything that was made so far; an entry lives as long as the program, so that an [`EffectId`] stays a plain
+/// value.
+static MADE: Mutex<Vec<&'static Made>> = Mutex::new(vec![]);
+
+/// One value for each log out of that for one.
+fn for_each(values: &'static [f64], logs: usize) -> &'static [f64] {
+    values.repeat(logs).leak()
+}
+
+impl EffectId {
+    /// This effect for a bench whose logs have these names: with a parameter for each of them if it has one per log;
+    /// any other effect, and one for no log at all, stays as it is.
+    #[must_use]
+    pub fn for_logs(self, logs: &[String]) -> EffectId {
+        let template = match self {
+            EffectId::PerLog(made) => made.template(),
+            other => other,
+        };
+        let info = template.info();
+        if info.per_log.is_none() || logs.is_empty() {
+            return template;
+        }
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = made.iter().find(|known| known.key() == (template, logs)) {
+            return EffectId::PerLog(PerLog(known));
+        }
+        let parameters: Vec<ParameterInfo> = logs
+            .iter()
+            .flat_map(|log| {
+                info.parameters.iter().map(move |one| ParameterInfo {
+                    name: parameter_name(one.name, log).leak(),
+                    ..*one
+                })
+            })
+            .collect();
+        let starts: Vec<&'static [f64]> = info
+            .starts
+            .iter()
+            .map(|start| for_each(start, logs.len()))
+            .collect();
+        let entry: &'static Made = Box::leak(Box::new(Made {
+            template,
+            logs: logs.to_vec(),
+            info: EffectInfo {
+                parameters: parameters.leak(),
+                starts: starts.leak(),
+                absent: info.absent.map(|absent| for_each(absent, logs.len())),
+                ..*info
+            },
+        }));
+        made.push(entry);
+        EffectId::PerLog(PerLog(entry))
+    }
+
+    /// Whether a parameter with this position among those of the effect has to do with a log: not if it is that of
+    /// another one.
+    pub fn is_of_log(self, parameter: usize, log: &str) -> bool {
+        match self {
+            EffectId::PerLog(made) => made.parameter_of(log) == Some(parameter),
+            _ => true,
+        }
+    }
+
+    /// The log whose parameter this name is, if it is one of this effect of the library.
+    pub fn log_of(self, parameter: &str) -> Option<&str> {
+        self.info().per_log?;
+        let (own, _) = self.info().parameters.first()?.name.split_once('/')?;
+        parameter.strip_prefix(own)?.strip_prefix('/')
+    }
+}
+
+/// The name of a log's parameter: what stands after the stroke is the name of the experiment.
+fn parameter_name(template: &str, log: &str) -> String {
+    let own = template.split_once('/').map_or(template, |(own, _)| own);
+    format!("{own}/{log}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Kind, Model, Plant, State};
+
+    #[test]
+    fn every_log_has_a_zero_of_its_own() {
+        let logs = ["a".to_owned(), "b".to_owned()];
+        let zero = EffectId::AngleZero.for_logs(&logs);
+        assert_eq!(zero, EffectId::AngleZero.for_logs(&logs));
+        assert_eq!(
+            (zero.name(), zero.info().parameters.len()),
+            ("angle-zero", 2)
+        );
+        let model = Model::base().with(EffectId::AngleOffset).with(zero);
+        assert!(!model.has(EffectId::AngleOffset));
+        let own: Vec<&str> = model.parameters()[6..].iter().map(|one| one.name).collect();
+        assert_eq!(own, ["angle_zero/a", "angle_zero/b"]);
+        let values = [2e-3, 1e-4, 0.2, 0.03, 0.0, 0.0, 0.1, -0.2];
+        let plant = Plant::new(&model, &values, Kind::FreeSwing);
+        for (log, expected) in [("a", 0.1), ("b", -0.2), ("c", 0.0)] {
+            let plant = plant.clone().for_log(log);
+            assert_eq!(plant.read(&State::rest()).angle_rad, expected);
+        }
+        // More logs: the same effect, whose parameters take the place of those of fewer.
+        let more = zero.for_logs(&["a".to_owned(), "b".to_owned(), "c".to_owned()]);
+        assert_eq!(model.with(more).parameter_count(), 9);
+        assert_eq!(EffectId::AngleZero.log_of("angle_zero/a/b"), Some("a/b"));
+        assert_eq!(EffectId::GyroBias.for_logs(&logs), EffectId::GyroBias);
+    }
+}

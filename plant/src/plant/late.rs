@@ -1,0 +1,515 @@
+//! Sensors that need the time: what they say follows what they measure with a lag, or comes late.
+//!
+//! The motion does not know of them. They are fed with it piece by piece: over every step of the integration each
+//! of the three outputs is the cubic through its values and slopes at both ends (Hairer, Nørsett, Wanner I, ch. II.6),
+//! as exact as the step itself. Behind a lag T, T ẏ = v − y, a cubic v has the answer
+//! v − T v̇ + T² v̈ − T³ v⃛ + c exp(−t/T) in closed form, so that the lag may be short or long against the step;
+//! a delay reads the cubic at t − δ. Both carry exact derivatives.
+//!
+//! Bias, scale, offset and eccentricity are applied afterwards. That is the chain of the contract (eccentricity or
+//! scale, offset or bias, lag, delay) all the same: a delay may change places with whatever has no memory, and a
+//! lag with a scale and a bias; the angle has no lag.
+//!
+//! **Before the first sample of a run.** A delay asks for v before the log began, which nobody recorded. Body and
+//! wheel are taken to have stood as they were at the first sample (a swing is released, a step is commanded), or
+//! to have moved already as the model says, or anything between: [`Plant::with_motion_before`]. A run that
+//! begins in the middle of a log knows what was commanded before: the motion is followed back from its start,
+//! as far as the delays reach and a lag remembers.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use super::{Drive, Plant, State};
+use crate::effect::Instant;
+use crate::plant::integrator::Current;
+use crate::{Kind, Output, Reading, Scalar, Timing};
+
+/// Time constants after which a lag has forgotten its past (e⁻⁴ of a deviation is left, and the past that is
+/// followed back is off by little itself).
+const LAG_MEMORY: f64 = 4.0;
+/// The past is followed back by at most this time, in s: upright, errors grow on the way.
+const LONGEST_PAST_S: f64 = 0.5;
+/// Most steps back.
+const MOST_STEPS_BACK: f64 = 2000.0;
+/// The largest of a number of lags or delays must be above this, in s, for the past to matter.
+const NO_TIME_S: f64 = 1e-9;
+
+/// What one sensor does to the time.
+#[derive(Clone, Copy, Debug)]
+struct Timings<S> {
+    lag_s: Option<S>,
+    delay_s: Option<S>,
+}
+
+impl<S> Timings<S> {
+    fn is_none(&self) -> bool {
+        self.lag_s.is_none() && self.delay_s.is_none()
+    }
+}
+
+/// One output over a stretch of time: the cubic with these values and slopes at its ends.
+#[derive(Clone, Copy, Debug)]
+struct Piece<S> {
+    from_s: f64,
+    to_s: f64,
+    from: S,
+    from_slope: S,
+    to: S,
+    to_slope: S,
+}
+
+impl<S: Scalar> Piece<S> {
+    fn span_s(&self) -> f64 {
+        self.to_s - self.from_s
+    }
+
+    /// Its derivatives of order 0 to 3 at the start, divided by no factorial.
+    fn derivatives(&self) -> [S; 4] {
+        let h = self.span_s();
+        let rise = (self.to - self.from) * (1.0 / h);
+        let second = (rise * 3.0 - self.from_slope * 2.0 - self.to_slope) * (2.0 / h);
+        let third = (self.from_slope + self.to_slope - rise * 2.0) * (6.0 / (h * h));
+        [self.from, self.from_slope, second, third]
+    }
+
+    /// The value `after_s` from its start.
+    fn at(&self, after_s: S) -> S {
+        let [zeroth, first, second, third] = self.derivatives();
+        let cubic = second * 0.5 + after_s * third * (1.0 / 6.0);
+        zeroth + after_s * (first + after_s * cubic)
+    }
+
+    /// What a lag makes of it, from `start` on.
+    fn behind(&self, lag_s: S, start: S) -> Piece<S> {
+        let [_, first, second, third] = self.derivatives();
+        let h = self.span_s();
+        // By how much the answer to the cubic alone lies behind it, at both ends.
+        let behind_from = lag_s * (first - lag_s * (second - lag_s * third));
+        let second_to = second + third * h;
+        let behind_to = lag_s * (self.to_slope - lag_s * (second_to - lag_s * third));
+        let left = if lag_s.value() > 0.0 {
+            (S::constant(-h) / lag_s).exp()
+        } else {
+            S::zero()
+        };
+        let to = self.to - behind_to + (start - self.from + behind_from) * left;
+        let slope = |value: S, behind: S, own: S| {
+            if lag_s.value() > 0.0 {
+                (value - behind) / lag_s
+            } else {
+                own
+            }
+        };
+        Piece {
+            from: start,
+            from_slope: slope(self.from, start, self.from_slope),
+            to,
+            to_slope: slope(self.to, to, self.to_slope),
+            ..*self
+        }
+    }
+}
+
+/// One sensor that needs the time.
+#[derive(Clone, Debug)]
+struct Channel<S> {
+    output: Output,
+    timings: Timings<S>,
+    /// What it says now, but for the delay.
+    now: S,
+    /// What the delay still needs, oldest first.
+    kept: VecDeque<Piece<S>>,
+}
+
+impl<S: Scalar> Channel<S> {
+    /// Takes a piece of what is measured.
+    fn take(&mut self, piece: Piece<S>) {
+        let piece = match self.timings.lag_s {
+            Some(lag_s) => piece.behind(lag_s, self.now),
+            None => piece,
+        };
+        self.now = piece.to;
+        if let Some(delay_s) = self.timings.delay_s {
+            self.kept.push_back(piece);
+            let asked_s = piece.to_s - delay_s.value();
+            while self.kept.len() > 1 && self.kept[0].to_s < asked_s {
+                self.kept.pop_front();
+            }
+        }
+    }
+
+    /// What it says at a time that is not before the last piece's start; `before` is what it said for ever where
+    /// nothing is kept from so long ago.
+    fn says(&self, time_s: f64) -> S {
+        let Some(delay_s) = self.timings.delay_s else {
+            return self.now;
+        };
+        let asked_s = time_s - delay_s.value();
+        let Some(first) = self.kept.front() else {
+            return self.now;
+        };
+        if asked_s < first.from_s {
+            return first.from;
+        }
+        let at = self.kept.partition_point(|piece| piece.to_s < asked_s);
+        let piece = &self.kept[at.min(self.kept.len() - 1)];
+        piece.at(S::constant(time_s - piece.from_s) - delay_s)
+    }
+}
+
+/// The sensors of a plant that need the time, along one run.
+#[derive(Clone, Debug)]
+pub struct Late<S> {
+    channels: Vec<Channel<S>>,
+    /// The motion where the last piece ended: values of the outputs and their slopes are needed there.
+    needs_accelerations: bool,
+}
+
+/// The values of the outputs, and how fast they change.
+#[derive(Clone, Copy, Debug)]
+struct Measured<S> {
+    values: [S; 3],
+    slopes: [S; 3],
+}
+
+/// A step of the motion before a run: its two times in s, and what is measured at both.
+type Past<S> = ((f64, f64), Measured<S>, Measured<S>);
+
+impl<S: Scalar> Plant<S> {
+    /// The share of its motion that the model had before the first sample of a log already, for sensors with a
+    /// delay: 0 (the default), body and wheel stood as they were then; 1, they moved as the model says.
+    #[must_use]
+    pub fn with_motion_before(mut self, share: S) -> Plant<S> {
+        self.motion_before = share;
+        self
+    }
+
+    /// What sensors do to the time, by output.
+    fn sensor_timings(&self) -> Vec<(Output, Timings<S>)> {
+        let own = |output: Output| {
+            let mut timings = Timings {
+                lag_s: None,
+                delay_s: None,
+            };
+            for (effect, info) in self.structure.late.iter().map(|t| (t, t.effect.info())) {
+                if info.senses != Some(output) {
+                    continue;
+                }
+                let p = self.p(effect);
+                match info.sensor_timing {
+                    Some(Timing::Lag) => timings.lag_s = effect.effect.lag_s(p),
+                    Some(Timing::Delay) => timings.delay_s = effect.effect.delay_s(p),
+                    None => {}
+                }
+            }
+            (output, timings)
+        };
+        let all = Output::ALL.map(own);
+        all.into_iter().filter(|(_, own)| !own.is_none()).collect()
+    }
+
+    /// Whether the model has sensors that need the time.
+    pub fn has_late_sensors(&self) -> bool {
+        !self.structure.late.is_empty()
+    }
+
+    /// Lag and delay of the sensor of an output in s, 0 where it has none.
+    pub fn sensor_times_s(&self, output: Output) -> (f64, f64) {
+        let of = |time_s: Option<S>| time_s.map_or(0.0, |time_s| time_s.value());
+        let timings = self.sensor_timings();
+        let own = timings.iter().find(|(sensor, _)| *sensor == output);
+        own.map_or((0.0, 0.0), |(_, own)| (of(own.lag_s), of(own.delay_s)))
+    }
+
+    /// The sensors that need the time, at the start of a run that nothing came before; `None` where the model has
+    /// none.
+    pub fn late_sensors(&self, start: &State<S>) -> Option<Late<S>> {
+        if !self.has_late_sensors() {
+            return None;
+        }
+        let values = outputs(start);
+        let mut needs_accelerations = false;
+        let channels = self.sensor_timings().into_iter().map(|(output, timings)| {
+            needs_accelerations |= output != Output::Angle;
+            Channel {
+                output,
+                timings,
+                now: values[output as usize],
+                kept: VecDeque::new(),
+            }
+        });
+        let channels = channels.collect();
+        Some(Late {
+            channels,
+            needs_accelerations,
+        })
+    }
+
+    /// What the sensors say in a state, at a time up to which `late` was fed.
+    pub fn read_late(&self, state: &State<S>, late: Option<&Late<S>>, time_s: f64) -> Reading<S> {
+        let mut reading = Reading {
+            angle_rad: state.angle_rad,
+            rate_rad_s: state.rate_rad_s,
+            wheel_speed_rad_s: state.wheel_speed_rad_s,
+        };
+        for channel in late.iter().flat_map(|late| &late.channels) {
+            *channel.output.part_of(&mut reading) = channel.says(time_s);
+        }
+        self.distorted(reading)
+    }
+
+    /// As [`Plant::step`] from one time to another, with the sensors that need the time.
+    pub fn step_with(
+        &self,
+        start: &State<S>,
+        drive: &Drive<S>,
+        (from_s, to_s): (f64, f64),
+        late: Option<&mut Late<S>>,
+    ) -> State<S> {
+        let Some(late) = late else {
+            return self.step(start, drive, to_s - from_s);
+        };
+        // Cubics as long as a step of the integration, and no longer.
+        let parts = self.parts(to_s - from_s);
+        let mut state = *start;
+        let mut before_s = from_s;
+        for part in 1..=parts {
+            let share = |part: usize| part as f64 / parts as f64;
+            let after_s = if part == parts {
+                to_s
+            } else {
+                from_s + (to_s - from_s) * share(part)
+            };
+            let drive = drive.part(share(part - 1), share(part));
+            let step_s = after_s - before_s;
+            let (middle, gain) = self.current_line(state.current_a, drive.current_a, step_s);
+            let end = self.step(&state, &drive, step_s);
+            let pushes = drive.push;
+            let of = |state: &State<S>, current_a: S, push: f64| {
+                late.measured(self, state, (current_a, push), step_s)
+            };
+            let from = of(&state, middle - gain * 0.5, pushes[0]);
+            let to = of(&end, middle + gain * 0.5, pushes[2]);
+            late.take((before_s, after_s), &from, &to);
+            state = end;
+            before_s = after_s;
+        }
+        state
+    }
+
+    /// The sensors that need the time at the start of a run over these samples, fed with the motion before it.
+    pub(super) fn late_at_start(
+        &self,
+        start: &State<S>,
+        time_s: &[f64],
+        samples: &Range<usize>,
+        current: Current<S>,
+    ) -> Option<Late<S>> {
+        let mut late = self.late_sensors(start)?;
+        let first = samples.start;
+        let (Some(&start_s), Some(interval_s)) = (time_s.get(first), mean_interval_s(time_s))
+        else {
+            return Some(late);
+        };
+        let begins_with_log = first == 0;
+        let span_s = late.memory_s(begins_with_log).min(LONGEST_PAST_S);
+        let first_s = time_s.first().copied().unwrap_or(start_s);
+        let span_s = if begins_with_log {
+            span_s
+        } else {
+            span_s.min(start_s - first_s)
+        };
+        if span_s < NO_TIME_S {
+            return Some(late);
+        }
+        let unlagged = self.without_timing();
+        let step_s = self.structure.longest_step_s.min(interval_s);
+        let steps = (span_s / step_s).ceil().clamp(1.0, MOST_STEPS_BACK);
+        let step_s = span_s / steps;
+        let currents = self.currents_back(start_s, step_s, steps as usize, time_s, first, current);
+        // From the start backwards, then fed forwards.
+        let mut state = *start;
+        let mut pieces = vec![];
+        let mut to_s = start_s;
+        for (back, &current_a) in currents.iter().enumerate() {
+            let from_s = start_s - step_s * (back + 1) as f64;
+            let drive = Drive {
+                current_a,
+                push: [0.0; 3],
+            };
+            let to = late.measured(&unlagged, &state, (current_a, 0.0), step_s);
+            state = unlagged.single_step(&state, &drive, from_s - to_s);
+            let from = late.measured(&unlagged, &state, (current_a, 0.0), step_s);
+            pieces.push(((from_s, to_s), from, to));
+            to_s = from_s;
+        }
+        pieces.reverse();
+        // What is no number has no past.
+        let is_number = |value: &S| value.value().is_finite();
+        let is_motion =
+            |(_, from, _): &Past<S>| from.values.iter().chain(&from.slopes).all(is_number);
+        pieces.retain(is_motion);
+        if begins_with_log {
+            late.had_moved(&pieces, self.motion_before);
+        } else {
+            late.follow(&pieces, start_s - span_s - first_s > 0.5 * interval_s);
+        }
+        Some(late)
+    }
+
+    /// The current that flows, behind delay and lag of the motor, over steps back from the start of a run, the
+    /// nearest first.
+    fn currents_back(
+        &self,
+        start_s: f64,
+        step_s: f64,
+        steps: usize,
+        time_s: &[f64],
+        first: usize,
+        current: Current<S>,
+    ) -> Vec<S> {
+        let Current::Recorded(input) = current else {
+            let Current::Held(held) = current else {
+                return vec![S::zero(); steps];
+            };
+            return vec![held; steps];
+        };
+        let before_a = S::constant(input.first().map_or(0.0, |(_, first_a)| first_a));
+        let hint = |time_s_: f64| {
+            let after = time_s[..=first].partition_point(|&sample_s| sample_s <= time_s_);
+            after.saturating_sub(1)
+        };
+        let lag = self.lag_s.map_or(0.0, |lag| lag.value().max(0.0));
+        let lead = ((LAG_MEMORY * lag / step_s).ceil() as usize).min(MOST_STEPS_BACK as usize);
+        let mut flowing: Option<S> = None;
+        let mut forwards = vec![];
+        for back in (0..steps + lead).rev() {
+            let from_s = start_s - step_s * (back + 1) as f64;
+            let to_s = start_s - step_s * back as f64;
+            let drive = self.command(input, (from_s, to_s), before_a, hint(from_s));
+            let before = flowing.unwrap_or(drive);
+            let (middle, _) = self.current_line(before, drive, step_s);
+            flowing = Some(self.left_behind_lag(before, drive, step_s));
+            if back < steps {
+                forwards.push(middle);
+            }
+        }
+        forwards.reverse();
+        forwards
+    }
+}
+
+fn mean_interval_s(time_s: &[f64]) -> Option<f64> {
+    let (first, last) = (time_s.first()?, time_s.last()?);
+    let interval_s = (last - first) / time_s.len().saturating_sub(1).max(1) as f64;
+    (interval_s > 0.0).then_some(interval_s)
+}
+
+/// The true outputs of a state, in the order of [`Output::ALL`].
+fn outputs<S: Scalar>(state: &State<S>) -> [S; 3] {
+    [state.angle_rad, state.rate_rad_s, state.wheel_speed_rad_s]
+}
+
+impl<S: Scalar> Late<S> {
+    /// Outputs and their slopes in a state, for the current behind the lag of the motor and a push, at an end of a
+    /// step of this length.
+    fn measured(
+        &self,
+        plant: &Plant<S>,
+        state: &State<S>,
+        (current_a, push): (S, f64),
+        step_s: f64,
+    ) -> Measured<S> {
+        let (rate_dot, wheel_dot) = if self.needs_accelerations {
+            let mut at = Instant {
+                angle_rad: state.angle_rad,
+                rate_rad_s: state.rate_rad_s,
+                wheel_angle_rad: state.wheel_angle_rad,
+                wheel_speed_rad_s: state.wheel_speed_rad_s,
+                memory: S::zero(),
+            };
+            let with_ripple = plant.has_ripple(state, step_s);
+            plant.accelerations(&mut at, state.friction_torque, current_a, push, with_ripple)
+        } else {
+            (S::zero(), S::zero())
+        };
+        let rate = if plant.structure.kind == Kind::SpinUp {
+            S::zero()
+        } else {
+            state.rate_rad_s
+        };
+        Measured {
+            values: outputs(state),
+            slopes: [rate, rate_dot, wheel_dot],
+        }
+    }
+
+    fn take(&mut self, (from_s, to_s): (f64, f64), from: &Measured<S>, to: &Measured<S>) {
+        for channel in &mut self.channels {
+            let at = channel.output as usize;
+            channel.take(Piece {
+                from_s,
+                to_s,
+                from: from.values[at],
+                from_slope: from.slopes[at],
+                to: to.values[at],
+                to_slope: to.slopes[at],
+            });
+        }
+    }
+
+    /// How much of the motion before a run matters, in s.
+    fn memory_s(&self, begins_with_log: bool) -> f64 {
+        let of = |time_s: Option<S>| time_s.map_or(0.0, |time_s| time_s.value().max(0.0));
+        let channels = self.channels.iter().map(|channel| {
+            // At the first sample of a log a lag says what it measures.
+            let lag_s = if begins_with_log {
+                0.0
+            } else {
+                LAG_MEMORY * of(channel.timings.lag_s)
+            };
+            of(channel.timings.delay_s) + lag_s
+        });
+        channels.fold(0.0, f64::max)
+    }
+
+    /// Feeds the past of a run that begins in the middle of a log. Where it does not reach back to the log's
+    /// start (`is_cut`), a lag begins as if its input had always changed as it does there.
+    fn follow(&mut self, pieces: &[Past<S>], is_cut: bool) {
+        let Some((_, oldest, _)) = pieces.first() else {
+            return;
+        };
+        for channel in &mut self.channels {
+            let at = channel.output as usize;
+            channel.now = oldest.values[at];
+            if let (Some(lag_s), true) = (channel.timings.lag_s, is_cut) {
+                channel.now = channel.now - lag_s * oldest.slopes[at];
+            }
+        }
+        for (span, from, to) in pieces {
+            self.take(*span, from, to);
+        }
+    }
+
+    /// Fills what a delay reads from before the first sample of a log: the motion of the model by a share, around
+    /// what it is at that sample.
+    fn had_moved(&mut self, pieces: &[Past<S>], share: S) {
+        for channel in &mut self.channels {
+            if channel.timings.delay_s.is_none() {
+                continue;
+            }
+            let at = channel.output as usize;
+            let start = channel.now;
+            for ((from_s, to_s), from, to) in pieces {
+                channel.kept.push_back(Piece {
+                    from_s: *from_s,
+                    to_s: *to_s,
+                    from: start + share * (from.values[at] - start),
+                    from_slope: share * from.slopes[at],
+                    to: start + share * (to.values[at] - start),
+                    to_slope: share * to.slopes[at],
+                });
+            }
+        }
+    }
+}

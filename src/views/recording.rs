@@ -1,0 +1,38 @@
+//! A record in words.
+
+use std::path::Path;
+
+use workbench::RecordReport;
+
+/// The logs that were written, what was lost, and how to go on.
+pub fn text(bench: &Path, report: &RecordReport) -> String {
+    let mut text = String::new();
+    for log in &report.logs {
+        text.push_str(&format!(
+            "{}  ({}, {})\n  {} rows, {:.3} s; ended: {}\n",
+            log.name,
+            log.kind,
+            log.file.display(),
+            log.rows,
+            log.duration_s,
+            log.end
+        ));
+        if log.lost_frames > 0 || log.damaged_frames > 0 {
+            text.push_str(&format!(
+                "  {} frames lost, {} pieces on the line that were no frame; the column lost_frames \
+                 marks where\n",
+                log.lost_frames, log.damaged_frames
+            ));
+        }
+        if let Some(from_s) = log.from_s {
+            text.push_str(&format!("  used from {from_s:.3} s\n"));
+        }
+        for note in &log.notes {
+            text.push_str(&format!("  {note}\n"));
+        }
+    }
+    text.push_str(&format!("\nWritten: {}\n", report.bench.display()));
+    let is_bring_up = report.logs.iter().all(|log| log.kind == "bring-up");
+    let next = if is_bring_up { "bring-up" } else { "check" };
+    text + &format!("Next: flywheel {next} {}\n", bench.display())
+}

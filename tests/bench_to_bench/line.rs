@@ -1,0 +1,185 @@
+//! The bench at the other end of a pseudo-terminal: pendulum, sensors, firmware, and a line with faults.
+
+use std::io::{Read, Write};
+use std::path::Path;
+use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serialport::{SerialPort, TTYPort};
+use simulate::RawSensors;
+
+use super::firmware::Firmware;
+use super::hand::{Pendulum, Scene, Truth};
+
+/// The module's sample time, µs.
+const SAMPLE_TIME_US: u32 = 1_000;
+/// The simulation runs ahead of the program's last command by so much and then waits: a program that the
+/// machine keeps from running must not lose its lease.
+const AHEAD: u32 = 400;
+
+/// What the line does to frames, shares of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Faults {
+    pub damaged: f64,
+    pub lost: f64,
+    pub seed: u64,
+}
+
+impl Faults {
+    pub const NONE: Faults = Faults {
+        damaged: 0.0,
+        lost: 0.0,
+        seed: 1,
+    };
+}
+
+/// A bench that runs in a thread of its own until it is dropped.
+pub struct SimulatedBench {
+    port: String,
+    scenes: Option<Sender<Scene>>,
+    is_turned: Receiver<()>,
+    thread: Option<JoinHandle<()>>,
+    /// Kept open, so that the line is there between two records.
+    _slave: TTYPort,
+}
+
+impl SimulatedBench {
+    pub fn start(firmware: &Path, truth: &Truth, faults: Faults) -> SimulatedBench {
+        let (master, slave) = TTYPort::pair().expect("a pseudo-terminal");
+        let port = slave.name().expect("its name");
+        let (scenes, new_scenes) = mpsc::channel();
+        let (turned, is_turned) = mpsc::channel();
+        let mut firmware = Firmware::start(firmware);
+        let mut bench = Running {
+            master,
+            pendulum: Pendulum::new(truth, Scene::Clamped),
+            random: ChaCha8Rng::seed_from_u64(faults.seed),
+            sensors: sensors(),
+            faults,
+            now_us: 0,
+            since_command: AHEAD,
+            duty: 32_768,
+        };
+        let thread = thread::spawn(move || {
+            loop {
+                match new_scenes.try_recv() {
+                    Ok(scene) => {
+                        bench.pendulum = bench.pendulum.next(scene);
+                        while bench.pendulum.is_turned() {
+                            bench.tick(&mut firmware, &[]);
+                        }
+                        // Whoever waits for it may be gone.
+                        let _ = turned.send(());
+                    }
+                    Err(TryRecvError::Empty) => {}
+                    Err(TryRecvError::Disconnected) => return,
+                }
+                bench.step(&mut firmware);
+            }
+        });
+        SimulatedBench {
+            port,
+            scenes: Some(scenes),
+            is_turned,
+            thread: Some(thread),
+            _slave: slave,
+        }
+    }
+
+    /// The device that the program opens.
+    pub fn port(&self) -> String {
+        self.port.clone()
+    }
+
+    /// From now on the person at the bench does this; returns when the body is where that begins.
+    pub fn scene(&self, scene: Scene) {
+        if let Some(scenes) = &self.scenes {
+            scenes.send(scene).expect("the bench runs");
+            self.is_turned.recv().expect("the body is turned");
+        }
+    }
+}
+
+impl Drop for SimulatedBench {
+    fn drop(&mut self) {
+        drop(self.scenes.take());
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("the bench ends well");
+        }
+    }
+}
+
+/// The sensors of the thesis at the pivot, calibrated.
+fn sensors() -> RawSensors {
+    let mut sensors = RawSensors::of_the_thesis().expect("sensors");
+    sensors.lever_arm_m = [0.0, 0.0];
+    sensors.gyro.bias_counts = Default::default();
+    sensors.accel.bias_counts = Default::default();
+    sensors
+}
+
+struct Running {
+    master: TTYPort,
+    pendulum: Pendulum,
+    random: ChaCha8Rng,
+    sensors: RawSensors,
+    faults: Faults,
+    now_us: u32,
+    /// Ticks since the last byte from the program.
+    since_command: u32,
+    duty: u16,
+}
+
+impl Running {
+    fn step(&mut self, firmware: &mut Firmware) {
+        let mut bytes = [0; 200];
+        let mut came: &[u8] = &[];
+        if self.master.bytes_to_read().unwrap_or(0) > 0
+            && let Ok(count) = self.master.read(&mut bytes)
+        {
+            came = &bytes[..count];
+            self.since_command = 0;
+        }
+        if self.since_command >= AHEAD {
+            thread::sleep(Duration::from_millis(1));
+            return;
+        }
+        self.since_command += 1;
+        let mut goes = self.tick(firmware, came);
+        if self.random.random_bool(self.faults.lost) {
+            goes.clear();
+        }
+        if !goes.is_empty() && self.random.random_bool(self.faults.damaged) {
+            let place = self.random.random_range(0..goes.len() - 1);
+            // Another byte than it was, and no end.
+            goes[place] = match self.random.next_u32() as u8 | 1 {
+                same if same == goes[place] => same ^ 2,
+                other => other,
+            };
+        }
+        // A line that nobody reads loses what is sent.
+        let _ = self.master.write_all(&goes);
+    }
+
+    /// One sample time: the bytes that go to the line.
+    fn tick(&mut self, firmware: &mut Firmware, came: &[u8]) -> Vec<u8> {
+        let current_a = self.sensors.current_a(self.duty);
+        let acceleration = self.pendulum.acceleration_rad_s2(current_a);
+        let sample = self
+            .sensors
+            .sample(&self.pendulum.state, acceleration, &mut self.random);
+        let sample = self.pendulum.bus_works().then_some(&sample);
+        let (duty, goes) = firmware
+            .tick(self.now_us, sample, came)
+            .expect("the firmware runs");
+        self.duty = duty;
+        let current_a = self.sensors.current_a(duty);
+        self.pendulum
+            .step(current_a, 1e-6 * f64::from(SAMPLE_TIME_US));
+        self.now_us = self.now_us.wrapping_add(SAMPLE_TIME_US);
+        goes
+    }
+}

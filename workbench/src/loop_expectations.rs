@@ -1,0 +1,399 @@
+//! What a designed loop does, before anything is generated: over frequency, under torques and noise, and how far off
+//! upright it may start.
+
+use bench_files::DesignSection;
+use design::{
+    BandedResponse, DisturbanceTorque, Excursions, LinearController, LoopFrequency,
+    ResponseSettings, SensorNoise, UncertainLoop, Weights, banded_response, drawn_plants,
+    frequency_response, linear_response, margins_with_delay, noise_in_loop,
+};
+use nalgebra::{DMatrix, Vector3};
+use plant::{
+    GRAVITY_TORQUE, Kind, Plant, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, torque_inputs,
+};
+use serde::{Deserialize, Serialize};
+use simulate::scenario::Scale;
+use simulate::{Actuator, ClosedLoop, ExactLaw, Motion, Sensors, largest_recoverable_angle};
+
+use crate::control_design::ControlDesign;
+use crate::design_report::LoopMargins;
+use crate::error::Error;
+use crate::sensor_noise::BenchNoise;
+
+/// Parameter sets drawn for the bands.
+const DRAWN_SETS: usize = 200;
+/// Seed of that draw.
+const SEED: u64 = 1;
+/// Points of a response.
+const POINTS: usize = 300;
+/// Frequencies of the open loop.
+const FREQUENCIES: usize = 400;
+/// Torque of the step, as a share of the motor's largest: a tenth leaves nine for everything else.
+const STEP_SHARE: f64 = 0.1;
+/// A response is shown for this many time constants of the loop's slowest motion: e⁻⁶ is a quarter of a per cent.
+const TIME_CONSTANTS: f64 = 6.0;
+/// But for no less, and no longer, s.
+const DURATION_S: (f64, f64) = (0.5, 20.0);
+/// Resolution of the largest recoverable angle, rad: a fiftieth of a degree.
+const ANGLE_RESOLUTION_RAD: f64 = 3.5e-4;
+
+/// What is asked of a loop beyond its model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExpectationSettings {
+    /// How late the current reaches the motor, s, on top of the model's own delay.
+    pub delay_s: f64,
+    /// The noise of the bench's sensors; what is not known is that of the thesis bench.
+    pub noise: BenchNoise,
+}
+
+/// What a loop does: the result of [`ControlDesign::expectations`]. The curves are not part of the JSON; the figures
+/// have them.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct LoopExpectations {
+    /// What the weights allow at equal cost (Bryson's rule).
+    pub excursions: AllowedExcursions,
+    /// How late the current reaches the motor, s: the model's own delay and the one that was asked for.
+    pub delay_s: f64,
+    /// Whether the loop is stable with that delay; where it is not, there is nothing below.
+    pub stable: bool,
+    /// What it bears beyond that delay.
+    pub margins: Option<LoopMargins>,
+    /// Where the open loop has the size 1 with the least phase, rad/s.
+    pub crossover_rad_s: Option<f64>,
+    /// Largest angle at rest from which the nonlinear bench comes up under this law, with that delay and no noise.
+    pub recoverable_angle_rad: Option<f64>,
+    /// The answer to a torque that stays.
+    pub step: Option<TorqueAnswer>,
+    /// The answer to a push.
+    pub push: Option<TorqueAnswer>,
+    /// What the sensors' noise does.
+    pub noise: Option<NoiseExpectation>,
+    /// The open loop.
+    #[serde(skip)]
+    pub frequencies: Vec<LoopFrequency>,
+}
+
+/// How far the quantities may go at equal cost; infinite (null) where one costs nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AllowedExcursions {
+    /// Angle.
+    #[serde(with = "crate::named::unbounded")]
+    pub angle_rad: f64,
+    /// Rate.
+    #[serde(with = "crate::named::unbounded")]
+    pub rate_rad_s: f64,
+    /// Wheel speed.
+    #[serde(with = "crate::named::unbounded")]
+    pub wheel_speed_rad_s: f64,
+    /// Current.
+    #[serde(with = "crate::named::unbounded")]
+    pub current_a: f64,
+}
+
+/// The linear loop's answer to a torque on the body.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct TorqueAnswer {
+    /// Size of the torque, N m; of a push its impulse, N m s. Both per kg m² where the bench gives torques only so.
+    pub size: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Largest angle.
+    pub largest_angle_rad: f64,
+    /// The same at the ends of what 95 % of the parameter sets give; `None` without errors of the parameters.
+    pub largest_angle_band_rad: Option<[f64; 2]>,
+    /// Largest wheel speed.
+    pub largest_wheel_speed_rad_s: f64,
+    /// Largest current; no limit acts.
+    pub largest_current_a: f64,
+    /// The curves.
+    #[serde(skip)]
+    pub curves: BandedResponse,
+}
+
+/// Noise in the loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NoiseExpectation {
+    /// Of the sensors: rad, rad/s, rad/s, a sample.
+    pub sensors: [f64; 3],
+    /// Where each comes from.
+    pub sources: [String; 3],
+    /// Standard deviation of the true angle.
+    pub angle_rad: f64,
+    /// Of the wheel speed.
+    pub wheel_speed_rad_s: f64,
+    /// Of the commanded current.
+    pub current_a: f64,
+}
+
+impl ControlDesign {
+    /// What the loop does. Takes a few hundredths of a second.
+    ///
+    /// # Errors
+    /// [`Error::Design`] where a number is none; [`Error::Simulate`].
+    pub fn expectations(&self, settings: &ExpectationSettings) -> Result<LoopExpectations, Error> {
+        let (a, b) = self.matrices();
+        let (gains, sample_time_s) = (self.design().gains, self.wishes().sample_time_s);
+        let controller = LinearController::state_feedback(&gains);
+        let in_design = |source| self.design_error(source);
+        let plant = Plant::new(self.model(), self.values(), Kind::Balance);
+        let delay_s = settings.delay_s + plant.delay_s().unwrap_or(0.0);
+        let frequencies =
+            frequency_response(&a, &b, &controller, sample_time_s, delay_s, FREQUENCIES)
+                .map_err(in_design)?;
+        let mut found = LoopExpectations {
+            excursions: AllowedExcursions::of(self.wishes()),
+            delay_s,
+            stable: false,
+            margins: None,
+            crossover_rad_s: None,
+            recoverable_angle_rad: None,
+            step: None,
+            push: None,
+            noise: None,
+            frequencies,
+        };
+        let margins = match margins_with_delay(&a, &b, &controller, sample_time_s, delay_s) {
+            Ok(margins) => margins,
+            Err(design::DesignError::UnstableLoop { .. }) => return Ok(found),
+            Err(error) => return Err(in_design(error)),
+        };
+        found.stable = true;
+        found.crossover_rad_s = Some(margins.crossover_rad_s).filter(|value| value.is_finite());
+        found.margins = Some(LoopMargins::of(&margins));
+        found.recoverable_angle_rad = Some(self.recoverable_angle_rad(&plant, settings.delay_s)?);
+        let (step, push) = self.torque_answers(delay_s)?;
+        (found.step, found.push) = (Some(step), Some(push));
+        found.noise = Some(self.noise_expectation(delay_s, &settings.noise)?);
+        Ok(found)
+    }
+
+    /// A (3×3) and B (3×1) of the linear model.
+    pub(crate) fn matrices(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+        let model = &self.design().model;
+        (
+            DMatrix::from_iterator(3, 3, model.state.iter().copied()),
+            DMatrix::from_iterator(3, 1, model.input.iter().copied()),
+        )
+    }
+
+    fn recoverable_angle_rad(&self, plant: &Plant<f64>, computation_s: f64) -> Result<f64, Error> {
+        let failed = |source| self.simulate_error(source);
+        let limit_a = self.wishes().current_limit_a;
+        let scale = Scale::new(self.values(), limit_a).map_err(failed)?;
+        let bench = ClosedLoop {
+            motion: Motion::Nonlinear(plant),
+            sensors: Sensors::PERFECT,
+            actuator: Actuator {
+                limit_a,
+                step_a: 0.0,
+            },
+            sample_time_s: self.wishes().sample_time_s,
+            computation_s,
+            pushes: Vec::new(),
+            seed: SEED,
+        };
+        let mut law = ExactLaw {
+            gains: self.design().gains,
+            limit_a,
+        };
+        largest_recoverable_angle(&bench, &scale, &mut law, ANGLE_RESOLUTION_RAD)
+            .map(|found| found.recovered_rad)
+            .map_err(failed)
+    }
+
+    /// The answers to a step and to a push, with bands where the model states errors.
+    fn torque_answers(&self, delay_s: f64) -> Result<(TorqueAnswer, TorqueAnswer), Error> {
+        let in_design = |source| self.design_error(source);
+        let nominal = UncertainLoop {
+            model: self.design().model,
+            torque_input: self.torque_input(self.values()),
+        };
+        let plant_of = |values: &[f64]| {
+            let model = self.linearise(values).ok()?;
+            let torque_input = self.torque_input(values);
+            torque_input
+                .iter()
+                .all(|entry| entry.is_finite())
+                .then_some(UncertainLoop {
+                    model,
+                    torque_input,
+                })
+        };
+        let drawn = match self.uncertain_parameters() {
+            Some(parameters) => {
+                drawn_plants(&parameters, &plant_of, DRAWN_SETS, SEED).map_err(in_design)?
+            }
+            None => Vec::new(),
+        };
+        let settings = ResponseSettings {
+            sample_time_s: self.wishes().sample_time_s,
+            delay_s,
+            duration_s: self.response_duration_s(),
+            points: POINTS,
+        };
+        let values = self.values();
+        let torque = STEP_SHARE * values[TORQUE_CONSTANT] * self.wishes().current_limit_a;
+        // What the torque of the step gives over the time in which the body falls by a factor e.
+        let inertia = values[TOTAL_INERTIA] - values[WHEEL_INERTIA];
+        let impulse = torque * (inertia / values[GRAVITY_TORQUE]).sqrt();
+        let of = |disturbance| {
+            banded_response(
+                &nominal,
+                &drawn,
+                &self.design().gains,
+                &settings,
+                disturbance,
+            )
+            .map_err(in_design)
+        };
+        let per_inertia = self
+            .file()
+            .parameter("gravity_torque")
+            .is_some_and(|one| one.is_per_inertia());
+        let unit = |unit: &str| match per_inertia {
+            true => format!("{unit} per kg m2"),
+            false => unit.to_owned(),
+        };
+        Ok((
+            TorqueAnswer::of(torque, unit("N m"), of(DisturbanceTorque::Step(torque))?),
+            TorqueAnswer::of(
+                impulse,
+                unit("N m s"),
+                of(DisturbanceTorque::Push(impulse))?,
+            ),
+        ))
+    }
+
+    fn torque_input(&self, values: &[f64]) -> Vector3<f64> {
+        torque_inputs(self.model(), values)[0]
+    }
+
+    /// How long the loop takes to come to rest.
+    pub(crate) fn response_duration_s(&self) -> f64 {
+        let poles = self.design().closed_loop_poles_per_s();
+        let slowest = poles
+            .iter()
+            .map(|pole| -pole.re)
+            .fold(f64::INFINITY, f64::min);
+        (TIME_CONSTANTS / slowest).clamp(DURATION_S.0, DURATION_S.1)
+    }
+
+    /// What noise does to the loop with this delay.
+    pub(crate) fn noise_expectation(
+        &self,
+        delay_s: f64,
+        noise: &BenchNoise,
+    ) -> Result<NoiseExpectation, Error> {
+        let (sensors, sources) = noise.or_assumed();
+        let [angle_rad, rate_rad_s, wheel_speed_rad_s] = sensors;
+        let found = noise_in_loop(
+            &self.design().model,
+            &self.design().gains,
+            self.wishes().sample_time_s,
+            delay_s,
+            &SensorNoise {
+                angle_rad,
+                rate_rad_s,
+                wheel_speed_rad_s,
+            },
+        )
+        .map_err(|source| self.design_error(source))?;
+        Ok(NoiseExpectation {
+            sensors,
+            sources,
+            angle_rad: found.angle_rad,
+            wheel_speed_rad_s: found.wheel_speed_rad_s,
+            current_a: found.current_a,
+        })
+    }
+
+    /// The loop's answer to the step of [`LoopExpectations::step`] without bands, for a sweep: largest angle in rad.
+    pub(crate) fn largest_angle_of_step_rad(&self, delay_s: f64) -> Result<f64, Error> {
+        let torque = STEP_SHARE * self.values()[TORQUE_CONSTANT] * self.wishes().current_limit_a;
+        let plant = UncertainLoop {
+            model: self.design().model,
+            torque_input: self.torque_input(self.values()),
+        };
+        linear_response(
+            &plant,
+            &self.design().gains,
+            self.wishes().sample_time_s,
+            delay_s,
+            DisturbanceTorque::Step(torque),
+            self.response_duration_s(),
+            POINTS,
+        )
+        .map(|found| largest(&found.angle_rad))
+        .map_err(|source| self.design_error(source))
+    }
+}
+
+impl AllowedExcursions {
+    fn of(wishes: &DesignSection) -> AllowedExcursions {
+        let allowed = Excursions::of(&Weights {
+            state: wishes.state_weights.into(),
+            current: wishes.current_weight,
+        });
+        AllowedExcursions {
+            angle_rad: allowed.angle_rad,
+            rate_rad_s: allowed.rate_rad_s,
+            wheel_speed_rad_s: allowed.wheel_speed_rad_s,
+            current_a: allowed.current_a,
+        }
+    }
+}
+
+/// The weights of angle (1/rad²), rate (s²/rad²), wheel speed (s²/rad²) and current (1/A²) that allow these excursions
+/// at equal cost: rad, rad/s, rad/s, A (Bryson's rule).
+///
+/// # Errors
+/// A sentence: an excursion that is not positive.
+pub fn weights_of_excursions(excursions: [f64; 4]) -> Result<[f64; 4], String> {
+    let [angle_rad, rate_rad_s, wheel_speed_rad_s, current_a] = excursions;
+    let allowed = Excursions {
+        angle_rad,
+        rate_rad_s,
+        wheel_speed_rad_s,
+        current_a,
+    };
+    let weights = allowed.weights().map_err(|error| error.to_string())?;
+    Ok([
+        weights.state[0],
+        weights.state[1],
+        weights.state[2],
+        weights.current,
+    ])
+}
+
+impl TorqueAnswer {
+    fn of(size: f64, unit: String, curves: BandedResponse) -> TorqueAnswer {
+        let band = &curves.angle_band;
+        let ends = (curves.sets > 0).then(|| {
+            // At the time of the largest angle.
+            let at = index_of_largest(&curves.nominal.angle_rad);
+            [band.low[at].abs(), band.high[at].abs()]
+        });
+        TorqueAnswer {
+            size,
+            unit,
+            largest_angle_rad: largest(&curves.nominal.angle_rad),
+            largest_angle_band_rad: ends.map(|[a, b]| [a.min(b), a.max(b)]),
+            largest_wheel_speed_rad_s: largest(&curves.nominal.wheel_speed_rad_s),
+            largest_current_a: largest(&curves.nominal.current_a),
+            curves,
+        }
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values
+        .iter()
+        .fold(0.0_f64, |most, value| most.max(value.abs()))
+}
+
+fn index_of_largest(values: &[f64]) -> usize {
+    let indices = 0..values.len();
+    indices
+        .max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()))
+        .unwrap_or(0)
+}

@@ -1,0 +1,256 @@
+//! The experiments that can be recorded: what the firmware is asked to do in each, and when the record
+//! begins and ends.
+
+use std::fmt;
+use std::str::FromStr;
+
+use plant::Kind;
+use serde::{Deserialize, Serialize};
+use serial_frame::Task;
+
+use super::RecordSettings;
+use super::words::Words;
+
+/// An experiment that can be recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RecordedExperiment {
+    /// The wheel is locked to the body, which is deflected by hand and let go.
+    FreeSwing,
+    /// The body is clamped upright, the wheel is driven with a constant current.
+    SpinUp,
+    /// The body is clamped upright, the wheel is driven, then it coasts.
+    CoastDown,
+    /// The controller balances the body.
+    Balance,
+    /// Bring-up: the body hangs at rest.
+    Hanging,
+    /// Bring-up: the body is held tilted towards positive angles.
+    Tilted,
+    /// Bring-up: the wheel is spun by hand in the sense of positive speeds.
+    WheelSpun,
+    /// Bring-up: the body is held upright, a positive current flows.
+    CurrentStep,
+}
+
+impl RecordedExperiment {
+    /// All of them.
+    pub const ALL: [RecordedExperiment; 8] = [
+        RecordedExperiment::FreeSwing,
+        RecordedExperiment::SpinUp,
+        RecordedExperiment::CoastDown,
+        RecordedExperiment::Balance,
+        RecordedExperiment::Hanging,
+        RecordedExperiment::Tilted,
+        RecordedExperiment::WheelSpun,
+        RecordedExperiment::CurrentStep,
+    ];
+
+    /// As the command line writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            RecordedExperiment::FreeSwing => "free-swing",
+            RecordedExperiment::SpinUp => "spin-up",
+            RecordedExperiment::CoastDown => "coast-down",
+            RecordedExperiment::Balance => "balance",
+            RecordedExperiment::Hanging => "hanging",
+            RecordedExperiment::Tilted => "tilted",
+            RecordedExperiment::WheelSpun => "wheel-spun",
+            RecordedExperiment::CurrentStep => "current-step",
+        }
+    }
+
+    /// What the person at the bench does.
+    pub fn instruction(self) -> &'static str {
+        match self {
+            RecordedExperiment::FreeSwing => {
+                "lock the wheel to the body, let it hang still, then deflect it by hand and let go"
+            }
+            RecordedExperiment::SpinUp | RecordedExperiment::CoastDown => {
+                "clamp the body upright; the wheel is driven"
+            }
+            RecordedExperiment::Balance => {
+                "hold the body upright and still until it balances, then let go"
+            }
+            RecordedExperiment::Hanging => "let the body hang still",
+            RecordedExperiment::Tilted => "hold the body still, tilted towards positive angles",
+            RecordedExperiment::WheelSpun => "spin the wheel by hand towards positive speeds",
+            RecordedExperiment::CurrentStep => "clamp the body upright; a positive current flows",
+        }
+    }
+
+    /// The length of a log where none is stated, s: a free swing dies out, a wheel reaches its end.
+    pub fn usual_seconds(self) -> f64 {
+        match self {
+            RecordedExperiment::FreeSwing => 40.0,
+            RecordedExperiment::SpinUp => 8.0,
+            RecordedExperiment::CoastDown => 30.0,
+            RecordedExperiment::Balance => 20.0,
+            RecordedExperiment::Hanging
+            | RecordedExperiment::Tilted
+            | RecordedExperiment::WheelSpun => 3.0,
+            RecordedExperiment::CurrentStep => 1.0,
+        }
+    }
+
+    /// The currents where none is stated, as shares of the current limit: both senses, which tell
+    /// friction from an offset of the drive.
+    fn usual_shares(self) -> &'static [f64] {
+        match self {
+            RecordedExperiment::SpinUp => &[0.1, 0.2, -0.2],
+            RecordedExperiment::CoastDown => &[0.2],
+            RecordedExperiment::CurrentStep => &[0.1],
+            _ => &[],
+        }
+    }
+
+    /// Whether the motor is driven with a stated current.
+    pub fn takes_current(self) -> bool {
+        !self.usual_shares().is_empty()
+    }
+
+    fn bring_up_key(self) -> Option<&'static str> {
+        match self {
+            RecordedExperiment::Hanging => Some("hanging"),
+            RecordedExperiment::Tilted => Some("tilted"),
+            RecordedExperiment::WheelSpun => Some("wheel_spun"),
+            RecordedExperiment::CurrentStep => Some("current_step"),
+            _ => None,
+        }
+    }
+
+    fn kind(self) -> Kind {
+        match self {
+            RecordedExperiment::SpinUp | RecordedExperiment::CoastDown => Kind::SpinUp,
+            RecordedExperiment::Balance => Kind::Balance,
+            _ => Kind::FreeSwing,
+        }
+    }
+}
+
+impl fmt::Display for RecordedExperiment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for RecordedExperiment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<RecordedExperiment, String> {
+        RecordedExperiment::ALL
+            .into_iter()
+            .find(|one| one.name() == text)
+            .ok_or_else(|| {
+                let names = RecordedExperiment::ALL.map(RecordedExperiment::name);
+                format!("no such experiment; there are {}", names.join(", "))
+            })
+    }
+}
+
+/// A stretch in which the firmware has one task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    pub task: Task,
+    pub seconds: f64,
+}
+
+/// One log.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Part {
+    /// Its wished name.
+    pub name: String,
+    pub kind: Kind,
+    /// Its key under `[bring_up]`, where it is a recording of raw counts.
+    pub bring_up: Option<&'static str>,
+    pub experiment: RecordedExperiment,
+    /// What comes one after another.
+    pub stretches: Vec<Stretch>,
+    /// The record begins when the controller runs, and ends when it does not any more.
+    pub needs_running: bool,
+    /// The record begins only with an attitude that is known.
+    pub needs_attitude: bool,
+    /// Before it begins the wheel is nearly at rest.
+    pub from_rest: bool,
+    pub notes: Vec<String>,
+}
+
+/// Time for which the wheel is driven before it coasts, s.
+const DRIVEN_BEFORE_COASTING_S: f64 = 3.0;
+
+/// The logs of an experiment; a sentence where the settings do not fit.
+pub(super) fn parts(settings: &RecordSettings, words: &Words) -> Result<Vec<Part>, String> {
+    let experiment = settings.experiment;
+    let seconds = settings.seconds.unwrap_or(experiment.usual_seconds());
+    if !(seconds.is_finite() && seconds > 0.0) {
+        return Err(format!(
+            "a record of {seconds} s: its length must be positive"
+        ));
+    }
+    let limit_a = words.current_limit_a;
+    let mut currents_a = settings.currents_a.clone();
+    if !experiment.takes_current() && !currents_a.is_empty() {
+        return Err(format!("{experiment} takes no current"));
+    }
+    if currents_a.is_empty() {
+        let usual = experiment.usual_shares().iter();
+        // Two digits, as a person would state it.
+        currents_a.extend(usual.map(|share| (100.0 * share * limit_a).round() / 100.0));
+    }
+    if experiment != RecordedExperiment::SpinUp {
+        currents_a.truncate(1);
+    }
+    for current_a in &currents_a {
+        if !current_a.is_finite() || current_a.abs() > limit_a || *current_a == 0.0 {
+            return Err(format!(
+                "a current of {current_a} A: it must lie within ±{limit_a} A, the range of the drive, \
+                 and not be zero"
+            ));
+        }
+    }
+    let part = |name: String, stretches: Vec<Stretch>| Part {
+        name: settings.name.clone().unwrap_or(name),
+        kind: experiment.kind(),
+        bring_up: experiment.bring_up_key(),
+        experiment,
+        needs_running: stretches.iter().any(|one| one.task != Task::Watch),
+        needs_attitude: experiment == RecordedExperiment::FreeSwing,
+        from_rest: experiment == RecordedExperiment::SpinUp,
+        stretches,
+        notes: Vec::new(),
+    };
+    let stretch = |task: Task, seconds: f64| Stretch { task, seconds };
+    Ok(match experiment {
+        RecordedExperiment::SpinUp | RecordedExperiment::CurrentStep => currents_a
+            .iter()
+            .map(|current_a| {
+                part(
+                    format!("{experiment} {current_a} A"),
+                    vec![stretch(drive(*current_a), seconds)],
+                )
+            })
+            .collect(),
+        RecordedExperiment::CoastDown => vec![part(
+            experiment.to_string(),
+            vec![
+                stretch(drive(currents_a[0]), DRIVEN_BEFORE_COASTING_S),
+                stretch(drive(0.0), seconds),
+            ],
+        )],
+        RecordedExperiment::Balance => vec![part(
+            experiment.to_string(),
+            vec![stretch(Task::Balance, seconds)],
+        )],
+        _ => vec![part(
+            experiment.to_string().replace('-', " "),
+            vec![stretch(Task::Watch, seconds)],
+        )],
+    })
+}
+
+pub(super) fn drive(current_a: f64) -> Task {
+    Task::Drive {
+        // The limit of the drive is far below 2 147 A.
+        current_ua: (1e6 * current_a).round() as i32,
+    }
+}

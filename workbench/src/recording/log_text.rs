@@ -1,0 +1,76 @@
+//! The rows of a record as CSV.
+
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+
+use plant::Kind;
+
+use super::run::Row;
+use super::words::Words;
+
+/// A log with the standard columns, and beside them what the record knows: frames lost before the row,
+/// and the controller's status.
+pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
+    let mut text = String::from(
+        "time_s,angle_rad,rate_rad_s,wheel_speed_rad_s,current_A,lost_frames,status\n",
+    );
+    for row in rows {
+        let from_upright_rad = words.angle_from_upright_rad(&row.frame);
+        let angle_rad = match kind {
+            // Driven bodies stand: the controller arms only there. Hanging, the words would jump by a turn.
+            Kind::Balance | Kind::SpinUp => PI + from_upright_rad,
+            _ => hanging_angle_rad(from_upright_rad),
+        };
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "{:.6},{angle_rad:.7},{:.6},{:.5},{:.6},{},{}",
+            row.time_s,
+            words.rate_rad_s(&row.frame),
+            words.wheel_speed_rad_s(&row.frame),
+            words.current_a(&row.frame),
+            row.lost_before,
+            row.frame.status,
+        );
+    }
+    text
+}
+
+/// A recording of raw counts for bring-up.
+pub(super) fn raw_counts(rows: &[Row]) -> String {
+    let mut text = String::from("gx,gy,gz,ax,ay,az,wheel,duty,time_s,lost_frames\n");
+    for row in rows {
+        let frame = &row.frame;
+        let [gx, gy, gz] = frame.gyro;
+        let [ax, ay, az] = frame.accel;
+        let _ = writeln!(
+            text,
+            "{gx},{gy},{gz},{ax},{ay},{az},{},{},{:.6},{}",
+            frame.wheel, frame.duty, row.time_s, row.lost_before
+        );
+    }
+    text
+}
+
+/// The body's angle within ±π of hanging, rad.
+pub(super) fn hanging_angle_rad(from_upright_rad: f64) -> f64 {
+    let angle_rad = PI + from_upright_rad;
+    angle_rad - TAU * (angle_rad / TAU).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hanging_is_zero_from_either_side() {
+        for (from_upright, angle) in [(0.0, PI), (-PI, 0.0), (3.0, 3.0 - PI), (-3.0, PI - 3.0)] {
+            let got = hanging_angle_rad(from_upright);
+            assert!(
+                ((got - angle + PI).rem_euclid(TAU) - PI).abs() < 1e-12,
+                "{got}"
+            );
+            assert!(got.abs() <= PI);
+        }
+    }
+}

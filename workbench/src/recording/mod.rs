@@ -1,0 +1,205 @@
+//! From the firmware's frames on a serial line to a log of the bench.
+//!
+//! The program asks for a task (watch, balance, drive) and keeps asking, since the firmware lets the
+//! motor go when the asking stops. Every frame becomes a row; frames that did not arrive are counted
+//! by their sequence numbers and marked in the row that follows them.
+
+mod experiment;
+mod line;
+mod log_text;
+mod run;
+mod start;
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use bench_files::{BenchOutline, NewExperiment, file_name};
+use identify::Progress;
+use serde::{Deserialize, Serialize};
+
+pub use experiment::RecordedExperiment;
+pub use run::{RecordEnd, RecordedSample};
+
+use crate::bench_hardware::Preset;
+use crate::error::Error;
+use experiment::Part;
+use line::Line;
+use run::{Run, Wanted};
+use words::Words;
+
+/// What is to be recorded, and from where.
+#[derive(Clone, Debug)]
+pub struct RecordSettings {
+    /// The serial device.
+    pub port: PathBuf,
+    /// Bits a second; of no account on a USB port of the chip itself.
+    pub baud: u32,
+    /// The experiment.
+    pub experiment: RecordedExperiment,
+    /// Currents, A: for `spin-up` each gives a log of its own, `coast-down` and `current-step` take the
+    /// first. Empty: [`RecordedExperiment::usual_currents_a`].
+    pub currents_a: Vec<f64>,
+    /// Length of a log, s; `None`: [`RecordedExperiment::usual_seconds`].
+    pub seconds: Option<f64>,
+    /// The log's name; `None`: after the experiment.
+    pub name: Option<String>,
+    /// Every how many steps of the controller a row is recorded; 0 counts as 1.
+    pub every: u8,
+    /// The emitted crate that runs in the firmware; `None`: what `[hardware]` gives, which is the same
+    /// unless one of them was changed.
+    pub module: Option<PathBuf>,
+    /// Where what is not stated of sensors and drive comes from; `None`: then it is refused.
+    pub preset: Option<Preset>,
+}
+
+/// What was recorded: the result of [`record`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecordReport {
+    /// The bench.toml that has the new entries.
+    pub bench: PathBuf,
+    /// The logs, in the order in which they were recorded.
+    pub logs: Vec<RecordedLog>,
+}
+
+/// A log that was written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecordedLog {
+    /// Its name in bench.toml, or its key under `[bring_up]`.
+    pub name: String,
+    /// The kind of the experiment; "bring-up" for a recording of raw counts.
+    pub kind: String,
+    /// The file.
+    pub file: PathBuf,
+    /// Rows in it.
+    pub rows: usize,
+    /// Time from the first to the last of them, s.
+    pub duration_s: f64,
+    /// Frames that the firmware sent in that time and that did not arrive whole.
+    pub lost_frames: u64,
+    /// Bytes between two ends of frames that were no frame.
+    pub damaged_frames: u64,
+    /// Where the experiment begins in the log (`from`), s.
+    pub from_s: Option<f64>,
+    /// Why the record ended.
+    pub end: RecordEnd,
+    /// What its user should know; sentences.
+    pub notes: Vec<String>,
+}
+
+/// Fewest rows of a log that is worth keeping: below it nothing was recorded.
+const ROWS_MIN: usize = bench_files::MIN_SAMPLES;
+
+/// Records an experiment and adds it to the bench.toml of `bench` (its folder, or that file). `sample` is
+/// told of every frame as it comes. Calling it off ends the record, and what was recorded is kept.
+///
+/// # Errors
+/// A bench.toml that cannot be read, hardware that is not stated ([`Error::Hardware`]), a port that
+/// cannot be opened or is silent, a controller that does not arm ([`Error::Record`]).
+pub fn record(
+    bench: &Path,
+    settings: &RecordSettings,
+    progress: &Progress,
+    sample: &mut dyn FnMut(&RecordedSample),
+) -> Result<RecordReport, Error> {
+    let mut outline = BenchOutline::read(bench)?;
+    let words = Words::of(&outline, settings)?;
+    let parts = experiment::parts(settings, &words).map_err(|reason| Error::Record {
+        port: settings.port.clone(),
+        reason,
+    })?;
+    bench_files::can_write_into(&outline.folder)?;
+    let line = Line::open(&settings.port, settings.baud)?;
+    let mut run = Run::new(line, &words, settings.every);
+    let mut logs = Vec::new();
+    for part in &parts {
+        let got = run.part(part, progress, sample);
+        run.let_go();
+        let got = match got {
+            Ok(got) => got,
+            // What was recorded before stays.
+            Err(error) if logs.is_empty() => return Err(error),
+            Err(_) => break,
+        };
+        let is_called_off = got.end == RecordEnd::CalledOff;
+        if got.rows.len() < ROWS_MIN {
+            if is_called_off && !logs.is_empty() {
+                break;
+            }
+            if is_called_off {
+                progress.check()?;
+            }
+            return Err(Error::Record {
+                port: settings.port.clone(),
+                reason: format!(
+                    "only {} frames came: nothing was written ({})",
+                    got.rows.len(),
+                    got.end
+                ),
+            });
+        }
+        logs.push(kept(&mut outline, part, &words, got)?);
+        if is_called_off {
+            break;
+        }
+    }
+    Ok(RecordReport {
+        bench: outline.file,
+        logs,
+    })
+}
+
+/// Writes a log and its entry.
+fn kept(
+    outline: &mut BenchOutline,
+    part: &Part,
+    words: &Words,
+    got: Wanted,
+) -> Result<RecordedLog, Error> {
+    let mut notes = part.notes.clone();
+    let (name, file, kind) = match part.bring_up {
+        Some(key) => (
+            key.to_owned(),
+            file_name(&key.replace('_', "-")),
+            "bring-up",
+        ),
+        None => {
+            let name = outline.free_name(&part.name);
+            let file = file_name(&name);
+            (name, file, part.kind.name())
+        }
+    };
+    let path = outline.folder.join(&file);
+    let from_s = start::of(part, &got.rows, words, &mut notes);
+    let text = match part.bring_up {
+        Some(_) => log_text::raw_counts(&got.rows),
+        None => log_text::log(part.kind, &got.rows, words),
+    };
+    bench_files::write_atomically(&path, text.as_bytes())?;
+    let lost_frames: u64 = got.rows.iter().map(|row| u64::from(row.lost_before)).sum();
+    match part.bring_up {
+        Some(key) => outline.set_bring_up(key, &file)?,
+        None => outline.add_experiment(&NewExperiment {
+            name: name.clone(),
+            kind: part.kind,
+            file,
+            from_s,
+            comment: format!(
+                "Recorded by flywheel record: {} rows, {lost_frames} frames lost; ended: {}.",
+                got.rows.len(),
+                got.end
+            ),
+        })?,
+    }
+    Ok(RecordedLog {
+        name,
+        kind: kind.to_owned(),
+        file: path,
+        rows: got.rows.len(),
+        duration_s: got.rows.last().map_or(0.0, |row| row.time_s),
+        lost_frames,
+        damaged_frames: got.damaged,
+        from_s,
+        end: got.end,
+        notes,
+    })
+}

@@ -1,0 +1,413 @@
+//! The course of a record: commands out, frames in, from the first row to the last.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use identify::Progress;
+use plant::Kind;
+use serde::{Deserialize, Serialize};
+use serial_frame::{Command, Task, Telemetry};
+
+use super::experiment::Part;
+use super::line::Line;
+use super::words::Words;
+use crate::error::Error;
+
+/// So long the firmware drives the motor after the last command that it has got.
+const LEASE_MS: u16 = 1000;
+/// Commands are repeated this often: several are lost before the lease ends.
+const RENEWAL: Duration = Duration::from_millis(100);
+/// A line without a frame for so long has fallen silent.
+const SILENCE: Duration = Duration::from_secs(3);
+/// A person has so long to hold the body so that the controller arms.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// A wheel comes to rest within a minute or two, or is stopped by hand.
+const REST_PATIENCE: Duration = Duration::from_secs(180);
+/// A wheel below this is at rest: a spin-up that begins there differs from one that begins at zero by
+/// nothing that its fit does not see, since the start is fitted.
+const REST_RAD_S: f64 = 10.0;
+/// Time that passes between two frames only where the firmware began anew, µs.
+const RESTART_US: u32 = 10_000_000;
+
+/// Status words of the emitted module.
+const NOT_ALIGNED: u8 = 0;
+const READY: u8 = 1;
+const RUNNING: u8 = 2;
+
+/// What the controller says of itself, in words.
+pub(super) fn status_text(status: u8) -> String {
+    let text = match status {
+        NOT_ALIGNED => "the attitude is not known: hold the body still for a moment",
+        READY => "ready, but not armed: hold the body upright and still",
+        RUNNING => "running",
+        3 => "tripped: the body leaned too far",
+        4 => "tripped: the gyroscope's words stood still",
+        5 => "tripped: gyroscope or accelerometer at the end of its range",
+        6 => "tripped: the wheel's speed at the ends of its sensor",
+        7 => "tripped: the accelerometer showed no gravity",
+        8 => "tripped: the current stayed at its limit",
+        9 => "tripped: a missed tick or a bus error",
+        other => return format!("status {other}, which this program does not know"),
+    };
+    text.to_owned()
+}
+
+/// Why a record ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RecordEnd {
+    /// The time was over.
+    Complete,
+    /// The user ended it.
+    CalledOff,
+    /// The controller did not run any more; its status.
+    NotRunning(u8),
+    /// The wheel reached the end of what its sensor shows.
+    WheelBeyondSensor,
+    /// No frame came any more.
+    Silent,
+    /// The firmware began anew.
+    Restarted,
+}
+
+impl fmt::Display for RecordEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RecordEnd::Complete => f.write_str("the time was over"),
+            RecordEnd::CalledOff => f.write_str("called off by the user"),
+            RecordEnd::NotRunning(READY) => f.write_str("the controller was disarmed"),
+            RecordEnd::NotRunning(status) => f.write_str(&status_text(*status)),
+            RecordEnd::WheelBeyondSensor => {
+                f.write_str("the wheel reached the end of what its sensor shows")
+            }
+            RecordEnd::Silent => f.write_str("the line fell silent"),
+            RecordEnd::Restarted => f.write_str("the firmware began anew"),
+        }
+    }
+}
+
+/// One frame in SI units, as it comes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecordedSample {
+    /// Time since the record began, s; `None` before that.
+    pub time_s: Option<f64>,
+    /// Body angle from upright, rad.
+    pub from_upright_rad: f64,
+    /// Body rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Wheel speed relative to the body, rad/s.
+    pub wheel_speed_rad_s: f64,
+    /// What the drive is asked for, A.
+    pub current_a: f64,
+    /// The controller's status.
+    pub status: u8,
+}
+
+/// A row of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Row {
+    /// Since the first row, s.
+    pub time_s: f64,
+    pub frame: Telemetry,
+    /// Frames between the row before and this one that did not arrive.
+    pub lost_before: u32,
+}
+
+/// The rows of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Wanted {
+    pub rows: Vec<Row>,
+    pub damaged: u64,
+    pub end: RecordEnd,
+}
+
+/// An open line on which parts are recorded one after another.
+pub(super) struct Run<'w> {
+    line: Line,
+    words: &'w Words,
+    every: u8,
+    wish: u8,
+    command: Command,
+    sent: Option<Instant>,
+    heard: Instant,
+}
+
+impl<'w> Run<'w> {
+    pub fn new(line: Line, words: &'w Words, every: u8) -> Run<'w> {
+        let every = every.max(1);
+        Run {
+            line,
+            words,
+            every,
+            // Another program may have asked before: its number is not this one, but for one in 256.
+            wish: std::process::id() as u8,
+            command: Command {
+                task: Task::Watch,
+                wish: 0,
+                every,
+                lease_ms: LEASE_MS,
+            },
+            sent: None,
+            heard: Instant::now(),
+        }
+    }
+
+    /// Records one log.
+    pub fn part(
+        &mut self,
+        part: &Part,
+        progress: &Progress,
+        sample: &mut dyn FnMut(&RecordedSample),
+    ) -> Result<Wanted, Error> {
+        let damaged = self.line.damaged;
+        self.heard = Instant::now();
+        let mut got = Wanted {
+            rows: Vec::new(),
+            damaged: 0,
+            end: RecordEnd::CalledOff,
+        };
+        if part.from_rest && !self.until_at_rest(part, progress, sample)? {
+            return Ok(got);
+        }
+        if let Some(first) = self.until_begun(part, progress, sample)? {
+            got.end = self.rows(part, first, progress, sample, &mut got.rows)?;
+        }
+        got.damaged = self.line.damaged - damaged;
+        Ok(got)
+    }
+
+    /// Asks the firmware to let the motor go. Whatever keeps it from hearing, the lease ends.
+    pub fn let_go(&mut self) {
+        self.ask(Task::Watch, false);
+        for _ in 0..3 {
+            let _ = self.line.send(&self.command);
+        }
+    }
+
+    /// From now on this task is asked for; `is_new`: it is to be begun, not only changed.
+    fn ask(&mut self, task: Task, is_new: bool) {
+        if is_new {
+            self.wish = self.wish.wrapping_add(1);
+        }
+        self.command = Command {
+            task,
+            wish: self.wish,
+            every: self.every,
+            lease_ms: LEASE_MS,
+        };
+        self.sent = None;
+    }
+
+    /// The next frame, with the command repeated in time. `None`: nothing came for a moment.
+    fn next(&mut self) -> Result<Option<Telemetry>, Error> {
+        if self.sent.is_none_or(|sent| sent.elapsed() >= RENEWAL) {
+            self.line.send(&self.command)?;
+            self.sent = Some(Instant::now());
+        }
+        let frame = self.line.next()?;
+        if frame.is_some() {
+            self.heard = Instant::now();
+        }
+        Ok(frame)
+    }
+
+    fn is_silent(&self) -> bool {
+        self.heard.elapsed() > SILENCE
+    }
+
+    fn silent(&self) -> Error {
+        self.line.broken(match self.line.damaged {
+            0 => {
+                "no byte that ends a frame came: is this the firmware's port, and does the firmware run?"
+            }
+            _ => "bytes came, but no whole frame: is --baud the firmware's?",
+        })
+    }
+
+    /// Waits until the wheel is nearly at rest; `false`: called off.
+    fn until_at_rest(
+        &mut self,
+        part: &Part,
+        progress: &Progress,
+        sample: &mut dyn FnMut(&RecordedSample),
+    ) -> Result<bool, Error> {
+        self.ask(Task::Watch, true);
+        let began = Instant::now();
+        while began.elapsed() < REST_PATIENCE {
+            if (progress.cancelled)() {
+                return Ok(false);
+            }
+            let Some(frame) = self.next()? else {
+                if self.is_silent() {
+                    return Err(self.silent());
+                }
+                continue;
+            };
+            sample(&self.in_si(&frame, None));
+            let speed_rad_s = self.words.wheel_speed_rad_s(&frame);
+            if speed_rad_s.abs() < REST_RAD_S && !self.words.is_wheel_unknown(&frame) {
+                return Ok(true);
+            }
+            (progress.say)(&format!(
+                "{}: waiting for the wheel to stop, {speed_rad_s:.0} rad/s",
+                part.name
+            ));
+        }
+        Err(self.line.broken(
+            "the wheel does not come to rest: stop it by hand; if it stands still, its sensor's line \
+             under [hardware.wheel_speed] is not right",
+        ))
+    }
+
+    /// Asks for the first task and waits for the first row; `None`: called off.
+    fn until_begun(
+        &mut self,
+        part: &Part,
+        progress: &Progress,
+        sample: &mut dyn FnMut(&RecordedSample),
+    ) -> Result<Option<Telemetry>, Error> {
+        self.ask(part.stretches[0].task, true);
+        let began = Instant::now();
+        let mut status = NOT_ALIGNED;
+        while began.elapsed() < PATIENCE {
+            if (progress.cancelled)() {
+                return Ok(None);
+            }
+            let Some(frame) = self.next()? else {
+                if self.is_silent() {
+                    return Err(self.silent());
+                }
+                continue;
+            };
+            sample(&self.in_si(&frame, None));
+            status = frame.status;
+            let is_begun = (!part.needs_running || status == RUNNING)
+                && (!part.needs_attitude || status != NOT_ALIGNED);
+            if is_begun {
+                return Ok(Some(frame));
+            }
+            (progress.say)(&format!("{}: {}", part.name, status_text(status)));
+        }
+        Err(self.line.broken(&format!(
+            "the controller did not begin within {} s: {}",
+            PATIENCE.as_secs(),
+            status_text(status)
+        )))
+    }
+
+    /// Gathers rows until the part ends, and says why it did.
+    fn rows(
+        &mut self,
+        part: &Part,
+        first: Telemetry,
+        progress: &Progress,
+        sample: &mut dyn FnMut(&RecordedSample),
+        rows: &mut Vec<Row>,
+    ) -> Result<RecordEnd, Error> {
+        let total_s: f64 = part.stretches.iter().map(|one| one.seconds).sum();
+        let mut stretch = 0;
+        let mut ends_s = part.stretches[0].seconds;
+        let mut last = first;
+        let (mut passed_us, mut time_s, mut lost) = (0_u64, 0.0, 0);
+        let mut said_s = f64::NEG_INFINITY;
+        let mut next = Some(first);
+        loop {
+            if let Some(frame) = next {
+                let step_us = frame.time_us.wrapping_sub(last.time_us);
+                if step_us > RESTART_US {
+                    return Ok(RecordEnd::Restarted);
+                }
+                if part.needs_running && frame.status != RUNNING {
+                    return Ok(RecordEnd::NotRunning(frame.status));
+                }
+                if part.kind == Kind::SpinUp && self.words.is_wheel_unknown(&frame) {
+                    return Ok(RecordEnd::WheelBeyondSensor);
+                }
+                // A frame that came twice is one.
+                if rows.is_empty() || step_us > 0 {
+                    passed_us += u64::from(step_us);
+                    time_s = passed_us as f64 / 1e6;
+                    let lost_before = match rows.is_empty() {
+                        true => 0,
+                        false => lost_between(&last, &frame, self.every),
+                    };
+                    lost += lost_before;
+                    rows.push(Row {
+                        time_s,
+                        frame,
+                        lost_before,
+                    });
+                    sample(&self.in_si(&frame, Some(time_s)));
+                    last = frame;
+                }
+                if time_s >= total_s {
+                    return Ok(RecordEnd::Complete);
+                }
+                if time_s >= ends_s {
+                    stretch += 1;
+                    ends_s += part.stretches[stretch].seconds;
+                    self.ask(part.stretches[stretch].task, false);
+                }
+                if time_s - said_s > 0.2 {
+                    said_s = time_s;
+                    (progress.say)(&format!(
+                        "{}: {time_s:.1} of {total_s} s, {} rows, {lost} frames lost",
+                        part.name,
+                        rows.len()
+                    ));
+                }
+            } else if self.is_silent() {
+                return Ok(RecordEnd::Silent);
+            }
+            if (progress.cancelled)() {
+                return Ok(RecordEnd::CalledOff);
+            }
+            next = match self.next() {
+                Ok(frame) => frame,
+                // A plug that was pulled ends the record; what was recorded stays.
+                Err(_) => return Ok(RecordEnd::Silent),
+            };
+        }
+    }
+
+    fn in_si(&self, frame: &Telemetry, time_s: Option<f64>) -> RecordedSample {
+        RecordedSample {
+            time_s,
+            from_upright_rad: self.words.angle_from_upright_rad(frame),
+            rate_rad_s: self.words.rate_rad_s(frame),
+            wheel_speed_rad_s: self.words.wheel_speed_rad_s(frame),
+            current_a: self.words.current_a(frame),
+            status: frame.status,
+        }
+    }
+}
+
+/// Frames that were sent between these two, where one is sent every so many steps.
+fn lost_between(last: &Telemetry, frame: &Telemetry, every: u8) -> u32 {
+    let steps = u32::from(frame.sequence.wrapping_sub(last.sequence));
+    steps.div_ceil(u32::from(every)).saturating_sub(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_missed_by_their_numbers_across_the_wrap() {
+        let frame = |sequence| Telemetry {
+            sequence,
+            ..Telemetry::default()
+        };
+        for (last, next, every, lost) in [
+            (5, 6, 1, 0),
+            (5, 9, 1, 3),
+            (65_534, 1, 1, 2),
+            (10, 15, 5, 0),
+            (10, 30, 5, 3),
+            // A firmware that does not thin its frames.
+            (10, 11, 5, 0),
+        ] {
+            assert_eq!(lost_between(&frame(last), &frame(next), every), lost);
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What the words of a frame mean in SI units.
+
+use bench_files::{BenchOutline, ModelFile, Problem};
+use checker::certificate::Certificate;
+use codegen::exact::ShortestDecimal;
+use codegen::format::Format;
+use codegen::spec::PhysicalRanges;
+use serial_frame::Telemetry;
+
+use super::RecordSettings;
+use crate::bench_hardware::{HardwareError, bench_hardware};
+use crate::error::Error;
+
+/// What the words of a frame mean.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Words {
+    /// rad, rad/s, rad/s per unit of the angle's, the rate's and the wheel speed's word.
+    units: [f64; 3],
+    duty_zero: u16,
+    amperes_per_count: f64,
+    /// Counts at or beyond which the wheel's speed may be any.
+    wheel_ends: Option<(u16, u16)>,
+    /// Largest current that the drive is asked for, A.
+    pub current_limit_a: f64,
+}
+
+impl Words {
+    /// Of the emitted crate that is named, else of what bench.toml and model.toml state.
+    pub fn of(outline: &BenchOutline, settings: &RecordSettings) -> Result<Words, Error> {
+        let model_path = outline.folder.join("model.toml");
+        let mut model = match ModelFile::read(&model_path) {
+            Ok(model) => model,
+            Err(error) if matches!(error.problem(), Problem::NotFound) => ModelFile::new(),
+            Err(error) => return Err(error.into()),
+        };
+        if outline.hardware.is_some() {
+            model.hardware.clone_from(&outline.hardware);
+        }
+        let refused = |source| Error::Hardware {
+            model: outline.file.clone(),
+            source,
+        };
+        let found = bench_hardware(&model, settings.preset).map_err(refused)?;
+        let ranges = PhysicalRanges::of(&found.sensors);
+        let unit = |range: f64, what: &str| {
+            Format::for_range(&ShortestDecimal::new(range).value)
+                .map(|format| 0.5f64.powi(format.fraction_bits as i32))
+                .ok_or_else(|| {
+                    refused(HardwareError::Contradiction(format!(
+                        "the range of the {what}, {range}, has no format of 32 bits"
+                    )))
+                })
+        };
+        let units = match &settings.module {
+            Some(folder) => units_of_module(folder, settings)?,
+            None => [
+                unit(ranges.angle_rad, "angle")?,
+                unit(ranges.rate_rad_s, "rate")?,
+                unit(ranges.wheel_speed_rad_s, "wheel speed")?,
+            ],
+        };
+        let drive = &found.drive;
+        let reach = drive
+            .duty_high
+            .saturating_sub(drive.duty_zero)
+            .min(drive.duty_zero.saturating_sub(drive.duty_low));
+        let of_drive = f64::from(reach) * drive.amperes_per_count.abs();
+        let of_design = model.design.map(|design| design.current_limit_a);
+        Ok(Words {
+            units,
+            duty_zero: drive.duty_zero,
+            amperes_per_count: drive.amperes_per_count,
+            wheel_ends: Some((found.sensors.wheel_low, found.sensors.wheel_high)),
+            current_limit_a: of_design.unwrap_or(of_drive).min(of_drive),
+        })
+    }
+
+    /// Body angle from upright, rad.
+    pub fn angle_from_upright_rad(&self, frame: &Telemetry) -> f64 {
+        f64::from(frame.angle) * self.units[0]
+    }
+
+    /// Body rate, rad/s.
+    pub fn rate_rad_s(&self, frame: &Telemetry) -> f64 {
+        f64::from(frame.rate) * self.units[1]
+    }
+
+    /// Wheel speed relative to the body, rad/s.
+    pub fn wheel_speed_rad_s(&self, frame: &Telemetry) -> f64 {
+        f64::from(frame.wheel_speed) * self.units[2]
+    }
+
+    /// The current that the duty asks the drive for, A.
+    pub fn current_a(&self, frame: &Telemetry) -> f64 {
+        (f64::from(frame.duty) - f64::from(self.duty_zero)) * self.amperes_per_count
+    }
+
+    /// Whether the wheel may turn faster than its sensor shows.
+    pub fn is_wheel_unknown(&self, frame: &Telemetry) -> bool {
+        self.wheel_ends
+            .is_some_and(|(low, high)| frame.wheel <= low || frame.wheel >= high)
+    }
+}
+
+/// The units of the words of an emitted crate, by its certificate.
+fn units_of_module(folder: &std::path::Path, settings: &RecordSettings) -> Result<[f64; 3], Error> {
+    let refused = |reason: String| Error::Record {
+        port: settings.port.clone(),
+        reason: format!("--module {}: {reason}", folder.display()),
+    };
+    let certificate = Certificate::read(folder).map_err(|error| refused(error.to_string()))?;
+    let bits: Vec<u32> = certificate
+        .inputs
+        .iter()
+        .map(|input| input.fraction_bits)
+        .collect();
+    match bits.as_slice() {
+        [angle, rate, wheel] => Ok([*angle, *rate, *wheel].map(|bits| 0.5f64.powi(bits as i32))),
+        _ => Err(refused(
+            "its certificate does not state angle, rate and wheel speed as inputs".to_owned(),
+        )),
+    }
+}

@@ -1,0 +1,223 @@
+//! What a loop does, its sweeps, and its export.
+
+use std::path::Path;
+
+use workbench::{
+    BenchNoise, ControlDesign, ExpectationSettings, ExportLanguage, NamedLoop, Swept,
+    loop_drawings, weights_of_excursions,
+};
+
+use crate::bench::{session, silent};
+
+fn thesis() -> ControlDesign {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/thesis-4.4.toml");
+    ControlDesign::read(&path).expect("a design")
+}
+
+/// The weights of the thesis are those of the excursions that they allow, and give its gains.
+#[test]
+fn weights_and_excursions_are_two_ways_to_say_one_thing() {
+    let design = thesis();
+    let found = design
+        .expectations(&ExpectationSettings::default())
+        .expect("a loop");
+    let allowed = found.excursions;
+    // 1/√25, 1/√0.5, 1/√5e-4.
+    for (value, golden) in [
+        (allowed.angle_rad, 0.2),
+        (allowed.rate_rad_s, 2_f64.sqrt()),
+        (allowed.wheel_speed_rad_s, 2000_f64.sqrt()),
+        (allowed.current_a, 1.0),
+    ] {
+        assert!((value / golden - 1.0).abs() < 1e-12, "{value} {golden}");
+    }
+    let weights =
+        weights_of_excursions([0.2, 2_f64.sqrt(), 2000_f64.sqrt(), 1.0]).expect("weights");
+    for (weight, golden) in weights.iter().zip([25.0, 0.5, 5e-4, 1.0]) {
+        assert!((weight / golden - 1.0).abs() < 1e-12);
+    }
+    assert!(weights_of_excursions([0.2, 1.0, 1.0, 0.0]).is_err());
+}
+
+/// No law recovers from beyond the angle at which the motor no longer beats gravity; this one from nearly as far. A
+/// delay takes from every margin, and beyond the delay margin there is no loop.
+#[test]
+fn a_delay_costs_margin_and_angle() {
+    let design = thesis();
+    let limit_rad = design.report().expect("a report").recovery_angle_rad;
+    let with = |delay_s: f64| {
+        let settings = ExpectationSettings {
+            delay_s,
+            ..Default::default()
+        };
+        design.expectations(&settings).expect("a loop")
+    };
+    let (none, some) = (with(0.0), with(20e-3));
+    let (angle, delayed) = (
+        none.recoverable_angle_rad.expect("one"),
+        some.recoverable_angle_rad.expect("one"),
+    );
+    assert!(
+        angle <= limit_rad && angle > 0.6 * limit_rad,
+        "{angle} {limit_rad}"
+    );
+    assert!(delayed < angle, "{delayed} {angle}");
+    let (margins, less) = (none.margins.expect("some"), some.margins.expect("some"));
+    assert!((margins.delay_margin_s - less.delay_margin_s - 20e-3).abs() < 1e-7);
+    assert!(less.phase_margin_rad < margins.phase_margin_rad);
+    let lost = with(1.05 * margins.delay_margin_s);
+    assert!(!lost.stable && lost.margins.is_none() && lost.step.is_none());
+    assert!(!lost.frequencies.is_empty(), "Bode's plot shows why");
+}
+
+/// The torque of the step is held by gravity, G α = −d; the band of a model with errors holds the nominal answer.
+#[test]
+fn answers_to_torques_have_bands() {
+    let mut session = session();
+    session.identify(&silent()).expect("a fit");
+    let design = session.design().expect("a design");
+    let settings = ExpectationSettings {
+        noise: session.sensor_noise(),
+        ..Default::default()
+    };
+    let found = design.expectations(&settings).expect("a loop");
+    let step = found.step.as_ref().expect("an answer");
+    let gravity = session
+        .model()
+        .and_then(|model| model.parameter("gravity_torque"))
+        .expect("one")
+        .value;
+    let last = *step.curves.nominal.angle_rad.last().expect("one");
+    assert!(
+        (last / (-step.size / gravity) - 1.0).abs() < 0.02,
+        "{last} {step:?}"
+    );
+    let [low, high] = step.largest_angle_band_rad.expect("a band");
+    assert!(
+        low <= step.largest_angle_rad && step.largest_angle_rad <= high && low < high,
+        "{low} {high}"
+    );
+    let band = &step.curves.angle_band;
+    for ((angle, low), high) in step
+        .curves
+        .nominal
+        .angle_rad
+        .iter()
+        .zip(&band.low)
+        .zip(&band.high)
+    {
+        assert!(low <= high && *low <= angle + 1e-12 && angle - 1e-12 <= *high);
+    }
+    // The swing's log shows the angle's noise; no log shows a gyroscope.
+    let noise = found.noise.as_ref().expect("noise");
+    assert!(
+        noise.sources[0].contains("swing") && noise.sources[1].contains("assumed"),
+        "{noise:?}"
+    );
+    let thesis = BenchNoise::default();
+    assert_ne!(settings.noise, thesis);
+    let report = design.report().expect("a report");
+    let named = NamedLoop {
+        name: "<one>",
+        report: &report,
+        expectations: &found,
+    };
+    let files = loop_drawings(
+        "compare-",
+        &[
+            named,
+            NamedLoop {
+                name: "two",
+                ..named
+            },
+        ],
+    )
+    .expect("figures");
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "compare-step-response.svg",
+            "compare-push-response.svg",
+            "compare-bode.svg",
+            "compare-nyquist.svg",
+            "compare-poles.svg"
+        ]
+    );
+    assert!(
+        files
+            .iter()
+            .all(|file| file.text.contains("&lt;one&gt;") && !file.text.contains("<one>"))
+    );
+}
+
+/// Over the delay the margin falls by the delay until there is none; then the row says why.
+#[test]
+fn a_sweep_ends_where_the_loop_does() {
+    let design = thesis();
+    let values: Vec<f64> = (0..12).map(|step| 6e-3 * f64::from(step)).collect();
+    let sweep = design.sweep(Swept::Delay, &values, &ExpectationSettings::default());
+    let first = sweep.rows[0].point.as_ref().expect("a loop");
+    for row in &sweep.rows {
+        match &row.point {
+            Some(point) => {
+                assert!(
+                    (point.delay_margin_s + row.value - first.delay_margin_s).abs() < 1e-7,
+                    "{row:?}"
+                );
+                assert_eq!(point.gains, first.gains);
+            }
+            None => assert!(
+                row.value >= first.delay_margin_s && row.failure.contains("unstable"),
+                "{row:?}"
+            ),
+        }
+    }
+    assert!(
+        sweep.rows.iter().any(|row| row.point.is_none()),
+        "{first:?}"
+    );
+    let table = sweep.table().expect("a table");
+    assert_eq!(table.text.lines().count(), 13);
+    assert!(
+        sweep
+            .drawing("thesis")
+            .expect("a figure")
+            .text
+            .contains("</svg>")
+    );
+}
+
+/// Every number of an export reads back as the same double.
+#[test]
+fn an_export_gives_the_numbers_back() {
+    let design = thesis();
+    let report = design.report().expect("a report");
+    for language in [ExportLanguage::Python, ExportLanguage::Matlab] {
+        let text = design.export(language).text;
+        let matrix = |name: &str| -> Vec<f64> {
+            let rest = text.split(&format!("\n{name} = ")).nth(1).expect(name);
+            let rest = rest.trim_start_matches("np.array(");
+            let end = rest.find(if language == ExportLanguage::Python {
+                "])\n"
+            } else {
+                "];\n"
+            });
+            let inside = &rest[..end.expect("an end")];
+            let numbers = inside.split(['[', ']', ',', ';', '\n', ' ']);
+            numbers
+                .filter(|part| !part.is_empty())
+                .map(|part| part.parse().expect("a number"))
+                .collect()
+        };
+        assert_eq!(matrix("A"), report.a.concat());
+        assert_eq!(matrix("Bd"), report.bd);
+        assert_eq!(matrix("K"), report.gains);
+        assert_eq!(matrix("Q"), [25.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 5e-4]);
+        assert!(text.contains("total_inertia") && text.contains("sample_time = 1e-3"));
+    }
+    assert_eq!(
+        design.export(ExportLanguage::Python).name,
+        "model_thesis_4_4.py"
+    );
+}
