@@ -13,6 +13,7 @@
 
 mod averages;
 mod bench;
+mod bring_up;
 mod calibration;
 mod channel;
 mod correlation;
@@ -37,6 +38,7 @@ mod toml_writing;
 mod write;
 
 pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
+pub use bring_up::{BringUpRecordings, RawRecording};
 pub use calibration::{
     Calibration, CalibrationRecordings, CountsRecording, LeverArmCalibration, LineCalibration,
     MountingCalibration, PlumbLines, StoredSensorCalibration,

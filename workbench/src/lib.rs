@@ -52,6 +52,7 @@
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
 //! | [`record()`] | [`RecordReport`]: logs of a bench from the firmware's serial line |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
+//! | [`bring_up()`] | [`BringUpReport`]: which way is positive |
 //!
 //! Results are plain data in SI units that can be serialised (`serde`); the option `--json` of the commands writes
 //! these data. Curves are left out of the JSON, because they are long. They are part of the same result, and
@@ -62,6 +63,7 @@
 //! an error in a file has file, line and column.
 
 mod bench_hardware;
+mod bring_up;
 mod calibration;
 mod change;
 mod closed_loop;
@@ -100,9 +102,11 @@ pub mod words;
 pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
 pub use ::design::linear_response::Band;
 pub use bench_files::{
-    Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
+    Bench, BringUpRecordings, CalibrationRecordings, Correlation, DesignSection, FilesInMemory,
+    ModelFile, Parameter,
 };
 pub use bench_hardware::{HardwareError, Preset};
+pub use bring_up::{BringUpAxes, BringUpReport, BringUpSigns, Contradiction, bring_up};
 pub use calibration::{
     CalibratedLine, CalibratedSensor, LeverArmOfSwing, LeverArmReport, MagnetometerPoints,
     PlumbedCentre, SensorCalibrationReport, SensorMounting, calibrate,
