@@ -4,8 +4,8 @@ use clap::{Parser, Subcommand};
 
 use crate::arguments::JsonOutput;
 use crate::commands::{
-    add, calibrate, check, compare, demo, design, diagnose, effects, exam, generate, identify, lab,
-    mutate, new, prove, record, remove, report, simulate,
+    add, bring_up, calibrate, check, compare, demo, design, diagnose, effects, exam, generate,
+    identify, lab, mutate, new, prove, record, remove, report, simulate,
 };
 use crate::failure::Failure;
 use crate::report::Report;
@@ -52,6 +52,8 @@ pub enum Command {
     Effects(effects::Arguments),
     /// Calibrate sensors, mounting, converters and centre of mass from recordings
     Calibrate(calibrate::Arguments),
+    /// Which way is positive: sign and axis of every sensor and of the motor
+    BringUp(bring_up::Arguments),
     /// Linear model, poles, controllability, gains and margins
     Design(design::Arguments),
     /// Closed loop of the emitted law on the nonlinear bench, with disturbances
@@ -85,6 +87,7 @@ impl Command {
             Command::Diagnose(arguments) => diagnose::run(arguments),
             Command::Effects(arguments) => effects::run(arguments),
             Command::Calibrate(arguments) => calibrate::run(arguments),
+            Command::BringUp(arguments) => bring_up::run(arguments),
             Command::Design(arguments) => design::run(arguments),
             Command::Simulate(arguments) => simulate::run(arguments),
             Command::Generate(arguments) => generate::run(arguments),
@@ -110,6 +113,7 @@ impl Command {
             Command::Diagnose(arguments) => &arguments.output,
             Command::Effects(arguments) => &arguments.output,
             Command::Calibrate(arguments) => &arguments.output,
+            Command::BringUp(arguments) => &arguments.output,
             Command::Design(arguments) => &arguments.output,
             Command::Simulate(arguments) => &arguments.output,
             Command::Generate(arguments) => &arguments.output,

@@ -1,6 +1,6 @@
 //! The section `[effects]` of a model: its effects, and which of them are provisional until an experiment decides.
 
-use plant::EffectId;
+use plant::{EffectId, LearnedCoordinate};
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Names, Problem};
@@ -24,17 +24,27 @@ pub(crate) struct EffectsSection {
     pub present: Vec<EffectId>,
     /// The open tie, if there is one.
     pub tie: Option<Tie>,
+    /// Those of them that no log has shown upright, so that the linear model does without them.
+    pub unseen_upright: Vec<EffectId>,
 }
 
 impl EffectsSection {
-    /// Reads the section; `own` are the effects that the file itself defines.
+    /// Reads the section; `own` are the effects that the file itself defines, `learned` its curves. A curve that
+    /// the file holds is part of the model, whether it is listed or not.
     pub fn read(
         source: &TomlSource,
         section: &Section,
         own: &[OwnEffect],
         parameters: &[Parameter],
+        learned: &[EffectId],
     ) -> Result<EffectsSection, Error> {
         section.allow_only(&crate::keys::names(crate::keys::MODEL, "effects"))?;
+        let own: Vec<EffectId> = own
+            .iter()
+            .map(|own| own.effect)
+            .chain(learned.iter().copied())
+            .collect();
+        let own = own.as_slice();
         let names = section.texts("present")?.ok_or_else(|| {
             section.error(section.missing("present", "present = [\"body-viscous-friction\"]"))
         })?;
@@ -51,6 +61,15 @@ impl EffectsSection {
                 ));
             }
             present.push(effect);
+        }
+        for curve in learned {
+            if !present.contains(curve) {
+                present.push(*curve);
+            }
+        }
+        let mut unseen_upright = vec![];
+        for name in section.texts("unseen_upright")?.unwrap_or_default() {
+            unseen_upright.push(known(source, &name, own)?);
         }
         let mut provisional = vec![];
         for name in section.texts("provisional")?.unwrap_or_default() {
@@ -75,7 +94,11 @@ impl EffectsSection {
             provisional,
             rivals,
         });
-        Ok(EffectsSection { present, tie })
+        Ok(EffectsSection {
+            present,
+            tie,
+            unseen_upright,
+        })
     }
 }
 
@@ -86,9 +109,23 @@ fn of_logs(effect: EffectId, parameters: &[Parameter]) -> EffectId {
 }
 
 /// Writes the section.
-pub(crate) fn write(section: &mut dyn TableLike, present: &[EffectId], tie: Option<&Tie>) {
+pub(crate) fn write(
+    section: &mut dyn TableLike,
+    present: &[EffectId],
+    tie: Option<&Tie>,
+    unseen_upright: &[EffectId],
+) {
     let names = |effects: &[EffectId]| -> Array { effects.iter().map(|one| one.name()).collect() };
     set(section, "present", Value::Array(names(present)));
+    if unseen_upright.is_empty() {
+        section.remove("unseen_upright");
+    } else {
+        set(
+            section,
+            "unseen_upright",
+            Value::Array(names(unseen_upright)),
+        );
+    }
     let Some(tie) = tie else {
         section.remove("provisional");
         section.remove("rivals");
@@ -103,13 +140,23 @@ pub(crate) fn write(section: &mut dyn TableLike, present: &[EffectId], tie: Opti
     set(section, "rivals", Value::Array(rivals));
 }
 
-fn known(
-    source: &TomlSource,
-    name: &Located<String>,
-    own: &[OwnEffect],
-) -> Result<EffectId, Error> {
-    let of_file = own.iter().map(|own| own.effect);
-    let of_file = || of_file.clone().find(|effect| effect.name() == name.value);
+fn known(source: &TomlSource, name: &Located<String>, own: &[EffectId]) -> Result<EffectId, Error> {
+    let of_file = || {
+        own.iter()
+            .copied()
+            .find(|effect| effect.name() == name.value)
+    };
+    if let (None, Some(coordinate)) = (of_file(), LearnedCoordinate::from_effect_name(&name.value))
+    {
+        let section = coordinate.name();
+        return Err(source.error(
+            name.span.clone(),
+            Problem::Curve(format!(
+                "the curve \"{}\" needs a section [learned.{section}] with knots and torque",
+                name.value
+            )),
+        ));
+    }
     EffectId::from_name(&name.value)
         .or_else(of_file)
         .ok_or_else(|| {
@@ -122,7 +169,7 @@ fn known(
                         EffectId::ALL
                             .iter()
                             .copied()
-                            .chain(own.iter().map(|own| own.effect))
+                            .chain(own.iter().copied())
                             .map(|effect| effect.name()),
                     ),
                 },

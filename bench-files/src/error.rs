@@ -276,6 +276,22 @@ pub enum Problem {
         /// The columns of the file.
         names: Names,
     },
+    /// A recording of [bring_up] lacks a column.
+    #[error("there is no column \"{column}\"; a recording of [bring_up] has gx, gy, gz, ax, ay, az, wheel, duty and time_s (with an encoder on the pivot body in place of the first six); {}", .names.advice(.column))]
+    MissingBringUpColumn {
+        /// The column.
+        column: String,
+        /// The columns of the file.
+        names: Names,
+    },
+    /// A recording that is too short to show anything.
+    #[error("{rows} rows: a recording of [bring_up] has at least {least}")]
+    ShortRecording {
+        /// Its rows.
+        rows: usize,
+        /// As many as are needed.
+        least: usize,
+    },
     /// A raw count that does not fit into a 16-bit register.
     #[error(
         "{value} is not a raw count; whole numbers from -32768 to 32767 are needed, as the sensor's registers hold them"
@@ -338,6 +354,9 @@ pub enum Problem {
     /// A user's formula, or its definition, is wrong.
     #[error("{0}")]
     Formula(String),
+    /// A learned curve that is none.
+    #[error("{0}")]
+    Curve(String),
 
     // --- logs -------------------------------------------------------------------------------
     /// The file is empty, or has only blank lines and comments.

@@ -888,6 +888,56 @@ pub const MODEL: &[KeySection] = &[
                 "rivals = [[\"current-offset\"]]",
                 "what explains as well",
             ),
+            key(
+                "unseen_upright",
+                "",
+                "none",
+                "unseen_upright = [\"own:magnet\"]",
+                "own effects that no log has shown upright: the linear model does without them",
+            ),
+        ],
+    },
+    KeySection {
+        name: "learned",
+        heading: "[learned.angle]",
+        meaning: "A torque that was learned as a curve over a coordinate: `angle`, `rate` (on the body), `wheel_speed`, \
+                  `wheel_angle` (on the wheel). Between its knots lies a cubic spline, outside it is constant.",
+        keys: &[
+            key(
+                "knots",
+                "unit of the coordinate",
+                NEEDED,
+                "knots = [-0.3, -0.1, 0.1, 0.3]",
+                "4 to 24 values of the coordinate, increasing",
+            ),
+            key(
+                "torque",
+                "N m",
+                NEEDED,
+                "torque = [0.0, 1e-4, -1e-4, 0.0]",
+                "the torque there, as it acts",
+            ),
+            key(
+                "std",
+                "N m",
+                "taken as exact",
+                "std = [1e-5, 1e-5, 1e-5, 1e-5]",
+                "their standard errors",
+            ),
+            key(
+                "unit",
+                "",
+                "N m",
+                "unit = \"N m per kg m2\"",
+                "where torques are known per unit of inertia only",
+            ),
+            key(
+                "source",
+                "",
+                "empty",
+                "source = \"free swing 20 deg\"",
+                "where the curve comes from",
+            ),
         ],
     },
     KeySection {

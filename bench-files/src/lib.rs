@@ -13,6 +13,7 @@
 
 mod averages;
 mod bench;
+mod bring_up;
 mod calibration;
 mod channel;
 mod correlation;
@@ -26,6 +27,7 @@ mod files;
 mod hardware;
 pub mod keys;
 mod known;
+mod learned_section;
 mod log;
 mod long_log;
 mod model_file;
@@ -36,6 +38,7 @@ mod toml_writing;
 mod write;
 
 pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
+pub use bring_up::{BringUpRecordings, RawRecording};
 pub use calibration::{
     Calibration, CalibrationRecordings, CountsRecording, LeverArmCalibration, LineCalibration,
     MountingCalibration, PlumbLines, StoredSensorCalibration,

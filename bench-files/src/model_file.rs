@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use plant::{BASE_PARAMETERS, EffectId, Model, ParameterInfo};
+use plant::{BASE_PARAMETERS, EffectId, LearnedCoordinate, Model, ParameterInfo};
 use serde::{Deserialize, Serialize};
 use toml_edit::{Array, DocumentMut, Value};
 
@@ -16,14 +16,15 @@ use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::hardware::Hardware;
 use crate::keys;
+use crate::learned_section;
 use crate::own_effect::OwnEffect;
 use crate::toml_source::{Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
 use crate::write::write_atomically;
 
-/// The end of a parameter's unit if torques are known only per unit of inertia.
-const PER_INERTIA: &str = " per kg m2";
-/// Quantities that are not parameters of the motion but may be listed, with unit and range: j_b,
+/// What a parameter's unit ends in where torques are known only per unit of inertia.
+pub(crate) const PER_INERTIA: &str = " per kg m2";
+/// Quantities that are no parameters of the motion but may stand here, with unit and range: j_b,
 /// which follows from Θ (thesis, after 1.29), and l from plumb lines (thesis 3.4).
 const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
     ("body_inertia", "kg m2", (0.0, 1e3)),
@@ -96,7 +97,9 @@ pub struct ModelFile {
     pub tie: Option<Tie>,
     /// Users' effects that the file itself defines; those of the model are written with it.
     pub own_effects: Vec<OwnEffect>,
-    /// The requirements of the design, if the file has them.
+    /// Those of the effects that no log has shown upright: the linear model does without them.
+    pub unseen_upright: Vec<EffectId>,
+    /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,
     /// The results of the calibration, if the file has them.
     pub calibration: Option<Calibration>,
@@ -121,6 +124,7 @@ impl PartialEq for ModelFile {
             && self.correlation == other.correlation
             && self.effects == other.effects
             && self.tie == other.tie
+            && self.unseen_upright == other.unseen_upright
             && self.design == other.design
             && self.calibration == other.calibration
             && self.hardware == other.hardware
@@ -136,6 +140,7 @@ impl ModelFile {
             effects: Model::base().effects().to_vec(),
             tie: None,
             own_effects: Vec::new(),
+            unseen_upright: Vec::new(),
             design: None,
             calibration: None,
             hardware: None,
@@ -207,6 +212,7 @@ impl ModelFile {
             }
         }
 
+        let (learned, of_curves) = learned_section::read(&root)?;
         let with_std: Vec<&str> = parameters
             .iter()
             .filter(|parameter| parameter.std.is_some())
@@ -225,7 +231,10 @@ impl ModelFile {
         let EffectsSection {
             present: effects,
             tie,
-        } = EffectsSection::read(source, &section, &own_effects, &parameters)?;
+            unseen_upright,
+        } = EffectsSection::read(source, &section, &own_effects, &parameters, &learned)?;
+        // What hangs together with a curve is not told.
+        parameters.extend(of_curves);
 
         let design = root
             .section("design")?
@@ -241,6 +250,7 @@ impl ModelFile {
             effects,
             tie,
             own_effects,
+            unseen_upright,
             design,
             calibration,
             hardware: Hardware::read(source, &root)?,
@@ -297,7 +307,14 @@ impl ModelFile {
         Model::with_effects(&self.effects)
     }
 
-    /// The structure without its provisional effects.
+    /// The model about upright, as far as the logs have shown it there: without the effects of users that they have
+    /// not. (A learned curve knows its own range: [`plant::has_seen`].)
+    pub fn model_upright(&self) -> Model {
+        let unseen = self.unseen_upright.iter();
+        unseen.fold(self.model(), |model, &effect| model.without(effect))
+    }
+
+    /// The structure without what holds only until an experiment has decided.
     pub fn certain_model(&self) -> Model {
         let provisional = self.tie.iter().flat_map(|tie| &tie.provisional);
         provisional.fold(self.model(), |model, &effect| model.without(effect))
@@ -377,12 +394,15 @@ impl ModelFile {
         let gone: Vec<String> = parameters
             .iter()
             .map(|(name, _)| name.to_string())
-            .filter(|name| self.parameter(name).is_none())
+            .filter(|name| self.parameter(name).is_none() || is_of_curve(name))
             .collect();
         for name in gone {
             parameters.remove(&name);
         }
         for parameter in &self.parameters {
+            if is_of_curve(&parameter.name) {
+                continue;
+            }
             let entry = table_in(parameters, &parameter.name, false);
             set(entry, "value", number(parameter.value));
             match parameter.std {
@@ -400,7 +420,9 @@ impl ModelFile {
             }
         }
 
-        let has_std = |name: &str| self.parameter(name).is_some_and(|p| p.std.is_some());
+        let has_std = |name: &str| {
+            !is_of_curve(name) && self.parameter(name).is_some_and(|p| p.std.is_some())
+        };
         match self.correlation.as_ref().and_then(|all| all.among(has_std)) {
             None => {
                 root.remove("correlation");
@@ -409,7 +431,14 @@ impl ModelFile {
         }
 
         let effects = table_in(root, "effects", false);
-        effects_section::write(effects, &self.effects, self.tie.as_ref());
+        let unseen: Vec<EffectId> = self
+            .unseen_upright
+            .iter()
+            .copied()
+            .filter(|effect| self.effects.contains(effect))
+            .collect();
+        effects_section::write(effects, &self.effects, self.tie.as_ref(), &unseen);
+        learned_section::write(root, &self.effects, &|name| self.parameter(name).cloned());
 
         root.remove("own");
         for own in &self.own_effects {
@@ -471,7 +500,16 @@ impl ModelFile {
     }
 }
 
-/// Unit and bounds of the parameter with this name, if there is one.
+/// Whether the parameter is a torque of a learned curve, which stands in `[learned]`.
+fn is_of_curve(name: &str) -> bool {
+    name.strip_prefix("learned_").is_some_and(|rest| {
+        LearnedCoordinate::ALL
+            .iter()
+            .any(|coordinate| rest.starts_with(coordinate.name()))
+    })
+}
+
+/// Unit and bounds of a parameter, if there is one with this name.
 fn unit_and_bounds(name: &str, own: &[OwnEffect]) -> Option<(&'static str, (f64, f64))> {
     let beside = BESIDE_THE_MOTION
         .iter()

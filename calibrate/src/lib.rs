@@ -7,6 +7,7 @@
 //! results; both are described in `bench-files/src/calibration.rs`.
 #![warn(missing_docs)]
 
+mod bring_up;
 mod error;
 mod gyroscope;
 mod lever_arm;
@@ -19,6 +20,10 @@ mod sphere_fit;
 mod still;
 mod still_poses;
 
+pub use bring_up::{
+    Doubt, MotorSigns, Recording, TILT_MIN_RAD, TiltShows, Turned, WheelWord, encoder_sign,
+    motor_signs, tilt,
+};
 pub use error::CalibrationError;
 pub use gyroscope::{GyroscopeRest, gyroscope_rest};
 pub use lever_arm::{LeverArmEstimate, lever_arm};

@@ -4,11 +4,11 @@
 //!     cargo run -p figures --example gallery -- FOLDER
 
 use figures::{
-    Breakdown, BreakdownPanel, Confusion, Decay, DecayPanel, DecayPoint, FigureError, Limit, Line,
-    LineRole, Marker, Overlay, OverlayChannel, Panel, Plane, PoleSet, Poles, Quantity, Region,
-    Reliability, ReliabilityBin, ResidualBin, Series, Sphere, Staircase, StaircaseTrace,
-    SuspectBar, Suspects, breakdown, confusion, decay, overlay, poles, reliability, series, sphere,
-    staircase, suspects,
+    Breakdown, BreakdownPanel, Confusion, CurvePoint, Decay, DecayPanel, DecayPoint, FigureError,
+    Limit, Line, LineRole, Marker, Overlay, OverlayChannel, Panel, Plane, PoleSet, Poles, Quantity,
+    Region, Reliability, ReliabilityBin, ResidualBin, Series, Sphere, Staircase, StaircaseTrace,
+    SuspectBar, Suspects, TorqueCurve, breakdown, confusion, decay, overlay, poles, reliability,
+    series, sphere, staircase, suspects, torque_curve,
 };
 use std::path::PathBuf;
 
@@ -22,10 +22,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("overlay-balance", balance()?),
         ("overlay-ugly", ugly_overlay()?),
         ("staircase", few_steps()?),
-        ("staircase-many", many_steps()?),
+        ("staircase-many", many_steps(12)?),
+        ("staircase-of-30", many_steps(60)?),
         ("breakdown", breakdown_figure()),
         ("decay", decay_figure()?),
         ("suspects", suspects_figure()),
+        ("suspects-none", suspects(&Suspects::default())),
+        ("torque-curve", torque_curve_figure()),
+        ("poles-spread", spread_poles()),
         ("poles-z", poles_figure(Plane::Discrete)),
         ("poles-s", poles_figure(Plane::Continuous)),
         ("series", transient()?),
@@ -238,9 +242,9 @@ fn few_steps() -> Result<String, FigureError> {
     })
 }
 
-fn many_steps() -> Result<String, FigureError> {
+fn many_steps(count: u32) -> Result<String, FigureError> {
     let mut noise = Noise(3);
-    let names: Vec<String> = (0..12)
+    let names: Vec<String> = (0..count)
         .map(|i| match i % 4 {
             0 => format!("free swing {} deg/angle", 10 + 5 * i),
             1 => format!("spin-up {:.1} A/wheel speed", 0.2 * f64::from(i)),
@@ -248,7 +252,7 @@ fn many_steps() -> Result<String, FigureError> {
             _ => format!("driven experiment with an unusually long name {i}/angle"),
         })
         .collect();
-    let values: Vec<Vec<f64>> = (0..12)
+    let values: Vec<Vec<f64>> = (0..count)
         .map(|_| {
             let start = 3.0 + 300.0 * noise.uniform().powi(3);
             (0..6)
@@ -267,7 +271,7 @@ fn many_steps() -> Result<String, FigureError> {
         })
         .collect();
     staircase(&Staircase {
-        title: "Twelve experiments fall to the floor within five steps",
+        title: &format!("{count} series fall to the floor within five steps"),
         subtitle: "",
         steps: &[
             "base model",
@@ -414,6 +418,49 @@ fn suspects_figure() -> String {
             suspect("none in the library", 0.002, ""),
             suspect("body-cable-spring", 0.0, ""),
         ],
+    })
+}
+
+/// A magnet that a swing passes at 0.15 rad; beyond 0.35 rad the log says little.
+fn torque_curve_figure() -> String {
+    let points: Vec<CurvePoint> = (0..=80)
+        .map(|k| {
+            let at = -0.4 + 0.01 * f64::from(k);
+            let z = (at - 0.15) / 0.06;
+            CurvePoint {
+                at,
+                value: 6e-3 * z * (-z * z).exp(),
+                std: 1e-4 + 4e-3 * (at.abs() / 0.4).powi(12),
+            }
+        })
+        .collect();
+    torque_curve(&TorqueCurve {
+        title: "The torque that the model lacks, over the body's angle",
+        subtitle: "On the body, as it acts.",
+        coordinate: Quantity {
+            name: "angle",
+            unit: "rad",
+        },
+        torque: Quantity {
+            name: "missing torque",
+            unit: "N m",
+        },
+        points: &points,
+    })
+}
+
+/// Poles without a crowd: one panel.
+fn spread_poles() -> String {
+    poles(&Poles {
+        title: "Three poles apart",
+        subtitle: "",
+        plane: Plane::Continuous,
+        sets: &[PoleSet {
+            name: "closed loop",
+            role: LineRole::Model,
+            poles: &[(-12.0, 6.0), (-12.0, -6.0), (-9.0, 0.0)],
+            cloud: &[],
+        }],
     })
 }
 

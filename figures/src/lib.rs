@@ -45,6 +45,7 @@ mod series;
 mod sphere;
 mod staircase;
 mod suspects;
+mod torque_curve;
 
 pub use annotation::{Limit, Marker, Quantity, Region};
 pub use banded::{Banded, BandedLine, BandedPanel, banded};
@@ -61,3 +62,4 @@ pub use sphere::{Sphere, sphere};
 pub use staircase::{Staircase, StaircaseTrace, staircase};
 pub use style::LineRole;
 pub use suspects::{SuspectBar, Suspects, suspects};
+pub use torque_curve::{CurvePoint, TorqueCurve, torque_curve};

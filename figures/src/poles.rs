@@ -43,6 +43,11 @@ pub struct PoleSet<'a> {
     pub cloud: &'a [(f64, f64)],
 }
 
+/// The widest labels are unknown before the axes are; this many pixels hold "0.9985" and "−1200".
+const GUTTER: f64 = 62.0;
+/// A single panel has the width of the page, but not its height.
+const LARGEST_HEIGHT: f64 = 440.0;
+
 /// Draws all poles on the left and the crowded part, enlarged, on the right:
 /// around z = 1 or around the slow poles.
 pub fn poles(figure: &Poles) -> String {
@@ -84,18 +89,21 @@ pub fn poles(figure: &Poles) -> String {
     let width = if panels == 2 {
         (full - 24.0) / 2.0
     } else {
-        full * 0.6
+        full
     };
+    let height = (width - GUTTER).min(LARGEST_HEIGHT);
     let top = page.y + frame::CAPTION;
     let left = style::PAGE_MARGIN;
-    let bottom = panel(&mut page, figure, &all, "all poles", left, top, width);
+    let place = (left, top, width, height);
+    let bottom = panel(&mut page, figure, &all, "all poles", place);
     if let Some(crowd) = crowd {
         let left = left + width + 24.0;
         let name = match figure.plane {
             Plane::Discrete => "the poles near 1, enlarged",
             Plane::Continuous => "the slow poles, enlarged",
         };
-        zoom_panel(&mut page, figure, &crowd, name, left, top, width);
+        let place = (left, top, width, height);
+        zoom_panel(&mut page, figure, &crowd, name, place);
     }
     page.y = bottom + 38.0;
     page.finish()
@@ -147,32 +155,26 @@ fn panel(
     figure: &Poles,
     all: &[(f64, f64)],
     name: &str,
-    left: f64,
-    top: f64,
-    width: f64,
+    place: (f64, f64, f64, f64),
 ) -> f64 {
     let points = match figure.plane {
         // The whole circle, and whatever lies outside it.
         Plane::Discrete => [all, &[(-1.1, -1.1), (1.1, 1.1)]].concat(),
         Plane::Continuous => [all, &[(0.0, 0.0)]].concat(),
     };
-    zoom_panel(page, figure, &points, name, left, top, width)
+    zoom_panel(page, figure, &points, name, place)
 }
 
-/// Draws a panel that shows at least `points`; returns its lower end.
+/// Draws a panel that shows at least `points` at (left, top, width, height); returns its lower end.
 fn zoom_panel(
     page: &mut Page,
     figure: &Poles,
     points: &[(f64, f64)],
     name: &str,
-    left: f64,
-    top: f64,
-    width: f64,
+    (left, top, width, height): (f64, f64, f64, f64),
 ) -> f64 {
-    // The widest labels are unknown before the axes are; 62 pixels hold
-    // "0.9985" and "−1200".
-    let gutter = 62.0;
-    let (plot_width, height) = (width - gutter, width - gutter);
+    let gutter = GUTTER;
+    let plot_width = width - gutter;
     let (x, y) = axes(figure.plane, points, plot_width, height);
     let frame = Frame {
         left: left + gutter,
@@ -241,9 +243,13 @@ fn axes(plane: Plane, points: &[(f64, f64)], width: f64, height: f64) -> (Axis, 
     let reach = imaginary.0.abs().max(imaginary.1.abs());
     let (real, reach) = match plane {
         Plane::Discrete => {
-            let half = ((real.1 - real.0) / 2.0).max(reach).max(1e-6) * 1.12;
+            let half = ((real.1 - real.0) / 2.0 * (height / width))
+                .max(reach)
+                .max(1e-6)
+                * 1.12;
             let middle = (real.0 + real.1) / 2.0;
-            ((middle - half, middle + half), half)
+            let wide = half * width / height;
+            ((middle - wide, middle + wide), half)
         }
         Plane::Continuous => {
             let span = (real.1 - real.0).max(reach).max(1e-6);

@@ -31,6 +31,19 @@ pub struct SuspectBar<'a> {
 /// right, and the evidence below the bar.
 pub fn suspects(figure: &Suspects) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);
+    if figure.suspects.is_empty() {
+        // Axes around nothing would say less.
+        let at = Text::new(
+            style::PAGE_MARGIN,
+            page.y + 18.0,
+            style::LABEL_SIZE,
+            style::TEXT,
+        );
+        page.svg
+            .text(at, "No suspects: no effect promises to take anything away.");
+        page.y += 30.0;
+        return page.finish();
+    }
     let names = figure.suspects.iter();
     let widest = names
         .map(|s| text::width(s.name, style::LABEL_SIZE))

@@ -1,16 +1,18 @@
 //! The identification: from a bench to a fitted model with all statements about it.
 
-use plant::Model;
+use plant::{EffectId, LearnedCoordinate, Model};
 use rayon::prelude::*;
 
 use crate::bench::{FitProblem, IdentifyError};
 use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictions, finish};
-use crate::extension::extend;
+use crate::extension::{carry_over, extend};
 use crate::first_fit::first_fit;
 use crate::fit::{
     Effort, Minimum, PredictedSeries, Unknowns, Window, cost, failed_series, joined, refit, traces,
 };
+use crate::learned::learn;
 use crate::progress::Progress;
+use crate::records::Record;
 use crate::residuals::{FoundPush, PushModel, find_pushes};
 use crate::statements::{cautions, statements};
 
@@ -92,25 +94,26 @@ pub fn fit_until(
     let suited = problem.suited_to(model);
     let problem = suited.as_ref();
     let records = problem.all_records();
-    let free = problem.free(model);
-    let minimum = match previous {
-        Some((values, windows)) => {
-            // The previous fit may have used other windows.
-            let windows = joined(&records, &values, &windows);
-            refit(&records, model, values, windows, &free, effort)
+    let learned: Vec<LearnedCoordinate> = model.learned().filter_map(coordinate_of).collect();
+    let relearns = previous.is_none() || model.learned().any(|effect| !has_penalty(effect));
+    let (model, minimum) = if learned.is_empty() || !relearns {
+        let minimum = fitted(problem, &records, model, previous, effort, progress)?;
+        (model.clone(), minimum)
+    } else {
+        // First everything that is not learned: a curve is what is left.
+        let plain = model.without_learned();
+        let previous = previous.map(|(values, windows)| {
+            let start = vec![0.0; plain.parameter_count()];
+            (carry_over(model, &values, &plain, &start), windows)
+        });
+        let minimum = fitted(problem, &records, &plain, previous, effort, progress)?;
+        let mut so_far = (plain, minimum);
+        for coordinate in learned {
+            so_far = learn(problem, &so_far.0, &so_far.1, coordinate, progress)?;
         }
-        None => {
-            // The base model is fitted first: other effects are small against inertia and gravity.
-            let base = Model::base();
-            let first = first_fit(problem, effort);
-            progress.check()?;
-            if *model == base {
-                first
-            } else {
-                extend(problem, &records, &base, &first, model, effort)
-            }
-        }
+        so_far
     };
+    let model = &model;
     progress.check()?;
     if !minimum.cost.is_finite() {
         let suspect = records
@@ -123,8 +126,63 @@ pub fn fit_until(
     Ok(found)
 }
 
-/// The statements about an existing fit. `None` if the fit was not made from this bench as the model reads it: with
-/// other windows or other samples.
+/// A fit with the torque that its model lacks learned over these coordinates, one after the other.
+///
+/// # Errors
+/// [`IdentifyError::NothingToLearn`], [`IdentifyError::Cancelled`].
+pub fn with_curves(
+    problem: &FitProblem,
+    fit: &Fit,
+    coordinates: &[LearnedCoordinate],
+    progress: &Progress,
+) -> Result<Identification, IdentifyError> {
+    let problem = problem.suited_to(&fit.model);
+    let mut so_far = (fit.model.without_learned(), fit.minimum.clone());
+    for &coordinate in coordinates {
+        so_far = learn(&problem, &so_far.0, &so_far.1, coordinate, progress)?;
+    }
+    Ok(identification(&problem, &so_far.0, so_far.1, None))
+}
+
+/// The minimum of a model, from a neighbouring fit of it or from the base model.
+fn fitted(
+    problem: &FitProblem,
+    records: &[&Record],
+    model: &Model,
+    previous: Option<(Vec<f64>, Vec<Vec<Window>>)>,
+    effort: Effort,
+    progress: &Progress,
+) -> Result<Minimum, IdentifyError> {
+    if let Some((values, windows)) = previous {
+        // The fit before may have been over other windows.
+        let windows = joined(records, &values, &windows);
+        let free = problem.free(model);
+        return Ok(refit(records, model, values, windows, &free, effort));
+    }
+    // The base model first: effects are small against inertia and gravity.
+    let base = Model::base();
+    let first = first_fit(problem, effort);
+    progress.check()?;
+    Ok(if *model == base {
+        first
+    } else {
+        extend(problem, records, &base, &first, model, effort)
+    })
+}
+
+/// The coordinate of a learned effect.
+fn coordinate_of(effect: EffectId) -> Option<LearnedCoordinate> {
+    effect.info().learned.map(|curve| curve.coordinate)
+}
+
+/// Whether it is known how smooth the curve is to be: not of one that comes from a model.toml.
+fn has_penalty(effect: EffectId) -> bool {
+    let curve = effect.info().learned;
+    curve.is_some_and(|curve| curve.penalty.is_some())
+}
+
+/// What a fit that was made before says of the bench. `None` where it is not a fit of this bench as the model
+/// reads it: where other windows or other samples counted.
 pub fn describe(problem: &FitProblem, fit: &Fit) -> Option<Identification> {
     let problem = problem.suited_to(&fit.model);
     let records = problem.all_records();

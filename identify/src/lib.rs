@@ -12,7 +12,8 @@
 //! | `bench` | a whole bench: which parameters are known, which are free, in which units |
 //! | `errors` | standard errors under correlated residuals; contradictions between experiments and known values |
 //! | `first_fit` | the fit of the base model, from several starts where one is not enough |
-//! | `shape_search` | a start for the fit of a user's own effect |
+//! | `shape_search` | where the fit of an effect from outside may begin |
+//! | `learned` | the missing torque as a curve, and its fit together with everything else |
 //! | `extension` | from the minimum of a model to that of a larger one |
 //! | `identification`, `statements` | the complete result for a bench, with all statements about it |
 
@@ -23,6 +24,7 @@ mod first_fit;
 mod fit;
 mod fourier;
 mod identification;
+mod learned;
 mod model_free;
 mod progress;
 mod records;
@@ -44,8 +46,9 @@ pub use fit::{
     normal_observed, ratios, refit, relevant, score_test, settled, simulate, traces,
 };
 pub use identification::{
-    Identification, describe, fit_until, identify, identify_until, refuse_failed,
+    Identification, describe, fit_until, identify, identify_until, refuse_failed, with_curves,
 };
+pub use learned::{CurvePoint, MissingCurve, best_missing_curve, missing_curve};
 pub use model_free::{
     AtAmplitude, DecayLaw, Estimate, FreeDecay, RateAgainstAngle, decay, rate_against_angle,
 };

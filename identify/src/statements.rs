@@ -103,6 +103,11 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
     let infos = fit.model.parameters();
     for (index, &position) in fit.unknowns.free.iter().enumerate() {
         let info = infos[position];
+        let effect = fit.model.effect_at(position);
+        if effect.is_some_and(|effect| effect.info().learned.is_some()) {
+            // A curve may well be zero at a knot.
+            continue;
+        }
         let value = fit.values[position];
         if fit.minimum.on_bound[index] {
             out.push(format!(

@@ -2,6 +2,7 @@
 import { byId, el, table } from "./dom.js";
 import { get } from "./server.js";
 import { axis, colour, draw, layout, onTheme } from "./plots.js";
+import { remainder } from "./remainder.js";
 
 const panel = byId("panel-why");
 let begin = () => {};
@@ -36,6 +37,7 @@ function build() {
     el("div", { class: "row" }, button(found ? "Diagnose again" : "Diagnose", { task: "diagnose" }, !found),
       found?.can_apply && (found.added.length || found.taken_out.length) ? button(applyText(), { task: "apply" }, true) : null),
     found ? verdict() : el("p", { class: "quiet" }, "The diagnosis looks for a physical effect that the model lacks, says how sure it is, and which experiment would settle what is open."),
+    found?.missing_torque ? remainder(found.missing_torque, begin, redrawPlots, bench.effects.includes(`learned-${found.missing_torque.coordinate.replace("_", "-")}`)) : "",
     tie(), model(), staircase(), found ? suspects() : "", found ? reasons() : "", others(),
   );
   redrawPlots.forEach((call) => call());

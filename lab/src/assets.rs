@@ -27,6 +27,7 @@ const FILES: &[(&str, &str, &str)] = assets![
     "moving.js": SCRIPT,
     "open.js": SCRIPT,
     "plots.js": SCRIPT,
+    "remainder.js": SCRIPT,
     "server.js": SCRIPT,
     "sketch.js": SCRIPT,
     "sliders.js": SCRIPT,

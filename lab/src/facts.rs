@@ -277,6 +277,7 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
     json!({
         "verdict": report.verdict.name(),
         "sentence": report.sentence,
+        "missing_torque": report.missing_torque,
         "remains": report.remains.as_ref().map(|remains| remains.sentence()),
         "added": report.added(),
         "taken_out": report.taken_out(),

@@ -80,6 +80,25 @@ pub fn within(folder: &Path, file: &Path) -> Result<(), String> {
     }
 }
 
+/// Writes `effects/NAME.toml` into a bench folder, if the text could stand there.
+///
+/// # Errors
+/// A sentence, with line and column where it is the text.
+pub fn write_effect(folder: &Path, name: &str, text: &str) -> Result<(), String> {
+    workbench::check_own_effect(name, text).map_err(|error| {
+        let place = error.line.map_or(String::new(), |line| {
+            let position = error.position.map_or(String::new(), |at| format!(":{at}"));
+            format!(":{line}{position}")
+        });
+        format!("effects/{name}.toml{place}: {}", error.message)
+    })?;
+    let file = folder.join("effects").join(format!("{name}.toml"));
+    within(folder, &file)?;
+    let failed = |error: std::io::Error| format!("{}: {error}", file.display());
+    fs::create_dir_all(folder.join("effects")).map_err(failed)?;
+    bench_files::write_atomically(&file, text.as_bytes()).map_err(|error| error.to_string())
+}
+
 /// Largest number of benches that are offered.
 const MOST_OFFERED: usize = 50;
 

@@ -44,6 +44,7 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/design", post(design))
         .route("/api/controller", get(controller))
         .route("/api/drop/check", post(check_text))
+        .route("/api/effect/check", post(check_effect))
         .route("/api/drop/correct", post(correct))
         .route("/api/export/{language}", get(export))
         .route("/api/report", get(report))
@@ -174,6 +175,29 @@ struct BenchText {
 
 async fn check_text(State(shared): State<Shared>, Json(bench): Json<BenchText>) -> Response {
     computed(move || Ok(shared.desk.dropped().check(&bench.text))).await
+}
+
+#[derive(Deserialize)]
+struct EffectText {
+    name: String,
+    text: String,
+}
+
+/// Reads the text of an effect as its file is read, while it is typed.
+async fn check_effect(Json(effect): Json<EffectText>) -> Response {
+    computed(move || {
+        Ok(
+            match workbench::check_own_effect(&effect.name, &effect.text) {
+                Ok(parameters) => json!({"parameters": parameters}),
+                Err(error) => json!({
+                    "message": error.message,
+                    "line": error.line,
+                    "position": error.position,
+                }),
+            },
+        )
+    })
+    .await
 }
 
 async fn design(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Response {

@@ -54,6 +54,18 @@ pub enum Task {
         /// Its name.
         effect: String,
     },
+    /// Puts the torque that the model lacks into it as a learned curve.
+    AddLearned {
+        /// angle, rate, wheel_speed or wheel_angle.
+        coordinate: String,
+    },
+    /// Writes an effect of the user into the bench folder, and puts it into the model.
+    WriteEffect {
+        /// Its name, without "own:".
+        name: String,
+        /// The text of effects/NAME.toml.
+        text: String,
+    },
     /// Removes an effect from the model.
     Remove {
         /// Its name.
@@ -107,6 +119,8 @@ impl Task {
             Task::Diagnose {} => "Diagnosing",
             Task::Apply {} => "Adding what was found",
             Task::Add { .. } => "Adding the effect",
+            Task::AddLearned { .. } => "Learning the curve",
+            Task::WriteEffect { .. } => "Adding your effect",
             Task::Remove { .. } => "Removing the effect",
             Task::Fingerprint { .. } => "Drawing the fingerprint",
             Task::Undo {} => "Going back",
@@ -300,7 +314,12 @@ fn change(
                 bench.staircase.push(crate::desk::Stair { label, rmse });
             }
             let label = last.map_or("refitted".to_owned(), |(label, _)| label);
-            bench.changed(found.report.last.clone(), label, progress)?;
+            // A learned curve stays in the model, but not in the last step of the diagnosis.
+            let last = match bench.session.learned_coordinates().is_empty() {
+                true => found.report.last.clone(),
+                false => bench.session.compare(progress).map_err(said)?,
+            };
+            bench.changed(last, label, progress)?;
             bench.diagnosis = Some(Arc::new(Diagnosed {
                 report: found.report.clone(),
                 first: found.first.clone(),
@@ -311,6 +330,27 @@ fn change(
             bench.remember();
             let change = bench.session.add_effect(&effect, progress).map_err(said)?;
             bench.changed(change.after, format!("+ {effect}"), progress)?;
+        }
+        Task::AddLearned { coordinate } => {
+            bench.remember();
+            let change = bench.session.add_learned(&coordinate, progress);
+            let label = format!("+ learned curve over {}", coordinate.replace('_', " "));
+            bench.changed(change.map_err(said)?.after, label, progress)?;
+        }
+        Task::WriteEffect { name, text } => {
+            bench.remember();
+            folder::write_effect(&bench.folder, &name, &text)?;
+            bench.session.reread_own_effects().map_err(said)?;
+            let effect = format!("own:{name}");
+            let has_it = bench.comparison.effects.contains(&effect);
+            let (after, label) = if has_it {
+                let refitted = bench.session.identify(progress).map_err(said)?;
+                (refitted, format!("{effect} as it reads now"))
+            } else {
+                let change = bench.session.add_effect(&effect, progress).map_err(said)?;
+                (change.after, format!("+ {effect}"))
+            };
+            bench.changed(after, label, progress)?;
         }
         Task::Remove { effect } => {
             bench.remember();

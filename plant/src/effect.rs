@@ -6,6 +6,7 @@
 //! [`crate::ExternalEffect`].
 
 use crate::hiding::Hiding;
+use crate::learned::LearnedCurve;
 use crate::prior::{Commonness, Prior};
 use crate::{Kind, Output, Reading, Scalar};
 
@@ -252,6 +253,8 @@ pub struct EffectInfo {
     pub memory: Option<Memory>,
     /// The source of start values for its parameters, before any fit.
     pub start_from: StartFrom,
+    /// The curve that it is, where it was learned from the logs and explains nothing.
+    pub learned: Option<&'static LearnedCurve>,
     /// It has its one parameter once for each log ([`crate::EffectId::for_logs`]), in the place of the parameter with
     /// this name of the effect that it replaces.
     pub per_log: Option<&'static str>,
@@ -301,6 +304,7 @@ impl EffectInfo {
         start_from: StartFrom::Stated,
         per_log: None,
         drawn_since: 0,
+        learned: None,
         hiding: None,
     };
 }

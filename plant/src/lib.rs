@@ -10,7 +10,8 @@
 //! | `effect` | the definition of an effect |
 //! | `hiding` | how the exam hides an effect |
 //! | `hidden` | its parameters, hidden in a given bench |
-//! | `external` | effects that are defined while the program runs |
+//! | `external` | effects that come while the program runs |
+//! | `learned`, `spline` | torques that were learned as curves |
 //! | `effects/` | the library, one file an effect |
 //! | `per_log` | effects with a parameter for each log |
 //! | `model` | which effects a model has; the layout of its parameter vector |
@@ -27,6 +28,7 @@ mod external;
 mod hidden;
 mod hiding;
 mod input;
+mod learned;
 mod linear;
 mod model;
 mod per_log;
@@ -34,6 +36,7 @@ mod plant;
 mod prior;
 mod reading;
 mod scalar;
+mod spline;
 
 pub use effect::{
     Driving, Effect, EffectInfo, Given, Instant, Linearised, Memory, ParameterInfo, RateFault,
@@ -44,7 +47,8 @@ pub use experiment::Kind;
 pub use external::{Definition, External, ExternalEffect, ExternalError, Partials};
 pub use hiding::{Hiding, HidingPlace};
 pub use input::{Hold, Input};
-pub use linear::{LinearModel, LinearisationError, linearise, torque_inputs};
+pub use learned::{FEWEST_KNOTS, LearnedCoordinate, LearnedCurve, MOST_KNOTS};
+pub use linear::{LinearModel, LinearisationError, has_seen, linearise, torque_inputs};
 pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
@@ -53,3 +57,4 @@ pub use plant::{Current, Drive, Late, Plant, State};
 pub use prior::{Commonness, Prior};
 pub use reading::{Output, Reading};
 pub use scalar::{Dual, Scalar};
+pub use spline::Spline;

@@ -3,7 +3,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::model::{GRAVITY_TORQUE, TOTAL_INERTIA, WHEEL_INERTIA};
-use crate::{Dual, EffectId, Kind, Linearised, Model, Plant, Scalar, Smoothing, State};
+use crate::{
+    Dual, EffectId, Kind, LearnedCoordinate, Linearised, Model, Plant, Scalar, Smoothing, State,
+};
 
 /// Continuous-time linear model ẋ = A x + B u about the upright equilibrium,
 /// x = (α − π in rad, α̇ in rad/s, φ̇ in rad/s), u the motor current in A.
@@ -40,9 +42,10 @@ pub enum LinearisationError {
 /// The linear model about the equilibrium nearest to `near_rad` (π for upright, 0 for hanging), with both
 /// speeds zero and no current: the exact Jacobian of [`Plant::derivative`].
 ///
-/// Dry friction of the body enters as μ tanh(α̇/ι), with slope μ/ι; `friction_speed_rad_s` is ι. If it is
-/// `None`, dry friction is left out. Effects that have no place in the linear model are left out
-/// ([`Linearised::LeftOut`]).
+/// Dry friction of the body enters as μ tanh(α̇/ι), hence with slope μ/ι, where
+/// `friction_speed_rad_s` gives ι; without it, dry friction is left out. Effects that the linear
+/// model cannot carry are left out ([`Linearised::LeftOut`]), and so are learned torques that no log has shown there
+/// ([`has_seen`]).
 ///
 /// # Errors
 /// If the inertias are not physical, or there is no equilibrium within half a radian.
@@ -56,7 +59,7 @@ pub fn linearise(
     if !(wheel > 0.0 && total > wheel && total.is_finite()) {
         return Err(LinearisationError::Inertia { total, wheel });
     }
-    let (model, values) = kept(model, values, friction_speed_rad_s.is_some());
+    let (model, values) = kept(model, values, near_rad, friction_speed_rad_s.is_some());
     let smoothing = Smoothing {
         body_rad_s: friction_speed_rad_s.unwrap_or(Smoothing::SIMULATION.body_rad_s),
         ..Smoothing::SIMULATION
@@ -113,12 +116,29 @@ pub fn torque_inputs(model: &Model, values: &[f64]) -> [Vector3<f64>; 2] {
     ]
 }
 
-/// The effects of a model that have a place in its linear model, with their parameters.
-fn kept(model: &Model, values: &[f64], keep_dry_friction: bool) -> (Model, Vec<f64>) {
+/// Whether a torque that was learned has been seen where the model is linearised; other effects hold everywhere.
+pub fn has_seen(effect: EffectId, near_rad: f64) -> bool {
+    effect.info().learned.is_none_or(|curve| {
+        curve.has_seen(match curve.coordinate {
+            LearnedCoordinate::Angle => near_rad,
+            _ => 0.0,
+        })
+    })
+}
+
+/// The part of a model that its linear model carries, with the parameters that belong to it.
+fn kept(
+    model: &Model,
+    values: &[f64],
+    near_rad: f64,
+    keep_dry_friction: bool,
+) -> (Model, Vec<f64>) {
     let mut effects = vec![];
     for &effect in model.effects() {
         let info = effect.info();
         match info.linearised {
+            // What the logs have not shown there counts as nothing.
+            Linearised::Exactly if !has_seen(effect, near_rad) => {}
             Linearised::Exactly => effects.push(effect),
             Linearised::AsDryFriction if keep_dry_friction => {
                 // A refinement is represented by the friction that it refines, with which it shares a parameter.

@@ -140,6 +140,19 @@ impl Model {
         Model { effects }
     }
 
+    /// This model without the torques that were learned as curves, which explain nothing.
+    pub fn without_learned(&self) -> Model {
+        let mut effects = self.effects.clone();
+        effects.retain(|effect| effect.info().learned.is_none());
+        Model { effects }
+    }
+
+    /// The torques that were learned as curves.
+    pub fn learned(&self) -> impl Iterator<Item = EffectId> {
+        let effects = self.effects.iter().copied();
+        effects.filter(|effect| effect.info().learned.is_some())
+    }
+
     /// The parameters in the order of the parameter vector.
     pub fn parameters(&self) -> Vec<&'static ParameterInfo> {
         BASE_PARAMETERS

@@ -19,8 +19,12 @@ use crate::views::comparison;
 #[command(after_help = effects_help())]
 pub struct Arguments {
     /// The effect: one of the library, or own:NAME for effects/NAME.toml in the bench folder
-    #[arg(value_parser = EffectNameParser)]
-    pub effect: String,
+    #[arg(value_parser = EffectNameParser, required_unless_present = "learned")]
+    pub effect: Option<String>,
+    /// Instead of an effect: the torque that the model lacks, as a smooth curve over this coordinate, learned from
+    /// the logs. It explains nothing, but the error falls
+    #[arg(long, value_name = "COORDINATE", value_parser = LEARNED, conflicts_with = "effect")]
+    pub learned: Option<String>,
     /// The bench: a folder with a bench.toml, or that file
     #[arg(long)]
     pub bench: PathBuf,
@@ -29,6 +33,9 @@ pub struct Arguments {
     #[command(flatten)]
     pub output: JsonOutput,
 }
+
+/// The coordinates of learned curves.
+pub const LEARNED: [&str; 4] = ["angle", "rate", "wheel_speed", "wheel_angle"];
 
 /// The names that EFFECT can have.
 pub fn effect_names() -> Vec<&'static str> {
@@ -71,7 +78,10 @@ fn effects_help() -> String {
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let session = arguments.files.open_to_change(&arguments.bench)?;
     change(session, |session, progress| {
-        session.add_effect(&arguments.effect, progress)
+        match (&arguments.learned, &arguments.effect) {
+            (Some(coordinate), _) => session.add_learned(coordinate, progress),
+            (None, effect) => session.add_effect(effect.as_deref().unwrap_or_default(), progress),
+        }
     })
 }
 

@@ -1,6 +1,7 @@
 //! One file per command: its arguments, and what it does with them.
 
 pub mod add;
+pub mod bring_up;
 pub mod calibrate;
 pub mod check;
 pub mod compare;

@@ -1,8 +1,9 @@
 //! A model compared with the measurements: the output of `identify`, `compare`, `add`, `remove` and `diagnose`.
 
+use plant::LearnedCoordinate;
 use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
 use workbench::words::{place, residual};
-use workbench::{BenchNote, ComparisonReport, EffectChange};
+use workbench::{BenchNote, ComparisonReport, EffectChange, Parameter};
 
 use super::findings;
 
@@ -85,6 +86,9 @@ fn parameter_table(comparison: &ComparisonReport) -> String {
         ("from", Align::Left),
     ]);
     for parameter in &comparison.parameters {
+        if is_of_curve(&parameter.name) {
+            continue;
+        }
         table.row([
             parameter.name.clone(),
             with_uncertainty(parameter.value, parameter.std),
@@ -93,11 +97,47 @@ fn parameter_table(comparison: &ComparisonReport) -> String {
         ]);
     }
     format!(
-        "\nModel: {}\n{}{}",
+        "\nModel: {}\n{}{}{}",
         comparison.effects.join(", "),
         table.text(),
+        learned_curves(comparison),
         strong_correlations(comparison)
     )
+}
+
+/// Whether a parameter is the torque of a learned curve at one of its knots.
+fn is_of_curve(name: &str) -> bool {
+    name.starts_with("learned_")
+}
+
+/// A line for every learned curve; its numbers are in model.toml and in the JSON.
+fn learned_curves(comparison: &ComparisonReport) -> String {
+    let curves = LearnedCoordinate::ALL.into_iter().filter_map(|coordinate| {
+        let prefix = format!("learned_{}_", coordinate.name());
+        let own = comparison.parameters.iter().filter(|parameter| {
+            let rest = parameter.name.strip_prefix(&prefix);
+            rest.is_some_and(|rest| rest.bytes().all(|byte| byte.is_ascii_digit()))
+        });
+        let own: Vec<&Parameter> = own.collect();
+        let unit = &own.first()?.unit;
+        let least = own
+            .iter()
+            .map(|one| one.value)
+            .fold(f64::INFINITY, f64::min);
+        let most = own
+            .iter()
+            .map(|one| one.value)
+            .fold(f64::NEG_INFINITY, f64::max);
+        Some(format!(
+            "  {}: a curve over {} with {} knots, {} to {}; it explains nothing\n",
+            coordinate.effect_name(),
+            coordinate.words(),
+            own.len(),
+            with_prefix(least, unit),
+            with_prefix(most, unit)
+        ))
+    });
+    curves.collect()
 }
 
 /// One line for every two parameters with strongly correlated errors.
@@ -109,6 +149,9 @@ fn strong_correlations(comparison: &ComparisonReport) -> String {
     let mut text = String::new();
     for (row, a) in names.iter().enumerate() {
         for b in &names[row + 1..] {
+            if is_of_curve(a) || is_of_curve(b) {
+                continue;
+            }
             let found = correlation.between(a, b);
             if found.abs() >= STRONG_CORRELATION {
                 let how = if found > 0.0 {

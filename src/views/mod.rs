@@ -1,5 +1,6 @@
 //! Typed results as text for people.
 
+pub mod bring_up;
 pub mod calibration;
 pub mod closed_loop;
 pub mod comparison;

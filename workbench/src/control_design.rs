@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-use bench_files::{DesignSection, ModelFile};
+use bench_files::{DesignSection, ModelFile, OWN_PREFIX};
 use design::{Design, DesignError, FrictionExtremes, Settings, Weights};
-use plant::{LinearModel, Linearised, Model, Smoothing};
+use plant::{EffectId, LinearModel, Linearised, Model, Smoothing};
 
 use crate::error::Error;
 use crate::session::Session;
@@ -91,8 +91,9 @@ impl ControlDesign {
         let values = file.parameter_vector()?;
         let path = file.path().to_path_buf();
         let iota = wishes.friction_linearisation_speed_rad_s;
+        let model_upright = file.model_upright();
         let upright = |iota| {
-            linearise(&model, &values, iota).map_err(|reason| Error::Linearise {
+            linearise(&model, &model_upright, &values, iota).map_err(|reason| Error::Linearise {
                 model: path.clone(),
                 reason,
             })
@@ -177,9 +178,34 @@ impl ControlDesign {
     pub(crate) fn linearise(&self, values: &[f64]) -> Result<LinearModel, String> {
         linearise(
             &self.model,
+            &self.file.model_upright(),
             values,
             self.wishes.friction_linearisation_speed_rad_s,
         )
+    }
+
+    /// What the linear model takes of learned curves and of the effects of users, one sentence each.
+    pub fn upright_notes(&self) -> Vec<String> {
+        let upright = self.file.model_upright();
+        let effects = self.model.effects().iter().copied();
+        let others = effects.filter(|effect| {
+            effect.info().learned.is_some() || effect.name().starts_with(OWN_PREFIX)
+        });
+        let note = |effect: EffectId| {
+            let name = effect.name();
+            if effect.info().linearised == Linearised::LeftOut {
+                format!(
+                    "{name}: the linear model does without it, for the angle of the wheel is no state of it"
+                )
+            } else if upright.has(effect) && plant::has_seen(effect, PI) {
+                format!("{name}: the linear model takes its slope upright")
+            } else {
+                format!(
+                    "{name}: no log shows it upright, and the linear model takes no slope of it"
+                )
+            }
+        };
+        others.map(note).collect()
     }
 
     pub(crate) fn path(&self) -> PathBuf {
@@ -215,6 +241,15 @@ fn name_of(path: &Path) -> String {
     }
 }
 
-fn linearise(model: &Model, values: &[f64], iota: Option<f64>) -> Result<LinearModel, String> {
-    plant::linearise(model, values, PI, iota).map_err(|error| error.to_string())
+/// The linear model of what of `model` the logs have shown upright.
+fn linearise(
+    model: &Model,
+    upright: &Model,
+    values: &[f64],
+    iota: Option<f64>,
+) -> Result<LinearModel, String> {
+    let infos = upright.parameters();
+    let value_of = |name: &str| model.position_of(name).map_or(0.0, |at| values[at]);
+    let values: Vec<f64> = infos.iter().map(|info| value_of(info.name)).collect();
+    plant::linearise(upright, &values, PI, iota).map_err(|error| error.to_string())
 }

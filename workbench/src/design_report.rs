@@ -90,7 +90,9 @@ pub struct DesignReport {
     pub margins: LoopMargins,
     /// Steady wheel speed per rad of bias of the measured angle, rad/s per rad.
     pub wheel_speed_per_angle_bias: f64,
-    /// The loop with none and with all of the Coulomb friction, if there is any.
+    /// What the linear model takes of learned curves and of the effects of users; sentences.
+    pub upright: Vec<String>,
+    /// The loop with none and with all of the Coulomb friction, where there is any.
     pub friction_extremes: Option<[FrictionExtreme; 2]>,
     /// The oscillation around upright that dry friction maintains (describing function); `None` if there
     /// is none.
@@ -280,6 +282,7 @@ impl ControlDesign {
             dare_residual: design.dare_residual(),
             margins: LoopMargins::of(&design.margins),
             wheel_speed_per_angle_bias: design.wheel_speed_per_angle_bias,
+            upright: self.upright_notes(),
             friction_extremes: design.friction.as_ref().map(|check| {
                 [("none", &check.none), ("all", &check.all)]
                     .map(|(name, extreme)| FrictionExtreme::of(name, extreme))

@@ -14,6 +14,7 @@ use crate::comparison::{
 use crate::control_design::ControlDesign;
 use crate::design_change::DesignChange;
 use crate::error::Error;
+use crate::learned::MissingTorque;
 use crate::named;
 use crate::numbers::significant;
 use crate::per_series::{PerSeries, SeriesName};
@@ -48,6 +49,14 @@ pub struct DiagnosisReport {
     pub ambiguous_between: Vec<Vec<String>>,
     /// The experiment that would settle an open question; empty if no question is open.
     pub next_experiment: String,
+    /// The torque that is missing, over the coordinate in which it stands best; `None` where nothing is unexplained,
+    /// or no curve predicts anything of it.
+    #[serde(default)]
+    pub missing_torque: Option<MissingTorque>,
+    /// The last model with the learned curves that the model had before; `None` where it had none, or they are no
+    /// longer needed. A curve explains nothing: the verdict is that on the model without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with_learned: Option<DiagnosisStep>,
     /// The same step by step, with what each explanation would show; `None` where no experiment
     /// tells them apart. Not part of the JSON, which has the sentence.
     #[serde(skip)]
@@ -78,6 +87,9 @@ pub struct DiagnosisReport {
     /// The model of the last step compared with the measurements, with its curves. It can be serialised by itself.
     #[serde(skip)]
     pub last: ComparisonReport,
+    /// The structure of the model of [`DiagnosisReport::with_learned`].
+    #[serde(skip)]
+    pub(crate) learned_model: Option<Model>,
 }
 
 /// A step of the diagnosis: the diagnosed model, or the model after one more effect, refitted to all experiments.
@@ -179,9 +191,11 @@ impl Session {
     /// Those of [`Session::identify`], if the last model fails and not only the first;
     /// [`Error::Cancelled`] soon after the work was cancelled.
     pub fn diagnose(&self, progress: &Progress) -> Result<DiagnosisReport, Error> {
-        let model = self
+        let whole = self
             .model()
             .map_or_else(Model::base, ModelFile::certain_model);
+        // A learned curve explains nothing: what it follows is still to be explained.
+        let model = whole.without_learned();
         let identified = self.fit_however(&model, progress)?;
         let fit = &identified.fit;
         // Users' effects are suspects like those of the library.
@@ -223,6 +237,18 @@ impl Session {
             let design = file.and_then(|file| ControlDesign::of(file).ok());
             let remains = RemainsReport::new(&found.remains, self.problem(), design.as_ref());
             report.remains = Some(remains);
+            if found.contradictions.is_empty() {
+                (progress.say)(
+                    "looking for the coordinate over which the missing torque stands best",
+                );
+                report.missing_torque = self.missing_torque(&last_fit);
+            }
+        }
+        if let Some(missing) = &report.missing_torque {
+            report.sentence = format!("{} {}", report.sentence, missing.sentence());
+        }
+        if whole != model {
+            self.with_learned(&mut report, &last_fit, progress)?;
         }
         report.has_failed_at_first = self.refuse_failed(&identified).is_err();
         Ok(report)
@@ -232,6 +258,7 @@ impl Session {
     /// the controller. If explanations tie, the model records which of its effects are provisional and which
     /// could replace them. Effects that were certain before stay certain.
     pub fn apply(&mut self, report: &DiagnosisReport) -> AppliedDiagnosis {
+        let had_learned = self.learned_coordinates();
         let before = report.steps.first().map(|step| self.model_of(step));
         let mut applied = AppliedDiagnosis {
             added: report.added(),
@@ -240,8 +267,13 @@ impl Session {
             design_change: None,
             no_controller: None,
         };
-        if let (Some(before), Some(step)) = (&before, report.steps.last()) {
+        let last = report.with_learned.as_ref().or(report.steps.last());
+        if let (Some(before), Some(step)) = (&before, last) {
             let mut file = self.model_of(step);
+            if let Some(model) = &report.learned_model {
+                // The curves have new knots.
+                file.effects = model.effects().to_vec();
+            }
             file.tie = report.tie(self).filter(|tie| {
                 let was_certain = before.certain_model();
                 tie.provisional
@@ -251,6 +283,10 @@ impl Session {
             let provisional = file.tie.iter().flat_map(|tie| &tie.provisional);
             applied.provisional = provisional.map(|one| one.name().to_owned()).collect();
             self.set_model(file);
+        }
+        if report.with_learned.is_none() {
+            let gone = had_learned.iter().map(|one| one.effect_name().to_owned());
+            applied.taken_out.extend(gone);
         }
         let is_changed = report.steps.len() > 1;
         if let (true, Some(before), Some(after)) = (is_changed, before, self.model()) {
@@ -348,6 +384,9 @@ impl DiagnosisReport {
                 .iter()
                 .map(|set| names_of(set))
                 .collect(),
+            missing_torque: None,
+            with_learned: None,
+            learned_model: None,
             remains: None,
             next_experiment: found.next_experiment.clone(),
             recipe: found.recipe.clone(),
@@ -441,12 +480,12 @@ impl DiagnosisStep {
     }
 }
 
-fn fit_percent(trace: &PredictedSeries) -> f64 {
+pub(crate) fn fit_percent(trace: &PredictedSeries) -> f64 {
     trace.fit_percent
 }
 
 /// Numbers in the order of the records and their channels, with the names of the series.
-fn per_series(records: &[Record], values: impl IntoIterator<Item = f64>) -> PerSeries {
+pub(crate) fn per_series(records: &[Record], values: impl IntoIterator<Item = f64>) -> PerSeries {
     let names = records.iter().flat_map(|record| {
         record.channels.iter().map(|channel| SeriesName {
             experiment: record.name.clone(),

@@ -80,6 +80,14 @@ pub enum Error {
         /// The form in which it is there.
         reason: String,
     },
+    /// There is no such coordinate.
+    #[error(
+        "nothing can be learned over \"{name}\"; a curve stands over angle, rate, wheel_speed or wheel_angle"
+    )]
+    UnknownCoordinate {
+        /// What was asked for.
+        name: String,
+    },
     /// The model does not have the effect.
     #[error("{}: the model does not have {effect}; it has {}", model.display(), present.join(", "))]
     EffectAbsent {

@@ -52,6 +52,7 @@
 //! | [`prove()`], [`mutate()`] | [`Proof`], [`MutationReport`] of an emitted crate's folder |
 //! | [`record()`] | [`RecordReport`]: logs of a bench from the firmware's serial line |
 //! | [`calibrate()`] | [`SensorCalibrationReport`] of recordings of raw counts |
+//! | [`bring_up()`] | [`BringUpReport`]: which way is positive |
 //!
 //! Results are plain data in SI units that can be serialised (`serde`); the option `--json` of the commands writes
 //! these data. Curves are left out of the JSON, because they are long. They are part of the same result, and
@@ -62,6 +63,7 @@
 //! an error in a file has file, line and column.
 
 mod bench_hardware;
+mod bring_up;
 mod calibration;
 mod change;
 mod closed_loop;
@@ -78,6 +80,7 @@ mod effect_library;
 mod effect_portrait;
 mod error;
 mod fingerprint;
+mod learned;
 mod loop_expectations;
 mod loop_responses;
 mod measured_linearity;
@@ -86,6 +89,7 @@ mod module_spec;
 mod named;
 pub mod numbers;
 mod output_file;
+mod own_effects;
 mod per_series;
 mod proof;
 mod recording;
@@ -98,9 +102,11 @@ pub mod words;
 pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
 pub use ::design::linear_response::Band;
 pub use bench_files::{
-    Bench, CalibrationRecordings, Correlation, DesignSection, FilesInMemory, ModelFile, Parameter,
+    Bench, BringUpRecordings, CalibrationRecordings, Correlation, DesignSection, FilesInMemory,
+    ModelFile, Parameter,
 };
 pub use bench_hardware::{HardwareError, Preset};
+pub use bring_up::{BringUpAxes, BringUpReport, BringUpSigns, Contradiction, bring_up};
 pub use calibration::{
     CalibratedLine, CalibratedSensor, LeverArmOfSwing, LeverArmReport, MagnetometerPoints,
     PlumbedCentre, SensorCalibrationReport, SensorMounting, calibrate,
@@ -133,6 +139,7 @@ pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use learned::{MissingTorque, TorquePoint};
 pub use loop_expectations::{
     AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
     weights_of_excursions,
@@ -141,6 +148,7 @@ pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
 pub use model_export::ExportLanguage;
 pub use output_file::OutputFile;
+pub use own_effects::{OwnEffectError, check_own_effect};
 pub use per_series::{PerSeries, SeriesName};
 pub use proof::{
     CLAIMS, ClaimStatement, MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove,

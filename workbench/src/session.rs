@@ -1,15 +1,19 @@
 //! A session on a bench.
 
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use ::data_check::Finding;
-use bench_files::{Bench, DesignSection, FilesInMemory, ModelFile, Problem, ReadingWatch, Tie};
+use bench_files::{
+    Bench, DesignSection, FilesInMemory, ModelFile, OWN_PREFIX, OwnEffect, Problem, ReadingWatch,
+    Tie,
+};
 use design::Settings;
 use identify::{
-    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, PredictedSeries,
-    Progress, PushModel, Record, Window,
+    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, Output,
+    PredictedSeries, Progress, PushModel, Record, Window,
 };
-use plant::{EffectId, Model};
+use plant::{EffectId, Instant, Model, Smoothing};
 use serde::{Deserialize, Serialize};
 
 use crate::change::EffectChange;
@@ -167,7 +171,16 @@ impl Session {
         &self.findings
     }
 
-    /// The measurements as fits use them, for uses beyond the session.
+    pub(crate) fn set_own_effects(&mut self, effects: Vec<OwnEffect>) {
+        self.bench.own_effects = effects;
+        if let Some(mut model) = self.model.take() {
+            adopt_own_effects(&mut model, &self.bench);
+            self.model = Some(model);
+        }
+        self.fitted = None;
+    }
+
+    /// The measurements as fits see them: for those who go beyond the session.
     pub fn problem(&self) -> &FitProblem {
         &self.problem
     }
@@ -430,7 +443,7 @@ impl Session {
         }
     }
 
-    fn change(
+    pub(crate) fn change(
         &mut self,
         before: &Model,
         after: &Model,
@@ -453,11 +466,14 @@ impl Session {
     pub(crate) fn effect_named(&self, name: &str) -> Option<EffectId> {
         let of_model = self.model.iter().flat_map(|model| &model.own_effects);
         let mut own = self.bench.own_effects.iter().chain(of_model);
-        let library = EffectId::from_name(name).map(|effect| self.problem().made_for_logs(effect));
-        library.or_else(|| {
-            own.find(|own| own.effect.name() == name)
-                .map(|own| own.effect)
-        })
+        let model = self.structure();
+        EffectId::from_name(name)
+            .map(|effect| self.problem().made_for_logs(effect))
+            .or_else(|| {
+                own.find(|own| own.effect.name() == name)
+                    .map(|own| own.effect)
+            })
+            .or_else(|| model.learned().find(|curve| curve.name() == name))
     }
 
     fn unknown_effect(&self, name: &str) -> Error {
@@ -468,8 +484,8 @@ impl Session {
         }
     }
 
-    /// The effects of the present model; the base model if there is none.
-    fn structure(&self) -> Model {
+    /// The effects of the model as it is; the base model where there is none.
+    pub(crate) fn structure(&self) -> Model {
         self.model
             .as_ref()
             .map_or_else(Model::base, ModelFile::model)
@@ -541,17 +557,35 @@ impl Session {
     pub(crate) fn adopt(&mut self, found: Identification) {
         let fit = &found.fit;
         let parameters = parameters_of(&self.problem, fit);
-        let file = with_model(
+        let mut file = with_model(
             self.file_or_new(),
             &fit.model,
             parameters,
             correlation_of(fit),
         );
+        file.unseen_upright = self.unseen_upright(&fit.model, &fit.values);
         self.model = Some(file);
         self.fitted = Some(found);
     }
 
-    /// The present model's file, or a new one; with a design section.
+    /// The effects of users whose torque depends on the body's angle, where no log has the body upright: what they
+    /// do there is a guess.
+    pub(crate) fn unseen_upright(&self, model: &Model, values: &[f64]) -> Vec<EffectId> {
+        let is_seen = self.problem.records.iter().any(|record| {
+            let angle = record.channel(Output::Angle);
+            let samples = || angle.iter().flat_map(|channel| &channel.samples);
+            samples().any(|angle| *angle >= PI) && samples().any(|angle| *angle <= PI)
+        });
+        let own = model.ranges().filter(|(effect, own)| {
+            effect.name().starts_with(OWN_PREFIX) && depends_on_angle(*effect, &values[own.clone()])
+        });
+        match is_seen {
+            true => vec![],
+            false => own.map(|(effect, _)| effect).collect(),
+        }
+    }
+
+    /// The model's file as it is, or a new one, with a design in it.
     pub(crate) fn file_or_new(&self) -> ModelFile {
         let file = self.model.clone().unwrap_or_default();
         let mut file = self.with_hardware(file).named(&self.model_path);
@@ -756,6 +790,24 @@ fn place_of(bench: &Bench) -> PathBuf {
     } else {
         bench.folder.clone()
     }
+}
+
+/// Whether a torque changes with the angle of the body, at any of a few instants.
+fn depends_on_angle(effect: EffectId, p: &[f64]) -> bool {
+    (1..=12).any(|point| {
+        let spread = |k: f64| (f64::from(point) * (0.618 + 0.1 * k)).fract() * 2.0 - 1.0;
+        let at = |angle_rad: f64| {
+            let instant = Instant {
+                angle_rad,
+                rate_rad_s: 5.0 * spread(1.0),
+                wheel_angle_rad: 3.0 * spread(2.0),
+                wheel_speed_rad_s: 100.0 * spread(3.0),
+                memory: 0.0,
+            };
+            effect.torque(p, &instant, &Smoothing::SIMULATION)
+        };
+        at(PI * spread(4.0)) != at(PI * spread(5.0))
+    })
 }
 
 /// The parameter vector of a model with some parameters changed by name.

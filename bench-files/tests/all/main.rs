@@ -7,6 +7,7 @@ mod errors;
 mod formats;
 mod garbage;
 mod hardware;
+mod learned;
 mod logs;
 mod model_file;
 mod outline;

@@ -22,6 +22,38 @@ fn every_kind_survives_having_nothing_to_draw() {
     }
 }
 
+/// Of sixty series the worst eight have names, and the others lie in one band.
+#[test]
+fn a_staircase_of_many_names_the_worst() {
+    let values: Vec<[f64; 2]> = (0..60)
+        .map(|i| [2.0 + f64::from(i), 1.0 + 0.01 * f64::from(i)])
+        .collect();
+    let names: Vec<String> = (0..60).map(|i| format!("run {i}/angle")).collect();
+    let traces: Vec<StaircaseTrace> = values
+        .iter()
+        .zip(&names)
+        .map(|(values, name)| StaircaseTrace {
+            name,
+            held_out: false,
+            rmse_over_floor: values,
+        })
+        .collect();
+    let svg = staircase(&Staircase {
+        title: "t",
+        steps: &["base model", "+ a"],
+        traces: &traces,
+        ..Staircase::default()
+    })
+    .unwrap();
+    let document = parse(&svg);
+    assert_eq!(series_of(&document, "fit").len(), 8);
+    assert_eq!(series_of(&document, "others").len(), 1);
+    let texts = texts(&document);
+    for (index, name) in names.iter().enumerate() {
+        assert_eq!(texts.contains(name), index >= 52, "{name}");
+    }
+}
+
 #[test]
 fn the_staircase_shows_every_experiment_and_its_last_error() {
     let values: Vec<[f64; 3]> = (0..12)
@@ -51,7 +83,8 @@ fn the_staircase_shows_every_experiment_and_its_last_error() {
     let texts = texts(&document);
     for (name, values) in names.iter().zip(&values) {
         assert!(texts.contains(name), "{name}");
-        let ratio = format!("{:.2}×", values[2]);
+        // The first error and the last.
+        let ratio = format!("{:.1}× → {:.2}×", values[0], values[2]);
         assert!(texts.contains(&ratio), "{ratio} in {texts:?}");
     }
     // A missing step leaves two lone points, not a line across it.

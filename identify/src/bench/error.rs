@@ -1,5 +1,7 @@
 //! The reasons why a bench cannot be identified.
 
+use plant::{LearnedCoordinate, Role};
+
 use crate::fit::NoBetterThanMean;
 use crate::progress::Cancelled;
 
@@ -31,12 +33,29 @@ pub enum IdentifyError {
         /// The series that the model predicts no better than their means, in groups of logs that share parameters.
         series: Vec<NoBetterThanMean>,
     },
+    /// No log moves over the coordinate, or none shows the torque that acts along it.
+    #[error(
+        "nothing can be learned over {}: no log moves over it with the channels that would show a torque. {}",
+        .coordinate.words(),
+        would_show(*.coordinate)
+    )]
+    NothingToLearn {
+        /// The coordinate.
+        coordinate: LearnedCoordinate,
+    },
     /// The work was called off.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// Largest number of series that a message names.
+fn would_show(coordinate: LearnedCoordinate) -> &'static str {
+    match coordinate.role() {
+        Role::Wheel => "An experiment with a turning wheel and a wheel_speed column would show it",
+        _ => "A free swing with an angle column would show it",
+    }
+}
+
+/// Most series that a message names.
 const MOST_NAMED: usize = 4;
 
 /// The series with their errors, as text for a message.

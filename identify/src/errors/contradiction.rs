@@ -151,7 +151,13 @@ pub fn contradictions(
     windows: &[Vec<Window>],
     held: &[usize],
 ) -> Vec<Contradiction> {
-    let free = problem.free(model);
+    // A learned curve is held: it takes up what contradicts itself.
+    let mut free = problem.free(model);
+    let is_learned = |position: usize| {
+        let effect = model.effect_at(position);
+        effect.is_some_and(|effect| effect.info().learned.is_some())
+    };
+    free.retain(|&position| !is_learned(position));
     let knowns: Vec<usize> = (0..problem.known.len())
         .filter(|&position| problem.known[position].is_some() && is_measured(problem, position))
         .collect();

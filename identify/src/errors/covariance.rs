@@ -59,6 +59,11 @@ pub fn covariance(
         stick += error.stick;
     }
     middle += &stick * stick.transpose();
+    // A curve that is held smooth is off by what it was held from; on average over its range that adds what the
+    // penalty does (Nychka, J. Am. Stat. Assoc. 83 (1988)).
+    if let Some(penalty) = crate::learned::penalty_of(model, unknowns) {
+        middle += penalty;
+    }
     let inverse = pseudo_inverse(information, held)?;
     Some(&inverse * middle * &inverse)
 }

@@ -12,6 +12,7 @@ use super::effort::{Effort, Outcome, within_pace};
 use super::normal_equations::{assemble, reduce, solve};
 use super::sensitivity::window_cost;
 use super::unknowns::{Unknowns, Window, relevant};
+use crate::learned::penalty_of;
 use crate::records::Record;
 
 /// The result of a minimisation.
@@ -23,8 +24,8 @@ pub struct Minimum {
     pub windows: Vec<Vec<Window>>,
     /// Sum of squared normalised residuals (χ²).
     pub cost: f64,
-    /// Information matrix of the free parameters in the fit's coordinates, with the windows' nuisance parameters
-    /// eliminated.
+    /// Information about the free parameters after the windows' unknowns are eliminated, in the
+    /// fit's coordinates; with what is known beforehand of learned curves.
     pub information: DMatrix<f64>,
     /// Which free parameters lie on a bound of their range, where the data pull them outwards.
     pub on_bound: Vec<bool>,
@@ -46,8 +47,9 @@ const CREEPING: usize = 8;
 /// would allow.
 const CRUMB: f64 = 1e-2;
 
-/// Minimises the sum of squared normalised residuals over the free parameters and the windows' nuisance parameters,
-/// starting from `values` and `windows`.
+/// Minimises the sum of squared normalised residuals over the free parameters and the windows'
+/// starts, from `values` and `windows`. What is known beforehand of learned curves
+/// ([`plant::LearnedCurve::penalty`]) counts beside it, but is no part of the cost that is told.
 pub fn minimise(
     records: &[&Record],
     model: &Model,
@@ -71,7 +73,20 @@ pub fn minimise(
     let mut since_refusal = DOUBTFUL;
     let mut outcome = Outcome::OutOfIterations;
     let mut on_bound = vec![false; count];
-    let mut costs = vec![assembled.cost];
+    let penalty = penalty_of(model, unknowns);
+    let of_unknowns = |values: &[f64]| {
+        DVector::from_iterator(
+            count,
+            unknowns.free.iter().map(|&position| values[position]),
+        )
+    };
+    let beforehand = |values: &[f64]| -> f64 {
+        penalty.as_ref().map_or(0.0, |penalty| {
+            let own = of_unknowns(values);
+            own.dot(&(penalty * &own))
+        })
+    };
+    let mut costs = vec![assembled.cost + beforehand(&values)];
     let factors = factors(model);
     if !assembled.cost.is_finite() {
         outcome = Outcome::NotFinite;
@@ -82,7 +97,11 @@ pub fn minimise(
             break;
         }
         let mean_square = (assembled.cost / observations.max(1) as f64).max(1e-300);
-        let reduced = reduce(&assembled, &globals, count, damping);
+        let mut reduced = reduce(&assembled, &globals, count, damping);
+        if let Some(penalty) = &penalty {
+            reduced.gradient -= penalty * of_unknowns(&values);
+            reduced.matrix += penalty;
+        }
         // An unknown on its bound is held there while the data pull it outwards.
         for (index, held) in on_bound.iter_mut().enumerate() {
             let value = values[unknowns.free[index]];
@@ -152,9 +171,10 @@ pub fn minimise(
                 }
             }
         }
-        // Among refused steps the next is likely to be refused too; its cost alone, without derivatives, decides that.
+        // Among refusals a step is likely to be refused too: that costs no derivatives.
+        let (before, after) = (beforehand(&values), beforehand(&next_values));
         let is_refused = since_refusal < DOUBTFUL
-            && cost(records, model, &next_values, &next_windows) > assembled.cost;
+            && cost(records, model, &next_values, &next_windows) + after > assembled.cost + before;
         let next = (!is_refused).then(|| {
             assemble(
                 records,
@@ -168,7 +188,7 @@ pub fn minimise(
         evaluations += 1;
         let small = promised.abs() <= effort.tolerance * mean_square;
         since_refusal += 1;
-        if let Some(next) = next.filter(|next| next.cost <= assembled.cost) {
+        if let Some(next) = next.filter(|next| next.cost + after <= assembled.cost + before) {
             values = next_values;
             windows = next_windows;
             assembled = next;
@@ -185,7 +205,8 @@ pub fn minimise(
                 outcome = Outcome::Stalled;
             }
         }
-        costs.push(assembled.cost);
+        let objective = assembled.cost + beforehand(&values);
+        costs.push(objective);
         if outcome == Outcome::OutOfIterations
             && within_pace(&costs, effort.evaluations.saturating_sub(evaluations)) > effort.goal
         {
@@ -193,13 +214,16 @@ pub fn minimise(
         }
         if outcome == Outcome::OutOfIterations
             && costs.len() > CREEPING
-            && costs[costs.len() - 1 - CREEPING] - assembled.cost
+            && costs[costs.len() - 1 - CREEPING] - objective
                 < mean_square.max(CRUMB * (assembled.cost - observations as f64))
         {
             outcome = Outcome::Stalled;
         }
     }
-    let reduced = reduce(&assembled, &globals, count, 0.0);
+    let mut reduced = reduce(&assembled, &globals, count, 0.0);
+    if let Some(penalty) = &penalty {
+        reduced.matrix += penalty;
+    }
     Minimum {
         values,
         windows,

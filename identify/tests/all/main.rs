@@ -7,6 +7,7 @@ mod coarse;
 mod common;
 mod contradiction;
 mod correlation;
+mod learned;
 mod other_rig;
 mod outside;
 mod pushes;

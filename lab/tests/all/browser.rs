@@ -5,6 +5,7 @@ use std::fs;
 use serde_json::{Value, json};
 
 use crate::bench;
+use crate::magnet;
 use crate::running::Running;
 use crate::webdriver::Browser;
 
@@ -212,4 +213,57 @@ fn logs_become_a_bench() {
     work(&browser, || browser.click("#make-bench"));
     assert!(folder.join("bench.toml").is_file());
     assert!(rmse(&browser, "free-swing-20deg", "angle") > 0.0);
+}
+
+/// What no effect explains is drawn; it is learned as a curve, and an effect of one's own takes its place. The
+/// editor says what is wrong while one types.
+#[test]
+#[cfg_attr(not(have_chromium), ignore = "needs chromium")]
+fn what_no_effect_explains() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in magnet::files() {
+        fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let lab = Running::start(Some(folder.path()));
+    let browser = Browser::start(1280, 900);
+    browser.go(&lab.once);
+    browser.wait_for("document.body.dataset.ready");
+    settled(&browser, 1);
+    let error = || rmse(&browser, "swing 20 deg", "angle");
+    let before = error();
+    browser.click("#tab-why");
+    work(&browser, || browser.click("#panel-why button.main"));
+    browser.wait_for("document.getElementById('missing-torque')?.data?.length === 3");
+    assert!(browser.text("#verdict").contains("add --learned angle"));
+    work(&browser, || browser.click("#add-learned"));
+    assert!(error() < 0.3 * before, "{before} {}", error());
+    let model = || fs::read_to_string(folder.path().join("model.toml")).expect("a model");
+    assert!(model().contains("[learned.angle]"));
+    work(&browser, || browser.click("#undo"));
+    assert!(!model().contains("[learned.angle]"));
+
+    // An effect of one's own: the editor begins with one that can be read, and names what cannot.
+    browser.click("#write-own");
+    browser.wait_for("document.getElementById('own-says').className.includes('good')");
+    browser.script(
+        "const text = document.getElementById('own-text'); text.value = text.value.replace('exp(', 'expp('); \
+         text.dispatchEvent(new Event('input'))",
+    );
+    browser.wait_for("document.getElementById('own-says').className.includes('bad')");
+    let says = browser.text("#own-says");
+    assert!(says.contains("line 2, column"), "{says}");
+    assert_eq!(
+        browser.script("return document.getElementById('own-add').disabled"),
+        json!(true)
+    );
+    browser.script(
+        "const text = document.getElementById('own-text'); text.value = text.value.replace('expp(', 'exp('); \
+         text.dispatchEvent(new Event('input'))",
+    );
+    browser.wait_for("!document.getElementById('own-add').disabled");
+    work(&browser, || browser.click("#own-add"));
+    assert!(folder.path().join("effects/mine.toml").is_file());
+    assert!(error() < 0.3 * before, "{before} {}", error());
+    assert!(browser.text("#model-effects").contains("own:mine"));
+    assert_eq!(browser.complaints(), Vec::<String>::new());
 }

@@ -6,6 +6,8 @@ mod browser_design;
 mod drop;
 mod hostile;
 mod http;
+#[path = "../../../workbench/tests/all/magnet.rs"]
+mod magnet;
 mod report;
 mod running;
 mod tasks;

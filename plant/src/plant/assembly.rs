@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::effect::{Instant, Memory, Ripple, Role, Smoothing};
 use crate::model::{GRAVITY_TORQUE, TOTAL_INERTIA, WHEEL_INERTIA};
-use crate::{EffectId, Kind, Model, Timing};
+use crate::{EffectId, Kind, LearnedCoordinate, Model, Timing};
 
 /// An effect with the position of its parameters.
 #[derive(Clone, Copy, Debug)]
@@ -190,7 +190,13 @@ impl Structure {
                 let p = &values[term.own()];
                 term.effect.torque(p, &instant, &self.smoothing)
             };
-            stiffness += (at(STIFFNESS_PROBE_RAD) - at(0.0)).abs() / STIFFNESS_PROBE_RAD;
+            stiffness += match term.effect.info().learned {
+                // A curve may be flat here and steep elsewhere.
+                Some(curve) if curve.coordinate == LearnedCoordinate::Angle => {
+                    curve.spline.steepest(&values[term.own()])
+                }
+                _ => (at(STIFFNESS_PROBE_RAD) - at(0.0)).abs() / STIFFNESS_PROBE_RAD,
+            };
         }
         let mut step = LONGEST_STEP_S;
         if self.kind != Kind::SpinUp {
@@ -219,6 +225,14 @@ impl Structure {
             terms
                 .iter()
                 .map(|term| {
+                    if let Some(curve) = term.effect.info().learned {
+                        let is_speed = matches!(
+                            curve.coordinate,
+                            LearnedCoordinate::Rate | LearnedCoordinate::WheelSpeed
+                        );
+                        let steepest = curve.spline.steepest(&values[term.own()]);
+                        return if is_speed { steepest } else { 0.0 };
+                    }
                     let moving = term
                         .effect
                         .torque(&values[term.own()], &at, &self.smoothing);

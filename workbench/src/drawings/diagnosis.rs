@@ -15,6 +15,12 @@ impl DiagnosisReport {
             OutputFile::svg("staircase", self.staircase()?),
             OutputFile::svg("suspects", self.suspects_figure()),
         ];
+        if let Some(missing) = &self.missing_torque {
+            files.push(OutputFile::svg(
+                "missing-torque",
+                missing.drawing(&self.bench),
+            ));
+        }
         for decay in &self.decay {
             files.extend(decay.drawing(&self.bench)?);
         }

@@ -7,5 +7,6 @@ mod decay;
 mod design;
 mod diagnosis;
 mod loops;
+mod torque_curve;
 
 pub use loops::{NamedLoop, loop_drawings};

@@ -108,14 +108,25 @@ fn answers_to_torques_have_bands() {
     {
         assert!(low <= high && *low <= angle + 1e-12 && angle - 1e-12 <= *high);
     }
-    // The swing's log shows the angle's noise; no log shows a gyroscope.
+    // The swing's log shows the noise of angle and rate, the spin-up's that of the wheel; without a bench it is assumed.
     let noise = found.noise.as_ref().expect("noise");
+    let named = |index: usize, log: &str| noise.sources[index] == format!("log \"{log}\"");
     assert!(
-        noise.sources[0].contains("swing") && noise.sources[1].contains("assumed"),
+        named(0, "swing") && named(1, "swing") && named(2, "spin-up"),
         "{noise:?}"
     );
-    let thesis = BenchNoise::default();
-    assert_ne!(settings.noise, thesis);
+    let assumed = design
+        .expectations(&ExpectationSettings::default())
+        .expect("a loop");
+    let assumed = assumed.noise.expect("noise");
+    assert!(
+        assumed
+            .sources
+            .iter()
+            .all(|source| source.contains("assumed")),
+        "{assumed:?}"
+    );
+    assert_ne!(settings.noise, BenchNoise::default());
     let report = design.report().expect("a report");
     let named = NamedLoop {
         name: "<one>",

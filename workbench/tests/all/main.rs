@@ -1,10 +1,13 @@
 //! The library from outside: a session on the bench of the demonstration.
 
 mod bench;
+mod bring_up;
 mod calling_off;
 mod controller;
 mod hardware;
+mod learned;
 mod loops;
+mod magnet;
 mod results;
 mod session;
 mod sliders;

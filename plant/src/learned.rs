@@ -1,0 +1,271 @@
+//! A torque that was learned from the logs: a smooth curve over one coordinate of the motion.
+//!
+//! It stands for what no effect of the library accounts for, and explains nothing. Its parameters are the torques at
+//! its knots, as they act; between them lies a cubic spline ([`Spline`]).
+
+use std::sync::{Mutex, PoisonError};
+
+use nalgebra::DMatrix;
+
+use crate::effect::{EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
+use crate::external::{Definition, ExternalEffect, Partials};
+use crate::spline::Spline;
+use crate::{EffectId, Kind};
+
+/// The coordinate over which a torque was learned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum LearnedCoordinate {
+    /// Body angle, rad; the torque acts on the body.
+    Angle,
+    /// Body rate, rad/s; the torque acts on the body.
+    Rate,
+    /// Wheel speed, rad/s; the torque acts on the wheel.
+    WheelSpeed,
+    /// Wheel angle within one turn, rad; the torque acts on the wheel.
+    WheelAngle,
+}
+
+/// Most knots of a learned curve.
+pub const MOST_KNOTS: usize = 24;
+/// Fewest knots of a learned curve.
+pub const FEWEST_KNOTS: usize = 4;
+
+impl LearnedCoordinate {
+    /// All of them.
+    pub const ALL: [LearnedCoordinate; 4] = [
+        LearnedCoordinate::Angle,
+        LearnedCoordinate::Rate,
+        LearnedCoordinate::WheelSpeed,
+        LearnedCoordinate::WheelAngle,
+    ];
+
+    /// The name on the command line and in `[learned.NAME]`.
+    pub fn name(self) -> &'static str {
+        match self {
+            LearnedCoordinate::Angle => "angle",
+            LearnedCoordinate::Rate => "rate",
+            LearnedCoordinate::WheelSpeed => "wheel_speed",
+            LearnedCoordinate::WheelAngle => "wheel_angle",
+        }
+    }
+
+    /// The coordinate of this name.
+    pub fn from_name(name: &str) -> Option<LearnedCoordinate> {
+        LearnedCoordinate::ALL
+            .into_iter()
+            .find(|one| one.name() == name)
+    }
+
+    /// The name of the effect in lists of effects.
+    pub fn effect_name(self) -> &'static str {
+        match self {
+            LearnedCoordinate::Angle => "learned-angle",
+            LearnedCoordinate::Rate => "learned-rate",
+            LearnedCoordinate::WheelSpeed => "learned-wheel-speed",
+            LearnedCoordinate::WheelAngle => "learned-wheel-angle",
+        }
+    }
+
+    /// The coordinate whose effect has this name.
+    pub fn from_effect_name(name: &str) -> Option<LearnedCoordinate> {
+        LearnedCoordinate::ALL
+            .into_iter()
+            .find(|one| one.effect_name() == name)
+    }
+
+    /// SI unit of the coordinate.
+    pub fn unit(self) -> &'static str {
+        match self {
+            LearnedCoordinate::Angle | LearnedCoordinate::WheelAngle => "rad",
+            LearnedCoordinate::Rate | LearnedCoordinate::WheelSpeed => "rad/s",
+        }
+    }
+
+    /// In words: "the body's angle".
+    pub fn words(self) -> &'static str {
+        match self {
+            LearnedCoordinate::Angle => "the body's angle",
+            LearnedCoordinate::Rate => "the body's rate",
+            LearnedCoordinate::WheelSpeed => "the wheel's speed",
+            LearnedCoordinate::WheelAngle => "the wheel's angle",
+        }
+    }
+
+    /// Where the torque acts.
+    pub fn role(self) -> Role {
+        match self {
+            LearnedCoordinate::Angle | LearnedCoordinate::Rate => Role::Body,
+            LearnedCoordinate::WheelSpeed | LearnedCoordinate::WheelAngle => Role::Wheel,
+        }
+    }
+
+    /// Length after which the torque repeats.
+    pub fn period(self) -> Option<f64> {
+        (self == LearnedCoordinate::WheelAngle).then_some(std::f64::consts::TAU)
+    }
+
+    /// The coordinate at an instant.
+    pub fn of<S: Copy>(self, at: &Instant<S>) -> S {
+        match self {
+            LearnedCoordinate::Angle => at.angle_rad,
+            LearnedCoordinate::Rate => at.rate_rad_s,
+            LearnedCoordinate::WheelSpeed => at.wheel_speed_rad_s,
+            LearnedCoordinate::WheelAngle => at.wheel_angle_rad,
+        }
+    }
+
+    fn part(self, at: &mut Instant<f64>) -> &mut f64 {
+        match self {
+            LearnedCoordinate::Angle => &mut at.angle_rad,
+            LearnedCoordinate::Rate => &mut at.rate_rad_s,
+            LearnedCoordinate::WheelSpeed => &mut at.wheel_speed_rad_s,
+            LearnedCoordinate::WheelAngle => &mut at.wheel_angle_rad,
+        }
+    }
+}
+
+/// The shape of a learned curve, and what is known of it before the logs are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearnedCurve {
+    /// The coordinate.
+    pub coordinate: LearnedCoordinate,
+    /// The spline whose values are the parameters.
+    pub spline: Spline,
+    /// A quadratic form of the parameters, 1/(N m)², that a fit adds to its cost: it keeps the curve smooth, and
+    /// apart from the model's own terms. `None` for a curve that is only simulated.
+    pub penalty: Option<DMatrix<f64>>,
+}
+
+impl LearnedCurve {
+    /// Whether the logs have shown the torque at this value of the coordinate.
+    pub fn has_seen(&self, value: f64) -> bool {
+        let knots = self.spline.knots();
+        self.coordinate.period().is_some() || (knots[0] <= value && value <= knots[knots.len() - 1])
+    }
+
+    /// The effect: a torque in N m on body or wheel, with one parameter a knot. `None` with fewer knots than
+    /// [`FEWEST_KNOTS`], more than [`MOST_KNOTS`], or knots that do not increase.
+    pub fn effect(
+        coordinate: LearnedCoordinate,
+        knots: &[f64],
+        penalty: Option<DMatrix<f64>>,
+    ) -> Option<EffectId> {
+        if !(FEWEST_KNOTS..=MOST_KNOTS).contains(&knots.len()) {
+            return None;
+        }
+        let spline = Spline::new(knots, coordinate.period())?;
+        let numbers = penalty.iter().flat_map(|matrix| matrix.iter());
+        let bits: Vec<u64> = knots
+            .iter()
+            .chain(numbers)
+            .map(|number| number.to_bits())
+            .collect();
+        let content = format!("{} {bits:x?}", coordinate.effect_name());
+        let curve = LearnedCurve {
+            coordinate,
+            spline,
+            penalty,
+        };
+        EffectId::external(&content, || definition(curve)).ok()
+    }
+}
+
+/// The parameter's name of a knot, counted from 0. It lives as long as the program, once.
+fn parameter_name(coordinate: LearnedCoordinate, knot: usize) -> &'static str {
+    static NAMES: Mutex<Vec<(LearnedCoordinate, usize, &'static str)>> = Mutex::new(vec![]);
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = names
+        .iter()
+        .find(|(of, at, _)| (*of, *at) == (coordinate, knot));
+    if let Some((_, _, name)) = known {
+        return name;
+    }
+    let name: &'static str = format!("learned_{}_{}", coordinate.name(), knot + 1).leak();
+    names.push((coordinate, knot, name));
+    name
+}
+
+fn definition(curve: LearnedCurve) -> Definition {
+    let coordinate = curve.coordinate;
+    let knots = curve.spline.knots();
+    let parameters: Vec<ParameterInfo> = (0..knots.len())
+        .map(|knot| ParameterInfo {
+            name: parameter_name(coordinate, knot),
+            unit: "N m",
+            meaning: format!(
+                "torque where {} is {:.4} {}",
+                coordinate.words(),
+                knots[knot],
+                coordinate.unit()
+            )
+            .leak(),
+            plausible: (f64::NEG_INFINITY, f64::INFINITY),
+            bounds: (f64::NEG_INFINITY, f64::INFINITY),
+            is_torque: true,
+            logarithmic: false,
+            is_whole: false,
+        })
+        .collect();
+    let zeros: &'static [f64] = vec![0.0; knots.len()].leak();
+    let shows_in: &'static [Kind] = match coordinate.role() {
+        Role::Wheel => &[Kind::SpinUp, Kind::Balance, Kind::Driven],
+        _ => &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
+    };
+    let curve: &'static LearnedCurve = Box::leak(Box::new(curve));
+    let text: &'static str = format!(
+        "a smooth torque over {} that was learned from the logs; it explains nothing",
+        coordinate.words()
+    )
+    .leak();
+    Definition {
+        info: EffectInfo {
+            name: coordinate.effect_name(),
+            equation: "Σ c_j B_j(s), cubic B-splines",
+            meaning: text,
+            source: "de Boor, A Practical Guide to Splines (2001), ch. XIV",
+            fingerprint: text,
+            role: coordinate.role(),
+            parameters: parameters.leak(),
+            starts: vec![zeros].leak(),
+            absent: Some(zeros),
+            shows_in,
+            linearised: match coordinate {
+                // The turn of the wheel is no state of the controller.
+                LearnedCoordinate::WheelAngle => Linearised::LeftOut,
+                _ => Linearised::Exactly,
+            },
+            uses_wheel_angle: coordinate == LearnedCoordinate::WheelAngle,
+            learned: Some(curve),
+            ..EffectInfo::PLAIN
+        },
+        equations: Box::new(LearnedTorque(curve)),
+    }
+}
+
+/// The torque of a learned curve, against the motion.
+struct LearnedTorque(&'static LearnedCurve);
+
+impl ExternalEffect for LearnedTorque {
+    fn torque(
+        &self,
+        p: &[f64],
+        at: &Instant<f64>,
+        _v0: &Smoothing,
+        partials: &mut Partials,
+    ) -> f64 {
+        let LearnedCurve {
+            coordinate, spline, ..
+        } = self.0;
+        let (mut weights, mut slopes) = ([0.0; MOST_KNOTS], [0.0; MOST_KNOTS]);
+        let (weights, slopes) = (&mut weights[..p.len()], &mut slopes[..p.len()]);
+        spline.weights(coordinate.of(at), weights, slopes);
+        let (mut torque, mut slope) = (0.0, 0.0);
+        for (index, value) in p.iter().enumerate() {
+            torque += weights[index] * value;
+            slope += slopes[index] * value;
+            partials.p[index] = -weights[index];
+        }
+        *coordinate.part(&mut partials.at) = -slope;
+        -torque
+    }
+}

@@ -1,0 +1,185 @@
+//! Learned curves and own effects in a session: the verdict stays, the error falls, the model stands alone.
+
+use std::path::Path;
+
+use workbench::{
+    ControlDesign, FilesInMemory, ModelFile, PerSeries, Session, Verdict, check_own_effect,
+};
+
+use crate::bench::silent;
+use crate::magnet;
+
+const OWN: &str = "role = \"body\"
+torque = \"a*z*exp(-z^2)\"
+z = \"(angle - centre)/width\"
+[parameters.a]
+unit = \"N m\"
+start = 1e-3
+[parameters.centre]
+unit = \"rad\"
+start = 0.0
+bounds = [-0.6, 0.6]
+[parameters.width]
+unit = \"rad\"
+start = 0.1
+bounds = [0.01, 0.5]
+";
+
+fn session(more: &[(&'static str, String)]) -> Session {
+    let files = magnet::files();
+    let all = files.iter().chain(more);
+    let files: FilesInMemory = all.map(|(name, text)| (*name, text.as_str())).collect();
+    Session::from_files(&files).expect("a bench")
+}
+
+/// The largest error over the noise of its sensor (1.2 mrad and 4 mrad/s).
+fn worst(rmse: &PerSeries) -> f64 {
+    let ratios = rmse.iter().map(|(series, rmse)| match series.channel {
+        workbench::Output::Angle => rmse / 1.2e-3,
+        _ => rmse / 4e-3,
+    });
+    ratios.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_learned_curve_lowers_the_error_and_explains_nothing() {
+    let mut session = session(&[]);
+    session.identify(&silent()).expect("a fit");
+    let found = session.diagnose(&silent()).expect("a diagnosis");
+    assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
+    let missing = found.missing_torque.as_ref().expect("a curve");
+    assert_eq!(missing.coordinate, "angle");
+    assert!(
+        found.sentence.contains("add --learned angle"),
+        "{}",
+        found.sentence
+    );
+    // The curve is the magnet, but for what gravity has of it; the band says how surely.
+    let far: Vec<f64> = missing
+        .points
+        .iter()
+        .filter(|point| (0.05..0.3).contains(&point.at))
+        .map(|point| point.torque - magnet::torque(point.at))
+        .collect();
+    let off = far.iter().fold(0.0, |most: f64, one| most.max(one.abs()));
+    assert!(off < 6e-4, "{off}");
+    let names: Vec<String> = found
+        .drawings()
+        .expect("figures")
+        .into_iter()
+        .map(|file| file.name)
+        .collect();
+    assert!(
+        names.contains(&"missing-torque.svg".to_owned()),
+        "{names:?}"
+    );
+
+    let change = session.add_learned("angle", &silent()).expect("a curve");
+    let (before, after) = (worst(&change.rmse_before), worst(&change.after.rmse));
+    println!("{before:.2} -> {after:.2}");
+    assert!(before > 5.0 && after < 1.5, "{before} -> {after}");
+    assert!(change.after.effects.contains(&"learned-angle".to_owned()));
+
+    // The model stands alone: written and read, it predicts the same.
+    let text = session.model().expect("a model").to_toml();
+    assert!(
+        text.contains("[learned.angle]") && !text.contains("learned_angle_1"),
+        "{text}"
+    );
+    let read = ModelFile::parse(&text, Path::new("model.toml")).expect("a model");
+    session.set_model(read.clone());
+    let compared = session.compare(&silent()).expect("a comparison");
+    let again = worst(&compared.rmse);
+    assert!((again / after - 1.0).abs() < 1e-3, "{after} {again}");
+
+    // No log shows it upright: the controller is that without it.
+    assert_eq!(
+        curve_slopes(&read),
+        ["learned-angle: no log shows it upright, and the linear model takes no slope of it"]
+    );
+
+    // Diagnosed again: the same verdict, and the curve is no suspect.
+    let found = session.diagnose(&silent()).expect("a diagnosis");
+    assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
+    assert!(
+        found
+            .suspects
+            .iter()
+            .all(|one| !one.effect.starts_with("learned"))
+    );
+    assert!(
+        found
+            .last_model
+            .effects
+            .contains(&"learned-angle".to_owned())
+    );
+    assert!(worst(&found.last_model.rmse) < 1.5);
+
+    let change = session
+        .remove_learned("angle", &silent())
+        .expect("no curve");
+    assert!(worst(&change.after.rmse) > 5.0);
+    assert!(
+        !session
+            .model()
+            .expect("a model")
+            .to_toml()
+            .contains("learned")
+    );
+}
+
+fn curve_slopes(file: &ModelFile) -> Vec<String> {
+    let mut file = file.clone();
+    // The swings know no wheel: what a controller needs of it is taken from the thesis.
+    for (name, value) in [
+        ("wheel_inertia", 1.36e-4),
+        ("torque_constant", 0.0335),
+        ("wheel_viscous_friction", 1.75e-5),
+    ] {
+        file.set_parameter(workbench::Parameter {
+            name: name.to_owned(),
+            value,
+            std: None,
+            unit: String::new(),
+            source: String::new(),
+        });
+    }
+    let design = ControlDesign::of(file).expect("a controller");
+    design.upright_notes()
+}
+
+#[test]
+fn an_effect_of_ones_own_explains_the_magnet() {
+    let mut session = session(&[("effects/magnet.toml", OWN.to_owned())]);
+    session.identify(&silent()).expect("a fit");
+    let change = session
+        .add_effect("own:magnet", &silent())
+        .expect("an effect");
+    let after = worst(&change.after.rmse);
+    assert!(after < 1.1, "{after}");
+    let file = session.model().expect("a model").clone();
+    let centre = file.parameter("magnet_centre").expect("a centre").value;
+    assert!((centre - 0.15).abs() < 2e-3, "{centre}");
+    // Upright it is a guess, and the model says so.
+    assert!(file.to_toml().contains("unseen_upright = [\"own:magnet\"]"));
+    assert_eq!(
+        curve_slopes(&file),
+        ["own:magnet: no log shows it upright, and the linear model takes no slope of it"]
+    );
+}
+
+#[test]
+fn the_text_of_an_effect_is_checked_with_line_and_column() {
+    assert_eq!(
+        check_own_effect("magnet", OWN).expect("fine"),
+        ["a", "centre", "width"]
+    );
+    let wrong = OWN.replace("a*z*exp", "a*q*exp");
+    let error = check_own_effect("magnet", &wrong).expect_err("no q");
+    assert_eq!(
+        (error.line, error.position),
+        (Some(2), Some(13)),
+        "{error:?}"
+    );
+    assert!(check_own_effect("../magnet", OWN).is_err());
+}
