@@ -169,7 +169,7 @@ fn recording(
                 },
             ));
         }
-        for k in 1..columns.len() {
+        for (k, column) in columns.iter().enumerate().skip(1) {
             let value = row.number(k)?;
             // Words of timers and encoders have no sign.
             let is_inertial = k >= 3 && !has_encoder;
@@ -180,7 +180,7 @@ fn recording(
                 return Err(row.error(
                     k,
                     Problem::OutOfRange {
-                        key: columns[k].to_owned(),
+                        key: (*column).to_owned(),
                         value,
                         must_be: "a whole number from -32768 to 65535".to_owned(),
                     },

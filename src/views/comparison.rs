@@ -160,7 +160,7 @@ fn strong_correlations(comparison: &ComparisonReport) -> String {
                     "against each other"
                 };
                 text.push_str(&format!(
-                    "  the errors of {a} and {b} move {how}: correlation {found:.4}\n"
+                    "  the errors of {a} and {b}\n    move {how}: correlation {found:.4}\n"
                 ));
             }
         }

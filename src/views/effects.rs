@@ -15,9 +15,10 @@ pub fn list(library: &[EffectDescription]) -> String {
         text.push_str(&format!("On the {role}\n{}\n", table.text()));
     }
     text.push_str(
-        "Learned from the logs (flywheel add --learned COORDINATE): learned-angle, learned-rate on the body, \
-         learned-wheel-speed, learned-wheel-angle on the wheel; a smooth torque that follows what is missing and \
-         explains nothing\n\n",
+        "Learned from the logs by flywheel add --learned COORDINATE: a smooth torque that follows what is\n\
+         missing and explains nothing\n  \
+         learned-angle, learned-rate              on the body\n  \
+         learned-wheel-speed, learned-wheel-angle  on the wheel\n\n",
     );
     text + "flywheel effects NAME explains one; flywheel add NAME --bench BENCH puts it into a model.\n"
 }

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use codegen::{c99, generate};
 
-mod thesis;
+use crate::thesis;
 
 /// Arduino's AVR core, as Debian has it.
 const CORE: &str = env!("ARDUINO_AVR");

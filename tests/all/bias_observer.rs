@@ -1,7 +1,7 @@
 //! A module with the observer of the angle's bias: no number of the observer can be altered
 //! unnoticed, neither in the source nor in the certificate nor in both.
 
-mod emitted;
+use crate::emitted;
 
 use checker::Module;
 use checker::certificate::Certificate;

@@ -1,6 +1,6 @@
 //! Writing and comparing.
 
-mod thesis;
+use crate::thesis;
 
 use std::fs;
 use std::path::Path;

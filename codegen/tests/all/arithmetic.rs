@@ -2,7 +2,7 @@
 //! keep the bounds that the certificate states. The source is read back and evaluated here, with
 //! checked arithmetic, so the generator's own data does not count as evidence.
 
-mod thesis;
+use crate::thesis;
 
 use codegen::spec::{ModuleSpec, PhysicalRanges, PwmDrive};
 use codegen::{EmittedFile, Refusal, control, emit};

@@ -1,6 +1,6 @@
 //! The text that is emitted.
 
-mod thesis;
+use crate::thesis;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

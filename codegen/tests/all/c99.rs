@@ -16,7 +16,7 @@ use numbers::Expected;
 
 #[path = "c99/numbers.rs"]
 mod numbers;
-mod thesis;
+use crate::thesis;
 
 /// The committed crate, as files.
 fn committed() -> EmittedCrate {

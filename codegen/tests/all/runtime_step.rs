@@ -1,6 +1,6 @@
 //! The words around the control law: converter, duty, rate and the observer of the angle's bias.
 
-mod thesis;
+use crate::thesis;
 
 use codegen::control;
 use codegen::hardware::{BiasObserverSpec, HardwareSpec};

@@ -228,9 +228,9 @@ fn whole(effect: &EffectDescription) -> String {
     }
     let _ = write!(out, "Source: {}.\n\n", effect.source.trim_end_matches('.'));
     if let Some(portrait) = effect_portrait(&effect.name) {
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "![{} in {}](effects/{}.svg)\n",
+            "![{} in {}](effects/{}.svg)",
             effect.name, portrait.experiment, effect.name
         );
     }

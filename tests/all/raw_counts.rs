@@ -1,7 +1,7 @@
 //! From model.toml through the emitted source to the closed loop of raw counts: what the file says
 //! of sensors and observer is what the module does.
 
-mod emitted;
+use crate::emitted;
 
 use std::fs;
 use std::path::Path;

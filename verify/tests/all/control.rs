@@ -1,7 +1,7 @@
 //! The properties of the control law on extreme and random words, and the numbers of the
 //! certificate against the compiled law.
 
-mod certificate;
+use crate::certificate;
 
 use certificate::{Certificate, rational};
 use generated::control::{ANGLE_GAIN, RATE_GAIN, SHIFT, WHEEL_SPEED_GAIN};

@@ -1,6 +1,6 @@
 //! Modules that are not emitted, with the reason.
 
-mod thesis;
+use crate::thesis;
 
 use codegen::claims::ClaimId;
 use codegen::{ModuleSpec, Refusal, generate};

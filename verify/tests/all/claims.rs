@@ -1,6 +1,6 @@
 //! Every claim of the certificate is settled somewhere, and every harness settles a claim.
 
-mod certificate;
+use crate::certificate;
 
 use certificate::{Certificate, rational};
 use num_traits::ToPrimitive;
@@ -96,10 +96,10 @@ fn harnesses(text: &str) -> Vec<String> {
 #[test]
 fn every_claim_has_a_harness_or_a_reason_and_every_harness_a_claim() {
     let texts = [
-        include_str!("../src/proofs.rs"),
-        include_str!("../src/proofs_attitude.rs"),
-        include_str!("../src/proofs_step.rs"),
-        include_str!("../src/proofs_supervisor.rs"),
+        include_str!("../../src/proofs.rs"),
+        include_str!("../../src/proofs_attitude.rs"),
+        include_str!("../../src/proofs_step.rs"),
+        include_str!("../../src/proofs_supervisor.rs"),
     ];
     let mut found: Vec<String> = texts.iter().flat_map(|text| harnesses(text)).collect();
     let mut listed: Vec<String> = HARNESSES
@@ -111,7 +111,7 @@ fn every_claim_has_a_harness_or_a_reason_and_every_harness_a_claim() {
     assert_eq!(found, listed);
 
     // CLAIMS.md holds every claim of the checker and its engines; a test of the checker holds it to its table.
-    let claims = include_str!("../../CLAIMS.md");
+    let claims = include_str!("../../../CLAIMS.md");
     let rows: Vec<Vec<&str>> = claims
         .lines()
         .skip_while(|line| !line.starts_with("| claim"))
@@ -161,10 +161,10 @@ fn no_plain_stub_of_a_function_with_a_contract() {
     }
     assert!(contracted.len() > 10);
     for text in [
-        include_str!("../src/proofs.rs"),
-        include_str!("../src/proofs_attitude.rs"),
-        include_str!("../src/proofs_step.rs"),
-        include_str!("../src/proofs_supervisor.rs"),
+        include_str!("../../src/proofs.rs"),
+        include_str!("../../src/proofs_attitude.rs"),
+        include_str!("../../src/proofs_step.rs"),
+        include_str!("../../src/proofs_supervisor.rs"),
     ] {
         for line in text.lines() {
             if let Some(rest) = line.strip_prefix("#[kani::stub(") {
@@ -177,7 +177,7 @@ fn no_plain_stub_of_a_function_with_a_contract() {
                 assert!(contracted.contains(&name.to_owned()), "{line}");
                 let own = format!("#[kani::proof_for_contract({name})]");
                 assert!(
-                    include_str!("../src/proofs_attitude.rs").contains(&own),
+                    include_str!("../../src/proofs_attitude.rs").contains(&own),
                     "{name}"
                 );
             }

@@ -1,6 +1,6 @@
 //! The guide against the program: what it lists is what there is, its links lead somewhere, its shell lines run.
 //!
-//! `FLYWHEEL_WRITE_GUIDE=1 cargo test --test guide` writes the generated parts anew.
+//! `FLYWHEEL_WRITE_GUIDE=1 cargo test --test all guide` writes the generated parts anew.
 
 #[path = "guide/generated.rs"]
 mod generated;

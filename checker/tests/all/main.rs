@@ -1,0 +1,17 @@
+//! The checker from outside: what it proves, what it refuses, and who notices damage.
+
+mod attacks;
+mod attacks_on_numbers;
+mod attraction;
+mod certificate;
+mod closed_loop;
+mod document;
+mod interpreter;
+mod intervals;
+mod length;
+mod mutants;
+mod nested;
+mod physical_signs;
+mod refusals;
+mod shipped;
+mod stability;

@@ -1,0 +1,13 @@
+//! Emitted source, run and compared.
+
+mod arduino;
+mod arithmetic;
+mod c99;
+mod emission;
+mod files;
+mod refusals;
+mod runtime_drift;
+mod runtime_filter;
+mod runtime_primitives;
+mod runtime_step;
+mod thesis;

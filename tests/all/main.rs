@@ -1,0 +1,8 @@
+//! The program from outside.
+
+mod bias_observer;
+mod cli;
+mod emitted;
+mod guide;
+mod hardware;
+mod raw_counts;

@@ -1,0 +1,7 @@
+//! The properties of the emitted code under proptest, and the claims that they belong to.
+
+mod attitude;
+mod certificate;
+mod claims;
+mod control;
+mod supervisor;
