@@ -215,6 +215,9 @@ fn logs_become_a_bench() {
     assert!(rmse(&browser, "free-swing-20deg", "angle") > 0.0);
 }
 
+/// Noise of the angle in the bench with a magnet, see `magnet`.
+const NOISE_RAD: f64 = 1.2e-3;
+
 /// What no effect explains is drawn; it is learned as a curve, and an effect of one's own takes its place. The
 /// editor says what is wrong while one types.
 #[test]
@@ -231,12 +234,13 @@ fn what_no_effect_explains() {
     settled(&browser, 1);
     let error = || rmse(&browser, "swing 20 deg", "angle");
     let before = error();
+    assert!(before > 2.0 * NOISE_RAD, "{before}");
     browser.click("#tab-why");
     work(&browser, || browser.click("#panel-why button.main"));
     browser.wait_for("document.getElementById('missing-torque')?.data?.length === 3");
     assert!(browser.text("#verdict").contains("add --learned angle"));
     work(&browser, || browser.click("#add-learned"));
-    assert!(error() < 0.3 * before, "{before} {}", error());
+    assert!(error() < 1.5 * NOISE_RAD, "{before} {}", error());
     let model = || fs::read_to_string(folder.path().join("model.toml")).expect("a model");
     assert!(model().contains("[learned.angle]"));
     work(&browser, || browser.click("#undo"));
@@ -263,7 +267,7 @@ fn what_no_effect_explains() {
     browser.wait_for("!document.getElementById('own-add').disabled");
     work(&browser, || browser.click("#own-add"));
     assert!(folder.path().join("effects/mine.toml").is_file());
-    assert!(error() < 0.3 * before, "{before} {}", error());
+    assert!(error() < 1.5 * NOISE_RAD, "{before} {}", error());
     assert!(browser.text("#model-effects").contains("own:mine"));
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
