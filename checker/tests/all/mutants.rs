@@ -1,4 +1,5 @@
-//! At least 95 % of small damages to the source are noticed; survivors are listed with the reason.
+//! At least 95 % of small damages to the source are noticed, those set aside that are proved to change nothing;
+//! survivors are listed with the reason.
 
 use std::path::Path;
 
@@ -27,8 +28,9 @@ fn most_damages_are_noticed_and_survivors_are_listed() {
     }
     eprintln!("{summary:?}");
     assert!(summary.mutants > 150, "{}", summary.mutants);
-    // Of all mutants, the harmless ones among them.
-    assert!(summary.caught * 100 >= summary.mutants * 95, "{summary:?}");
+    // Of those that are not proved to change nothing.
+    let damages = summary.mutants - summary.same;
+    assert!(summary.caught * 100 >= damages * 95, "{summary:?}");
 }
 
 /// Damages to what the reader reads (types, names, receivers, visibility) are noticed, all of them.

@@ -12,8 +12,12 @@ use crate::language::module::Module;
 #[derive(Clone, Copy)]
 struct Phase {
     lean: f64,
+    /// Out of the plane of motion, as a share of gravity: an axis that always read zero would hide what its
+    /// words are compared with.
+    side: f64,
     frozen: bool,
-    clipped: bool,
+    /// One of the six axes of gyroscope and accelerometer stands at an end of its range.
+    clipped: Option<(usize, i128)>,
     wheel_stuck: bool,
     falls: bool,
     quiet: bool,
@@ -56,8 +60,12 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             } else {
                 random.real() * 0.1
             },
+            side: random.real() * 0.12,
             frozen: roll == 1,
-            clipped: roll == 2,
+            clipped: (roll == 2).then(|| {
+                let axis = random.choice(6) as usize;
+                (axis, [-32_768, 32_767][random.choice(2) as usize])
+            }),
             wheel_stuck: roll == 3,
             falls: roll == 4,
             quiet: roll >= 5 || random.choice(2) == 0,
@@ -148,8 +156,8 @@ struct AtRest {
     gyro: [f64; 3],
     /// Counts of the accelerometer without gravity.
     accel: [f64; 3],
-    /// Counts of gravity along the sensor's x, and along its y: three counts each.
-    gravity: [[f64; 3]; 2],
+    /// Counts of gravity along the sensor's x, its y and its z: three counts each.
+    gravity: [[f64; 3]; 3],
     /// Angle of the body's axis in the sensor's frame, rad.
     mounting_rad: f64,
 }
@@ -181,17 +189,17 @@ impl AtRest {
         Ok(AtRest {
             gyro,
             accel,
-            gravity: [along(0)?, along(1)?],
+            gravity: [along(0)?, along(1)?, along(2)?],
             mounting_rad: mounting as f64 / 2f64.powi(28),
         })
     }
 
-    /// Counts of the accelerometer with the body leaning by this from upright.
-    fn accel_at(&self, lean_rad: f64) -> [f64; 3] {
+    /// Counts of the accelerometer with the body leaning by `lean_rad` from upright, and with `side` of gravity
+    /// along the pivot axis.
+    fn accel_at(&self, lean_rad: f64, side: f64) -> [f64; 3] {
         let (sin, cos) = (lean_rad + self.mounting_rad).sin_cos();
-        [0, 1, 2].map(|axis| {
-            self.accel[axis] + cos * self.gravity[0][axis] - sin * self.gravity[1][axis]
-        })
+        let [x, y, z] = &self.gravity;
+        [0, 1, 2].map(|axis| self.accel[axis] + cos * x[axis] - sin * y[axis] + side * z[axis])
     }
 }
 
@@ -229,18 +237,19 @@ fn drawn(
         let most = if phase.quiet { 40.0 } else { 2_000.0 };
         *gyro = rest.gyro.map(|zero| zero as i128 + random.count(most));
     }
-    if phase.clipped {
-        gyro[2] = 32_767;
-    }
-    let reading = rest.accel_at(phase.lean);
+    let reading = rest.accel_at(phase.lean, phase.side);
     let noise = if phase.quiet { 10.0 } else { 900.0 };
     let accel = if phase.falls {
         [0; 3].map(|_| random.count(20.0))
     } else {
         reading.map(|value| (value as i128 + random.count(noise)).clamp(-32_768, 32_767))
     };
+    let (gyro, accel) = match phase.clipped {
+        Some((axis, end)) => clipped(*gyro, accel, axis, end),
+        None => (*gyro, accel),
+    };
     Sample {
-        gyro: *gyro,
+        gyro,
         accel,
         mag: (random.choice(5) == 0).then(|| [0; 3].map(|_| random.count(500.0))),
         wheel: if phase.wheel_stuck {
@@ -249,6 +258,21 @@ fn drawn(
             low + 1 + random.choice((high - low - 1).max(1) as u64) as i128
         },
     }
+}
+
+/// The readings of gyroscope and accelerometer with one of their six axes at `end`.
+fn clipped(
+    mut gyro: [i128; 3],
+    mut accel: [i128; 3],
+    axis: usize,
+    end: i128,
+) -> ([i128; 3], [i128; 3]) {
+    if axis < 3 {
+        gyro[axis] = end;
+    } else {
+        accel[axis - 3] = end;
+    }
+    (gyro, accel)
 }
 
 /// Each condition alone, from a controller that runs upright: no current after its steps.
@@ -265,7 +289,7 @@ fn each_condition(
             rest.gyro[1] as i128 + turn % 5 - 2,
             rest.gyro[2] as i128 + turn % 3 - 1,
         ],
-        accel: rest.accel_at(0.0).map(|value| value as i128),
+        accel: rest.accel_at(0.0, 0.0).map(|value| value as i128),
         mag: None,
         wheel: middle,
     };
@@ -278,30 +302,33 @@ fn each_condition(
     start[..ATTITUDE].copy_from_slice(&aligned[1..]);
     start[ALIGNED] = 1;
     start[STATUS] = RUNNING;
-    type Fault = fn(Sample, i128) -> Sample;
-    // In the order of the counts.
-    let conditions: [(&str, Fault); 4] = [
-        ("wheel_steps", |sample, low| Sample {
+    // With the lower end of the wheel's range, and the axis of a clipped reading.
+    type Fault = fn(Sample, i128, usize) -> Sample;
+    let clips: Fault = |sample, _, axis| {
+        let (gyro, accel) = clipped(sample.gyro, sample.accel, axis, 32_767);
+        Sample {
+            gyro,
+            accel,
+            ..sample
+        }
+    };
+    // By the index of their counts.
+    let mut conditions: Vec<(usize, &str, usize, Fault)> = vec![
+        (0, "wheel_steps", 0, |sample, low, _| Sample {
             wheel: low,
             ..sample
         }),
-        ("clipped_steps", |sample, _| {
-            let [x, y, _] = sample.gyro;
-            Sample {
-                gyro: [x, y, 32_767],
-                ..sample
-            }
-        }),
-        ("frozen_steps", |sample, _| Sample {
+        (2, "frozen_steps", 0, |sample, _, _| Sample {
             gyro: [5, 5, 5],
             ..sample
         }),
-        ("rejected_steps", |sample, _| Sample {
+        (3, "rejected_steps", 0, |sample, _, _| Sample {
             accel: [0; 3],
             ..sample
         }),
     ];
-    for (index, (limit, fault)) in conditions.into_iter().enumerate() {
+    conditions.extend((0..6).map(|axis| (1, "clipped_steps", axis, clips)));
+    for (index, limit, axis, fault) in conditions {
         let steps = second.limit(limit)?;
         let low = second.limit("wheel_low")?;
         // The condition has lasted for all but the last of its steps; that each counts by one, the
@@ -311,7 +338,7 @@ fn each_condition(
         words[GYRO..GYRO + 3].fill(5);
         let mut has_ended = false;
         for step in 0..3 {
-            let sample = fault(upright(step), low);
+            let sample = fault(upright(step), low, axis);
             let found = f.call("Controller::step", &[&words[..], &sample.words()].concat())?;
             words = found[1..].to_vec();
             if words[STATUS] != RUNNING {
