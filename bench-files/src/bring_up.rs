@@ -17,7 +17,8 @@ use crate::csv_table;
 use crate::error::{Error, Names, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::hardware::{AngleSensor, Hardware};
-use crate::toml_source::{Section, TomlSource};
+use crate::toml_section::Section;
+use crate::toml_source::TomlSource;
 
 /// The four recordings, and what bench.toml states of the hardware.
 #[derive(Clone, Debug, PartialEq)]

@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Names, Problem};
-use crate::toml_source::{Located, Section};
+use crate::toml_section::Section;
+use crate::toml_source::Located;
 use crate::toml_writing::{number, set, table_in};
 
 /// Tolerance for the symmetry, the unit diagonal and the signs of the eigenvalues of a matrix. It covers

@@ -4,9 +4,10 @@ use plant::{EffectId, LearnedCoordinate};
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Names, Problem};
-use crate::model_file::Parameter;
 use crate::own_effect::OwnEffect;
-use crate::toml_source::{Located, Section, TomlSource};
+use crate::parameter::Parameter;
+use crate::toml_section::Section;
+use crate::toml_source::{Located, TomlSource};
 use crate::toml_writing::set;
 
 /// A tie between explanations: one of them is in the model, the others could replace it.

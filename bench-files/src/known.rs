@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Problem};
 use crate::keys;
-use crate::toml_source::Section;
+use crate::toml_section::Section;
 
 /// Values of a bench that were measured with ruler and balance, or come from a data sheet. All in SI; each
 /// may be missing.

@@ -4,8 +4,8 @@ use plant::{EffectId, FEWEST_KNOTS, LearnedCoordinate, LearnedCurve, MOST_KNOTS}
 use toml_edit::{Array, TableLike, Value};
 
 use crate::error::{Error, Problem};
-use crate::model_file::{PER_INERTIA, Parameter};
-use crate::toml_source::Section;
+use crate::parameter::{PER_INERTIA, Parameter};
+use crate::toml_section::Section;
 use crate::toml_writing::{number, set, table_in};
 
 const KNOTS_EXAMPLE: &str =

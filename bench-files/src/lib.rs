@@ -18,10 +18,12 @@ mod calibration;
 mod channel;
 mod correlation;
 mod csv_table;
+mod design_section;
 mod dialect;
 mod drop_out;
 mod effects_section;
 mod error;
+mod experiment;
 mod experiment_plan;
 mod files;
 mod hardware;
@@ -29,15 +31,16 @@ pub mod keys;
 mod known;
 mod learned_section;
 mod log;
-mod long_log;
 mod model_file;
 mod outline;
 mod own_effect;
+mod parameter;
+mod toml_section;
 mod toml_source;
 mod toml_writing;
 mod write;
 
-pub use bench::{Bench, Controller, CurrentMeaning, Experiment};
+pub use bench::{Bench, Controller};
 pub use bring_up::{BringUpRecordings, RawRecording};
 pub use calibration::{
     Calibration, CalibrationRecordings, CountsRecording, LeverArmCalibration, LineCalibration,
@@ -46,17 +49,20 @@ pub use calibration::{
 pub use channel::Channel;
 pub use correlation::Correlation;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS, Table};
+pub use design_section::DesignSection;
 pub use dialect::plain_unit;
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
+pub use experiment::{CurrentMeaning, Experiment};
 pub use files::{FilesInMemory, ReadingWatch, WATCHED_BYTES};
 pub use hardware::{
     AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor, known_parts,
 };
 pub use known::{Known, MissingKnowns};
 pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
-pub use model_file::{DesignSection, ModelFile, Parameter};
+pub use model_file::ModelFile;
 pub use outline::{BenchOutline, NewExperiment, file_name};
 pub use own_effect::{OWN_PREFIX, OwnEffect};
+pub use parameter::Parameter;
 pub use write::{can_write_into, write_atomically};

@@ -5,31 +5,22 @@
 
 use std::path::{Path, PathBuf};
 
-use plant::{BASE_PARAMETERS, EffectId, LearnedCoordinate, Model, ParameterInfo};
-use serde::{Deserialize, Serialize};
-use toml_edit::{Array, DocumentMut, Value};
+use plant::{EffectId, LearnedCoordinate, Model, ParameterInfo};
+use toml_edit::DocumentMut;
 
 use crate::calibration::Calibration;
 use crate::correlation::Correlation;
+use crate::design_section::DesignSection;
 use crate::effects_section::{self, EffectsSection, Tie};
-use crate::error::{Error, Names, Problem};
+use crate::error::{Error, Problem};
 use crate::files::{Files, FilesInMemory};
 use crate::hardware::Hardware;
-use crate::keys;
 use crate::learned_section;
 use crate::own_effect::OwnEffect;
-use crate::toml_source::{Section, TomlSource};
-use crate::toml_writing::{number, set, table_in};
+use crate::parameter::Parameter;
+use crate::toml_source::TomlSource;
+use crate::toml_writing::table_in;
 use crate::write::write_atomically;
-
-/// What a parameter's unit ends in where torques are known only per unit of inertia.
-pub(crate) const PER_INERTIA: &str = " per kg m2";
-/// Quantities that are no parameters of the motion but may stand here, with unit and range: j_b,
-/// which follows from Θ (thesis, after 1.29), and l from plumb lines (thesis 3.4).
-const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
-    ("body_inertia", "kg m2", (0.0, 1e3)),
-    ("pivot_to_com", "m", (-10.0, 10.0)),
-];
 
 /// The sections of a model.toml; `tool` belongs to other programs and is kept unchanged.
 const SECTIONS: [&str; 9] = [
@@ -43,46 +34,6 @@ const SECTIONS: [&str; 9] = [
     "own",
     "tool",
 ];
-
-/// One parameter of a model.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Parameter {
-    /// Its name in the contract.
-    pub name: String,
-    /// Its value in `unit`.
-    pub value: f64,
-    /// Its standard error in `unit`; `None` for a value that was written by hand or measured directly.
-    pub std: Option<f64>,
-    /// SI unit; "… per kg m2" for a torque without a known scale. If empty, the SI unit of the parameter.
-    pub unit: String,
-    /// The source of the value: experiments, `[known]`, a publication. May be empty.
-    pub source: String,
-}
-
-impl Parameter {
-    /// Whether the value is known only per unit of inertia.
-    pub fn is_per_inertia(&self) -> bool {
-        self.unit.ends_with(PER_INERTIA)
-    }
-}
-
-/// The requirements for the design of the controller.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DesignSection {
-    /// Time between two commands, s.
-    pub sample_time_s: f64,
-    /// Diagonal of Q: weights of angle (1/rad²), rate (s²/rad²) and wheel speed (s²/rad²).
-    pub state_weights: [f64; 3],
-    /// R: weight of the current, 1/A².
-    pub current_weight: f64,
-    /// Largest current in either direction, A.
-    pub current_limit_a: f64,
-    /// ι in rad/s: Coulomb friction of the body enters the linear model as μ/ι; `None` to leave it out.
-    pub friction_linearisation_speed_rad_s: Option<f64>,
-    /// Time constant in s of an observer of a constant bias of the measured angle; such a bias
-    /// would keep the wheel turning (thesis 5.1). Key `bias_time_constant`; `None` for no observer.
-    pub bias_time_constant_s: Option<f64>,
-}
 
 /// A model.toml.
 #[derive(Clone, Debug)]
@@ -197,19 +148,7 @@ impl ModelFile {
             .iter()
             .flat_map(|section| section.keys().into_iter().map(move |key| (section, key)))
         {
-            let info = unit_and_bounds(&key.value, &own_effects).ok_or_else(|| {
-                source.error(
-                    key.span.clone(),
-                    Problem::UnknownName {
-                        what: "parameter".to_string(),
-                        name: key.value.clone(),
-                        names: Names::new(parameter_names()),
-                    },
-                )
-            })?;
-            if let Some(entry) = section.section(&key.value)? {
-                parameters.push(read_parameter(key.value, info, &entry)?);
-            }
+            parameters.extend(Parameter::read(source, section, key, &own_effects)?);
         }
 
         let (learned, of_curves) = learned_section::read(&root)?;
@@ -238,7 +177,7 @@ impl ModelFile {
 
         let design = root
             .section("design")?
-            .map(|section| read_design(&section))
+            .map(|section| DesignSection::read(&section))
             .transpose()?;
         let calibration = root
             .section("calibration")?
@@ -288,12 +227,7 @@ impl ModelFile {
         correlation: Option<Correlation>,
     ) {
         self.correlation = correlation;
-        let beside = |old: &Parameter| {
-            BESIDE_THE_MOTION
-                .iter()
-                .any(|(name, _, _)| *name == old.name)
-        };
-        self.parameters.retain(beside);
+        self.parameters.retain(Parameter::is_beside_the_motion);
         let beside = std::mem::replace(&mut self.parameters, parameters);
         for parameter in beside {
             if self.parameter(&parameter.name).is_none() {
@@ -403,21 +337,7 @@ impl ModelFile {
             if is_of_curve(&parameter.name) {
                 continue;
             }
-            let entry = table_in(parameters, &parameter.name, false);
-            set(entry, "value", number(parameter.value));
-            match parameter.std {
-                Some(std) => set(entry, "std", number(std)),
-                None => {
-                    entry.remove("std");
-                }
-            }
-            for (key, text) in [("unit", &parameter.unit), ("source", &parameter.source)] {
-                if text.is_empty() {
-                    entry.remove(key);
-                } else {
-                    set(entry, key, Value::from(text.as_str()));
-                }
-            }
+            parameter.write(table_in(parameters, &parameter.name, false));
         }
 
         let has_std = |name: &str| {
@@ -452,29 +372,7 @@ impl ModelFile {
             None => {
                 root.remove("design");
             }
-            Some(design) => {
-                let section = table_in(root, "design", false);
-                set(section, "sample_time", number(design.sample_time_s));
-                let weights: Array = design.state_weights.iter().map(|w| number(*w)).collect();
-                set(section, "state_weights", Value::Array(weights));
-                set(section, "current_weight", number(design.current_weight));
-                set(section, "current_limit", number(design.current_limit_a));
-                let optional = [
-                    (
-                        "friction_linearisation_speed",
-                        design.friction_linearisation_speed_rad_s,
-                    ),
-                    ("bias_time_constant", design.bias_time_constant_s),
-                ];
-                for (key, value) in optional {
-                    match value {
-                        Some(value) => set(section, key, number(value)),
-                        None => {
-                            section.remove(key);
-                        }
-                    }
-                }
-            }
+            Some(design) => design.write(table_in(root, "design", false)),
         }
         match &self.calibration {
             None => {
@@ -506,135 +404,5 @@ fn is_of_curve(name: &str) -> bool {
         LearnedCoordinate::ALL
             .iter()
             .any(|coordinate| rest.starts_with(coordinate.name()))
-    })
-}
-
-/// Unit and bounds of a parameter, if there is one with this name.
-fn unit_and_bounds(name: &str, own: &[OwnEffect]) -> Option<(&'static str, (f64, f64))> {
-    let beside = BESIDE_THE_MOTION
-        .iter()
-        .find(|(known, _, _)| *known == name);
-    if let Some((_, unit, bounds)) = beside {
-        return Some((unit, *bounds));
-    }
-    let own = own.iter().flat_map(|own| own.effect.info().parameters);
-    let is_own = |info: &&ParameterInfo| {
-        // One of those that there are for each log.
-        let own = info.name.strip_suffix("EXPERIMENT");
-        own.map_or(info.name == name, |own| {
-            name.len() > own.len() && name.starts_with(own)
-        })
-    };
-    library_parameters()
-        .chain(own)
-        .find(is_own)
-        .map(|info| (info.unit, info.bounds))
-}
-
-/// The base parameters, and the parameters of all effects.
-fn library_parameters() -> impl Iterator<Item = &'static ParameterInfo> {
-    BASE_PARAMETERS.iter().chain(
-        EffectId::ALL
-            .iter()
-            .flat_map(|effect| effect.info().parameters),
-    )
-}
-
-fn parameter_names() -> Vec<&'static str> {
-    let mut names: Vec<&str> = Vec::new();
-    let beside = BESIDE_THE_MOTION.iter().map(|(name, _, _)| *name);
-    for name in library_parameters().map(|info| info.name).chain(beside) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names
-}
-
-fn read_parameter(
-    name: String,
-    (si, (low, high)): (&'static str, (f64, f64)),
-    entry: &Section,
-) -> Result<Parameter, Error> {
-    entry.allow_only(&keys::names(keys::MODEL, "parameters"))?;
-    let value = entry
-        .number("value")?
-        .ok_or_else(|| entry.error(entry.missing("value", "value = 2.3e-3")))?
-        .value;
-    let std = entry.number("std")?.map(|std| std.value);
-    if let Some(std) = std
-        && std < 0.0
-    {
-        return Err(entry.error_at(
-            "std",
-            Problem::OutOfRange {
-                key: "std".to_string(),
-                value: std,
-                must_be: "zero or positive".to_string(),
-            },
-        ));
-    }
-    let unit = entry.text("unit")?.map_or(String::new(), |unit| unit.value);
-    let per_inertia = unit.ends_with(PER_INERTIA);
-    let bare = unit.strip_suffix(PER_INERTIA).unwrap_or(&unit);
-    if !unit.is_empty() && plain_unit(bare) != plain_unit(si) {
-        return Err(entry.error_at("unit", Problem::UnitNotSi { name, unit, si }));
-    }
-    if !per_inertia && !(low..=high).contains(&value) {
-        return Err(entry.error_at(
-            "value",
-            Problem::OutOfRange {
-                key: name,
-                value,
-                must_be: format!("between {low} and {high} {si}"),
-            },
-        ));
-    }
-    Ok(Parameter {
-        name,
-        value,
-        std,
-        unit,
-        source: entry
-            .text("source")?
-            .map_or(String::new(), |source| source.value),
-    })
-}
-
-/// A unit in one spelling: `kg m2`, `kg·m²` and `kg*m^2` are the same.
-fn plain_unit(unit: &str) -> String {
-    unit.replace('²', "2")
-        .replace('³', "3")
-        .replace(['·', '*', ' ', '^'], "")
-}
-
-fn read_design(section: &Section) -> Result<DesignSection, Error> {
-    section.allow_only(&keys::names(keys::MODEL, "design"))?;
-    let weights =
-        section.required_three_numbers("state_weights", "state_weights = [25.0, 0.5, 5e-4]")?;
-    if let Some(negative) = weights.value.iter().find(|weight| **weight < 0.0) {
-        return Err(section.error_at(
-            "state_weights",
-            Problem::OutOfRange {
-                key: "state_weights".to_string(),
-                value: *negative,
-                must_be: "zero or positive".to_string(),
-            },
-        ));
-    }
-    Ok(DesignSection {
-        sample_time_s: section
-            .required_positive_number("sample_time", "sample_time = 0.001 (s)")?,
-        state_weights: weights.value,
-        current_weight: section
-            .required_positive_number("current_weight", "current_weight = 1.0")?,
-        current_limit_a: section
-            .required_positive_number("current_limit", "current_limit = 2.0 (A)")?,
-        friction_linearisation_speed_rad_s: section
-            .positive_number("friction_linearisation_speed")?
-            .map(|speed| speed.value),
-        bias_time_constant_s: section
-            .positive_number("bias_time_constant")?
-            .map(|time| time.value),
     })
 }

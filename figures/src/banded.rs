@@ -6,6 +6,7 @@ use crate::axis::{Axis, extent};
 use crate::error::{FigureError, check_length};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
+use crate::panels::Panels;
 use crate::style::{self, LineRole};
 use crate::svg::{Path, Stroke, Text};
 use crate::text;
@@ -86,35 +87,18 @@ pub fn banded(figure: &Banded) -> Result<String, FigureError> {
         .iter()
         .map(|panel| y_axis(panel, height))
         .collect();
-    let gutter = axes.iter().map(frame::gutter).fold(0.0, f64::max);
     let limits = figure.panels.iter().flat_map(|panel| panel.limits);
     let right = limits
         .map(|limit| text::width(limit.name, style::NOTE_SIZE) + 9.0)
         .fold(8.0, f64::max);
-    let width = style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN - gutter - right;
+    let panels = Panels::new(&axes, height, 4.0, right);
     let whole = extent(lines().flat_map(|line| line.x.iter().copied()));
     let x = if figure.x_in_decades {
-        Axis::log(whole, frame::x_ticks(width))
+        Axis::log(whole, frame::x_ticks(panels.width))
     } else {
-        Axis::linear(whole, 0.005, frame::x_ticks(width))
+        Axis::linear(whole, 0.005, frame::x_ticks(panels.width))
     };
-    for (index, (panel, y)) in figure.panels.iter().zip(axes).enumerate() {
-        let frame = Frame {
-            left: style::PAGE_MARGIN + gutter,
-            top: page.y + frame::CAPTION,
-            width,
-            height,
-            x: x.clone(),
-            y,
-        };
-        draw(&mut page, &frame, panel);
-        page.y = frame.bottom() + 4.0;
-        if index + 1 == figure.panels.len() {
-            frame.x_labels(&mut page.svg);
-            frame.x_caption(&mut page.svg, figure.x);
-            page.y = frame.bottom() + 38.0;
-        }
-    }
+    panels.draw(&mut page, (&x, figure.x), figure.panels, axes, draw);
     Ok(page.finish())
 }
 

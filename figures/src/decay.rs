@@ -5,6 +5,7 @@ use crate::axis::{Axis, extent};
 use crate::error::{FigureError, check_length};
 use crate::frame::{self, Frame};
 use crate::page::{self, Key, Mark, Page};
+use crate::panels::Panels;
 use crate::style::{self, LineRole};
 use crate::svg::Stroke;
 
@@ -75,26 +76,9 @@ pub fn decay(figure: &Decay) -> Result<String, FigureError> {
     });
     let range = extent(amplitudes.chain([0.0]));
     let axes: Vec<Axis> = figure.panels.iter().map(|p| y_axis(p, height)).collect();
-    let gutter = axes.iter().map(frame::gutter).fold(0.0, f64::max);
-    let width = style::PAGE_WIDTH - 2.0 * style::PAGE_MARGIN - gutter - 8.0;
-    let x = Axis::linear(range, 0.02, frame::x_ticks(width));
-    for (index, (panel, y)) in figure.panels.iter().zip(axes).enumerate() {
-        let frame = Frame {
-            left: style::PAGE_MARGIN + gutter,
-            top: page.y + frame::CAPTION,
-            width,
-            height,
-            x: x.clone(),
-            y,
-        };
-        draw(&mut page, &frame, panel);
-        page.y = frame.bottom() + 8.0;
-        if index + 1 == figure.panels.len() {
-            frame.x_labels(&mut page.svg);
-            frame.x_caption(&mut page.svg, figure.amplitude);
-            page.y = frame.bottom() + 38.0;
-        }
-    }
+    let panels = Panels::new(&axes, height, 8.0, 8.0);
+    let x = Axis::linear(range, 0.02, frame::x_ticks(panels.width));
+    panels.draw(&mut page, (&x, figure.amplitude), figure.panels, axes, draw);
     Ok(page.finish())
 }
 

@@ -39,6 +39,7 @@ mod confusion;
 mod decay;
 mod nyquist;
 mod overlay;
+mod panels;
 mod poles;
 mod reliability;
 mod series;

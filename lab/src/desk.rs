@@ -10,7 +10,7 @@ use workbench::{
 };
 
 use crate::dropped::Dropped;
-use crate::work::Running;
+use crate::running::Running;
 
 /// Number of events by which a slow page may lag before it misses some.
 const EVENTS: usize = 256;

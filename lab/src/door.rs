@@ -6,8 +6,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use crate::error::Error;
 use crate::guard::{ENTER, Guard};
-use crate::server::Error;
 
 /// The file; it is deleted when this value is dropped.
 pub struct Door {

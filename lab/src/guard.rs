@@ -1,7 +1,7 @@
 //! Access control. Three kinds of request are refused: from another page in the same browser, from another user of the
 //! machine, and under a name that was made to point to the loopback address (DNS rebinding).
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::extract::{Request, State};
 use axum::http::header::{
@@ -11,8 +11,6 @@ use axum::http::header::{
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-
-use crate::server::Shared;
 
 /// The address where a key is exchanged for the cookie; the only one that needs no cookie.
 pub const ENTER: &str = "/enter";
@@ -129,10 +127,8 @@ impl Guard {
 }
 
 /// Passes on permitted requests, and adds headers to every answer that keep other pages out.
-pub async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> Response {
-    let refusal = shared
-        .guard
-        .refusal(request.method(), request.uri().path(), request.headers());
+pub async fn guarded(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
+    let refusal = guard.refusal(request.method(), request.uri().path(), request.headers());
     let mut response = match refusal {
         Some(reason) => (StatusCode::FORBIDDEN, format!("{reason}\n")).into_response(),
         None => next.run(request).await,

@@ -11,29 +11,37 @@
 //! | `folder` | which folder is a bench, and whether its files lie inside it |
 //! | `desk` | the open bench: session, diagnosis, staircase, undo |
 //! | `dropped`, `preview` | CSV files on their way to a bench |
-//! | `work` | one long computation at a time, with progress and cancel |
+//! | `work`, `running` | one long computation at a time, with progress and cancel |
 //! | `picture` | curves as a screen can show them: least and largest value a pixel |
 //! | `facts`, `design_facts`, `why_facts` | what the page is told, as JSON |
+//! | `shared` | what every answer needs |
 //! | `routes`, `socket` | the addresses of the server, and the socket for sliders |
-//! | `report`, `report_conclusion` | the bench as one HTML file |
+//! | `report`, `report_conclusion`, `report_findings`, `html` | the bench as one HTML file |
 
 mod assets;
 mod design_facts;
 mod desk;
 mod door;
 mod dropped;
+mod error;
 mod facts;
 mod folder;
 mod guard;
+mod html;
 mod picture;
 mod preview;
 mod report;
 mod report_conclusion;
+mod report_findings;
 mod routes;
+mod running;
 mod server;
+mod shared;
 mod socket;
 mod why_facts;
 mod work;
 
-pub use report::{Findings, report, report_of};
-pub use server::{Error, Lab, Settings};
+pub use error::Error;
+pub use report::{report, report_of};
+pub use report_findings::Findings;
+pub use server::{Lab, Settings};

@@ -3,7 +3,8 @@
 use workbench::numbers::significant;
 use workbench::{ComparisonReport, ProofVerdict, Verdict};
 
-use crate::report::{Findings, escaped, list, paragraph, put};
+use crate::html::{escaped, list, paragraph, put};
+use crate::report_findings::Findings;
 
 /// RMSE over the sensor's noise up to which a model leaves nothing that a person would see.
 const AT_THE_NOISE: f64 = 1.5;

@@ -15,8 +15,8 @@ use workbench::ExportLanguage;
 use crate::design_facts::{self, Asked};
 use crate::desk::said;
 use crate::guard::{ENTER, guarded};
-use crate::report::Findings;
-use crate::server::Shared;
+use crate::report_findings::Findings;
+use crate::shared::Shared;
 use crate::work::{self, Task};
 use crate::{assets, facts, folder, socket};
 
@@ -58,7 +58,10 @@ pub fn router(shared: Shared) -> Router {
                 .delete(forget)
                 .layer(DefaultBodyLimit::max(LARGEST_FILE)),
         )
-        .layer(middleware::from_fn_with_state(shared.clone(), guarded))
+        .layer(middleware::from_fn_with_state(
+            shared.guard.clone(),
+            guarded,
+        ))
         .with_state(shared)
 }
 

@@ -11,7 +11,9 @@ use tokio::net::TcpListener;
 
 use crate::desk::Desk;
 use crate::door::{Door, open_in_browser};
+use crate::error::Error;
 use crate::guard::Guard;
+use crate::shared::Shared;
 use crate::{routes, work};
 
 /// The settings of the lab.
@@ -21,39 +23,6 @@ pub struct Settings {
     pub bench: Option<PathBuf>,
     /// The port; with `None`, the system chooses one.
     pub port: Option<u16>,
-}
-
-/// The reason why the lab cannot run.
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    /// The port is taken, or not allowed.
-    #[error(
-        "cannot listen on {address}: {source}; --port N names another port, none lets the system choose"
-    )]
-    Listen {
-        /// The address.
-        address: SocketAddr,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// The file that opens the page cannot be written.
-    #[error("{}: cannot write the page that opens the lab: {source}", path.display())]
-    Door {
-        /// The file or its folder.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// The server has stopped.
-    #[error("the server has stopped: {0}")]
-    Serve(#[source] io::Error),
-}
-
-/// The data that every answer needs.
-#[derive(Clone)]
-pub(crate) struct Shared {
-    pub guard: Arc<Guard>,
-    pub desk: Arc<Desk>,
 }
 
 /// A lab that listens but does not answer yet.

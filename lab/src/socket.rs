@@ -13,7 +13,7 @@ use workbench::ExperimentCurves;
 use crate::desk::OpenBench;
 use crate::facts::error_row;
 use crate::picture::{Curve, View, thinned};
-use crate::server::Shared;
+use crate::shared::Shared;
 
 /// Largest message from a page, bytes.
 const LARGEST_MESSAGE: usize = 64 * 1024;

@@ -13,6 +13,7 @@ use workbench::{DesignSection, Preset, Progress, ProofSettings};
 
 use crate::desk::{Desk, Diagnosed, OpenBench, said};
 use crate::folder;
+use crate::running::Running;
 
 /// The tasks that can be requested.
 #[derive(Clone, Debug, Deserialize)]
@@ -95,18 +96,6 @@ pub enum Task {
     WriteController {},
     /// Proves the claims of the emitted controller.
     Prove {},
-}
-
-/// A running task.
-pub struct Running {
-    /// Its number, counted from the start of the server.
-    pub number: u64,
-    /// Its name, for people.
-    pub name: &'static str,
-    /// Its present progress message.
-    pub says: String,
-    /// Set to end it.
-    pub called_off: Arc<AtomicBool>,
 }
 
 impl Task {

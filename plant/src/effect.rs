@@ -6,7 +6,7 @@
 //! [`crate::ExternalEffect`].
 
 use crate::hiding::Hiding;
-use crate::learned::LearnedCurve;
+use crate::learned_curve::LearnedCurve;
 use crate::prior::{Commonness, Prior};
 use crate::{Kind, Output, Reading, Scalar};
 

@@ -11,7 +11,9 @@
 //! | `hiding` | how the exam hides an effect |
 //! | `hidden` | its parameters, hidden in a given bench |
 //! | `external` | effects that come while the program runs |
-//! | `learned`, `spline` | torques that were learned as curves |
+//! | `learned_curve`, `spline` | curves over a coordinate, as data |
+//! | `learned` | torques that were learned as curves |
+//! | `late_sensor` | what the effects share that make a sensor late |
 //! | `effects/` | the library, one file an effect |
 //! | `per_log` | effects with a parameter for each log |
 //! | `model` | which effects a model has; the layout of its parameter vector |
@@ -28,7 +30,9 @@ mod external;
 mod hidden;
 mod hiding;
 mod input;
+mod late_sensor;
 mod learned;
+mod learned_curve;
 mod linear;
 mod model;
 mod per_log;
@@ -47,7 +51,7 @@ pub use experiment::Kind;
 pub use external::{Definition, External, ExternalEffect, ExternalError, Partials};
 pub use hiding::{Hiding, HidingPlace};
 pub use input::{Hold, Input};
-pub use learned::{FEWEST_KNOTS, LearnedCoordinate, LearnedCurve, MOST_KNOTS};
+pub use learned_curve::{FEWEST_KNOTS, LearnedCoordinate, LearnedCurve, MOST_KNOTS};
 pub use linear::{LinearModel, LinearisationError, has_seen, linearise, torque_inputs};
 pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,

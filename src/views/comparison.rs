@@ -3,37 +3,16 @@
 use plant::LearnedCoordinate;
 use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
 use workbench::words::{place, residual};
-use workbench::{BenchNote, ComparisonReport, EffectChange, Parameter};
+use workbench::{ComparisonReport, EffectChange, Parameter};
 
 use super::findings;
+use super::head_lines::head_lines;
 
 use crate::report::table::{Align, Table};
 
 /// Correlation from which two parameters are named. Given one of them, less than a fifth of the variance of the other
 /// remains (1 − 0.9²).
 const STRONG_CORRELATION: f64 = 0.9;
-
-/// A number of things: "1 experiment", "8 experiments".
-pub fn counted(number: usize, thing: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {thing}{plural}")
-}
-
-/// The line that names the bench, and the notes on its files.
-pub fn head_lines(bench: &str, experiments: usize, samples: usize, notes: &[BenchNote]) -> String {
-    let mut text = format!(
-        "{bench}: {}, {}\n",
-        counted(experiments, "experiment"),
-        counted(samples, "sample")
-    );
-    for BenchNote { experiment, note } in notes {
-        match experiment {
-            Some(experiment) => text.push_str(&format!("  {experiment}: {note}\n")),
-            None => text.push_str(&format!("  {note}\n")),
-        }
-    }
-    text
-}
 
 /// [`head_lines`] of a comparison, with the warnings about its data and the contradictions.
 pub fn head(comparison: &ComparisonReport) -> String {

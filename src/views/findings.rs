@@ -2,7 +2,7 @@
 
 use workbench::{DataReport, Finding, Severity};
 
-use super::comparison::{counted, head_lines};
+use super::head_lines::{counted, head_lines};
 
 /// The output of `check`.
 pub fn report(found: &DataReport) -> String {

@@ -12,6 +12,7 @@ pub mod diagnosis;
 pub mod effects;
 pub mod exam;
 pub mod findings;
+mod head_lines;
 pub mod new_bench;
 pub mod proof;
 pub mod recording;

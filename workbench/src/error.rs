@@ -12,7 +12,7 @@ use identify::{Cancelled, IdentifyError};
 use simulate::SimulateError;
 
 use crate::bench_hardware::HardwareError;
-use crate::data_check::refusal_text;
+use crate::refusal::refusal_text;
 
 /// The reason why there is no result. Messages name the file to be corrected, if there is one.
 #[derive(Debug, thiserror::Error)]

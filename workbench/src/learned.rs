@@ -1,93 +1,16 @@
-//! Torques as curves: the one that a model lacks, and those that were learned.
+//! Torques that were learned as curves: into the model, out of it, and beside a diagnosis.
 
 use diagnose::Verdict;
-use identify::{Identification, MissingCurve, Progress};
-use plant::{EffectId, LearnedCoordinate, LearnedCurve, Role};
-use serde::{Deserialize, Serialize};
+use identify::{Identification, Progress};
+use plant::{EffectId, LearnedCoordinate, LearnedCurve};
 
 use crate::change::EffectChange;
 use crate::comparison::{correlation_of, effect_names, parameters_of};
-use crate::diagnosis::{DiagnosisReport, DiagnosisStep, FinalModel, fit_percent, per_series};
+use crate::diagnosis::{DiagnosisReport, DiagnosisStep, FinalModel};
 use crate::error::Error;
-use crate::per_series::PerSeries;
+use crate::missing_torque::MissingTorque;
+use crate::per_series::{PerSeries, per_series};
 use crate::session::Session;
-
-/// The torque that a model lacks, over the coordinate in which it stands best.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MissingTorque {
-    /// angle, rate, wheel_speed or wheel_angle.
-    pub coordinate: String,
-    /// SI unit of the coordinate.
-    pub unit: String,
-    /// "body" or "wheel": on which it acts.
-    pub acts_on: String,
-    /// SI unit of the torque; "N m per kg m2" where the scale of the torques is not known.
-    pub torque_unit: String,
-    /// The experiments that show it.
-    pub experiments: Vec<String>,
-    /// Share of the missing torque beyond the noise that the curve predicts in experiments that it was not made
-    /// from, 0 to 1.
-    pub share: f64,
-    /// The curve, by increasing coordinate.
-    pub points: Vec<TorquePoint>,
-    /// The command that puts it into the model.
-    pub command: String,
-}
-
-/// A point of a torque curve.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TorquePoint {
-    /// The coordinate, SI.
-    pub at: f64,
-    /// The torque as it acts, positive towards positive angles.
-    pub torque: f64,
-    /// Its standard error.
-    pub std: f64,
-}
-
-impl MissingTorque {
-    pub(crate) fn new(session: &Session, curve: &MissingCurve) -> MissingTorque {
-        let coordinate = curve.coordinate;
-        let problem = session.problem();
-        let (acts_on, is_known) = match coordinate.role() {
-            Role::Wheel => ("wheel", problem.wheel_scale_known),
-            _ => ("body", problem.body_scale_known),
-        };
-        let points = curve.points().into_iter().map(|point| TorquePoint {
-            at: point.at,
-            torque: point.torque_nm,
-            std: point.std_nm,
-        });
-        MissingTorque {
-            coordinate: coordinate.name().to_owned(),
-            unit: coordinate.unit().to_owned(),
-            acts_on: acts_on.to_owned(),
-            torque_unit: if is_known { "N m" } else { "N m per kg m2" }.to_owned(),
-            experiments: curve.experiments.clone(),
-            share: curve.share,
-            points: points.collect(),
-            command: format!(
-                "flywheel add --learned {} --bench {}",
-                coordinate.name(),
-                session.place().display()
-            ),
-        }
-    }
-
-    /// "It stands best over the angle: `flywheel add --learned angle` puts it into the model as a curve."
-    pub fn sentence(&self) -> String {
-        let coordinate = LearnedCoordinate::from_name(&self.coordinate);
-        let words = coordinate.map_or("the coordinate", LearnedCoordinate::words);
-        format!(
-            "What is missing stands best as a torque on the {} over {words}: a curve over it predicts {:.0} % of \
-             the missing torque. `add --learned {}` puts the curve into the model; it explains nothing, but the \
-             error falls.",
-            self.acts_on,
-            100.0 * self.share,
-            self.coordinate
-        )
-    }
-}
 
 impl Session {
     /// Learns the torque that the model lacks over a coordinate (angle, rate, wheel_speed or wheel_angle) as a
@@ -177,7 +100,7 @@ impl Session {
             parameters,
             correlation: correlation_of(&found.fit),
             rmse,
-            fit_percent: per_series(records, traces().map(fit_percent)),
+            fit_percent: per_series(records, traces().map(|trace| trace.fit_percent)),
             validation_fit_percent: f64::NAN,
             validation_rmse: PerSeries::default(),
         });

@@ -84,6 +84,8 @@ mod learned;
 mod loop_expectations;
 mod loop_responses;
 mod measured_linearity;
+mod missing_torque;
+mod model_effects;
 mod model_export;
 mod module_spec;
 mod named;
@@ -93,6 +95,7 @@ mod own_effects;
 mod per_series;
 mod proof;
 mod recording;
+mod refusal;
 mod remains;
 mod sensor_noise;
 mod session;
@@ -139,13 +142,13 @@ pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
-pub use learned::{MissingTorque, TorquePoint};
 pub use loop_expectations::{
     AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
     weights_of_excursions,
 };
 pub use loop_responses::LoopResponse;
 pub use measured_linearity::{MeasuredSwings, SpinUpLinearity, SwingLinearity};
+pub use missing_torque::{MissingTorque, TorquePoint};
 pub use model_export::ExportLanguage;
 pub use output_file::OutputFile;
 pub use own_effects::{OwnEffectError, check_own_effect};

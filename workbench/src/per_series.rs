@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use identify::Output;
+use identify::{Output, Record};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
@@ -92,4 +92,15 @@ impl<'d> Deserialize<'d> for PerSeries {
         }
         deserializer.deserialize_map(InOrder)
     }
+}
+
+/// Numbers in the order of the records and their channels, with the names of the series.
+pub(crate) fn per_series(records: &[Record], values: impl IntoIterator<Item = f64>) -> PerSeries {
+    let names = records.iter().flat_map(|record| {
+        record.channels.iter().map(|channel| SeriesName {
+            experiment: record.name.clone(),
+            channel: channel.output,
+        })
+    });
+    names.zip(values).collect()
 }

@@ -34,7 +34,8 @@ use crate::files::{Files, FilesInMemory};
 use crate::hardware::Hardware;
 use crate::keys;
 use crate::known::Known;
-use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_section::Section;
+use crate::toml_source::{Located, TomlSource};
 
 /// Raw readings of a three-axis sensor.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use toml_edit::{Array, TableLike, Value};
 
 use crate::error::Error;
 use crate::keys;
-use crate::toml_source::Section;
+use crate::toml_section::Section;
 use crate::toml_writing::{number, set, table_in};
 
 /// A three-axis sensor: value = `matrix` (counts − `bias_counts`).

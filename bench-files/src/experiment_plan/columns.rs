@@ -7,7 +7,8 @@ use crate::channel::Channel;
 use crate::csv_table::OpenTable;
 use crate::error::{Error, Names, Problem};
 use crate::log::{ColumnUse, Note};
-use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_section::Section;
+use crate::toml_source::{Located, TomlSource};
 
 /// The channels that a kind of experiment uses. Other columns are not read, so that they cannot cause an error.
 pub(super) fn useful(kind: Kind) -> &'static [Channel] {

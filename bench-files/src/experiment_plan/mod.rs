@@ -7,14 +7,15 @@ use std::path::{Path, PathBuf};
 
 use plant::Kind;
 
-use crate::bench::{CurrentMeaning, Experiment};
 use crate::channel::{Channel, NORMALISED};
 use crate::csv_table;
 use crate::error::{Error, Names, Problem};
+use crate::experiment::{CurrentMeaning, Experiment};
 use crate::files::Files;
 use crate::keys;
 use crate::log::{self, Note};
-use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_section::Section;
+use crate::toml_source::{Located, TomlSource};
 
 /// The entries of bench.toml for one experiment.
 pub(crate) struct ExperimentPlan {

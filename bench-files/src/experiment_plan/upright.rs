@@ -8,7 +8,7 @@ use super::{ExperimentPlan, find};
 use crate::channel::Channel;
 use crate::error::{Error, Problem};
 use crate::log::{LoadReport, Log, Note};
-use crate::toml_source::Section;
+use crate::toml_section::Section;
 
 impl ExperimentPlan {
     /// Checks where the angle is counted from. Balance logs stay around the upright position, free swings around the

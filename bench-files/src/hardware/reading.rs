@@ -6,7 +6,8 @@ use super::parts::{Numbers, Part, Role, named, names};
 use super::{AngleSensor, Drive, DriveKind, Hardware, InertialSensor, WheelSpeedSensor};
 use crate::error::{Error, Names, Problem};
 use crate::keys;
-use crate::toml_source::{Section, TomlSource};
+use crate::toml_section::Section;
+use crate::toml_source::TomlSource;
 
 type Rotation = [[f64; 3]; 3];
 

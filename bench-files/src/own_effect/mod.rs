@@ -18,7 +18,8 @@ use toml_edit::{Array, DocumentMut, Table, Value, value};
 
 use crate::error::{Error, Names, Problem};
 use crate::files::Files;
-use crate::toml_source::{Located, Section, TomlSource};
+use crate::toml_section::Section;
+use crate::toml_source::{Located, TomlSource};
 use crate::toml_writing::number;
 use expression::{Formula, Meaning};
 

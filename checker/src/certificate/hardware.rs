@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::certificate::reader::StatedDecimal;
+use crate::certificate::stated_decimal::StatedDecimal;
 
 /// All of them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

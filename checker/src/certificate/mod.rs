@@ -3,5 +3,6 @@
 pub mod claims;
 pub mod hardware;
 pub mod reader;
+pub mod stated_decimal;
 
 pub use reader::{Certificate, CertificateError};

@@ -1,41 +1,15 @@
 //! Reads `certificate.json` strictly: every field must exist, and no other field may.
 
-use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use num_rational::BigRational;
 use serde::Deserialize;
-use serde::de::{Deserializer, Error as _};
+use serde::de::Deserializer;
 
 use crate::certificate::hardware::CertifiedHardware;
 use crate::exact::matrices::{Matrix, Vector};
-use crate::exact::rational::decimal;
 
-/// A decimal number as written, with its exact value.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StatedDecimal {
-    /// As written.
-    pub text: String,
-    /// Its exact value.
-    pub value: BigRational,
-}
-
-impl<'de> Deserialize<'de> for StatedDecimal {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        match decimal(&text) {
-            Some(value) => Ok(StatedDecimal { text, value }),
-            None => Err(D::Error::custom(format!("`{text}` is no decimal number"))),
-        }
-    }
-}
-
-impl fmt::Display for StatedDecimal {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.text)
-    }
-}
+pub use crate::certificate::stated_decimal::StatedDecimal;
 
 /// A field that may be null but must not be missing.
 fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(

@@ -18,6 +18,19 @@ impl Functions<'_> {
             .map_err(|trap| format!("{name}: {trap}"))
     }
 
+    /// As [`Functions::call`], of a function that returns `COUNT` words.
+    pub(crate) fn call_for<const COUNT: usize>(
+        &self,
+        name: &str,
+        arguments: &[i128],
+    ) -> Result<[i128; COUNT], String> {
+        let words = self.call(name, arguments)?;
+        let count = words.len();
+        words
+            .try_into()
+            .map_err(|_| format!("{name} returns {count} words, not {COUNT}"))
+    }
+
     pub(crate) fn constant(&self, file: &str, name: &str) -> Result<&[i128], String> {
         self.0
             .constant(file, name)

@@ -15,7 +15,8 @@
 
 use plant::{Kind, Output};
 
-use super::start::{Ratios, Rows};
+use super::ratios::Ratios;
+use super::rows::Rows;
 use crate::records::{Record, RecordedCurrent, angle_samples};
 
 /// Smallest number of samples in a window: five for the unknowns of an equation, two for those of the window.

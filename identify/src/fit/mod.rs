@@ -3,6 +3,7 @@
 //! | file | job |
 //! |---|---|
 //! | `start` | a first guess of the base parameters, computed from the samples |
+//! | `ratios`, `rows` | the ratios of parameters that enter linearly, and the linear least squares that give them |
 //! | `integrated` | the same for logs with few samples, from the integrated equations |
 //! | `unknowns` | shared parameters, and the nuisance parameters of a window |
 //! | `simulation` | the simulation of one window |
@@ -23,6 +24,8 @@ mod effort;
 mod integrated;
 mod means;
 mod normal_equations;
+mod ratios;
+mod rows;
 mod schedule;
 mod score_test;
 mod sensitivity;
@@ -38,6 +41,7 @@ pub use comparison::{PredictedSeries, traces};
 pub use effort::{Effort, Outcome};
 pub(crate) use integrated::integrated_ratios;
 pub use means::{NoBetterThanMean, cost_of_means, failed_series};
+pub use ratios::Ratios;
 pub(crate) use schedule::fit_in_stages;
 pub use schedule::{fit_from_scratch, fit_windowed, refit};
 pub use score_test::{KnownScore, RecordScore, ScoreStep, ScoreTest, score_test};
@@ -45,7 +49,7 @@ pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_ob
 pub use simulation::{simulate, simulate_smoothed};
 pub use solver::{Minimum, cost, minimise};
 pub(crate) use start::driving_samples;
-pub use start::{Ratios, base_values, ratios};
+pub use start::{base_values, ratios};
 pub(crate) use transition::transitions_backwards;
 pub use unknowns::{Nuisance, Unknowns, Window, acts, is_of_wheel, relevant};
 pub(crate) use windows::guess;

@@ -6,10 +6,11 @@
 //! (the weak form, or modulating-function method of Shinbrot, Trans. ASME 79 (1957)). One linear
 //! least-squares problem then gives the ratios. Values that were measured directly turn them into parameters.
 
-use nalgebra::{DMatrix, DVector};
 use plant::{GRAVITY_TORQUE, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use super::integrated::integrated_ratios;
+use super::ratios::{Ratios, positive};
+use super::rows::Rows;
 use crate::records::{BUMP_S, Output, Record, angle_samples, bumps};
 
 /// Length of the bump in a balance log, s. It is as short as a push by hand, so that most of the response to a push
@@ -18,105 +19,6 @@ const BALANCE_BUMP_S: f64 = 0.1;
 /// A log with fewer samples may be too short for a bump, or have fewer bumps than the equation has unknowns: a spin-up
 /// at a few samples per second, or one period of a swing.
 const FEW_SAMPLES: usize = 256;
-/// Rounds of reweighting. Each round brings the fit a good part of the way.
-const REWEIGHTINGS: usize = 30;
-
-/// Rows of a linear least squares.
-pub(super) struct Rows {
-    columns: usize,
-    left: Vec<f64>,
-    right: Vec<f64>,
-}
-
-impl Rows {
-    pub(super) fn new(columns: usize) -> Rows {
-        Rows {
-            columns,
-            left: vec![],
-            right: vec![],
-        }
-    }
-
-    pub(super) fn push(&mut self, row: &[f64], right: f64) {
-        if row.iter().all(|v| v.is_finite()) && right.is_finite() {
-            self.left.extend_from_slice(row);
-            self.right.push(right);
-        }
-    }
-
-    pub(super) fn solve(&self) -> Option<DVector<f64>> {
-        if self.right.len() < self.columns {
-            return None;
-        }
-        let mut matrix = DMatrix::from_row_slice(self.right.len(), self.columns, &self.left);
-        // Columns are scaled, so that the pseudo-inverse drops directions that are negligible and not those that are
-        // small only because of their unit.
-        let scale: Vec<f64> = matrix
-            .column_iter()
-            .map(|column| column.norm().max(1e-300))
-            .collect();
-        for (column, scale) in scale.iter().enumerate() {
-            matrix.column_mut(column).unscale_mut(*scale);
-        }
-        let solution = matrix
-            .svd(true, true)
-            .solve(&DVector::from_column_slice(&self.right), 1e-8)
-            .ok()?;
-        Some(DVector::from_fn(self.columns, |row, _| {
-            solution[row] / scale[row]
-        }))
-    }
-}
-
-impl Rows {
-    /// Least absolute deviations by iteratively reweighted least squares (Schlossmacher, JASA 68 (1973)). A row that is
-    /// shifted by a push has no more influence than any other.
-    fn solve_absolute(&self) -> Option<DVector<f64>> {
-        let mut x = self.solve()?;
-        let n = self.right.len();
-        for _ in 0..REWEIGHTINGS {
-            let residual: Vec<f64> = (0..n)
-                .map(|row| {
-                    let left = &self.left[row * self.columns..(row + 1) * self.columns];
-                    let model: f64 = left.iter().zip(x.iter()).map(|(a, b)| a * b).sum();
-                    (self.right[row] - model).abs()
-                })
-                .collect();
-            let mean = residual.iter().sum::<f64>() / n as f64;
-            let mut weighted = Rows::new(self.columns);
-            for (row, residual) in residual.iter().enumerate() {
-                // A row that fits exactly must not take all the weight.
-                let weight = 1.0 / residual.max(1e-3 * mean).max(1e-300).sqrt();
-                let left = &self.left[row * self.columns..(row + 1) * self.columns];
-                let left: Vec<f64> = left.iter().map(|value| weight * value).collect();
-                weighted.push(&left, weight * self.right[row]);
-            }
-            x = weighted.solve()?;
-        }
-        Some(x)
-    }
-}
-
-/// Ratios of the parameters that follow directly from the samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ratios {
-    /// G/Θ in 1/s²: from free swings; otherwise from the momentum of body and wheel in logs with everything free.
-    pub gravity_over_total: Option<f64>,
-    /// The angle in rad that the sensor shows while the body hangs, from free swings.
-    pub angle_zero_rad: Option<f64>,
-    /// r_b/Θ in 1/s, from the same logs as G/Θ.
-    pub friction_over_total: Option<f64>,
-    /// G/(Θ − j_w) in 1/s², from logs with everything free.
-    pub gravity_over_free: Option<f64>,
-    /// τ/(Θ − j_w) in rad/(s² A), from logs with everything free.
-    pub torque_over_free: Option<f64>,
-    /// G/j_w in 1/s², from the momentum of body and wheel in balance logs.
-    pub gravity_over_wheel: Option<f64>,
-    /// τ/j_w in rad/(s² A).
-    pub torque_over_wheel: Option<f64>,
-    /// r_w/j_w in 1/s.
-    pub friction_over_wheel: Option<f64>,
-}
 
 /// The samples in which the motor drives the wheel (current and speed have the same sign): absolute wheel speed in
 /// rad/s and absolute current in A.
@@ -206,51 +108,6 @@ pub fn ratios(records: &[&Record]) -> Ratios {
         ratios = ratios.or(integrated_ratios(records, FEW_SAMPLES));
     }
     ratios
-}
-
-fn positive(value: f64) -> Option<f64> {
-    (value.is_finite() && value > 0.0).then_some(value)
-}
-
-impl Ratios {
-    /// Collects the ratios from three solutions: wheel locked, everything free, wheel driven.
-    pub(super) fn of_solutions(
-        locked: Option<DVector<f64>>,
-        free: Option<DVector<f64>>,
-        wheel: Option<DVector<f64>>,
-    ) -> Ratios {
-        let mut ratios = Ratios::default();
-        if let Some(solution) = locked {
-            // A shifted zero of the angle splits G/Θ into a sine and a cosine part.
-            ratios.gravity_over_total = positive(solution[0].hypot(solution[1]));
-            ratios.angle_zero_rad = Some((-solution[1]).atan2(solution[0]));
-            ratios.friction_over_total = positive(solution[2]);
-        }
-        if let Some(solution) = free {
-            ratios.gravity_over_free = positive(solution[0].hypot(solution[1]));
-            ratios.torque_over_free = positive(solution[3]);
-        }
-        if let Some(solution) = wheel {
-            ratios.torque_over_wheel = positive(solution[0]);
-            ratios.friction_over_wheel = positive(solution[1]);
-        }
-        ratios
-    }
-
-    /// These ratios; those that are missing are taken from `others`.
-    fn or(self, others: Ratios) -> Ratios {
-        let zero = self.angle_zero_rad;
-        Ratios {
-            gravity_over_total: self.gravity_over_total.or(others.gravity_over_total),
-            angle_zero_rad: zero.or(others.angle_zero_rad),
-            friction_over_total: self.friction_over_total.or(others.friction_over_total),
-            gravity_over_free: self.gravity_over_free.or(others.gravity_over_free),
-            torque_over_free: self.torque_over_free.or(others.torque_over_free),
-            gravity_over_wheel: self.gravity_over_wheel.or(others.gravity_over_wheel),
-            torque_over_wheel: self.torque_over_wheel.or(others.torque_over_wheel),
-            friction_over_wheel: self.friction_over_wheel.or(others.friction_over_wheel),
-        }
-    }
 }
 
 /// Fills in the base parameters (positions 0 to 3) that are not known, and returns them with r_b and r_w. A parameter

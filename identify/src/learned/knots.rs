@@ -3,7 +3,6 @@
 use nalgebra::DVector;
 use plant::{LearnedCoordinate, MOST_KNOTS, Spline};
 
-use super::missing::MissingCurve;
 use crate::records::{Output, Record};
 
 /// Knots of the curve that is looked at before the final one.
@@ -131,16 +130,20 @@ fn evenly_round(period: f64, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The knots of the final curve: most where the curve that was found without simulating bends, by the root of its
-/// curvature (de Boor, *A Practical Guide to Splines*, 2001, ch. XII).
-pub(super) fn final_knots(samples: &[f64], missing: &MissingCurve) -> Option<Vec<f64>> {
+/// The knots of the final curve: most where the curve that was found without simulating (`torque_nm` at the knots of
+/// `spline`) bends, by the root of its curvature (de Boor, *A Practical Guide to Splines*, 2001, ch. XII).
+pub(super) fn final_knots(
+    samples: &[f64],
+    coordinate: LearnedCoordinate,
+    spline: &Spline,
+    torque_nm: &[f64],
+) -> Option<Vec<f64>> {
     let count = MOST_KNOTS.min(samples.len() / FEWEST_BETWEEN).max(4);
-    if let Some(period) = missing.coordinate.period() {
+    if let Some(period) = coordinate.period() {
         return Some(evenly_round(period, count));
     }
     let (edges, seen) = cells(samples, 8 * MOST_KNOTS)?;
-    let spline: &Spline = &missing.spline;
-    let bends: DVector<f64> = spline.curvatures(missing.torque_nm.as_slice());
+    let bends: DVector<f64> = spline.curvatures(torque_nm);
     let knots = spline.knots();
     let bend_at = |s: f64| -> f64 {
         let after = knots

@@ -45,7 +45,13 @@ pub(crate) fn learn(
         .filter(|record| shows(coordinate, record.kind))
         .flat_map(|record| samples_of(record, coordinate))
         .collect();
-    let knots = final_knots(&samples, &missing).ok_or_else(nothing)?;
+    let knots = final_knots(
+        &samples,
+        coordinate,
+        &missing.spline,
+        missing.torque_nm.as_slice(),
+    )
+    .ok_or_else(nothing)?;
     let bare = LearnedCurve::effect(coordinate, &knots, None).ok_or_else(nothing)?;
     let curve = bare.info().learned.ok_or_else(nothing)?;
     let terms = own_terms(model, values, &free, coordinate, &curve.spline, &samples);

@@ -5,6 +5,18 @@ use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
+/// μ, also of the larger effects that contain this one.
+pub(super) const SLIDING_TORQUE: ParameterInfo = ParameterInfo {
+    name: "body_coulomb_torque",
+    unit: "N m",
+    meaning: "sliding friction torque of the pivot",
+    plausible: (1e-5, 1e-2),
+    bounds: (0.0, f64::INFINITY),
+    is_torque: true,
+    logarithmic: false,
+    is_whole: false,
+};
+
 /// μ tanh(α̇/v₀)
 #[derive(Clone, Copy, Debug)]
 pub struct BodyCoulombFriction;
@@ -18,16 +30,7 @@ impl Effect for BodyCoulombFriction {
         fingerprint: "the amplitude falls by the same amount in every cycle, so that the swing ends at a finite time",
         prior: Prior { commonness: Commonness::Usual, reason: "every bearing with preload or a seal has it" },
         role: Role::Body,
-        parameters: &[ParameterInfo {
-            name: "body_coulomb_torque",
-            unit: "N m",
-            meaning: "sliding friction torque of the pivot",
-            plausible: (1e-5, 1e-2),
-            bounds: (0.0, f64::INFINITY),
-            is_torque: true,
-            logarithmic: false,
-            is_whole: false,
-        }],
+        parameters: &[SLIDING_TORQUE],
         starts: &[&[1e-4]],
         absent: Some(&[0.0]),
         confused_with: &["body-stribeck-friction"],

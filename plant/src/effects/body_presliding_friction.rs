@@ -4,6 +4,7 @@
 //! direction F → s μ + (F − s μ) exp(−σ |Δ|/μ), s = sign(Δ). The model uses this exact solution,
 //! so that a stiff contact needs no smaller time step.
 
+use super::body_coulomb_friction::SLIDING_TORQUE;
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, Memory, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
@@ -22,17 +23,7 @@ impl Effect for BodyPreslidingFriction {
         fingerprint: "dry friction with a period that falls as the swing gets small: the contact acts as a spring",
         prior: Prior { commonness: Commonness::Occasional, reason: "it shows where the motion is not much larger than the bearing's deflection before it slips" },
         role: Role::Body,
-        parameters: &[ParameterInfo {
-            name: "body_coulomb_torque",
-            unit: "N m",
-            meaning: "sliding friction torque of the pivot",
-            plausible: (1e-5, 1e-2),
-            bounds: (0.0, f64::INFINITY),
-            is_torque: true,
-            logarithmic: false,
-            is_whole: false,
-        },
-        ParameterInfo {
+        parameters: &[SLIDING_TORQUE, ParameterInfo {
             name: "body_presliding_stiffness",
             unit: "N m/rad",
             meaning: "stiffness of the contact before it slides",

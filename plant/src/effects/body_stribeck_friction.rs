@@ -1,5 +1,6 @@
 //! Stribeck friction of the pivot: more friction at low speed than at high speed.
 
+use super::body_coulomb_friction::SLIDING_TORQUE;
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
@@ -18,17 +19,7 @@ impl Effect for BodyStribeckFriction {
         fingerprint: "dry friction that is larger at the turning points of small swings than at high speed",
         prior: Prior { commonness: Commonness::Rare, reason: "it takes a lubricated contact at very low speed" },
         role: Role::Body,
-        parameters: &[ParameterInfo {
-            name: "body_coulomb_torque",
-            unit: "N m",
-            meaning: "sliding friction torque of the pivot",
-            plausible: (1e-5, 1e-2),
-            bounds: (0.0, f64::INFINITY),
-            is_torque: true,
-            logarithmic: false,
-            is_whole: false,
-        },
-        ParameterInfo {
+        parameters: &[SLIDING_TORQUE, ParameterInfo {
             name: "body_breakaway_torque",
             unit: "N m",
             meaning: "friction torque as the speed goes to zero",

@@ -1,8 +1,8 @@
 //! The measured rate comes late.
 
 use crate::prior::{Commonness, Prior};
-use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
-use crate::hiding::Hiding;
+use crate::effect::{Effect, EffectInfo};
+use crate::late_sensor::{DELAYED, delay};
 use crate::{Kind, Output, Scalar};
 
 /// y(t) = α̇(t − δ)
@@ -17,26 +17,11 @@ impl Effect for RateDelay {
         source: "Åström & Wittenmark, Computer-Controlled Systems (3rd ed. 1997), ch. 2, systems with time delay",
         fingerprint: "the measured rate is late against the derivative of the angle, by the same time at every speed, and not smaller",
         prior: Prior { commonness: Commonness::Occasional, reason: "a sensor that is read by a slower loop than the others" },
-        role: Role::Sensor,
-        parameters: &[ParameterInfo {
-            name: "rate_delay",
-            unit: "s",
-            meaning: "delay δ",
-            plausible: (2e-4, 0.1),
-            bounds: (0.0, 1.0),
-            is_torque: false,
-            logarithmic: false,
-            is_whole: false,
-        }],
-        starts: &[&[0.0]],
-        absent: Some(&[0.0]),
+        parameters: &[delay("rate_delay")],
         confused_with: &["rate-lag"],
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         senses: Some(Output::Rate),
-        sensor_timing: Some(Timing::Delay),
-        drawn_since: 1,
-        hiding: Some(Hiding { parameters: |s, _| vec![s], first_guess: 5e-3, beyond_plausible: false }),
-        ..EffectInfo::PLAIN
+        ..DELAYED
     };
 
     #[inline(always)]

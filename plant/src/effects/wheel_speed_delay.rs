@@ -1,8 +1,8 @@
 //! The measured speed of the wheel comes late.
 
 use crate::prior::{Commonness, Prior};
-use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
-use crate::hiding::Hiding;
+use crate::effect::{Effect, EffectInfo};
+use crate::late_sensor::{DELAYED, delay};
 use crate::{Kind, Output, Scalar};
 
 /// y(t) = φ̇(t − δ)
@@ -17,26 +17,11 @@ impl Effect for WheelSpeedDelay {
         source: "Åström & Wittenmark, Computer-Controlled Systems (3rd ed. 1997), ch. 2, systems with time delay",
         fingerprint: "the measured speed answers a step of the command late, while the body feels the torque at once",
         prior: Prior { commonness: Commonness::Occasional, reason: "a speed over a window of counts is late by half the window" },
-        role: Role::Sensor,
-        parameters: &[ParameterInfo {
-            name: "wheel_speed_delay",
-            unit: "s",
-            meaning: "delay δ",
-            plausible: (2e-4, 0.1),
-            bounds: (0.0, 1.0),
-            is_torque: false,
-            logarithmic: false,
-            is_whole: false,
-        }],
-        starts: &[&[0.0]],
-        absent: Some(&[0.0]),
+        parameters: &[delay("wheel_speed_delay")],
         confused_with: &["wheel-speed-lag", "input-delay"],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         senses: Some(Output::WheelSpeed),
-        sensor_timing: Some(Timing::Delay),
-        drawn_since: 1,
-        hiding: Some(Hiding { parameters: |s, _| vec![s], first_guess: 5e-3, beyond_plausible: false }),
-        ..EffectInfo::PLAIN
+        ..DELAYED
     };
 
     #[inline(always)]

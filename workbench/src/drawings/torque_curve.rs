@@ -2,7 +2,7 @@
 
 use plant::LearnedCoordinate;
 
-use crate::learned::MissingTorque;
+use crate::missing_torque::MissingTorque;
 use crate::words::spoken;
 
 impl MissingTorque {

@@ -36,13 +36,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     let (low, high) = (second.limit("wheel_low")?, second.limit("wheel_high")?);
     let window = second.limit("window")?;
     let mut random = Random::new(seed);
-    let mut words = f.call("Controller::new", &[])?;
-    if words.len() != WORDS {
-        return Err(format!(
-            "a controller has {} words, not {WORDS}",
-            words.len()
-        ));
-    }
+    let mut words = f.call_for::<WORDS>("Controller::new", &[])?.to_vec();
     same(
         "Controller::default",
         &[],
@@ -167,6 +161,13 @@ impl AtRest {
     /// as good as any other.
     fn read(f: &Functions) -> Result<AtRest, String> {
         let filter = f.constant("constants", "FILTER")?;
+        if filter.len() <= ACCEL_SHIFT {
+            let count = filter.len();
+            return Err(format!(
+                "FILTER has {count} words, not at least {}",
+                ACCEL_SHIFT + 1
+            ));
+        }
         let limits = f.0.constant_words("constants", "LIMITS");
         let limits = limits.ok_or("src/constants.rs has no LIMITS")?;
         let low = limits
@@ -177,7 +178,7 @@ impl AtRest {
         let gravity = (low.1 as f64 * 2f64.powi(32)).sqrt() / 0.85;
         let bias = |line: usize| [0, 1, 2].map(|axis| filter[line + axis] as f64 / 32_768.0);
         let (gyro, accel) = (bias(0), bias(ACCEL));
-        let unit = 2f64.powi(17 + filter[ACCEL + 12] as i32);
+        let unit = 2f64.powi(17 + filter[ACCEL_SHIFT] as i32);
         let matrix = [0, 1, 2]
             .map(|row| [0, 1, 2].map(|column| filter[ACCEL + 3 + 3 * row + column] as f64 / unit));
         let along = |axis: usize| {
@@ -205,6 +206,8 @@ impl AtRest {
 
 /// Where the accelerometer's line begins among the words of FILTER: bias, three rows, shift, half a unit each.
 const ACCEL: usize = 14;
+/// The shift of that line.
+const ACCEL_SHIFT: usize = ACCEL + 12;
 
 /// x with m x = y, by Cramer's rule.
 fn solved(m: [[f64; 3]; 3], y: [f64; 3]) -> Option<[f64; 3]> {
@@ -294,12 +297,12 @@ fn each_condition(
         wheel: middle,
     };
     // The attitude by one reading stands for the window that sets it.
-    let mut start = f.call("Controller::new", &[])?;
-    let aligned = f.call(
+    let mut start = f.call_for::<WORDS>("Controller::new", &[])?;
+    let [_, attitude @ ..] = f.call_for::<{ 1 + ATTITUDE }>(
         "Attitude::align",
         &[&start[..ATTITUDE], &upright(0).accel].concat(),
     )?;
-    start[..ATTITUDE].copy_from_slice(&aligned[1..]);
+    start[..ATTITUDE].copy_from_slice(&attitude);
     start[ALIGNED] = 1;
     start[STATUS] = RUNNING;
     // With the lower end of the wheel's range, and the axis of a clipped reading.
@@ -333,14 +336,15 @@ fn each_condition(
         let low = second.limit("wheel_low")?;
         // The condition has lasted for all but the last of its steps; that each counts by one, the
         // runs above show.
-        let mut words = start.clone();
+        let mut words = start;
         words[COUNTS + index] = (steps - 3).max(0);
         words[GYRO..GYRO + 3].fill(5);
         let mut has_ended = false;
         for step in 0..3 {
             let sample = fault(upright(step), low, axis);
-            let found = f.call("Controller::step", &[&words[..], &sample.words()].concat())?;
-            words = found[1..].to_vec();
+            let arguments = [&words[..], &sample.words()].concat();
+            let found = f.call_for::<{ 1 + WORDS }>("Controller::step", &arguments)?;
+            words.copy_from_slice(&found[1..]);
             if words[STATUS] != RUNNING {
                 if found[0] != zero {
                     return Err(format!("{limit}: duty {} after a trip", found[0]));

@@ -2,9 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use super::cleaning::cleaned;
+use super::columns::{ColumnUse, by_channel};
+use super::note::Note;
+use super::samples::Log;
 use crate::averages::{Averages, MOST_BLOCKS};
 use crate::channel::Channel;
-use crate::log::{ColumnUse, Log, Note, by_channel, cleaned};
 
 /// Number of rows in a piece. A log with fewer rows is kept in full.
 pub(crate) const CHUNK_ROWS: usize = 1 << 18;

@@ -1,0 +1,42 @@
+//! From the columns of a file to the channels of a log.
+
+use super::samples::Log;
+use crate::channel::Channel;
+
+/// The column of a channel, and its conversion to SI: scale · column + offset.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ColumnUse {
+    pub channel: Channel,
+    pub name: String,
+    /// Factor of unit and sign together.
+    pub scale: f64,
+    /// Offset in SI units.
+    pub offset: f64,
+    /// Whether this kind of experiment holds the channel still. It is then read into the samples beside the log, and a cell
+    /// that is not a number is NaN there.
+    pub is_beside: bool,
+}
+
+/// Assigns the columns to channels: those that the kind uses, and those that it holds still. With `time_is_ahead`, the
+/// time comes before the columns.
+pub(crate) fn by_channel(
+    series: Vec<Vec<f64>>,
+    uses: &[ColumnUse],
+    time_is_ahead: bool,
+) -> (Log, Log) {
+    let mut log = Log::default();
+    let mut beside = Log::default();
+    let mut series = series.into_iter();
+    if time_is_ahead {
+        log.time_s = series.next().unwrap_or_default();
+    }
+    for (column, samples) in uses.iter().zip(series) {
+        let log = if column.is_beside {
+            &mut beside
+        } else {
+            &mut log
+        };
+        log.set(column.channel, samples);
+    }
+    (log, beside)
+}

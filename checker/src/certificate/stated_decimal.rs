@@ -1,0 +1,34 @@
+//! The decimal numbers of a certificate.
+
+use std::fmt;
+
+use num_rational::BigRational;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error as _};
+
+use crate::exact::rational::decimal;
+
+/// A decimal number as written, with its exact value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatedDecimal {
+    /// As written.
+    pub text: String,
+    /// Its exact value.
+    pub value: BigRational,
+}
+
+impl<'de> Deserialize<'de> for StatedDecimal {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        match decimal(&text) {
+            Some(value) => Ok(StatedDecimal { text, value }),
+            None => Err(D::Error::custom(format!("`{text}` is no decimal number"))),
+        }
+    }
+}
+
+impl fmt::Display for StatedDecimal {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.text)
+    }
+}

@@ -1,0 +1,60 @@
+//! What the effects share that make a sensor late: each states its own sensor, cause and picture.
+
+use crate::effect::{EffectInfo, ParameterInfo, Role, Timing};
+use crate::hiding::Hiding;
+
+/// A sensor that says what was true some time ago.
+pub(crate) const DELAYED: EffectInfo = EffectInfo {
+    sensor_timing: Some(Timing::Delay),
+    ..LATE
+};
+
+/// A sensor that follows the truth through a first-order filter.
+pub(crate) const LAGGING: EffectInfo = EffectInfo {
+    sensor_timing: Some(Timing::Lag),
+    ..LATE
+};
+
+const LATE: EffectInfo = EffectInfo {
+    role: Role::Sensor,
+    starts: &[&[0.0]],
+    absent: Some(&[0.0]),
+    drawn_since: 1,
+    hiding: Some(Hiding {
+        parameters: |s, _| vec![s],
+        first_guess: 5e-3,
+        beyond_plausible: false,
+    }),
+    ..EffectInfo::PLAIN
+};
+
+/// The parameter δ of a sensor's delay, in s.
+pub(crate) const fn delay(name: &'static str) -> ParameterInfo {
+    ParameterInfo {
+        name,
+        meaning: "delay δ",
+        bounds: (0.0, 1.0),
+        ..TIME
+    }
+}
+
+/// The parameter T of a sensor's filter, in s.
+pub(crate) const fn time_constant(name: &'static str) -> ParameterInfo {
+    ParameterInfo {
+        name,
+        meaning: "time constant T",
+        bounds: (0.0, 10.0),
+        ..TIME
+    }
+}
+
+const TIME: ParameterInfo = ParameterInfo {
+    name: "",
+    unit: "s",
+    meaning: "",
+    plausible: (2e-4, 0.1),
+    bounds: (0.0, f64::INFINITY),
+    is_torque: false,
+    logarithmic: false,
+    is_whole: false,
+};

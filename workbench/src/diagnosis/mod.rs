@@ -1,0 +1,9 @@
+//! The diagnosis: which physical effects a model lacks.
+
+mod report;
+mod sentence;
+mod work;
+
+pub use report::{
+    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
+};

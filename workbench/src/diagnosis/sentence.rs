@@ -1,0 +1,131 @@
+//! The verdict of a diagnosis in words.
+
+use diagnose::{Diagnosis, Verdict};
+use identify::Contradiction;
+use plant::EffectId;
+
+use crate::comparison::{ComparisonReport, FailurePlace};
+use crate::numbers::significant;
+use crate::words;
+
+/// The verdict as one or two sentences; `last` is the model of the last step.
+pub(super) fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
+    let first = found.steps.first();
+    let was_there = |effect: &EffectId| first.is_some_and(|step| step.fit.model.has(*effect));
+    let added: Vec<&str> = found
+        .certain
+        .effects()
+        .iter()
+        .filter(|effect| !was_there(effect))
+        .map(|effect| effect.name())
+        .collect();
+    let added = added.join(" and ");
+    let noise = if found.remainder > 0.0 {
+        format!(
+            "noise, with structure of at most {} of a sensor's noise",
+            significant(found.remainder, 2)
+        )
+    } else {
+        "nothing but noise".to_owned()
+    };
+    let text = match found.verdict {
+        Verdict::NothingMissing => {
+            format!("Nothing is missing: what the model leaves in the measurements is {noise}.")
+        }
+        Verdict::Explained => format!(
+            "Explained: the model lacks {added}. What remains in the measurements is then \
+             {noise}."
+        ),
+        Verdict::Ambiguous => {
+            let beside = match added.as_str() {
+                "" => String::new(),
+                added => format!(" What all of them share was added: {added}."),
+            };
+            format!(
+                "Ambiguous: something is missing, but these logs cannot tell {}.{beside}",
+                alternatives(found)
+            )
+        }
+        Verdict::Unexplained if !found.contradictions.is_empty() => {
+            let with = match added.as_str() {
+                "" => String::new(),
+                added => format!(" with {added}"),
+            };
+            let sentences = found.contradictions.iter();
+            let sentences: Vec<String> = sentences.map(Contradiction::sentence).collect();
+            format!(
+                "Unexplained: the model{with} follows every log, but what it is made of does not agree: {}.",
+                sentences.join("; ")
+            )
+        }
+        Verdict::Unexplained => {
+            let missing = match (added.as_str(), found.ambiguous_between.is_empty()) {
+                ("", true) => "something".to_owned(),
+                (added, true) => format!("the model lacks {added}, and beyond that something"),
+                ("", false) => format!(
+                    "the model lacks one of several effects that these logs cannot tell apart ({}), and beyond \
+                     that something",
+                    alternatives(found)
+                ),
+                (added, false) => format!(
+                    "the model lacks {added} and one of several effects that these logs cannot tell apart ({}), \
+                     and beyond that something",
+                    alternatives(found)
+                ),
+            };
+            format!(
+                "Unexplained: {missing} remains{}: {} times the noise of the sensor. No effect \
+                 in the library accounts for it.",
+                last.places.first().map_or(String::new(), remains_at),
+                significant(found.remainder, 2)
+            )
+        }
+    };
+    text + &until_decided(found)
+}
+
+/// "body-presliding-friction from body-coulomb-friction + body-softening-spring".
+fn alternatives(found: &Diagnosis) -> String {
+    let sets = found.ambiguous_between.iter();
+    let sets: Vec<String> = sets
+        .map(|set| words::set(set.iter().map(|effect| effect.name())))
+        .collect();
+    sets.join(" from ")
+}
+
+/// The model that is used while a tie is open, and the reason.
+fn until_decided(found: &Diagnosis) -> String {
+    let names = provisional_effects(found);
+    let reasons: Vec<&str> = names
+        .iter()
+        .filter_map(|name| Some(EffectId::from_name(name)?.info().prior.reason))
+        .collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(
+        " Until an experiment decides, the model predicts with {}, the most common of them ({}).",
+        names.join(" + "),
+        reasons.join("; ")
+    )
+}
+
+/// " at about 0.15 rad (angle 0.1 to 0.2 rad in free swing 52 deg)".
+fn remains_at(place: &FailurePlace) -> String {
+    format!(
+        " at about {} {} ({} in {})",
+        significant(place.middle(), 2),
+        place.coordinate.unit(),
+        words::place(place),
+        place.experiment
+    )
+}
+
+/// The effects of the last model that are not certain.
+pub(super) fn provisional_effects(found: &Diagnosis) -> Vec<String> {
+    let effects = found
+        .last()
+        .map_or(&[][..], |step| step.fit.model.effects());
+    let open = effects.iter().filter(|one| !found.certain.has(**one));
+    open.map(|one| one.name().to_owned()).collect()
+}
