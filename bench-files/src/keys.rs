@@ -10,7 +10,7 @@ pub struct Key {
     pub name: &'static str,
     /// The SI unit of its value; empty where it has none.
     pub unit: &'static str,
-    /// What holds where the key is left out; "needed" where it cannot be left out.
+    /// The value that holds if the key is left out; "needed" if it cannot be left out.
     pub default: &'static str,
     /// The line as a person would write it.
     pub example: &'static str,
@@ -59,14 +59,14 @@ const INERTIAL: [Key; 8] = [
         "",
         "none",
         "part = \"FXAS21002\"",
-        "a part whose data sheet is known here; the other keys override what it says",
+        "a part whose data sheet is known here; the other keys override its values",
     ),
     key(
         "scale",
         "rad/s, m/s² or µT per count",
         "from `part`",
         "scale = 1.0908308e-3",
-        "what one count means",
+        "the value of one count",
     ),
     key("bits", "", "16", "bits = 12", "width of the sensor's word"),
     key(
@@ -119,7 +119,7 @@ const ACCELEROMETER: [Key; 9] = {
         "m",
         "[0, 0]",
         "lever_arm = [0.05, 0.0]",
-        "where the sensor sits: from the pivot, along body x and y",
+        "position of the sensor from the pivot, along body x and y",
     );
     keys
 };
@@ -268,14 +268,14 @@ pub const BENCH: &[KeySection] = &[
                 "N m",
                 "from masses and lengths",
                 "gravity_torque = 0.2451",
-                "G, the torque of gravity with the body level, as one number",
+                "G, the torque of gravity with the body horizontal, as one number",
             ),
             key(
                 "total_inertia",
                 "kg m²",
                 "fitted",
                 "total_inertia = 2.3e-3",
-                "Θ about the pivot, where another experiment gave it",
+                "Θ about the pivot, if known from another experiment",
             ),
             key(
                 "wheel_inertia",
@@ -373,14 +373,14 @@ pub const BENCH: &[KeySection] = &[
                 "",
                 "1",
                 "sign = { angle = -1 }",
-                "where the column counts the other way",
+                "-1 for a column that counts the other way",
             ),
             key(
                 "offset",
                 "SI unit of the column",
                 "0",
                 "offset = { angle = 3.14159265 }",
-                "what is added, after sign and scale",
+                "a constant that is added after sign and scale",
             ),
             key(
                 "constants",
@@ -394,28 +394,28 @@ pub const BENCH: &[KeySection] = &[
                 "",
                 "\"command\"",
                 "current_meaning = \"measured\"",
-                "whether the current is what was asked for or what flowed",
+                "whether the column is the commanded current or the measured one",
             ),
             key(
                 "from",
                 "s",
                 "the log's start",
                 "from = 8.0",
-                "where the part that is used begins",
+                "beginning of the part that is used",
             ),
             key(
                 "until",
                 "s",
                 "the log's end",
                 "until = 60.0",
-                "where it ends",
+                "end of the part that is used",
             ),
             key(
                 "time_step",
                 "s",
                 "none",
                 "time_step = 0.005",
-                "from line to line, where there is no time column",
+                "time from line to line, for a file without a time column",
             ),
             key(
                 "accept",
@@ -485,14 +485,14 @@ pub const BENCH: &[KeySection] = &[
                 "rad/s per count",
                 "needed beside `gyroscope`",
                 "gyroscope_scale = 1.0908308e-3",
-                "from the data sheet",
+                "scale of the gyroscope, from the data sheet",
             ),
             key(
                 "sample_time",
                 "s",
                 "needed beside `gyroscope`",
                 "sample_time = 0.001",
-                "of the still and the swing recording",
+                "sample time of the still and the swing recording",
             ),
             key(
                 "field",
@@ -513,14 +513,14 @@ pub const BENCH: &[KeySection] = &[
                 "m",
                 "needed beside `lever_arm`",
                 "lever_arm_std = 0.001",
-                "standard error of that",
+                "standard error of `lever_arm`",
             ),
             key(
                 "columns",
                 "",
                 "the names above",
                 "columns = { ax = \"acc_x\" }",
-                "where the header differs",
+                "for a header with other names",
             ),
             key(
                 "plumb_lines",
@@ -605,7 +605,7 @@ pub const BENCH: &[KeySection] = &[
     KeySection {
         name: "hardware.accelerometer",
         heading: "[hardware.accelerometer]",
-        meaning: "The accelerometer, which also says where it sits.",
+        meaning: "The accelerometer, with its position.",
         keys: &ACCELEROMETER,
     },
     KeySection {
@@ -797,7 +797,7 @@ pub const BENCH: &[KeySection] = &[
                 "",
                 NEEDED,
                 "wheel_spun = \"wheel-spun.csv\"",
-                "the wheel spun by hand in the sense of positive angles",
+                "the wheel spun by hand in the positive sense",
             ),
             key(
                 "current_step",
@@ -844,7 +844,7 @@ pub const MODEL: &[KeySection] = &[
     KeySection {
         name: "correlation",
         heading: "[correlation]",
-        meaning: "How the errors of the parameters hang together.",
+        meaning: "The correlations between the errors of the parameters.",
         keys: &[
             key(
                 "parameters",
@@ -865,7 +865,7 @@ pub const MODEL: &[KeySection] = &[
     KeySection {
         name: "effects",
         heading: "[effects]",
-        meaning: "What the model holds.",
+        meaning: "The effects in the model.",
         keys: &[
             key(
                 "present",
@@ -879,21 +879,21 @@ pub const MODEL: &[KeySection] = &[
                 "",
                 "none",
                 "provisional = [\"wheel-coulomb-friction\"]",
-                "those of them that explain no better than their rivals",
+                "the present effects that explain no better than their rivals",
             ),
             key(
                 "rivals",
                 "",
                 "none",
                 "rivals = [[\"current-offset\"]]",
-                "what explains as well",
+                "sets of effects that explain as well",
             ),
             key(
                 "unseen_upright",
                 "",
                 "none",
                 "unseen_upright = [\"own:magnet\"]",
-                "own effects that no log has shown upright: the linear model does without them",
+                "own effects that no log has shown upright; the linear model leaves them out",
             ),
         ],
     },
@@ -915,14 +915,14 @@ pub const MODEL: &[KeySection] = &[
                 "N m",
                 NEEDED,
                 "torque = [0.0, 1e-4, -1e-4, 0.0]",
-                "the torque there, as it acts",
+                "the torque at each knot, as it acts",
             ),
             key(
                 "std",
                 "N m",
                 "taken as exact",
                 "std = [1e-5, 1e-5, 1e-5, 1e-5]",
-                "their standard errors",
+                "the standard errors of the torques",
             ),
             key(
                 "unit",
@@ -943,7 +943,7 @@ pub const MODEL: &[KeySection] = &[
     KeySection {
         name: "design",
         heading: "[design]",
-        meaning: "What the controller is designed for.",
+        meaning: "The requirements of the controller.",
         keys: &[
             key(
                 "sample_time",
@@ -992,7 +992,7 @@ pub const MODEL: &[KeySection] = &[
     KeySection {
         name: "calibration",
         heading: "[calibration]",
-        meaning: "What `flywheel calibrate` found; it goes before `[hardware]`.",
+        meaning: "The results of `flywheel calibrate`; they take precedence over `[hardware]`.",
         keys: &[
             key(
                 "accelerometer",
@@ -1095,23 +1095,21 @@ pub const OWN_EFFECT: &[KeySection] = &[
                 "`unit`",
                 NEEDED,
                 "start = [0.1, 0.2]",
-                "where the fit begins; several where one may lead nowhere",
+                "start values of the fit; several, if one might lead nowhere",
             ),
             key(
                 "bounds",
                 "`unit`",
                 "none",
                 "bounds = [-0.5, 0.5]",
-                "the range that it may have",
+                "the allowed range",
             ),
         ],
     },
 ];
 
 /// The names of the keys that a section may have.
-///
-/// # Panics
-/// Never for a section of the tables above, and the readers name no others: a test reads each.
+/// Empty for a section that is in none of the tables above; a test reads every section that the readers name.
 pub(crate) fn names(sections: &[KeySection], section: &str) -> Vec<&'static str> {
     sections
         .iter()

@@ -94,7 +94,7 @@ impl TrueMotion {
         }
     }
 
-    /// With the sensors at the start of a log.
+    /// The motion with its sensors, at the first sample of a log.
     fn with_sensors(mut self) -> TrueMotion {
         let effects = self.truth.hidden.iter().filter_map(Hidden::effect);
         let sensors = TrueSensors::new(effects, self.time_s, self.at_once());
@@ -150,7 +150,7 @@ impl TrueMotion {
         sensors.map_or_else(|| self.at_once(), TrueSensors::reading)
     }
 
-    /// What sensors without lag and delay would say.
+    /// The readings of sensors without lag and delay.
     fn at_once(&self) -> [f64; 3] {
         let [mut angle, mut rate, _, speed, _, _] = self.motion;
         if let Some(p) = self.library(EffectId::AngleEccentricity) {
@@ -341,7 +341,7 @@ impl TrueMotion {
     fn rates(&self, time_s: f64, y: &Motion, command_a: f64, push: &[HiddenPush]) -> Motion {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;
-        // What the heavy side of the wheel adds to the products of inertia.
+        // The contribution of the wheel's heavy side to the products of inertia.
         let side = |p: &[f64]| p[0] * p[2] * (y[2] + p[1]).cos();
         let coupling = self.library(EffectId::WheelUnbalance).map_or(0.0, side);
         let body_friction = self.body * self.body_dry(time_s, y[0], y[1]);
@@ -474,7 +474,7 @@ impl TrueMotion {
                 return;
             }
         }
-        // A joint that reverses this often in one step chatters around rest: it sticks.
+        // A joint that reverses so often within one step chatters about rest. It is treated as sticking.
         let (body, wheel) = (self.body, self.wheel);
         if self.motion[1] == 0.0 {
             self.body = 0.0;

@@ -10,7 +10,7 @@ use crate::text;
 pub struct Suspects<'a> {
     /// What is seen, as a sentence.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// A second line below the title; may be empty.
     pub subtitle: &'a str,
     /// The suspects.
     pub suspects: &'a [SuspectBar<'a>],

@@ -28,7 +28,7 @@ pub struct Settings {
 pub enum Error {
     /// The port is taken, or not allowed.
     #[error(
-        "cannot listen on {address}: {source}; --port N names another port, none lets the system choose"
+        "cannot listen on {address}: {source}; choose another port with --port N, or leave --port out and the system chooses one"
     )]
     Listen {
         /// The address.

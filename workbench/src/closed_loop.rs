@@ -90,7 +90,7 @@ pub struct SimulationReport {
 pub struct LoopRun {
     /// Its name.
     pub scenario: String,
-    /// What happens in it, in one sentence.
+    /// The run in one sentence.
     pub about: String,
     /// Whether the body fell.
     pub fell: bool,
@@ -153,7 +153,7 @@ pub struct RecoveryAngles {
 pub struct AttractionRegion {
     /// Largest size, relative to the certificate's ellipsoid, with return from every start.
     pub size: f64,
-    /// Smallest size with a start without return.
+    /// Smallest size at which some start does not return.
     pub lost_size: f64,
     /// That start: rad, rad/s, rad/s.
     pub lost: [f64; 3],
