@@ -22,7 +22,7 @@ use crate::toml_source::{Section, TomlSource};
 use crate::toml_writing::{number, set, table_in};
 use crate::write::write_atomically;
 
-/// What a parameter's unit ends in where torques are known only per unit of inertia.
+/// The end of a parameter's unit if torques are known only per unit of inertia.
 pub(crate) const PER_INERTIA: &str = " per kg m2";
 /// Quantities that are no parameters of the motion but may stand here, with unit and range: j_b,
 /// which follows from Θ (thesis, after 1.29), and l from plumb lines (thesis 3.4).

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 /// One experiment.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Overlay<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

@@ -41,7 +41,7 @@ pub const TOLERANCE_BITS: i32 = 11;
 pub struct SquaredNorms {
     /// Least and largest after a step with the correction, before it is normalised.
     pub before: (BigRational, BigRational),
-    /// Least and largest after a step.
+    /// Smallest and largest squared length after a step.
     pub after_step: (BigRational, BigRational),
     /// Least and largest after an alignment.
     pub after_alignment: (BigRational, BigRational),

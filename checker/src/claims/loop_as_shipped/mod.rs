@@ -59,11 +59,11 @@ pub enum NoBounds {
 /// The bounds that were proved for a module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShippedLoop {
-    /// Largest angle from which the loop, at rest, is armed (rad).
+    /// Largest angle at which the loop may be armed at rest (rad).
     pub start: BigRational,
-    /// Bounds from there on.
+    /// Bounds of the motion after arming.
     pub bounds: Bounds,
-    /// Sensors' errors that are within.
+    /// The errors of the sensors that the bounds allow for.
     pub errors: SensorErrors,
     /// Bounds of the motion that rounding and dry friction keep up.
     pub kept_up: Bounds,

@@ -34,8 +34,8 @@ const LENGTHS: usize = 16;
 /// Worst responses, for each row, all rounded up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
-    /// Largest |C Fʲ e₁|: of a start at 1 rad, at rest. The same for the change of the command, from the second step
-    /// on.
+    /// Largest |C Fʲ e₁|: the largest value of each quantity after a start at rest at 1 rad. The same for the change of
+    /// the command, from the second step on.
     pub start: [BigRational; ROWS],
     /// The change of the command in the first step, for a start at 1 rad.
     pub first_change: BigRational,
