@@ -30,11 +30,11 @@ pub struct Cli {
 /// The commands.
 #[derive(Subcommand)]
 pub enum Command {
-    /// The whole chain on the bench that ships inside the program
+    /// Run the whole chain on a bench that ships inside the program
     Demo(demo::Arguments),
-    /// Begin a bench folder from logs: a bench.toml with reasons
+    /// Begin a bench folder from CSV logs: write a bench.toml with a reason for every choice
     New(new::Arguments),
-    /// What is wrong with the data of a bench, before anything is fitted
+    /// Check the data of a bench before anything is fitted: units, signs, clipping, held bodies
     Check(check::Arguments),
     /// Record a log of the bench from the firmware's serial line
     Record(record::Arguments),
@@ -46,29 +46,29 @@ pub enum Command {
     Add(add::Arguments),
     /// Take an effect out of model.toml and refit
     Remove(remove::Arguments),
-    /// Which physical effects the model lacks: verdict, suspects, and where it fails
+    /// Find the physical effects that the model lacks: verdict, suspects, and where the model fails
     Diagnose(diagnose::Arguments),
-    /// The library of effects: equation, parameters, what to look for
+    /// List the library of effects, or explain one: equation, parameters, what to look for
     Effects(effects::Arguments),
     /// Calibrate sensors, mounting, converters and centre of mass from recordings
     Calibrate(calibrate::Arguments),
-    /// Which way is positive: sign and axis of every sensor and of the motor
+    /// Find which way is positive: sign and axis of every sensor and of the motor, from recordings
     BringUp(bring_up::Arguments),
-    /// Linear model, poles, controllability, gains and margins
+    /// Design the controller: linear model, poles, controllability, gains and margins
     Design(design::Arguments),
-    /// Closed loop of the emitted law on the nonlinear bench, with disturbances
+    /// Simulate the emitted law on the nonlinear bench, with disturbances
     Simulate(simulate::Arguments),
-    /// Write the controller as a no_std fixed-point Rust crate
+    /// Write the controller in fixed point, as a no_std Rust crate or a C99 library
     Generate(generate::Arguments),
-    /// Check the certificate of an emitted crate against its source
+    /// Prove the claims about an emitted crate from its files alone
     Prove(prove::Arguments),
-    /// Damage an emitted crate in many small ways and show what notices
+    /// Damage an emitted crate in many small ways and show which engine notices
     Mutate(mutate::Arguments),
-    /// Compare, diagnose, design and prove in the browser: a page of this machine alone
+    /// Compare, diagnose, design and prove in the browser, on a page for this machine alone
     Lab(lab::Arguments),
-    /// Everything about a bench as one HTML file
+    /// Write everything about a bench into one HTML file
     Report(report::Arguments),
-    /// Blind exam of the diagnosis on benches with a hidden effect
+    /// Mark the diagnosis in a blind exam, on benches with a hidden effect
     Exam(exam::Arguments),
 }
 

@@ -89,7 +89,9 @@ impl From<workbench::Error> for Failure {
                 code: CALLED_OFF,
                 ..Failure::new(cancelled.to_string())
             },
-            Error::FailsUndamaged { .. } => Failure::new(format!("{error}; see flywheel prove")),
+            Error::FailsUndamaged { .. } => {
+                Failure::new(format!("{error}; flywheel prove on this folder says why"))
+            }
             other => Failure::new(other.to_string()),
         }
     }

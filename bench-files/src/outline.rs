@@ -1,5 +1,5 @@
 //! A bench.toml without its logs, and entries added to it: for a bench whose logs are still being
-//! recorded. What stands in the file keeps its comments and its order.
+//! recorded. The existing content of the file keeps its comments and its order.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Which way is positive: signs and axes of sensors and motor from four short recordings of raw counts.
 //!
-//! What physics says, whatever the scales:
+//! The physics, which holds whatever the scales:
 //! - a body that hangs still reads one g upwards, against its x axis (x points from the pivot to the centre of
 //!   mass): x = −a/‖a‖ in the sensor's frame;
 //! - turned by α > 0 about z, upwards turns by −α in the body's frame, so that z points along −(a × a′), and the
@@ -69,10 +69,10 @@ pub const TILT_MIN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 const TILT_MAX_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
 /// A body at rest turns by less than this, rad: 5°.
 const STILL_MAX_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
-/// What counts as a change: this many standard deviations of the noise, which chance gives once in 10⁹.
+/// A change counts from this many standard deviations of the noise on, which chance exceeds once in 10⁹.
 const SIGMAS: f64 = 6.0;
 
-/// What hanging and tilted recordings show.
+/// The result of the recordings `hanging` and `tilted`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TiltShows {
     /// Length of gravity, counts.
@@ -81,7 +81,7 @@ pub struct TiltShows {
     pub tilt_rad: f64,
     /// From the accelerometer's axes to the body's; its rows are the body's axes.
     pub body_from_accelerometer: Option<Matrix3<f64>>,
-    /// What the gyroscope saw of the tilt.
+    /// The turn of the tilt as the gyroscope saw it.
     pub gyroscope: Option<Turned>,
 }
 
@@ -168,7 +168,7 @@ fn turn(rest: &Recording, moving: &Recording) -> (Vector3<f64>, f64) {
     (sum, duration * noise.sqrt())
 }
 
-/// What the word of the wheel's sensor is.
+/// The meaning of the word of the wheel's sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WheelWord {
     /// A speed.
@@ -213,14 +213,14 @@ pub fn encoder_sign(tilted: &[f64], turn: f64, counts_per_turn: f64) -> Result<f
     Ok(counts.signum())
 }
 
-/// What the recordings show of wheel and motor; 1 or −1.
+/// The signs of wheel and motor by the recordings, each 1 or −1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorSigns {
-    /// Of the wheel's word over its speed.
+    /// The sign of the wheel's word over its speed.
     pub wheel: Option<f64>,
-    /// Of the duty's change in the step of the current.
+    /// The sign of the change of the duty in the step of the current.
     pub duty_step: Option<f64>,
-    /// Of the current over the duty, since a positive current drives the wheel forward.
+    /// The sign of the current over the duty: a positive current drives the wheel forward.
     pub drive: Option<f64>,
 }
 

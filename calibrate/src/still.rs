@@ -16,7 +16,7 @@ struct Batch {
     variance: Vector3<f64>,
 }
 
-/// What a sensor read at rest, in counts.
+/// The readings of a sensor at rest, in counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Still {
     /// Mean.

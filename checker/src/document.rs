@@ -14,7 +14,7 @@ pub fn claims(certificate: &Certificate, module: &Module, results: &[ClaimResult
          against that table.\n\n\
          | claim | statement | domain | assumptions | engines |\n|---|---|---|---|---|\n",
     );
-    for claim in &CLAIMS {
+    for claim in CLAIMS {
         let engines: Vec<&str> = results
             .iter()
             .filter(|result| result.id == claim.id)
@@ -108,7 +108,7 @@ const OF_LINES: &str = "hardware-words, step-total";
 /// Claims that speak of the numbers of the supervisor.
 const OF_SUPERVISOR: &str = "supervisor, step-total";
 
-/// Start of the word's name, where its number comes from, its format, the claims that speak of it.
+/// The beginning of the word's name, the source of its number, its format, and the claims about it.
 const TRACES: [(&str, &str, &str, &str); 30] = [
     (
         "FILTER.accel_clip",

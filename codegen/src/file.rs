@@ -45,7 +45,7 @@ pub enum FileError {
     },
     /// The files on disk differ from the generator's output.
     #[error(
-        "not what the generator emits: {}; run `flywheel generate` again without --check",
+        "these files differ from what the generator emits: {}; run `flywheel generate` without --check to write them anew",
         list(paths)
     )]
     Differs {

@@ -34,7 +34,8 @@ impl Helper {
     /// The file as it is emitted: header, then the text without its tests.
     ///
     /// # Errors
-    /// What `syn` says if the text is no Rust; a test of this crate excludes it for every helper.
+    /// The error of `syn` if the text is not Rust. A test of this crate shows that every helper
+    /// parses.
     pub fn file(&self, spec: &ModuleSpec) -> Result<EmittedFile, syn::Error> {
         Ok(EmittedFile {
             path: self.path.to_owned(),

@@ -24,7 +24,8 @@ pub struct ModuleSpec {
     pub drive: PwmDrive,
     /// The sensors that the states come from.
     pub hardware: HardwareSpec,
-    /// What of sensors and drive nobody stated, so that it was taken from another bench; sentences.
+    /// Sentences about the values of sensors and drive that nobody stated and that were taken from
+    /// another bench.
     pub assumed: Vec<String>,
     /// Identified parameters of the model behind the gains.
     pub parameters: Vec<ModelParameter>,

@@ -21,8 +21,9 @@ const ANGLE_TRIP_MAX_RAD: f64 = PI / 3.0;
 /// The sine of the angle at which the motor holds the body is not trusted nearer to one than this.
 const SINE_MAX: f64 = 0.99;
 
-/// Share of the speed of the fall from the holding angle at which the controller is armed: a hand
-/// that holds the body turns it less, and the motor stops it within a quarter of that angle.
+/// Largest rate at which the controller is armed, as a share of the rate at which the body falls from the holding
+/// angle. A hand that holds the body turns it more slowly, and the motor stops this rate within a quarter of the
+/// holding angle.
 const RATE_ARM_SHARE: f64 = 0.25;
 
 /// How long quiet samples are averaged for the attitude, s: a quarter of a second, over which the

@@ -114,7 +114,7 @@ impl FindingId {
             FindingId::UnknownFinding => "unknown-finding",
         }
     }
-    /// What it means and what mends it, in one sentence; the sentence of a [`Finding`] has the numbers.
+    /// The meaning of the finding and its remedy, in one sentence. The sentence of a [`Finding`] adds the numbers.
     pub fn meaning(self) -> &'static str {
         match self {
             FindingId::RateFactor => {

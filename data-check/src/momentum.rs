@@ -19,7 +19,8 @@ const FEWEST_ROWS: usize = 20;
 const EXPLAINED: f64 = 0.8;
 /// Partial share of the wheel above which noise hardly draws its coefficient towards 0.
 const CLEAR: f64 = 0.9;
-/// Another unit of the angle is right if it leaves less than this share of what the stated unit leaves.
+/// Another unit of the angle is taken for right if its residual is below this share of the residual with the stated
+/// unit.
 const LEFT_OVER: f64 = 0.1;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {

@@ -67,8 +67,8 @@ impl LeastSquares {
 }
 
 /// Solves rows · coefficients = right. `overlap` is the number of rows that share one sample; the standard errors are
-/// those of so many times fewer rows. Rows with values that are not finite are left out. `None` if too
-/// few rows are left or the columns are linearly dependent.
+/// computed for that many times fewer rows. Rows with values that are not finite are left out. `None` if too few rows
+/// are left or the columns are linearly dependent.
 pub(crate) fn least_squares<const N: usize>(
     rows: &[([f64; N], f64)],
     overlap: f64,

@@ -15,7 +15,7 @@ const NEAR: f64 = 0.15;
 /// Ratios between two units of the same quantity.
 const SIZES: [f64; 6] = [DEGREES, RPM, TAU, 1e3, 1e6, 1e9];
 
-/// The known factor that this one stands for: a ratio of the list, its inverse, or either with a negative sign; or −1.
+/// The known factor nearest to `factor`: a ratio of the list or its inverse, either with the sign of `factor`; or −1.
 /// `None` for a factor near 1, and for one that is not near a known ratio.
 pub(crate) fn slip(factor: f64) -> Option<f64> {
     let near = |size: f64| (factor.abs() / size).ln().abs() < NEAR;

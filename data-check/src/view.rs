@@ -123,8 +123,8 @@ impl Facts {
     }
 }
 
-/// The decay of a free swing, with its angle divided by a factor so that it is at most 1 (the analysis of half cycles
-/// works in radians), and that factor.
+/// The decay of a free swing and the factor by which its angle was divided to be at most 1, since the analysis of half
+/// cycles expects radians.
 pub(crate) fn scaled_decay(view: &View) -> Option<(FreeDecay, f64)> {
     if view.kind() != Kind::FreeSwing {
         return None;

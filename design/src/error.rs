@@ -68,7 +68,7 @@ pub enum DesignError {
     /// A mode that does not decay by itself does not enter the cost, or so weakly that the loop would take
     /// forever.
     #[error(
-        "the cost does not see the {state}: {how}; give it a state weight that counts (the thesis has \
+        "the cost does not depend on the {state}: {how}; give it a larger state weight (the thesis has \
          25, 0.5 and 5e-4 for angle, rate and wheel speed)"
     )]
     CostBlind {
@@ -134,8 +134,8 @@ pub enum DesignError {
     /// The loop has less delay margin than sampling at this rate requires.
     #[error(
         "a sample time of {sample_time_s} s is too long: the loop tolerates {delay_margin_s:.2e} s \
-         of delay, less than the one sample that computing may take; sample at \
-         {longest_s} s, or raise the current weight so that the loop asks less"
+         of delay, less than the one sample that the computation may take; use a sample time of at most \
+         {longest_s} s, or raise the current weight, which makes the loop slower"
     )]
     SampleTimeTooLong {
         /// The required sample time, s.
@@ -154,7 +154,7 @@ pub enum DesignError {
         why: &'static str,
     },
     /// The parameters give no linear model.
-    #[error("no linear model from these parameters: {message}")]
+    #[error("the model cannot be linearised with these parameters: {message}")]
     Model {
         /// The message of the model.
         message: String,

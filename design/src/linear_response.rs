@@ -1,5 +1,5 @@
-//! What the loop does when a torque acts on the body: one that stays (a step) and one that is over at once (a push),
-//! and how far the uncertainty of the parameters leaves that open.
+//! The answer of the loop to a torque on the body, a lasting one (a step) or a short one (a push), and its range under
+//! the uncertainty of the parameters.
 //!
 //! The linear loop, x⁺ = M x + Ed d with the torque d held from sample to sample, is exact at the samples. The gains
 //! stay those of the nominal design while the parameters are drawn anew, as in [`crate::uncertainty`]: a bench differs
@@ -14,7 +14,7 @@ use crate::matrix::{check_finite, check_positive, from_vector3, of_model};
 use crate::uncertainty::UncertainParameters;
 use crate::zero_order_hold::zero_order_hold;
 
-/// What acts on the body from time zero on, and how.
+/// The torque that acts on the body from time zero on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DisturbanceTorque {
     /// A torque that stays, N m.
@@ -154,7 +154,7 @@ fn power(matrix: &DMatrix<f64>, exponent: u32) -> DMatrix<f64> {
     result
 }
 
-/// What a response is asked of beside its plant.
+/// The settings of a response, beside its plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResponseSettings {
     /// Sample time, s.
@@ -228,7 +228,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 /// left out.
 ///
 /// # Errors
-/// A covariance that is none.
+/// A matrix that is not a covariance.
 pub fn drawn_plants(
     parameters: &UncertainParameters,
     plant_of: &dyn Fn(&[f64]) -> Option<UncertainLoop>,

@@ -61,8 +61,8 @@ pub fn margins(
     margins_with_delay(a, b, controller, sample_time_s, 0.0)
 }
 
-/// As [`margins`], of the loop whose current reaches the plant `delay_s` late: the delay margin is what it bears
-/// beyond that.
+/// As [`margins`], for a loop whose current reaches the plant `delay_s` (s) late; the delay margin comes on top of
+/// `delay_s`.
 ///
 /// # Errors
 /// As for [`margins`]; a negative delay.

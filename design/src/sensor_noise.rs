@@ -1,4 +1,4 @@
-//! What the noise of the sensors does to the loop: how far the body moves, and how restless the current is.
+//! The effect of the sensors' noise on the loop: the motion of the body, and the fluctuation of the current.
 //!
 //! The law sees x + v, with v normal, independent from sample to sample. Then u = −K (x + v), and the covariance P of
 //! the loop's state settles where P = M P Mᵀ + Bv R Bvᵀ (the discrete Lyapunov equation; Kwakernaak and Sivan, "Linear
@@ -37,7 +37,7 @@ pub struct NoiseInLoop {
 /// Doublings: 2⁶⁰ samples are longer than any bench runs.
 const MOST_DOUBLINGS: usize = 60;
 
-/// What `noise` does to the loop of u = −`gains` x around `model`, with the current `delay_s` late.
+/// The effect of `noise` on the loop of u = −`gains` x around `model`, with the current `delay_s` (s) late.
 ///
 /// # Errors
 /// [`DesignError::UnstableLoop`]; numbers that are not finite.

@@ -26,7 +26,7 @@ pub struct Rival {
     pub distance: f64,
     /// Whether it has fewer parameters than the truth.
     pub simpler: bool,
-    /// If the truth contains it: the trace of what it lacks, in units of noise.
+    /// For a set that the truth contains: the trace of the effects that the set lacks, in units of noise.
     pub lacks: Option<f64>,
 }
 

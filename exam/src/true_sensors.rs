@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use plant::EffectId;
 
-/// What the sensors make of the true angle, rate and wheel speed over time.
+/// The readings of the sensors over time, from the true angle, rate and wheel speed.
 #[derive(Clone, Debug)]
 pub struct TrueSensors {
     /// Time constants in s, 0 for none.
@@ -13,10 +13,10 @@ pub struct TrueSensors {
     /// Delays in s, 0 for none.
     delay_s: [f64; 3],
     time_s: f64,
-    /// What goes in, and what is said of it but for the delay.
+    /// The true values, and the readings before the delay.
     measured: [f64; 3],
     said: [f64; 3],
-    /// What was said, oldest first, as far back as a delay asks.
+    /// Earlier readings before the delay, oldest first, as far back as the longest delay reaches.
     past: VecDeque<(f64, [f64; 3])>,
 }
 
@@ -78,7 +78,7 @@ impl TrueSensors {
         }
     }
 
-    /// What they say now.
+    /// The present readings.
     pub fn reading(&self) -> [f64; 3] {
         std::array::from_fn(|index| {
             let asked_s = self.time_s - self.delay_s[index];

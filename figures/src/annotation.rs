@@ -6,7 +6,7 @@
 /// others are preceded by a power of ten.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Quantity<'a> {
-    /// What is plotted, such as "angle".
+    /// The quantity that is plotted, such as "angle".
     pub name: &'a str,
     /// Its unit, such as "rad"; empty for a pure number.
     pub unit: &'a str,

@@ -14,7 +14,7 @@ use crate::text;
 /// Panels on one axis, from top to bottom.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Banded<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

@@ -11,7 +11,7 @@ use crate::svg::{Path, Stroke};
 /// The open loops of one or several designs.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Nyquist<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 /// One experiment.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Overlay<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,
@@ -18,7 +18,7 @@ pub struct Overlay<'a> {
     pub time_s: &'a [f64],
     /// The measured channels.
     pub channels: &'a [OverlayChannel<'a>],
-    /// Where the model fails, in s.
+    /// The time spans in which the model fails, in s.
     pub regions: &'a [Region<'a>],
     /// Pushes and other instants, in s.
     pub markers: &'a [Marker<'a>],
@@ -31,9 +31,9 @@ pub struct Overlay<'a> {
 pub struct OverlayChannel<'a> {
     /// Name and unit of the measured quantity.
     pub quantity: Quantity<'a>,
-    /// What the sensor said, one value per sample.
+    /// The readings of the sensor, one value per sample.
     pub measurement: &'a [f64],
-    /// What the model says, one value per sample.
+    /// The predictions of the model, one value per sample.
     pub model: &'a [f64],
     /// Standard deviation of the sensor's noise in the unit of the channel;
     /// NaN or zero where it is unknown.

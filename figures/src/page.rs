@@ -65,7 +65,7 @@ pub(crate) struct Page {
     notes: Vec<String>,
 }
 
-/// What is said at the foot where points of a long series share a pixel.
+/// The note at the foot if points of a long series share a pixel.
 pub(crate) const REDUCED: &str = "Long series are drawn with the first, lowest, highest and last value of each \
                                   pixel column; no peak is lost.";
 

@@ -20,7 +20,7 @@ pub enum Plane {
 /// A figure of poles.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Poles<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

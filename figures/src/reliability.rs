@@ -10,7 +10,7 @@ use crate::svg::{Anchor, Path, Stroke, Text};
 /// Stated probabilities against frequencies (a calibration curve).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Reliability<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 /// Panels on one axis, from top to bottom.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Series<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,
@@ -35,8 +35,7 @@ pub struct Panel<'a> {
     pub quantity: Quantity<'a>,
     /// Its lines; the first is drawn first and lies below the others.
     pub lines: &'a [Line<'a>],
-    /// Dashed lines. One that lies so far away that the data would become
-    /// flat is named in words instead.
+    /// Dashed lines. A limit so far away that the data would look flat is named in words instead.
     pub limits: &'a [Limit<'a>],
     /// A short summary; may be empty.
     pub note: &'a str,

@@ -11,7 +11,7 @@ use crate::svg::{Path, Stroke};
 /// Readings of a three-axis sensor.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sphere<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

@@ -12,7 +12,7 @@ use crate::text;
 /// Errors over the steps of a diagnosis.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Staircase<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

@@ -6,13 +6,13 @@
 //! They follow the palette of Okabe and Ito (2008), darkened where that
 //! palette is too light for thin lines.
 
-/// What a line or marker stands for. A role has the same colour in every
-/// figure, so a reader learns the colours once.
+/// The meaning of a line or a marker. A role has the same colour in every figure, so a reader
+/// learns the colours once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineRole {
-    /// What the sensors said: grey, drawn wide and below everything else.
+    /// The readings of the sensors: grey, drawn wide and below everything else.
     Measurement,
-    /// What the model says: blue.
+    /// The predictions of the model: blue.
     Model,
     /// Measurement minus model: vermilion.
     Residual,
@@ -41,8 +41,8 @@ impl LineRole {
         }
     }
 
-    /// Stroke width of a line in pixels: what is drawn below is wider than
-    /// what is drawn on top of it, so both show where they agree.
+    /// Stroke width of a line in pixels. A lower line is wider than the line on top of it, so that
+    /// both are seen where they agree.
     pub(crate) fn line_width(self) -> f64 {
         match self {
             LineRole::Measurement => 2.6,

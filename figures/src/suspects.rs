@@ -8,9 +8,9 @@ use crate::text;
 /// The suspects in the order in which they are to appear.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Suspects<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// A second line below the title; may be empty.
     pub subtitle: &'a str,
     /// The suspects.
     pub suspects: &'a [SuspectBar<'a>],

@@ -10,7 +10,7 @@ use crate::svg::{Path, Stroke};
 /// A torque that was found without a formula.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct TorqueCurve<'a> {
-    /// What is seen, as a sentence.
+    /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
     /// More about it; may be empty.
     pub subtitle: &'a str,

@@ -181,7 +181,7 @@ fn has_penalty(effect: EffectId) -> bool {
     curve.is_some_and(|curve| curve.penalty.is_some())
 }
 
-/// What a fit that was made before says of the bench. `None` where it is not a fit of this bench as the model
+/// The results for the bench from a fit that was made before. `None` where it is not a fit of this bench as the model
 /// reads it: where other windows or other samples counted.
 pub fn describe(problem: &FitProblem, fit: &Fit) -> Option<Identification> {
     let problem = problem.suited_to(&fit.model);

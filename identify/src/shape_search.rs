@@ -148,8 +148,8 @@ impl Lacking {
     }
 }
 
-/// By how much the effect with these parameters lowers the sum of squares of the missing torque, together with gravity
-/// and friction; and the factor on its torque that does so.
+/// The fall of the missing torque's sum of squares with the best multiple of the effect with these parameters, fitted
+/// together with gravity and friction, and that multiple.
 fn explained(lacking: &[Lacking], effect: EffectId, p: &[f64]) -> Option<(f64, f64)> {
     let v0 = Smoothing::SIMULATION;
     let terms: [&Term; 5] = [

@@ -1,4 +1,5 @@
-//! What the logs do not determine, and where the numbers of a comparison can mislead: one sentence each.
+//! Statements about the quantities that the logs do not determine, and about numbers of a comparison that can mislead:
+//! one sentence each.
 
 use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, WHEEL_INERTIA};
 
@@ -61,7 +62,8 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> 
     out
 }
 
-/// What no fit can find with these logs and these direct measurements: one sentence each. It takes no fit to say.
+/// The parameters that no fit can find with these logs and direct measurements: one sentence each. It takes no fit to
+/// say.
 pub fn left_open(problem: &FitProblem) -> Vec<String> {
     let mut out = vec![];
     let (body, wheel) = problem.moved();

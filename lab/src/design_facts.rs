@@ -1,4 +1,4 @@
-//! What the page is told of a design, as JSON.
+//! The facts about a design for the page, as JSON.
 
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -14,7 +14,7 @@ use crate::picture::{View, thinned};
 /// Width for which the responses of a design are drawn.
 const RESPONSE_PIXELS: usize = 500;
 
-/// What a design is asked for.
+/// The wishes for a design.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Asked {
@@ -63,7 +63,7 @@ fn degrees(rad: f64) -> String {
     format!("{}°", significant(rad.to_degrees(), 3))
 }
 
-/// What is said of the design: name and value of each line.
+/// The lines about the design, each with name and value.
 pub(crate) fn numbers(
     report: &DesignReport,
     found: &LoopExpectations,

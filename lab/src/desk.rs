@@ -87,7 +87,7 @@ pub struct OpenBench {
     pub predictor: Predictor,
     /// The last diagnosis, as long as it concerns the present model or made it.
     pub diagnosis: Option<Arc<Diagnosed>>,
-    /// What effects look like beside the model as it is, as far as that was asked.
+    /// The fingerprints of effects beside the present model that the page has asked for so far.
     pub fingerprints: Vec<Arc<EffectFingerprint>>,
     /// The error after each change.
     pub staircase: Vec<Stair>,

@@ -126,14 +126,14 @@ impl Dropped {
         }
     }
 
-    /// What stays unknown with this bench.toml, whatever is fitted; sentences.
+    /// Sentences about the quantities that no fit can find with this bench.toml.
     fn open_ends(&self, text: &str) -> Vec<String> {
         let bench = Bench::from_files(&self.in_memory(text)).ok();
         let problem = bench.and_then(|bench| FitProblem::new(&bench).ok());
         problem.map_or_else(Vec::new, |problem| identify::left_open(&problem))
     }
 
-    /// What is wrong with a bench.toml for these files: findings, or why it cannot be read.
+    /// The faults of a bench.toml for these files: findings, or the reason why it cannot be read.
     pub fn check(&self, text: &str) -> Value {
         match Bench::from_files(&self.in_memory(text)) {
             Ok(bench) => json!({"findings": data_check::check(&bench)}),

@@ -104,7 +104,7 @@ mod tests {
         (times, (0..count).map(value).collect())
     }
 
-    /// The extremes of every pixel are those of all samples in it, at most three points stand for it, and times rise.
+    /// Each pixel keeps the extremes of its samples, has at most three points, and the times increase.
     #[test]
     fn extremes_of_every_pixel_are_kept() {
         let (time, value) = samples(100_000, |k| {

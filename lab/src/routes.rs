@@ -50,7 +50,7 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/report", get(report))
         .route("/socket", get(socket::upgrade))
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
-        // Added after that layer, so that it has its own limit.
+        // This route is added after the layer with the common limit, so that it has a limit of its own.
         .route(
             "/api/drop",
             get(dropped)

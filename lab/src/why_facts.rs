@@ -1,5 +1,5 @@
-//! What lets a person see why an effect is suspected, as JSON: fingerprints without and with it, and the recipe that
-//! settles a tie.
+//! The reasons for suspecting an effect, as JSON: fingerprints without and with the effect, and the recipe that settles
+//! a tie.
 
 use serde_json::{Value, json};
 use workbench::numbers::{significant, with_prefix};

@@ -388,7 +388,7 @@ fn change(
 /// The folder in the bench's folder into which the controller is written.
 pub const CONTROLLER: &str = "controller";
 
-/// What a step of a diagnosis did.
+/// The result of a step of a diagnosis.
 fn step_label(step: &workbench::DiagnosisStep) -> String {
     let mut label = match &step.effect {
         Some(effect) => format!("+ {effect}"),

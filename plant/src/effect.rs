@@ -96,9 +96,9 @@ pub struct ParameterInfo {
 /// A stage of the motor chain, or of a sensor, that needs the time and not only the value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Timing {
-    /// What comes out follows what goes in with a time constant ([`Effect::lag_s`]).
+    /// The output follows the input with a time constant ([`Effect::lag_s`]).
     Lag,
-    /// What comes out is what went in a while ago ([`Effect::delay_s`]).
+    /// The output is the input of an earlier instant ([`Effect::delay_s`]).
     Delay,
 }
 
@@ -227,8 +227,8 @@ pub struct EffectInfo {
     /// The time-dependent stage of the motor chain that the effect describes, if any. Such a stage carries
     /// commands from before the log into the log.
     pub timing: Option<Timing>,
-    /// What the sensor [`EffectInfo::senses`] does to the time, where it does: it follows with a lag
-    /// ([`Effect::lag_s`]) or says late what it measured ([`Effect::delay_s`]).
+    /// Whether the reading of the sensor [`EffectInfo::senses`] has a lag ([`Effect::lag_s`]) or a delay
+    /// ([`Effect::delay_s`]); `None` for neither.
     pub sensor_timing: Option<Timing>,
     /// Whether it acts between the command and the current. It is left out for a log with measured current, which
     /// already contains it.
@@ -253,13 +253,13 @@ pub struct EffectInfo {
     pub memory: Option<Memory>,
     /// The source of start values for its parameters, before any fit.
     pub start_from: StartFrom,
-    /// The curve that it is, where it was learned from the logs and explains nothing.
+    /// The curve, for a torque that was learned from the logs and explains nothing.
     pub learned: Option<&'static LearnedCurve>,
-    /// It has its one parameter once for each log ([`crate::EffectId::for_logs`]), in the place of the parameter with
-    /// this name of the effect that it replaces.
+    /// Name of the parameter of the replaced effect that this effect has once for each log
+    /// ([`crate::EffectId::for_logs`]); `None` for an effect whose parameters are common to all logs.
     pub per_log: Option<&'static str>,
-    /// The list of the exam that first drew it: seeds of an earlier list hide what they always hid. An effect that
-    /// depends on the bench is in none (`u32::MAX`).
+    /// The number of the exam's list in which the effect first appears. A seed that is drawn with an earlier list never
+    /// hides it, so that old seeds keep their benches. An effect that depends on the bench is in none (`u32::MAX`).
     pub drawn_since: u32,
     /// How the exam draws its parameters; `None` for the general way ([`EffectInfo::hidden`]).
     pub hiding: Option<Hiding>,
@@ -322,7 +322,7 @@ pub trait Effect {
         S::zero()
     }
 
-    /// What an unbalanced wheel does (role `Wheel`, [`EffectInfo::is_unbalance`]).
+    /// The terms of an unbalanced wheel (role `Wheel`, [`EffectInfo::is_unbalance`]).
     #[inline(always)]
     fn unbalance<S: Scalar>(_p: &[S], _at: &Instant<S>) -> Unbalance<S> {
         Unbalance {
@@ -345,15 +345,15 @@ pub trait Effect {
         current_a
     }
 
-    /// Time constant in s by which the current follows its command (role `Motor`), or what a sensor says
-    /// follows what it measures (role `Sensor`).
+    /// Time constant in s with which the current follows its command (role `Motor`), or the reading follows the
+    /// measured quantity (role `Sensor`).
     #[inline(always)]
     fn lag_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None
     }
 
-    /// Time in s by which the current comes later than its command (role `Motor`), or what a sensor says
-    /// later than what it measured (role `Sensor`).
+    /// Delay in s of the current behind its command (role `Motor`), or of the reading behind the measured quantity
+    /// (role `Sensor`).
     #[inline(always)]
     fn delay_s<S: Scalar>(_p: &[S]) -> Option<S> {
         None

@@ -1,7 +1,7 @@
 //! A torque that was learned from the logs: a smooth curve over one coordinate of the motion.
 //!
-//! It stands for what no effect of the library accounts for, and explains nothing. Its parameters are the torques at
-//! its knots, as they act; between them lies a cubic spline ([`Spline`]).
+//! It stands for a torque that no effect of the library accounts for, and explains nothing. Its parameters are the
+//! torques at its knots, as they act; between them lies a cubic spline ([`Spline`]).
 
 use std::sync::{Mutex, PoisonError};
 

@@ -137,7 +137,7 @@ fn kept(
     for &effect in model.effects() {
         let info = effect.info();
         match info.linearised {
-            // What the logs have not shown there counts as nothing.
+            // A learned torque or an own effect that no log has shown there counts as zero.
             Linearised::Exactly if !has_seen(effect, near_rad) => {}
             Linearised::Exactly => effects.push(effect),
             Linearised::AsDryFriction if keep_dry_friction => {

@@ -1,9 +1,9 @@
-//! Effects with one parameter for each log: how many they have depends on the bench.
+//! Effects with one parameter for each log: the number of their parameters depends on the bench.
 //!
-//! The library holds such an effect once, with the one parameter of a log without a name. A bench makes its own out of
-//! it ([`EffectId::for_logs`]), whose description lists a parameter for each of its logs, so that everything which
-//! reads descriptions (fit, reports, model.toml) needs to know no more. In an experiment only the parameter of its log
-//! acts ([`crate::Plant::for_log`]).
+//! The library holds such an effect once, with the one parameter of a log without a name. [`EffectId::for_logs`] makes
+//! the effect for a bench: its description lists one parameter for each log of that bench. Fit, reports and model.toml
+//! read this description like that of any other effect. In an experiment only the parameter of its log acts
+//! ([`crate::Plant::for_log`]).
 
 use std::cmp::Ordering;
 use std::hash::{Hash, Hasher};
@@ -77,18 +77,19 @@ impl Ord for PerLog {
     }
 }
 
-/// Everything that was made so far; an entry lives as long as the program, so that an [`EffectId`] stays a plain
+/// The effects that were made so far. An entry lives as long as the program, which lets an [`EffectId`] stay a plain
 /// value.
 static MADE: Mutex<Vec<&'static Made>> = Mutex::new(vec![]);
 
-/// One value for each log out of that for one.
+/// The same value for each log.
 fn for_each(values: &'static [f64], logs: usize) -> &'static [f64] {
     values.repeat(logs).leak()
 }
 
 impl EffectId {
-    /// This effect for a bench whose logs have these names: with a parameter for each of them if it has one per log;
-    /// any other effect, and one for no log at all, stays as it is.
+    /// The effect for a bench whose logs have these names. An effect of which the library has one parameter per log
+    /// gets a parameter for each name. Any other effect is returned unchanged, and so is every effect if `logs` is
+    /// empty.
     #[must_use]
     pub fn for_logs(self, logs: &[String]) -> EffectId {
         let template = match self {
@@ -131,8 +132,8 @@ impl EffectId {
         EffectId::PerLog(PerLog(entry))
     }
 
-    /// Whether a parameter with this position among those of the effect has to do with a log: not if it is that of
-    /// another one.
+    /// Whether the parameter at this position of the effect acts in `log`: false only for a parameter that belongs to
+    /// another log.
     pub fn is_of_log(self, parameter: usize, log: &str) -> bool {
         match self {
             EffectId::PerLog(made) => made.parameter_of(log) == Some(parameter),
@@ -140,7 +141,7 @@ impl EffectId {
         }
     }
 
-    /// The log whose parameter this name is, if it is one of this effect of the library.
+    /// The log to which the parameter with this name belongs, if this effect of the library has such a parameter.
     pub fn log_of(self, parameter: &str) -> Option<&str> {
         self.info().per_log?;
         let (own, _) = self.info().parameters.first()?.name.split_once('/')?;

@@ -103,7 +103,7 @@ impl Spline {
         &self.curvature * DVector::from_column_slice(values)
     }
 
-    /// Writes into `weights` what each value counts in f(s), and into `slopes` what it counts in f′(s).
+    /// Writes the weight of each knot's value in f(s) into `weights`, and in f′(s) into `slopes`.
     pub fn weights(&self, s: f64, weights: &mut [f64], slopes: &mut [f64]) {
         let n = self.knots.len();
         weights.fill(0.0);

@@ -1,4 +1,4 @@
-//! What the program asks of the firmware.
+//! A command of the program to the firmware.
 
 use crate::fields::{Reader, Writer};
 use crate::{Frame, VERSION};
@@ -6,7 +6,7 @@ use crate::{Frame, VERSION};
 /// Bytes of the message with its CRC.
 pub const COMMAND_BYTES: usize = 12;
 
-/// What the firmware is to do.
+/// The task of the firmware.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Task {
     /// Send what the sensors say; the motor gets no current.

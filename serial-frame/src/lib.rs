@@ -1,8 +1,8 @@
 //! The frames between firmware and program on the serial line. `no_std`, no heap: both ends use it.
 //!
-//! A frame is a little-endian message with a CRC-16 at its end, stuffed by COBS so that it has no zero
-//! byte, and ended by one. A receiver that missed bytes, or came late, is right again at the next zero:
-//! what lies before it fails the CRC or the length and is counted, never believed.
+//! A frame is a little-endian message with a CRC-16 at its end. COBS removes the zero bytes from it, and one zero byte
+//! ends the frame. A receiver that missed bytes, or started late, is in step again after the next zero: a damaged frame
+//! fails its CRC or its length, and is counted and discarded.
 //!
 //! # From firmware to program: [`Telemetry`]
 //! | bytes | type | field |

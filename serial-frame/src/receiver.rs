@@ -22,7 +22,8 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// Nothing received yet. What comes first may be the rest of a frame: it is refused as damaged.
+    /// Nothing received yet. The first bytes may be the rest of a frame, which is then refused as
+    /// damaged.
     pub const fn new() -> Receiver {
         Receiver {
             bytes: [0; FRAME_BYTES_MAX],
@@ -30,8 +31,8 @@ impl Receiver {
         }
     }
 
-    /// Takes a byte that the firmware sent; a message where it was the last of one. Zeros one after
-    /// another end nothing.
+    /// Takes a byte from the firmware, and returns a message if the byte ends one. Of several zeros
+    /// in a row only the first ends a message.
     pub fn telemetry(&mut self, byte: u8) -> Option<Result<Telemetry, Refusal>> {
         self.message(byte, Telemetry::read)
     }

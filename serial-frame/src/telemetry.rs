@@ -9,7 +9,7 @@ pub const TELEMETRY_BYTES: usize = 44;
 /// In each component of the magnetometer: there is no new reading.
 pub const NO_FIELD: i16 = i16::MIN;
 
-/// What the firmware read, decided and sent to the drive in one step.
+/// One step of the firmware: its readings, its state, and the duty that it sent to the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Telemetry {
     /// Status of the controller after the step, the emitted module's number.

@@ -90,7 +90,7 @@ pub struct LoopTrace {
 pub(crate) struct Instant<'a> {
     /// The true state.
     pub state: &'a State<f64>,
-    /// What the sensors of the model say of it, without noise.
+    /// The readings of the model's sensors in this state, without noise.
     pub reading: Reading<f64>,
     /// Current that flows just before, in A.
     pub flowing_a: f64,

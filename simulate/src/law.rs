@@ -74,9 +74,9 @@ pub struct WordLaw<F> {
 /// Number of fraction bits of the words of an emitted law; all are signed 32-bit words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WordFormats {
-    /// Of `Angle`, `Rate` and `WheelSpeed`.
+    /// Fraction bits of `Angle`, `Rate` and `WheelSpeed`.
     pub state: [u32; 3],
-    /// Of `Current`.
+    /// Fraction bits of `Current`.
     pub current: u32,
 }
 

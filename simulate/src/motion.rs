@@ -78,7 +78,7 @@ impl Motion<'_> {
         }
     }
 
-    /// What the sensors of the model say, without noise.
+    /// The readings of the model's sensors, without noise.
     pub fn read(&self, state: &State<f64>, late: Option<&Late<f64>>, time_s: f64) -> Reading<f64> {
         match self {
             Motion::Nonlinear(plant) => plant.read_late(state, late, time_s),

@@ -17,7 +17,7 @@ use plant::State;
 pub struct Scenario {
     /// A short name, for files and headings.
     pub name: &'static str,
-    /// What it shows, in one sentence.
+    /// The purpose of the run in one sentence.
     pub about: &'static str,
     /// The start.
     pub start: State<f64>,

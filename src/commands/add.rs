@@ -21,8 +21,8 @@ pub struct Arguments {
     /// The effect: one of the library, or own:NAME for effects/NAME.toml in the bench folder
     #[arg(value_parser = EffectNameParser, required_unless_present = "learned")]
     pub effect: Option<String>,
-    /// Instead of an effect: the torque that the model lacks, as a smooth curve over this coordinate, learned from
-    /// the logs. It explains nothing, but the error falls
+    /// Instead of an effect: learn the missing torque from the logs, as a smooth curve over this coordinate. The curve
+    /// lowers the error, but explains nothing
     #[arg(long, value_name = "COORDINATE", value_parser = LEARNED, conflicts_with = "effect")]
     pub learned: Option<String>,
     /// The bench: a folder with a bench.toml, or that file

@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     });
     write_files(&bench_path, &files)?;
     let mut session = Session::open(&bench_path)?;
-    // What an earlier demonstration found does not count.
+    // The model of an earlier demonstration is not used.
     session.set_model(ModelFile::new());
 
     let (base, report, designed, controller, closed_loop) = with_progress(|progress| {

@@ -22,7 +22,8 @@ pub struct Arguments {
     /// Weights of angle (1/rad²), rate (s²/rad²), wheel speed (s²/rad²) and current (1/A²) in place of [design]
     #[arg(long, value_name = "A,B,C,R", value_parser = four, conflicts_with = "excursions")]
     pub weights: Option<[f64; 4]>,
-    /// The weights that allow these excursions at equal cost (Bryson's rule): rad, rad/s, rad/s, A; "inf": any
+    /// Weights by Bryson's rule, from the allowed angle (rad), rate (rad/s), wheel speed (rad/s) and current (A); "inf"
+    /// gives a quantity no weight
     #[arg(long, value_name = "A,B,C,R", value_parser = four)]
     pub excursions: Option<[f64; 4]>,
     /// Time between two commands in s, in place of [design]
@@ -31,20 +32,21 @@ pub struct Arguments {
     /// Largest current in A, in place of [design]
     #[arg(long, value_name = "A")]
     pub current_limit: Option<f64>,
-    /// How late the current reaches the motor in s, on top of the model's own delay
+    /// Delay of the current in s, in addition to the delay in the model
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     pub delay: f64,
-    /// The bench whose logs show the noise of the sensors [default: that of the thesis bench is assumed]
+    /// A bench whose logs show the noise of the sensors [default: the noise of the thesis' bench]
     #[arg(long, value_name = "BENCH")]
     pub bench: Option<PathBuf>,
-    /// Other models whose designs are put beside it, each with the [design] of its file
+    /// Other models to compare with, each designed by the [design] section of its own file
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub compare: Vec<PathBuf>,
-    /// The design at COUNT values from FROM to TO, evenly over the logarithm (where FROM is 0: evenly), as CSV and
-    /// figure; KEY is angle-weight, rate-weight, wheel-speed-weight, current-weight, sample-time, current-limit or delay
+    /// Repeat the design at COUNT values of KEY between FROM and TO, evenly spaced on a logarithmic scale (on a linear
+    /// one if FROM is 0), and write a CSV and a figure; KEY is angle-weight, rate-weight, wheel-speed-weight,
+    /// current-weight, sample-time, current-limit or delay
     #[arg(long, value_name = "KEY=FROM:TO:COUNT", value_parser = sweep)]
     pub sweep: Vec<(Swept, Vec<f64>)>,
-    /// Write parameters and matrices for another program
+    /// Write parameters and matrices as a file for another program
     #[arg(long, value_name = "LANGUAGE", value_parser = language, value_delimiter = ',')]
     pub export: Vec<ExportLanguage>,
     /// Folder for the figures [default: out beside MODEL]

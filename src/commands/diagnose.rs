@@ -16,7 +16,7 @@ use crate::views::{design_change, diagnosis};
 pub struct Arguments {
     /// The bench: a folder with a bench.toml, or that file
     pub bench: PathBuf,
-    /// Put the effects that are missing into model.toml, with the refitted parameters
+    /// Put the missing effects into model.toml, with the refitted parameters
     #[arg(long)]
     pub apply: bool,
     #[command(flatten)]
@@ -97,8 +97,8 @@ fn applied_text(applied: &AppliedDiagnosis, session: &Session) -> String {
     text.push_str(&format!("\nAdded: {}\n", some_or_nothing(&applied.added)));
     if !applied.provisional.is_empty() {
         text.push_str(&format!(
-            "Provisional until an experiment has decided: {} (`add` of the same effect confirms it, `add` of a \
-             rival takes that in its place)\n",
+            "Provisional until an experiment has decided: {} (flywheel add with the same effect confirms it; \
+             with a rival, it puts the rival in its place)\n",
             applied.provisional.join(", ")
         ));
     }
@@ -108,7 +108,7 @@ fn applied_text(applied: &AppliedDiagnosis, session: &Session) -> String {
     text + &format!("Written: {}\n", session.model_path().display())
 }
 
-/// What `--apply` would do.
+/// The lines about what `--apply` would change.
 fn would_add(report: &DiagnosisReport) -> String {
     let (added, taken_out) = (report.added(), report.taken_out());
     if added.is_empty() && taken_out.is_empty() {

@@ -12,7 +12,7 @@ use crate::views::effects;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The effect that is explained; all of them are listed where it is left out
+    /// The effect to explain [default: list all]
     #[arg(value_parser = PossibleValuesParser::new(effect_names()), hide_possible_values = true)]
     pub name: Option<String>,
     #[command(flatten)]

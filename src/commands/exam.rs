@@ -19,10 +19,10 @@ use crate::views::exam::text;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Seeds of the benches that are drawn: the first, and the one after the last
+    /// Seeds of the benches: the first, and the one after the last
     #[arg(long, value_name = "FROM..TO", default_value = "0..40")]
     pub seeds: Seeds,
-    /// Mark the benches that lie in DIR instead, each a folder with bench.toml and truth.json
+    /// Mark the benches in DIR instead, each a folder with bench.toml and truth.json
     #[arg(long, value_name = "DIR", conflicts_with = "seeds")]
     pub folder: Option<PathBuf>,
     /// Folder for the marks of every bench (CSV) and the figures
@@ -69,7 +69,9 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         None => drawn(arguments.seeds),
     };
     if entries.is_empty() {
-        return Err(Failure::new("none of these seeds has a bench that counts"));
+        return Err(Failure::new(
+            "none of these seeds gives a bench that can be marked: their hidden effects are too small to show",
+        ));
     }
     let marks = Marks::of(&entries);
     let mut report = ExamReport::new(&entries, void, &marks);

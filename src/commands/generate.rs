@@ -16,16 +16,16 @@ use crate::report::Report;
 pub struct Arguments {
     /// The model: a model.toml
     pub model: PathBuf,
-    /// Folder of the emitted crate
+    /// Folder for the emitted crate
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Take what the model states neither under [hardware] nor under [calibration] from this bench
+    /// Bench that supplies what the model states neither under [hardware] nor under [calibration]
     #[arg(long, value_name = "BENCH")]
     pub preset: Option<PresetName>,
     /// The language: a Rust crate, or a C99 library for Arduino and PlatformIO (`prove` reads the Rust)
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub language: Language,
-    /// Compare instead of writing: exit code 1 where DIR is not what would be written
+    /// Compare instead of writing: exit code 1 if DIR differs from what would be written
     #[arg(long)]
     pub check: bool,
     #[command(flatten)]

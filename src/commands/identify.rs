@@ -15,7 +15,7 @@ use crate::views::comparison;
 pub struct Arguments {
     /// The bench: a folder with a bench.toml, or that file
     pub bench: PathBuf,
-    /// Fit the base model, whatever effects model.toml has
+    /// Fit the base model, without the effects that model.toml has
     #[arg(long)]
     pub reset: bool,
     #[command(flatten)]
@@ -45,7 +45,7 @@ pub fn has_design(session: &Session) -> bool {
     session.model().is_some_and(|model| model.design.is_some())
 }
 
-/// What to say about the model that was written.
+/// The lines about the model that was written.
 pub fn written(session: &Session, had_design: bool) -> String {
     let mut text = format!("\nWritten: {}\n", session.model_path().display());
     if !had_design {

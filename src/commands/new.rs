@@ -10,7 +10,7 @@ use crate::views::new_bench;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The folder of the bench; it is made where it is missing
+    /// The folder of the bench; created if it is missing
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// The logs: CSV files, in any of the dialects that spreadsheets write

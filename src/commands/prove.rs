@@ -16,7 +16,7 @@ pub struct Arguments {
     /// Folder of an emitted crate: its sources and its certificate.json
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// The model.toml that the crate is to be of: its numbers must be those of this file
+    /// The user's model.toml, whose numbers the crate must have
     #[arg(long, value_name = "MODEL")]
     pub model: Option<PathBuf>,
     /// Number of random runs of each kind
@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Leave out Kani even where it is installed (it takes minutes)
     #[arg(long)]
     pub without_kani: bool,
-    /// End with exit code 0 even where no engine settled some claim
+    /// End with exit code 0 even if no engine settled some claim
     #[arg(long)]
     pub allow_not_run: bool,
     #[command(flatten)]

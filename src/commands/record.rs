@@ -19,10 +19,11 @@ pub struct Arguments {
     /// The serial device of the firmware, for example /dev/ttyACM0
     #[arg(long, value_name = "DEV")]
     pub port: PathBuf,
-    /// free-swing, spin-up, coast-down, balance; for bring-up: hanging, tilted, wheel-spun, current-step
+    /// What to record: free-swing, spin-up, coast-down or balance; for bring-up hanging, tilted, wheel-spun or
+    /// current-step
     #[arg(long, value_name = "KIND")]
     pub experiment: RecordedExperiment,
-    /// Currents in A, separated by commas: spin-up makes a log of each [default: shares of the current limit]
+    /// Currents in A, separated by commas; spin-up makes one log for each [default: shares of the current limit]
     #[arg(
         long,
         value_name = "A",
@@ -30,22 +31,22 @@ pub struct Arguments {
         allow_negative_numbers = true
     )]
     pub current: Vec<f64>,
-    /// Length of a log in s [default: that of the experiment]
+    /// Length of a log in s [default: the usual length of the experiment]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seconds: Option<f64>,
-    /// Name of the log in bench.toml [default: after the experiment]
+    /// Name of the log in bench.toml [default: the name of the experiment]
     #[arg(long)]
     pub name: Option<String>,
     /// Record every N-th step of the controller
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     pub every: u8,
-    /// Bits a second on the line; a USB port of the chip itself takes any
+    /// Bits a second on the serial line; the USB port of the chip itself accepts any number
     #[arg(long, default_value_t = 921_600, value_parser = clap::value_parser!(u32).range(1..))]
     pub baud: u32,
-    /// The emitted crate that runs in the firmware [default: the one that [hardware] gives]
+    /// The emitted crate that runs in the firmware [default: the crate that follows from [hardware]]
     #[arg(long, value_name = "DIR")]
     pub module: Option<PathBuf>,
-    /// Where sensors and drive come from that the bench does not state
+    /// Bench that supplies the sensors and the drive that this bench does not state
     #[arg(long, value_name = "NAME")]
     pub preset: Option<PresetName>,
     #[command(flatten)]

@@ -1,11 +1,11 @@
-//! What a loop does, designs side by side and sweeps, in tables.
+//! Properties of a loop, designs side by side, and sweeps, as tables.
 
 use workbench::numbers::{significant, with_prefix};
 use workbench::{DesignSweep, LoopExpectations, NamedLoop, TorqueAnswer};
 
 use crate::report::table::{Align, Table};
 
-/// What the loop does.
+/// The properties of the loop.
 pub fn expectations(found: &LoopExpectations) -> String {
     let mut table = Table::without_head(&[Align::Left, Align::Left]);
     let allowed = &found.excursions;

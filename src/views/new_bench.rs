@@ -19,11 +19,16 @@ pub fn text(folder: &Path, begun: &NewBench) -> String {
         }
     }
     text.push_str(&findings::list(&begun.proposal.findings));
-    if let Some(open) = &begun.proposal.open {
-        text.push_str(&format!("\nNot yet a bench: {open}\n"));
-    }
     let place = folder.display();
+    let file = begun.written.display();
+    let first = match &begun.proposal.open {
+        Some(open) => {
+            text.push_str(&format!("\nNot yet a bench: {open}\n"));
+            format!("mend this in {file}, and write what you know of the bench under [known]")
+        }
+        None => format!("write what you know of the bench under [known] in {file}"),
+    };
     text + &format!(
-        "\nNext: what is known under [known], then\n  flywheel check {place}\n  flywheel diagnose {place}\n"
+        "\nNext: {first}; then\n  flywheel check {place}\n  flywheel diagnose {place}\n"
     )
 }

@@ -26,18 +26,18 @@ pub fn text(proof: &Proof, verdict: &ProofVerdict) -> String {
         if claim.id != last {
             last = &claim.id;
             statements.push_str(&format!("  {}: {}\n", claim.id, claim.statement));
-            statements.push_str(&format!("    for {}\n", claim.domain));
+            statements.push_str(&format!("    holds for: {}\n", claim.domain));
             if !claim.assumptions.is_empty() {
-                statements.push_str(&format!("    assuming {}\n", claim.assumptions));
+                statements.push_str(&format!("    assumes: {}\n", claim.assumptions));
             }
         }
     }
     let said = match verdict {
         ProofVerdict::Holds => {
-            "No claim fails, and each that says something of this module is settled.".to_owned()
+            "No claim fails, and every claim that applies to this module is settled.".to_owned()
         }
         ProofVerdict::Unsettled(claims) => format!(
-            "No claim fails. No engine settled {}: see the rows `not run` (exit code 3; --allow-not-run: 0).",
+            "No claim fails, but no engine settled {}: the rows `not run` give the reasons (exit code 3; 0 with --allow-not-run).",
             claims.join(", ")
         ),
         ProofVerdict::Fails(claims) => format!("Claims that FAIL: {}.", claims.join(", ")),

@@ -157,8 +157,8 @@ fn coarse_inverse_root_contract() {
     coarse_inverse_root_q30(kani::any());
 }
 
-// What follows stands for a function by its contract: any result that the contract allows, for arguments
-// that it allows. Rows of products with bounds that are no powers of two do not close as bits; these
+// The stubs below replace a function by its contract: they return any result that the contract allows, for arguments
+// that the contract allows. Rows of products with bounds that are no powers of two do not close as bits; these
 // contracts are proved by the checker, which reads them in the source, by intervals.
 
 /// Any words within ±`limit`.

@@ -16,13 +16,13 @@ use crate::numbers::significant;
 /// 6° aside, a sensor that is soldered aslant some more.
 const APART_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
-/// What gravity may read, m/s²; as for an emitted controller.
+/// Allowed readings of gravity, m/s², as for an emitted controller.
 const GRAVITY_READS: [f64; 2] = [8.0, 11.5];
 
 /// Scales that differ by more are of another part or setting.
 const DIFFER: f64 = 1.2;
 
-/// What the recordings of `[bring_up]` show: the result of [`bring_up`].
+/// The result of [`bring_up`]: signs and axes by the recordings of `[bring_up]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BringUpReport {
     /// Signs; null where the recordings do not show one.
@@ -36,22 +36,22 @@ pub struct BringUpReport {
     pub off_axes_rad: Option<f64>,
     /// From hanging to tilted, rad.
     pub tilt_rad: Option<f64>,
-    /// What the recordings do not show, or what bench.toml says otherwise.
+    /// Recordings that do not show what they should, and entries of bench.toml that contradict them.
     pub contradictions: Vec<Contradiction>,
 }
 
 /// 1 or −1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BringUpSigns {
-    /// Of the gyroscope's axis along the pivot, when the body turns towards positive α.
+    /// Sign of the gyroscope's axis along the pivot, when the body turns towards positive α.
     pub gyroscope: Option<i8>,
-    /// Of the accelerometer's axis that lies along the body's x (from the pivot to the centre of mass).
+    /// Sign of the accelerometer's axis along the body's x (from the pivot to the centre of mass).
     pub accelerometer: Option<i8>,
-    /// Of the counts of an encoder on the pivot over α.
+    /// Sign of the counts of an encoder on the pivot over α.
     pub angle: Option<i8>,
-    /// Of the word of the wheel's sensor over its speed (of an encoder: over its angle).
+    /// Sign of the word of the wheel's sensor over the wheel's speed (of an encoder: over the wheel's angle).
     pub wheel_speed: Option<i8>,
-    /// Of the current over the duty: the sign of amperes_per_count.
+    /// Sign of the current over the duty, which is that of amperes_per_count.
     pub drive: Option<i8>,
 }
 
@@ -72,7 +72,7 @@ pub struct Contradiction {
     pub recording: String,
     /// The key of bench.toml that mends it.
     pub key: String,
-    /// What to write there, where that is known.
+    /// The value to write there, if it is known.
     pub value: Option<String>,
     /// One or two sentences.
     pub sentence: String,
@@ -154,7 +154,7 @@ impl BringUpReport {
             Doubt::Moved { recording, by_rad } => (
                 recording,
                 format!(
-                    "the body turns by {} in this recording, in which it should not move; is it another one?",
+                    "the body turns by {} in this recording, in which it should be still; check which file is named here",
                     degrees(by_rad)
                 ),
             ),
@@ -179,7 +179,7 @@ impl BringUpReport {
             ),
             Doubt::GyroscopeStill => (
                 "tilted",
-                "the accelerometer turns and the gyroscope sees nothing: it is not connected, or not \
+                "the accelerometer shows a turn, but the gyroscope shows none: the gyroscope is not connected, or not \
                  switched on"
                     .to_owned(),
             ),
@@ -191,11 +191,11 @@ impl BringUpReport {
             ),
             Doubt::DutyChanges { recording } => (
                 recording,
-                "the duty changes, and no current should flow here; is it another recording?".to_owned(),
+                "the duty changes, although no current should flow in this recording; check which file is named here".to_owned(),
             ),
             Doubt::DutyStill => (
                 "current_step",
-                "the duty does not change, and a current should be stepped here; is it another recording?"
+                "the duty does not change, although this recording should contain a step of the current; check which file is named here"
                     .to_owned(),
             ),
             Doubt::Backwards => (
@@ -355,7 +355,7 @@ impl BringUpReport {
                 "[hardware.drive] amperes_per_count",
                 Some(significant(-stated, 9)),
                 format!(
-                    "a {} duty drives the wheel forward, and a positive current does that",
+                    "a {} duty drives the wheel forward, so it means a positive current; the stated sign says the opposite",
                     if found < 0.0 { "smaller" } else { "larger" }
                 ),
             );
@@ -363,14 +363,15 @@ impl BringUpReport {
     }
 }
 
-/// Angle of the rotation between two.
+/// Angle of the rotation from `a` to `b`, rad.
 fn apart(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
     (((a.transpose() * b).trace() - 1.0) / 2.0)
         .clamp(-1.0, 1.0)
         .acos()
 }
 
-/// The right-handed naming of axes that is nearest to a rotation among those that are `allowed`, and how far it is.
+/// The right-handed assignment of axes, among those that are `allowed`, that is nearest to a rotation, and the angle
+/// between the two in rad.
 fn nearest(
     rotation: &Matrix3<f64>,
     allowed: impl Fn(&Matrix3<f64>) -> bool,

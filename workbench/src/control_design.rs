@@ -138,8 +138,8 @@ impl ControlDesign {
         })
     }
 
-    /// A name for the model: that of its file; that of its folder if the file is called model.toml; that
-    /// of the bench if it is in memory.
+    /// The name of the model: its file's name, or the folder's name if the file is called model.toml, or the bench's
+    /// name for a model in memory.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -184,7 +184,8 @@ impl ControlDesign {
         )
     }
 
-    /// What the linear model takes of learned curves and of the effects of users, one sentence each.
+    /// Sentences about the learned curves and the effects of users: which of them the linear model takes in, and with
+    /// which slope.
     pub fn upright_notes(&self) -> Vec<String> {
         let upright = self.file.model_upright();
         let effects = self.model.effects().iter().copied();

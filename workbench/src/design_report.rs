@@ -90,7 +90,7 @@ pub struct DesignReport {
     pub margins: LoopMargins,
     /// Steady wheel speed per rad of bias of the measured angle, rad/s per rad.
     pub wheel_speed_per_angle_bias: f64,
-    /// What the linear model takes of learned curves and of the effects of users; sentences.
+    /// Sentences about the learned curves and the effects of users in the linear model.
     pub upright: Vec<String>,
     /// The loop with none and with all of the Coulomb friction, where there is any.
     pub friction_extremes: Option<[FrictionExtreme; 2]>,
@@ -323,7 +323,7 @@ impl ControlDesign {
         })
     }
 
-    /// What the errors of the parameters do to the poles; none where the file states none.
+    /// The effect of the parameters' errors on the poles; `None` if the file states no errors.
     fn pole_uncertainty(&self) -> Result<Option<PoleUncertainty>, design::DesignError> {
         let Some(parameters) = self.uncertain_parameters() else {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! What becomes of a design while one of its wishes moves.
+//! A design repeated over the values of one of its settings.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::loop_expectations::ExpectationSettings;
 use crate::output_file::OutputFile;
 
-/// What can be moved.
+/// The settings that a sweep can vary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Swept {
@@ -72,7 +72,7 @@ impl Swept {
 /// A sweep: the result of [`ControlDesign::sweep`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DesignSweep {
-    /// What moves.
+    /// The setting that varies.
     pub swept: Swept,
     /// One row a value.
     pub rows: Vec<SweepRow>,
@@ -83,7 +83,7 @@ pub struct DesignSweep {
 pub struct SweepRow {
     /// The value, in the unit of what moves.
     pub value: f64,
-    /// What it gives; `None` where there is no design.
+    /// The design at this value; `None` if there is none.
     pub point: Option<SweepPoint>,
     /// Why there is none, a sentence; empty where there is one.
     pub failure: String,

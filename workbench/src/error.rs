@@ -82,10 +82,10 @@ pub enum Error {
     },
     /// There is no such coordinate.
     #[error(
-        "nothing can be learned over \"{name}\"; a curve stands over angle, rate, wheel_speed or wheel_angle"
+        "there is no coordinate \"{name}\"; a curve can be learned over angle, rate, wheel_speed or wheel_angle"
     )]
     UnknownCoordinate {
-        /// What was asked for.
+        /// The coordinate that was asked for.
         name: String,
     },
     /// The model does not have the effect.
@@ -99,7 +99,7 @@ pub enum Error {
         present: Vec<String>,
     },
     /// A parameter of the model has another unit than the bench now gives.
-    #[error("{}: {parameter} is in \"{found}\", but the present bench gives \"{unit}\"", model.display())]
+    #[error("{}: {parameter} is in \"{found}\", but the bench now gives \"{unit}\"", model.display())]
     ParameterUnit {
         /// The model's file.
         model: PathBuf,
@@ -113,7 +113,7 @@ pub enum Error {
         unit: String,
     },
     /// The model lacks a parameter that the logs of this bench depend on.
-    #[error("{}: lacks [parameters.{parameter}]", model.display())]
+    #[error("{}: lacks [parameters.{parameter}], on which the logs of the bench depend", model.display())]
     ParameterMissing {
         /// The model's file.
         model: PathBuf,
@@ -176,7 +176,7 @@ pub enum Error {
         /// The contradiction.
         reason: String,
     },
-    /// What the generator emitted cannot be read back.
+    /// The emitted source cannot be read back.
     #[error("{}: the emitted {reason}", model.display())]
     Emitted {
         /// The model's file.
@@ -199,7 +199,7 @@ pub enum Error {
     #[error(transparent)]
     Prove(#[from] ProveError),
     /// A claim fails even before the crate was damaged.
-    #[error("{}: the claim {claim} fails without any damage", folder.display())]
+    #[error("{}: claim {claim} fails before anything is damaged", folder.display())]
     FailsUndamaged {
         /// The emitted crate.
         folder: PathBuf,

@@ -1,5 +1,5 @@
-//! What a designed loop does, before anything is generated: over frequency, under torques and noise, and how far off
-//! upright it may start.
+//! Properties of a designed loop before anything is generated: over frequency, under torques and noise, and the largest
+//! start from which it recovers.
 
 use bench_files::DesignSection;
 use design::{
@@ -37,7 +37,7 @@ const DURATION_S: (f64, f64) = (0.5, 20.0);
 /// Resolution of the largest recoverable angle, rad: a fiftieth of a degree.
 const ANGLE_RESOLUTION_RAD: f64 = 3.5e-4;
 
-/// What is asked of a loop beyond its model.
+/// Settings of the expectations, beside the model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExpectationSettings {
     /// How late the current reaches the motor, s, on top of the model's own delay.
@@ -46,19 +46,19 @@ pub struct ExpectationSettings {
     pub noise: BenchNoise,
 }
 
-/// What a loop does: the result of [`ControlDesign::expectations`]. The curves are not part of the JSON; the figures
-/// have them.
+/// Properties of a loop: the result of [`ControlDesign::expectations`]. The curves are not part of the JSON; the
+/// figures have them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoopExpectations {
-    /// What the weights allow at equal cost (Bryson's rule).
+    /// The excursions that have equal cost with these weights (Bryson's rule).
     pub excursions: AllowedExcursions,
-    /// How late the current reaches the motor, s: the model's own delay and the one that was asked for.
+    /// Delay of the current in s: the delay in the model plus the delay that was asked for.
     pub delay_s: f64,
-    /// Whether the loop is stable with that delay; where it is not, there is nothing below.
+    /// Whether the loop is stable with that delay. If it is not, all fields below are `None`.
     pub stable: bool,
-    /// What it bears beyond that delay.
+    /// Margins of the loop with that delay; the delay margin comes on top of the delay.
     pub margins: Option<LoopMargins>,
-    /// Where the open loop has the size 1 with the least phase, rad/s.
+    /// The frequency in rad/s at which the open loop has the magnitude 1, with the smallest phase margin.
     pub crossover_rad_s: Option<f64>,
     /// Largest angle at rest from which the nonlinear bench comes up under this law, with that delay and no noise.
     pub recoverable_angle_rad: Option<f64>,
@@ -66,14 +66,14 @@ pub struct LoopExpectations {
     pub step: Option<TorqueAnswer>,
     /// The answer to a push.
     pub push: Option<TorqueAnswer>,
-    /// What the sensors' noise does.
+    /// The effect of the sensors' noise.
     pub noise: Option<NoiseExpectation>,
     /// The open loop.
     #[serde(skip)]
     pub frequencies: Vec<LoopFrequency>,
 }
 
-/// How far the quantities may go at equal cost; infinite (null) where one costs nothing.
+/// The excursions that have equal cost; infinite (null) for a quantity without weight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AllowedExcursions {
     /// Angle.
@@ -113,7 +113,7 @@ pub struct TorqueAnswer {
 /// Noise in the loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NoiseExpectation {
-    /// Of the sensors: rad, rad/s, rad/s, a sample.
+    /// Standard deviations of the sensors' noise in a sample: rad, rad/s, rad/s.
     pub sensors: [f64; 3],
     /// Where each comes from.
     pub sources: [String; 3],
@@ -126,7 +126,7 @@ pub struct NoiseExpectation {
 }
 
 impl ControlDesign {
-    /// What the loop does. Takes a few hundredths of a second.
+    /// The properties of the loop. Takes a few hundredths of a second.
     ///
     /// # Errors
     /// [`Error::Design`] where a number is none; [`Error::Simulate`].
@@ -233,7 +233,7 @@ impl ControlDesign {
         };
         let values = self.values();
         let torque = STEP_SHARE * values[TORQUE_CONSTANT] * self.wishes().current_limit_a;
-        // What the torque of the step gives over the time in which the body falls by a factor e.
+        // The impulse of the step's torque over the time in which a fall grows by a factor e.
         let inertia = values[TOTAL_INERTIA] - values[WHEEL_INERTIA];
         let impulse = torque * (inertia / values[GRAVITY_TORQUE]).sqrt();
         let of = |disturbance| {
@@ -278,7 +278,7 @@ impl ControlDesign {
         (TIME_CONSTANTS / slowest).clamp(DURATION_S.0, DURATION_S.1)
     }
 
-    /// What noise does to the loop with this delay.
+    /// The effect of noise on the loop with this delay.
     pub(crate) fn noise_expectation(
         &self,
         delay_s: f64,

@@ -14,7 +14,7 @@ use crate::error::Error;
 pub struct LoopResponse {
     /// `transient` or `disturbance`.
     pub scenario: String,
-    /// What happens in it, in one sentence.
+    /// The scenario in one sentence.
     pub about: String,
     /// Whether the body fell.
     pub fell: bool,

@@ -166,7 +166,7 @@ pub enum Problem {
     },
     /// A held value for a channel that is not an input.
     #[error(
-        "\"{key}\" cannot be held constant; only the input can: constants = {{ current = 0.6 }}"
+        "\"{key}\" cannot stand under constants; only the current can be held constant, for example constants = {{ current = 0.6 }}"
     )]
     NotAnInput {
         /// The channel's key.
@@ -253,7 +253,7 @@ pub enum Problem {
         names: Names,
     },
     /// A recording that is too short to show anything.
-    #[error("{rows} rows: a recording of [bring_up] has at least {least}")]
+    #[error("the recording has {rows} rows; a recording of [bring_up] needs at least {least}")]
     ShortRecording {
         /// Its rows.
         rows: usize,
@@ -387,7 +387,9 @@ pub enum Problem {
         times: usize,
     },
     /// A line has more or fewer cells than the header.
-    #[error("this line has {found} cells, the header has {expected}; every line needs as many")]
+    #[error(
+        "this line has {found} cells, but the header has {expected}; every line needs {expected}"
+    )]
     RaggedRow {
         /// Cells of the header.
         expected: u64,

@@ -78,7 +78,7 @@ const fn inertial(
 
 /// All presets. The settings of drives are made in a configuration tool, so only the number of bits
 /// and the ends of the duty follow from the part.
-static PARTS: [Part; 18] = [
+static PARTS: &[Part] = &[
     Part {
         name: "FXAS21002",
         role: Role::Gyroscope,
@@ -228,7 +228,7 @@ pub(super) fn named(name: &str, roles: &[Role]) -> Option<&'static Part> {
 
 /// Every part with a preset, once for each of its roles.
 pub fn known_parts() -> &'static [Part] {
-    &PARTS
+    PARTS
 }
 
 impl Part {
@@ -252,4 +252,18 @@ pub(super) fn names(roles: &[Role]) -> Vec<&'static str> {
         .filter(|part| roles.contains(&part.role))
         .map(|part| part.name)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_found_however_its_name_is_written() {
+        for name in ["MPU-6050", "mpu6050", "MPU 6050"] {
+            let part = named(name, &[Role::Gyroscope]).expect("the part is known");
+            assert_eq!(part.name, "MPU-6050");
+        }
+        assert!(named("MPU-6050", &[Role::Encoder]).is_none());
+    }
 }

@@ -17,10 +17,10 @@ use crate::exact::matrices::{Vector, dot};
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 
-/// What is left of a constant bias at rest must be below this share.
+/// The share of a constant bias that may remain at rest.
 const LEFT_MAX: i32 = 100;
 
-/// What comes of the claim.
+/// The outcome of the claim.
 pub fn by_exact_arithmetic(
     certificate: &Certificate,
     module: &Module,

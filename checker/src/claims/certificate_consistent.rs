@@ -358,8 +358,8 @@ fn check_claims(certificate: &Certificate) -> Check {
     Ok(())
 }
 
-/// What is known of sensors and drive apart from their words, and what of it is assumed, as the
-/// documents say it.
+/// The documents of the crate state the sensors and the drive as the certificate does, and name
+/// what was assumed about them.
 fn check_hardware_documents(certificate: &Certificate, module: &Module) -> Check {
     let text = |path: &str| {
         module

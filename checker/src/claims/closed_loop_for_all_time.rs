@@ -43,7 +43,7 @@ use crate::exact::rational::{half, integer, power_of_two, root_above, rounded_up
 /// Bits after the point of the powers of F.
 const BITS: usize = 192;
 
-/// What the states are called.
+/// The names of the states.
 const STATES: [&str; 3] = ["angle", "rate", "wheel speed"];
 
 /// Stated bounds may be rounded up by this share, not more.
@@ -51,7 +51,7 @@ fn slack() -> BigRational {
     BigRational::new(1.into(), 1_000_000_000.into())
 }
 
-/// What holds of the closed loop, all rounded up where not exact.
+/// The properties of the closed loop that were proved; numbers that are not exact are rounded up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosedLoopBounds {
     /// Largest magnitudes of the states in E.
@@ -66,7 +66,7 @@ pub struct ClosedLoopBounds {
     pub cases: Vec<CaseBounds>,
 }
 
-/// What one kind of perturbation does.
+/// The effect of one kind of perturbation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseBounds {
     /// Its name.
@@ -93,7 +93,7 @@ pub fn loops(certificate: &Certificate, law: &EmittedLaw) -> (Matrix, Matrix) {
     (with(&minus_k), with(&law.gains))
 }
 
-/// What comes of the claim, and the bounds if it holds.
+/// The outcome of the claim, and the bounds if it holds.
 pub fn by_exact_arithmetic(
     certificate: &Certificate,
     law: &EmittedLaw,
@@ -236,7 +236,7 @@ fn bounds(
         return Err("the real law saturates within the invariant set".to_owned());
     }
     let extents = [reach(&rows[0])?, reach(&rows[1])?, reach(&rows[2])?];
-    // What is cheap to check comes before what takes long to add up.
+    // The cheap checks come before the long sums.
     for (index, name) in STATES.iter().enumerate() {
         is_as_stated(
             &format!("the extent of the invariant set along the {name}"),
@@ -343,7 +343,7 @@ fn bounds(
     })
 }
 
-/// What the two loops need for the worst difference of one row.
+/// The data of the two loops for the worst difference of one row.
 struct Response<'a> {
     exact: &'a Matrix,
     quantised: &'a Matrix,

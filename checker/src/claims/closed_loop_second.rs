@@ -13,7 +13,7 @@ const FOR_ALL_TIME: &str = include_str!("../../second/closed_loop.py");
 /// Of `loop-as-shipped` and `motion-kept-up`.
 const AS_SHIPPED: &str = include_str!("../../second/loop_as_shipped.py");
 
-/// Settles `closed-loop-for-all-time` by the second checker, where Python is.
+/// Settles `closed-loop-for-all-time` by the second checker, if Python is installed.
 pub fn by_python(emitted: &Emitted) -> ClaimOutcome {
     run(FOR_ALL_TIME, emitted)
 }

@@ -37,7 +37,7 @@ pub fn check_stable(certificate: &Certificate, law: &EmittedLaw) -> Result<(), S
     }
 }
 
-/// What is known of a box of parameters.
+/// The knowledge about a box of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stability {
     Stable,
@@ -74,7 +74,7 @@ pub(crate) fn criterion<R: Number>(m: &[[R; 3]; 3], sample_time: &BigRational) -
     [h3, h2, h1, c, cross]
 }
 
-/// What the five numbers say.
+/// The conclusion from the five numbers.
 pub(crate) fn verdict_of(all: &[&Enclosure]) -> Stability {
     if all.iter().all(|value| value.is_positive()) {
         Stability::Stable

@@ -11,7 +11,7 @@ use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 use crate::program::steps::Program;
 
-/// The rounding of the law that the source implements, and that its gains are the stated ones.
+/// Checks the rounding of the law in the source, and that its gains are the stated ones.
 pub fn by_intervals(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
     let bound = rounded_up(&law.rounding, 4);
     let gains_agree = certificate

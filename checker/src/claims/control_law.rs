@@ -46,7 +46,9 @@ pub enum LawError {
     #[error("{0}")]
     Finding(#[from] Finding),
     /// The result is not a saturated linear form.
-    #[error("the command is no linear form of the states, clamped to plus and minus one limit")]
+    #[error(
+        "the command is not a linear form of the states that is clamped to plus and minus one limit"
+    )]
     NotLinear,
     /// There is no limit, or it is not positive.
     #[error("src/control.rs has no positive constant CURRENT_LIMIT")]

@@ -34,7 +34,7 @@ pub fn by_directions(module: &Module, certificate: &Certificate) -> ClaimOutcome
     ClaimOutcome::Proved("sums, factors, rounding down and a clamp keep the direction".to_owned())
 }
 
-/// What the states are called.
+/// The names of the states.
 const STATES: [&str; 3] = ["angle", "rate", "wheel speed"];
 
 /// The questions to z3, one for each state.

@@ -6,7 +6,7 @@ use crate::claims::outcome::ClaimOutcome;
 use crate::domains::smt::{Question, SolverAnswer, TIMEOUT_MS, answered};
 use crate::program::steps::Program;
 
-/// What reading the law has shown of it.
+/// The outcome that follows from reading the law.
 pub fn by_intervals(law: &Result<EmittedLaw, LawError>) -> ClaimOutcome {
     match law {
         Err(error) => ClaimOutcome::Failed(error.to_string()),

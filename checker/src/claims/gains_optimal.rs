@@ -113,7 +113,7 @@ pub fn check(certificate: &Certificate) -> Result<(), String> {
     if !p.iter().flatten().all(|entry| entry.is_finite()) {
         return Err("the loop with the stated gains has no finite cost".to_owned());
     }
-    // What one sample costs and what it leaves, as a form of (x, u).
+    // The cost of one sample plus the cost of all later ones, as a quadratic form of (x, u).
     let mut left = e;
     left[3] = [0.0; 4];
     let form = sum(&w, &congruent(&p, &left));

@@ -37,7 +37,7 @@ const ROUNDS: usize = 40;
 /// Terms of the series for q.
 const TERMS: i128 = 24;
 
-/// What is shown.
+/// The region that was proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProvedRegion {
     /// r₁: size of the region, E having 1.
@@ -64,7 +64,7 @@ struct Loop {
     q: BigRational,
 }
 
-/// What comes of the claim, with the bounds of `closed-loop-for-all-time` if they hold.
+/// The outcome of the claim, with the bounds of `closed-loop-for-all-time` if that claim holds.
 pub fn by_exact_arithmetic(
     certificate: &Certificate,
     bounds: Option<&ClosedLoopBounds>,
@@ -75,7 +75,7 @@ pub fn by_exact_arithmetic(
     };
     match check(certificate, stated, bounds, law) {
         Ok(region) => ClaimOutcome::Proved(format!(
-            "from rest up to {} rad; from {} of the ellipsoid (which reaches {} rad, {} rad/s, {} rad/s) into {} of it",
+            "from rest at up to {} rad; from {} of the ellipsoid (angle up to {} rad, rate {} rad/s, wheel speed {} rad/s) into {} of it",
             rounded_up(
                 &((&region.from_rest * power(10, 4)).floor() * power(10, -4)),
                 4
@@ -228,7 +228,7 @@ impl Loop {
         None
     }
 
-    /// How far angle, rate and wheel speed come within one sample while they keep to `bounds`.
+    /// The largest change of angle, rate and wheel speed within one sample while they stay within `bounds`.
     fn reached(&self, bounds: &Vector, current: &BigRational) -> Vector {
         // sin α − α adds to the angle's share at most g α²/6 times α.
         let sine = &self.gravity * &bounds[0] * &bounds[0] / integer(6);

@@ -6,7 +6,7 @@ use crate::language::emitted::Emitted;
 use crate::language::manifest;
 use crate::language::module::Module;
 
-/// What a firmware calls: structs whose fields it fills or reads, functions and methods. All are `pub`.
+/// The items that a firmware uses: structs whose fields it fills or reads, functions and methods. All are `pub`.
 const FIELDS: [&str; 2] = ["Sample", "Duty"];
 const FUNCTIONS: [&str; 17] = [
     "control",

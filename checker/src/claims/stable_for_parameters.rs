@@ -5,7 +5,8 @@
 //! quantile for as many degrees of freedom as there are uncertain ones among them. This box contains
 //! their 95 % ellipsoid whatever the correlations are (the ellipsoid's projection on an axis is that interval). It is halved until
 //! the criterion holds on every part in outward-rounded intervals, by the slopes over the part ([`crate::exact::slopes`]), and along
-//! the parameter that moves the number in doubt the most. Where the halving ends before that, nothing is shown and nothing refuted.
+//! the parameter that moves the number in doubt the most. If the largest number of halvings is reached first, the claim
+//! is neither proved nor refuted.
 //!
 //! **Model.** In coordinates (angle, rate, absolute wheel speed ψ = α̇ + φ̇), D = Θ − j_w,
 //!
@@ -31,7 +32,7 @@ const CHI_SQUARED_95: [&str; 7] = [
     "3.842", "5.992", "7.815", "9.488", "11.071", "12.592", "14.068",
 ];
 
-/// How often boxes are halved before the sweep gives up.
+/// Largest number of halvings; after them the claim is left open.
 const BOXES: usize = 4_000;
 
 /// How many parameters the linear model depends on.
@@ -68,7 +69,7 @@ pub enum RegionFailure {
     Undecided(String),
 }
 
-/// What comes of the claim.
+/// The outcome of the claim.
 pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
     match check_region(certificate, law) {
         Ok(region) if region.uncertain.is_empty() => ClaimOutcome::Proved(
@@ -119,8 +120,8 @@ pub fn check_region(
             }
         }
     }
-    // The ellipsoid of those that the loop depends on: what the others are does not matter to it, and
-    // its projection has as many degrees of freedom.
+    // The ellipsoid of the parameters on which the loop depends. The loop does not depend on the others, so the χ²
+    // quantile is the one for as many degrees of freedom as there are uncertain parameters here.
     let count = errors.iter().filter(|error| !error.is_zero()).count();
     let quantile = CHI_SQUARED_95
         .get(count.saturating_sub(1))
@@ -245,7 +246,7 @@ impl Model {
         if !d.is_positive() || !wheel.is_positive() {
             return Err("the inertias must satisfy total > wheel > 0".to_owned());
         }
-        // What of A and B follows from the parameters alone must agree with them.
+        // The entries of A and B that follow from the parameters alone must agree with them.
         let checks = [
             ("B[1]", &b[1], -torque / &d),
             ("B[2]", &b[2], theta * torque / (wheel * &d)),

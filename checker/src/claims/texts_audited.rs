@@ -27,7 +27,7 @@ pub fn texts(emitted: &Emitted) -> Result<Vec<&'static AuditedText>, String> {
     found.collect()
 }
 
-/// What the audit of these texts has shown beyond this run, in a sentence; empty where they were not
+/// A sentence about the results of the audit that go beyond this run; empty for texts that were not
 /// audited.
 pub fn audit_of(emitted: &Emitted) -> String {
     let Ok(texts) = texts(emitted) else {

@@ -7,7 +7,7 @@ use crate::language::module::Module;
 /// Directions about the pivot axis that are tried.
 const DIRECTIONS: u32 = 3_600;
 
-/// What the accelerometer shows upright.
+/// The reading of the accelerometer when the body is upright.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Upright {
     /// Counts along the three axes, by the calibration's scale but not its bias.

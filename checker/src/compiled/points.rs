@@ -2,9 +2,8 @@
 //!
 //! For each function, these are random words, ends of ranges, and the numbers in its source with their
 //! neighbours. Then follow pairs of arguments that take different branches. The boundary between them is located
-//! by halving, and both of its sides become points. A function of one short
-//! word is run on all of them. Objects are run near upright, as they are used, with odd and
-//! even counts, and occasionally with arbitrary counts.
+//! by halving, and both of its sides become points. A function of one short word is run on every value of the word.
+//! Objects are run near upright, as they are used, with odd and even counts, and occasionally with arbitrary counts.
 
 use crate::claims::filter_exact::draw::Draw;
 use crate::claims::random::Random;

@@ -67,7 +67,7 @@ impl Polynomial {
         self.low.is_zero() && self.high.is_zero()
     }
 
-    /// The number that this is, if it is one.
+    /// Its value, if the polynomial is a constant without remainder.
     pub fn number(&self) -> Option<BigRational> {
         let is_number = self.is_exact() && self.terms.keys().all(Vec::is_empty);
         is_number.then(|| self.terms.get(&Vec::new()).cloned().unwrap_or_default())

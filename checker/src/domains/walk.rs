@@ -153,7 +153,8 @@ pub trait Domain {
         message: &str,
     ) -> Result<(), Self::Stop>;
 
-    /// The results of a call that its contract represents, one for each range that it ensures.
+    /// The results of a call that is represented by the contract of the function: one word for each range that the
+    /// contract ensures.
     ///
     /// # Errors
     /// The reason to end the walk.

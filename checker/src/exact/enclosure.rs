@@ -72,7 +72,7 @@ impl Enclosure {
         self.high.abs().max(self.low.abs())
     }
 
-    /// What lies in both; `None` where nothing does.
+    /// The intersection of both; `None` if it is empty.
     pub fn common(&self, other: &Self) -> Option<Self> {
         let low = self.low.clone().max(other.low.clone());
         let high = self.high.clone().min(other.high.clone());

@@ -1,4 +1,4 @@
-//! What is declared in an emitted crate: files, types, constants and functions.
+//! The declarations of an emitted crate: files, types, constants and functions.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -100,7 +100,7 @@ pub struct Argument {
     pub type_: Type,
     /// Whether it is `&` or `&mut`.
     pub is_reference: bool,
-    /// Whether it is `&mut`, so that its value comes back to the caller.
+    /// Whether the argument is `&mut`: its value is then returned to the caller.
     pub is_mutable: bool,
 }
 

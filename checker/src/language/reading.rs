@@ -332,7 +332,7 @@ impl Declarations {
                 finder.visit_block(&function.block);
             })?;
             let (arguments, result) = self.signature(module, path, &function.sig, Some(owner))?;
-            // What a step keeps about a state holds only if nothing else can write it.
+            // An invariant of a state that every step keeps holds only if nothing else can write the state.
             let is_mutating = arguments.first().is_some_and(|first| first.is_mutable);
             if is_mutating && self.structs[owner].is_open {
                 return refuse(

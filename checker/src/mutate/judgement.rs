@@ -1,4 +1,4 @@
-//! Which engine detects a mutant, and what is known about those that none detects.
+//! Which engine detects a mutant, and a judgement of the mutants that no engine detects.
 
 use std::collections::BTreeMap;
 

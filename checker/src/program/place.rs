@@ -41,6 +41,6 @@ impl fmt::Display for SourcePlace {
 pub struct SourceError {
     /// Where.
     pub place: SourcePlace,
-    /// What was found, and what is understood there.
+    /// The construct that was found, and those that are allowed there.
     pub message: String,
 }

@@ -7,8 +7,9 @@ use crate::claims::outcome::{ClaimOutcome, KANI};
 use crate::prove::results::{ClaimResult, Table};
 use crate::prove::settings::ProofSettings;
 
-/// Claims that harnesses of the crate `verify` settle. A harness belongs to the claim that its name begins with; one
-/// that is called like none of them shows a contract or a range that the others rest on, which is part of `primitives`.
+/// Claims that harnesses of the crate `verify` settle. A harness belongs to the claim with whose name it begins. A
+/// harness that begins with no claim's name shows a contract or a range on which other harnesses rest; it counts for
+/// `primitives`.
 const CLAIMS: [&str; 6] = [
     "control-total",
     "control-accurate",

@@ -104,7 +104,7 @@ pub fn passed(results: &[ClaimResult]) -> bool {
 /// not decided.
 pub(crate) fn complete(rows: Vec<ClaimResult>, why: &str) -> Vec<ClaimResult> {
     let mut table = Table(rows, None);
-    for claim in &CLAIMS {
+    for claim in CLAIMS {
         if table.0.iter().all(|row| row.id != claim.id) {
             let outcome = ClaimOutcome::NotRun(why.to_owned());
             table.row(claim.id, claim.engine, outcome, 0.0);

@@ -79,7 +79,7 @@ fn the_pendulum_returns_from_all_over_the_boundary_and_never_leaves() {
         let mut x = direction.map(|x| x / norm(direction) * outer);
         let mut least = f64::INFINITY;
         for _ in 0..3_000 {
-            // The count next to the value, on either side, as it comes.
+            // One of the two counts nearest to the value, chosen at random.
             let seen = [0, 1, 2].map(|i| {
                 let side = random.choice(2) as f64 - 0.5;
                 x[i] + side * steps[i]

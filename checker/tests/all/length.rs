@@ -30,8 +30,9 @@ fn beside_one(distance: f64) -> BigRational {
 }
 
 /// The largest error of q S(ε) is (1 + ε) S² − 1 = 5ε³/8 − 15ε⁴/64 + 9ε⁵/64 at the longest sum,
-/// ε = 3/64 + 2⁻¹¹ + …: 6.6e-5. So the bound is neither below nor far above it. The range is taken
-/// term by term, so that −15ε⁴/64 = −1.2e-6 counts in full below.
+/// ε = 3/64 + 2⁻¹¹ + …: 6.6e-5. The proved bound is therefore at least the largest error that was
+/// found, and not far above that error. The range is taken term by term, so that −15ε⁴/64 = −1.2e-6
+/// counts in full below.
 #[test]
 fn is_proved_and_tight() {
     let found = lengths(&module(&sources())).unwrap();

@@ -1,4 +1,4 @@
-//! A proposal in parts, so that its user can correct one and have the whole written anew.
+//! A proposal in parts: the user corrects one part, and the whole is written anew.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use super::Draft;
 use super::columns::Mapped;
 use super::kind::HELD_AT_WHAT;
 
-/// What stands beside a line that its user has decided.
+/// The reason that is written beside a line which the user has decided.
 const BY_HAND: &str = "corrected by hand";
 
-/// What is chosen for one file.
+/// The choices for one file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Choices {
     /// The kind of experiment.
@@ -40,7 +40,7 @@ pub struct Choices {
     pub time_step_s: Option<f64>,
 }
 
-/// What a column is.
+/// The channel of a column, with unit, sign and offset.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ColumnChoice {
     /// The channel: time, angle, rate, wheel_speed, wheel_angle or current.
@@ -58,7 +58,7 @@ pub struct ColumnChoice {
     pub reason: String,
 }
 
-/// What a user says of dropped files.
+/// The corrections of a user to the proposal for dropped files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Corrections {
@@ -82,7 +82,7 @@ pub fn units_of(channel: Channel) -> &'static [&'static str] {
 }
 
 impl Draft {
-    /// What the draft says.
+    /// The choices that the draft makes.
     pub(super) fn choices(&self) -> Choices {
         Choices {
             kind: self.kind.name().to_owned(),
@@ -112,7 +112,8 @@ impl Draft {
         }
     }
 
-    /// Takes its user's choices in place of what was proposed; what is as it was keeps its reason.
+    /// Replaces the proposal by the user's choices. A choice that equals the proposal keeps the
+    /// reason of the proposal.
     ///
     /// # Errors
     /// A sentence: a kind, a channel, a column or a unit that is none; a column that is used twice.

@@ -85,8 +85,8 @@ pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
     propose_with(folder, files, &Corrections::default()).map(|(proposal, _)| proposal)
 }
 
-/// As [`propose`], with what a user has corrected. The second value are the corrections that make no sense, as
-/// sentences: what they are of is as it was proposed.
+/// As [`propose`], with the corrections of a user. The second value lists the corrections that make no sense, one
+/// sentence each; the file that such a correction concerns keeps its proposal.
 ///
 /// # Errors
 /// As for [`propose`].

@@ -404,7 +404,8 @@ mod tests {
     use crate::truth::Outsider;
     use plant::Kind;
 
-    /// A bench with two free swings, what its base fit leaves, and what is left of that beside these suspects.
+    /// For a bench with two free swings: the misfit of the base model, and the misfit that remains beside these
+    /// suspects.
     fn left(hidden: Hidden, suspects: &[EffectId]) -> (f64, f64) {
         let truth = Truth {
             base: [2.30344e-3, 1.36125e-4, 0.245158, 0.0335],

@@ -61,7 +61,8 @@ pub struct Choice {
     pub has_rate: bool,
     /// Which of Θ, j_w, G, τ are known.
     pub known: [Option<f64>; 4],
-    /// What a ruler says: from the second list of the exam on, the way from the pivot to the wheel.
+    /// The lengths that were measured with a ruler: from the second list of the exam on, the distance from the pivot to
+    /// the wheel.
     pub measured: Known,
     /// Largest current of a spin-up (A), and the wheel speed that it reaches (rad/s).
     pub top: (f64, f64),

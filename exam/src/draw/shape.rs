@@ -17,8 +17,8 @@ pub struct TermShape {
     pub guess: f64,
 }
 
-/// From the pivot to the wheel's axis in m: that of the thesis' bench, in the proportion of a bench of this inertia Θ
-/// (kg m²) in the same materials, whose inertia grows with the fifth power of its lengths.
+/// Distance from the pivot to the wheel's axis in m, scaled from the bench of the thesis: for equal materials the
+/// inertia Θ (kg m²) grows with the fifth power of the lengths.
 pub fn pivot_to_wheel_m(total_inertia: f64) -> f64 {
     0.085 * (total_inertia / 2.3e-3).powf(0.2)
 }

@@ -43,11 +43,11 @@ pub enum Fault {
     Timer,
 }
 
-/// What came of a tick.
+/// The result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tick {
-    /// For the serial line, where one is due. What the line cannot take is dropped whole: the other end
-    /// counts it by its number.
+    /// The frame for the serial line, if one is due. A frame for which the line has no room is dropped whole; the
+    /// receiver counts it by the gap in the sequence.
     pub frame: Option<Frame>,
     /// The controller was told of it.
     pub fault: Option<Fault>,
@@ -61,7 +61,7 @@ pub struct LoopCore {
     receiver: Receiver,
     sequence: u16,
     last_tick_us: Option<u32>,
-    /// What the sensors said last; sent again where they fail.
+    /// The last readings of the sensors; sent again while a sensor fails.
     last: Reading,
 }
 
@@ -78,7 +78,7 @@ impl LoopCore {
         }
     }
 
-    /// What the controller does, or why it does nothing.
+    /// The state of the controller.
     pub fn status(&self) -> Status {
         self.controller.status()
     }

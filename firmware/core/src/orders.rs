@@ -1,4 +1,4 @@
-//! What the program at the other end of the line has asked for.
+//! The orders of the program at the other end of the line.
 
 use generated::Current;
 use serial_frame::{Command, Task};
@@ -59,7 +59,7 @@ impl Orders {
         }
     }
 
-    /// What is to be done.
+    /// The task.
     pub fn task(&self) -> Task {
         self.command.task
     }

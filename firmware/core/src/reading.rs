@@ -1,4 +1,4 @@
-//! What the sensors say, and how it becomes the emitted module's sample. For a bench with other sensors
+//! The readings of the sensors, and their conversion to a sample of the emitted module. For a bench with other sensors
 //! (encoders, a drive that tells the speed) this file is the one to change.
 
 use generated::Sample;

@@ -36,9 +36,9 @@ pub enum Error<E> {
     Bus(E),
     /// Another part answers.
     WrongDevice {
-        /// What its identity register says.
+        /// The content of its identity register.
         found: u16,
-        /// What it says of the part that belongs here.
+        /// The identity of the part that this driver is for.
         expected: u16,
     },
     /// The part answers but has had no new reading for too long.

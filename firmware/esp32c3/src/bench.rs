@@ -76,7 +76,7 @@ impl<B: I2c> Sensors for Bench<B> {
     }
 }
 
-/// What a part says; one that fails is missing from then on, until it is begun again.
+/// Reads a part. A part that fails counts as missing until it is started again.
 fn kept<P, T, E>(
     part: &mut Option<P>,
     read: impl FnOnce(&mut P) -> Result<T, E>,

@@ -26,8 +26,8 @@ const WINDOW_SAMPLES: f64 = 12.0;
 const ROUNDS: usize = 3;
 /// An unknown counts as not determined if its information is below this share of the window's largest.
 const SINGULAR: f64 = 1e-12;
-/// The estimate from the model's residual replaces the one from differences unless it is larger by more than this many
-/// standard errors: a larger one contains misfit of the model.
+/// The noise estimated from the model's residual replaces the estimate from differences, unless it is larger by more
+/// than this many standard errors: then the residual contains misfit of the model.
 const AGREE: f64 = 3.0;
 
 impl FitProblem {

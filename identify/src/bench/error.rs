@@ -35,7 +35,7 @@ pub enum IdentifyError {
     },
     /// No log moves over the coordinate, or none shows the torque that acts along it.
     #[error(
-        "nothing can be learned over {}: no log moves over it with the channels that would show a torque. {}",
+        "no curve over {} can be learned: no log has both a motion along this coordinate and the channels that would show a torque. {}",
         .coordinate.words(),
         would_show(*.coordinate)
     )]

@@ -44,8 +44,8 @@ impl FitProblem {
             .collect()
     }
 
-    /// An effect as this bench has it: with a parameter for each log that has the channel which it distorts, if it has
-    /// one per log.
+    /// The effect for the logs of this bench. An effect with one parameter per log gets a parameter for each log that
+    /// has the distorted channel; any other effect is unchanged.
     pub fn made_for_logs(&self, effect: EffectId) -> EffectId {
         let senses = effect.info().senses;
         let shows = |record: &&Record| {

@@ -1,7 +1,7 @@
 //! Experiments, or values of `[known]`, that contradict each other.
 //!
-//! A common fit averages over logs that disagree. Therefore each record is tested for the parameter value
-//! that it would prefer on its own, and each known value for the one that the logs would prefer.
+//! A common fit averages over logs that disagree. Therefore each record is asked which parameter value it would prefer
+//! on its own, and each known value is compared with the value that the logs would prefer.
 //!
 //! Let Hᵣ and gᵣ be the information and the gradient of record r at the common parameters (the
 //! windows' starts eliminated), H and g their sums. A parameter j that record r may have for itself,

@@ -10,13 +10,13 @@
 //! domain: ∫ S(f) s(f) s(f)ᴴ df, with S a smoothed periodogram of the residual.
 //!
 //! The recorded current has noise of its own. The wheel integrates it to a random walk, which also swings
-//! the body. The fit takes this motion for real, so it hardly appears in the residual; it enters as a second
-//! term. An error δi of the current over one interval changes the state at the next sample by ∂x/∂i δi. The
+//! the body. The fit takes this motion for real, so that it hardly appears in the residual; the covariance has a second
+//! term for it. An error δi of the current over one interval changes the state at the next sample by ∂x/∂i δi. The
 //! motion carries this change to every later sample, and so into the gradient. Both derivatives are exact derivatives
-//! of the model's own steps, with all its effects, the motor and the sensors included ([`crate::fit`]). A delay
-//! shifts all errors by the same time, which matters only at the ends of a window. In a balance log, no such term
-//! is added: there the current responds to the sensors' noise, that part of it really flows, and the
-//! noise of the current's own measurement cannot be separated from it.
+//! of the model's own steps, with all its effects, the motor and the sensors included ([`crate::fit`]). A delay shifts
+//! all errors by the same time, which matters only at the ends of a window. In a balance log no such term is added:
+//! there the current responds to the noise of the sensors, this part of the current really flows, and the noise of the
+//! current's own measurement cannot be separated from it.
 //!
 //! A real joint sticks, while the model's dry friction passes through zero over the speed v₀. The resulting
 //! change of the outputs counts as one standard error, common to all logs: v₀ is a "considered" parameter, one
@@ -59,8 +59,8 @@ pub fn covariance(
         stick += error.stick;
     }
     middle += &stick * stick.transpose();
-    // A curve that is held smooth is off by what it was held from; on average over its range that adds what the
-    // penalty does (Nychka, J. Am. Stat. Assoc. 83 (1988)).
+    // The penalty on roughness biases a learned curve. Averaged over the range of the curve, the squared bias is
+    // accounted for by the matrix of the penalty (Nychka, J. Am. Stat. Assoc. 83 (1988)).
     if let Some(penalty) = crate::learned::penalty_of(model, unknowns) {
         middle += penalty;
     }
@@ -108,8 +108,8 @@ impl GradientError {
 }
 
 /// One record's share of the middle sum Σᵢⱼ sᵢ R(i−j) sⱼᵀ. R is the autocovariance of the residual after the free
-/// parameters have made `step` (in the fit's coordinates; to first order). A record that is compared with
-/// others makes its own step, so that its disagreement with them does not count as noise.
+/// parameters have made `step` (in the fit's coordinates; to first order). A record that is compared with others takes
+/// its own step; otherwise its disagreement with the others would count as noise.
 pub fn gradient_error(
     record: &Record,
     windows: &[Window],

@@ -1,5 +1,5 @@
-//! How strong a penalty is: what predicts best what a fit has not seen (cross-validation; Stone, J. R. Stat. Soc. B
-//! 36 (1974)).
+//! The strength of a penalty, by cross-validation: the factor with which the fit best predicts data that it has not
+//! seen (Stone, J. R. Stat. Soc. B 36 (1974)).
 //!
 //! Everything is quadratic here: a part of the data (an experiment, a stretch of one) costs
 //! s − 2 g·x + xᵀ N x at the unknowns x, and the penalty adds (x + x₀)ᵀ P (x + x₀).
@@ -37,7 +37,7 @@ impl Part {
     }
 }
 
-/// Of an unknown that a part tells, the others must tell at least this share for it to be held out.
+/// A part is held out only if the others carry at least this share of its information about each unknown.
 const LEAST_INFORMATION: f64 = 0.01;
 /// Powers of ten over which the penalty is tried, against the data's own information.
 const POWERS: (f64, f64) = (-9.0, 5.0);
@@ -98,7 +98,7 @@ pub(super) fn solved(
     Some(solution.component_mul(&scale))
 }
 
-/// What the held-out parts cost, each predicted by all others.
+/// The cost of the held-out parts, each predicted by all others.
 pub(super) fn held_out_cost(
     parts: &[Part],
     held: &[usize],
@@ -119,8 +119,8 @@ pub(super) fn held_out_cost(
     cost.is_finite().then_some(cost)
 }
 
-/// The factor of the roughness that predicts best, and what it leaves. `fixed` is the rest of the penalty; both
-/// have the size of the parts.
+/// The factor of the roughness that predicts best, and the held-out cost that remains with it. `fixed` is the rest of
+/// the penalty; both have the size of the parts.
 pub(super) fn best_factor(
     parts: &[Part],
     held: &[usize],

@@ -12,7 +12,7 @@ use crate::extension::carry_over;
 use crate::fit::{Effort, Minimum, Unknowns, fit_from_scratch, refit, score_test};
 use crate::progress::Progress;
 
-/// How often the penalty is chosen anew at the minimum that the last choice has led to, at most.
+/// Largest number of times that the penalty is chosen anew, each time at the minimum of the last choice.
 const CHOICES: usize = 3;
 /// A choice that differs from the last by less than this factor is the same: the curve hardly changes.
 const SAME_CHOICE: f64 = 4.0;

@@ -1,9 +1,9 @@
 //! The missing torque as a curve over a coordinate, without simulating.
 //!
-//! The torque that a model lacks, smoothed by bumps ([`crate::residuals`]), is regressed on the bumps' means of a
-//! spline's weights, so that a narrow curve is not smeared by them; beside it stand the parameters of the model,
-//! which bend in a fit that lacks something. The penalty on ∫f″² is the one that predicts held-out experiments best
-//! (Wahba, *Spline Models for Observational Data*, 1990, ch. 4).
+//! The torque that a model lacks, averaged over bumps ([`crate::residuals`]), is regressed on the weights of a spline,
+//! averaged over the same bumps, so that the averaging does not smear a narrow curve. Small shifts of the model's
+//! parameters are further regressors, because the fit of an incomplete model bends its parameters. The penalty on ∫f″²
+//! is the one that predicts held-out experiments best (Wahba, *Spline Models for Observational Data*, 1990, ch. 4).
 
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ const FEWEST_HALF: usize = 4;
 const MOST_BUMPS: usize = 1500;
 /// Points of a bump at which the spline is evaluated, on either side.
 const POINTS: usize = 12;
-/// Of two coordinates the one named first is taken where it gains this share of what the other does.
+/// A coordinate earlier in the list is preferred if its gain reaches this share of the gain of a later one.
 const AS_GOOD: f64 = 0.9;
 /// Points at which a curve is handed out.
 const POINTS_OF_CURVE: usize = 81;
@@ -47,10 +47,10 @@ pub struct MissingCurve {
     /// Share of the missing torque beyond the noise that the curve predicts in experiments that it was not made
     /// from.
     pub share: f64,
-    /// What it explains of the missing torque in all experiments, in units of the noise squared, less what its
-    /// degrees of freedom would explain of noise.
+    /// The fall of χ² of the missing torque over all experiments that the curve brings, less the fall that its degrees
+    /// of freedom would bring on noise alone.
     pub explained: f64,
-    /// How the gain stands to what chance would give, in standard deviations.
+    /// By how many standard deviations the gain exceeds the gain that chance would give.
     pub significance: f64,
     pub(super) spline: Spline,
     pub(super) torque_nm: DVector<f64>,
@@ -97,7 +97,7 @@ impl MissingCurve {
     }
 }
 
-/// What one log shows: rows of the regression, each divided by the noise.
+/// The rows of the regression from one log, each divided by the noise.
 struct Rows {
     name: String,
     on: TorqueOn,
@@ -175,7 +175,7 @@ pub fn missing_curve(
     let bumps: usize = rows.iter().map(|rows| rows.torque.len()).sum();
     let penalty = &roughness * smoothing + &fixed;
     let found = solved(&all, &penalty, &origin)?;
-    // What the curve leaves is the yardstick: beside something else that is missing, little is certain.
+    // The residual that the curve leaves is the yardstick: if something else is missing too, little is certain.
     let scatter = (all.cost(&found) / bumps.max(1) as f64).max(1.0);
     let gain = (without - cost) / scatter;
     let bumps_held: usize = held.iter().map(|&index| ranges[index].1.len()).sum();
@@ -222,8 +222,8 @@ pub fn best_missing_curve(
     values: &[f64],
     free: &[usize],
 ) -> Option<MissingCurve> {
-    // Of several that do as well the first is named: a torque that depends on speed also looks like one that
-    // depends on the angle while a swing dies out, but not the other way round.
+    // Among coordinates that do equally well, the first of the list is named. While a swing dies out, a torque that
+    // depends on speed also looks like one that depends on the angle, but not the other way round.
     const ORDER: [LearnedCoordinate; 4] = [
         LearnedCoordinate::Rate,
         LearnedCoordinate::WheelSpeed,

@@ -26,8 +26,8 @@ use plant::{Kind, LearnedCoordinate, Model, Role};
 
 use crate::fit::Unknowns;
 
-/// What is known beforehand of a model's learned curves, as a quadratic form of the free parameters in the fit's
-/// coordinates; `None` in a model without any.
+/// The prior of a model's learned curves, as a quadratic form of the free parameters in the fit's coordinates; `None`
+/// for a model without learned curves.
 pub(crate) fn penalty_of(model: &Model, unknowns: &Unknowns) -> Option<DMatrix<f64>> {
     let count = unknowns.free.len();
     let mut whole: Option<DMatrix<f64>> = None;

@@ -1,16 +1,17 @@
-//! What of a curve the model's own terms say already.
+//! The part of a learned curve that the model's own terms describe already.
 //!
-//! A curve over the angle and gravity are one function of the motion in part: what the curve has of sin α could as
-//! well be gravity. So it is kept orthogonal, over the samples, to every term of the model that depends on its
-//! coordinate alone and that the fit moves. A term that is given is kept out of the curve too where the logs cannot
-//! tell the two apart; where they can, the curve may say that the given number is wrong.
+//! A curve over the angle overlaps with gravity: a part proportional to sin α could belong to either. The curve is
+//! therefore kept orthogonal, over the samples, to every fitted term of the model that depends on the curve's
+//! coordinate alone. The same holds for a term with a given parameter, if the logs cannot tell it from the curve. If
+//! they can, the curve may show that the given value is wrong.
 
 use nalgebra::{DMatrix, DVector};
 use plant::{EffectId, GRAVITY_TORQUE, Instant, LearnedCoordinate, Model, Role, Smoothing, Spline};
 
-/// Weight of the rows against what the data tell: a thousandth of what they would ask for is left.
+/// Weight of the orthogonality rows against the information of the data: about a thousandth of the overlap remains.
 const WEIGHT: f64 = 1e3;
-/// Share of what the logs tell of a term below which they do not tell it from the other parameters.
+/// If less than this share of the information about a term is left beside the other parameters, the logs cannot tell
+/// the term from them.
 const TOLD: f64 = 0.01;
 
 /// A term of the model in the coordinate of a curve.

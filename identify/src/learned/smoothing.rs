@@ -64,7 +64,7 @@ pub(super) fn smoothed(
             .copy_from(matrix);
         whole
     };
-    // What was known beforehand of other curves.
+    // The prior of the other curves.
     let mut fixed = DMatrix::zeros(count, count);
     for other in model.learned().filter(|other| *other != effect) {
         let penalty = other
@@ -93,9 +93,9 @@ pub(super) fn smoothed(
 /// Most blocks that are made of the windows of one log.
 const MOST_BLOCKS: usize = 20;
 
-/// The logs in stretches of ten correlation times of their residual. A log in one piece shares its start among its
-/// stretches: its unknowns stand behind the shared ones. Of a log in many windows several windows make a stretch,
-/// each with its own start. Logs that do not show the curve are parts as a whole.
+/// The logs in stretches of ten correlation times of their residual. The stretches of a log that is simulated in one
+/// piece share its start, whose unknowns stand behind the common parameters. Of a log in many windows several windows
+/// make a stretch, each with its own start. Logs that do not show the curve are parts as a whole.
 fn blocks(
     records: &[&Record],
     windows: &[Vec<Window>],

@@ -38,7 +38,8 @@ impl Effect for AngleEccentricity {
             logarithmic: false,
             is_whole: false,
         }],
-        // Amplitudes that every encoder has, a third of a turn apart.
+        // An amplitude of 1 mrad, which is usual for encoders, with three phases a third of a turn
+        // apart.
         starts: &[&[1e-3, 0.0], &[1e-3, 2.1], &[1e-3, -2.1]],
         absent: Some(&[0.0, 0.0]),
         confused_with: &["angle-offset"],

@@ -146,7 +146,7 @@ impl Structure {
         self.timed.iter().find(|term| term.timing == Some(timing))
     }
 
-    /// Lets what has a parameter for each log act with that of this one.
+    /// Lets each effect that has one parameter per log act with the parameter of `log`.
     pub fn act_in_log(&mut self, log: &str) {
         for term in std::mem::take(&mut self.per_log) {
             let EffectId::PerLog(made) = term.effect else {

@@ -1,4 +1,4 @@
-//! Sensors that need the time: what they say follows what they measure with a lag, or comes late.
+//! Sensors whose reading depends on the past: it follows the measured quantity with a lag, or shows it after a delay.
 //!
 //! The motion does not know of them. They are fed with it piece by piece: over every step of the integration each
 //! of the three outputs is the cubic through its values and slopes at both ends (Hairer, Nørsett, Wanner I, ch. II.6),
@@ -6,15 +6,15 @@
 //! v − T v̇ + T² v̈ − T³ v⃛ + c exp(−t/T) in closed form, so that the lag may be short or long against the step;
 //! a delay reads the cubic at t − δ. Both carry exact derivatives.
 //!
-//! Bias, scale, offset and eccentricity are applied afterwards. That is the chain of the contract (eccentricity or
-//! scale, offset or bias, lag, delay) all the same: a delay may change places with whatever has no memory, and a
-//! lag with a scale and a bias; the angle has no lag.
+//! Bias, scale, offset and eccentricity are applied afterwards. The result is that of the stated chain (eccentricity or
+//! scale, offset or bias, lag, delay), because a delay commutes with every stage without memory, and a lag commutes
+//! with scale and bias; the angle has no lag.
 //!
-//! **Before the first sample of a run.** A delay asks for v before the log began, which nobody recorded. Body and
-//! wheel are taken to have stood as they were at the first sample (a swing is released, a step is commanded), or
-//! to have moved already as the model says, or anything between: [`Plant::with_motion_before`]. A run that
-//! begins in the middle of a log knows what was commanded before: the motion is followed back from its start,
-//! as far as the delays reach and a lag remembers.
+//! **Before the first sample of a run.** A delay needs v before the log began, where nothing was recorded. Body and
+//! wheel are taken to have stood as they were at the first sample (a swing is released, a step is commanded), or to
+//! have moved already as the model says, or anything between: [`Plant::with_motion_before`]. A run that begins in the
+//! middle of a log has the commands before it: the motion is integrated back from its start, as far as the delays and
+//! the lags reach.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -34,7 +34,7 @@ const MOST_STEPS_BACK: f64 = 2000.0;
 /// The largest of a number of lags or delays must be above this, in s, for the past to matter.
 const NO_TIME_S: f64 = 1e-9;
 
-/// What one sensor does to the time.
+/// Lag and delay of one sensor.
 #[derive(Clone, Copy, Debug)]
 struct Timings<S> {
     lag_s: Option<S>,
@@ -79,11 +79,11 @@ impl<S: Scalar> Piece<S> {
         zeroth + after_s * (first + after_s * cubic)
     }
 
-    /// What a lag makes of it, from `start` on.
+    /// The answer of a lag to this piece, from `start` on.
     fn behind(&self, lag_s: S, start: S) -> Piece<S> {
         let [_, first, second, third] = self.derivatives();
         let h = self.span_s();
-        // By how much the answer to the cubic alone lies behind it, at both ends.
+        // The distance of the lag's answer behind the cubic, at both ends, without the decaying part.
         let behind_from = lag_s * (first - lag_s * (second - lag_s * third));
         let second_to = second + third * h;
         let behind_to = lag_s * (self.to_slope - lag_s * (second_to - lag_s * third));
@@ -115,9 +115,9 @@ impl<S: Scalar> Piece<S> {
 struct Channel<S> {
     output: Output,
     timings: Timings<S>,
-    /// What it says now, but for the delay.
+    /// The present reading before the delay.
     now: S,
-    /// What the delay still needs, oldest first.
+    /// The pieces that the delay still needs, oldest first.
     kept: VecDeque<Piece<S>>,
 }
 
@@ -138,8 +138,8 @@ impl<S: Scalar> Channel<S> {
         }
     }
 
-    /// What it says at a time that is not before the last piece's start; `before` is what it said for ever where
-    /// nothing is kept from so long ago.
+    /// The reading of the sensor at `time_s`, which must not lie before the start of the last piece. Where the delay
+    /// reaches back before the first piece that is kept, the reading is the value at the start of that piece.
     fn says(&self, time_s: f64) -> S {
         let Some(delay_s) = self.timings.delay_s else {
             return self.now;
@@ -172,19 +172,19 @@ struct Measured<S> {
     slopes: [S; 3],
 }
 
-/// A step of the motion before a run: its two times in s, and what is measured at both.
+/// A step of the motion before a run: its two times in s, and the measured quantities at both.
 type Past<S> = ((f64, f64), Measured<S>, Measured<S>);
 
 impl<S: Scalar> Plant<S> {
-    /// The share of its motion that the model had before the first sample of a log already, for sensors with a
-    /// delay: 0 (the default), body and wheel stood as they were then; 1, they moved as the model says.
+    /// The share of the model's motion that took place before the first sample of a log, for sensors with a delay. With
+    /// 0, the default, body and wheel stood still until then; with 1 they moved as the model predicts.
     #[must_use]
     pub fn with_motion_before(mut self, share: S) -> Plant<S> {
         self.motion_before = share;
         self
     }
 
-    /// What sensors do to the time, by output.
+    /// Lags and delays of the sensors, by output.
     fn sensor_timings(&self) -> Vec<(Output, Timings<S>)> {
         let own = |output: Output| {
             let mut timings = Timings {
@@ -245,7 +245,7 @@ impl<S: Scalar> Plant<S> {
         })
     }
 
-    /// What the sensors say in a state, at a time up to which `late` was fed.
+    /// The readings of the sensors in a state, at a time up to which `late` was fed.
     pub fn read_late(&self, state: &State<S>, late: Option<&Late<S>>, time_s: f64) -> Reading<S> {
         let mut reading = Reading {
             angle_rad: state.angle_rad,
@@ -344,7 +344,7 @@ impl<S: Scalar> Plant<S> {
             to_s = from_s;
         }
         pieces.reverse();
-        // What is no number has no past.
+        // Values that are not finite leave no past.
         let is_number = |value: &S| value.value().is_finite();
         let is_motion =
             |(_, from, _): &Past<S>| from.values.iter().chain(&from.slopes).all(is_number);
@@ -462,7 +462,7 @@ impl<S: Scalar> Late<S> {
     fn memory_s(&self, begins_with_log: bool) -> f64 {
         let of = |time_s: Option<S>| time_s.map_or(0.0, |time_s| time_s.value().max(0.0));
         let channels = self.channels.iter().map(|channel| {
-            // At the first sample of a log a lag says what it measures.
+            // At the first sample of a log the output of a lag equals its input.
             let lag_s = if begins_with_log {
                 0.0
             } else {
@@ -473,8 +473,8 @@ impl<S: Scalar> Late<S> {
         channels.fold(0.0, f64::max)
     }
 
-    /// Feeds the past of a run that begins in the middle of a log. Where it does not reach back to the log's
-    /// start (`is_cut`), a lag begins as if its input had always changed as it does there.
+    /// Feeds the past of a run that begins in the middle of a log. Where the past does not reach back to the log's
+    /// start (`is_cut`), a lag starts as if its input had always had the slope that it has there.
     fn follow(&mut self, pieces: &[Past<S>], is_cut: bool) {
         let Some((_, oldest, _)) = pieces.first() else {
             return;
@@ -491,8 +491,8 @@ impl<S: Scalar> Late<S> {
         }
     }
 
-    /// Fills what a delay reads from before the first sample of a log: the motion of the model by a share, around
-    /// what it is at that sample.
+    /// Fills the pieces that a delay reads before the first sample of a log: `share` times the motion of the model,
+    /// about its values at that sample.
     fn had_moved(&mut self, pieces: &[Past<S>], share: S) {
         for channel in &mut self.channels {
             if channel.timings.delay_s.is_none() {

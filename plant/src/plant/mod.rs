@@ -116,8 +116,8 @@ impl<S: Scalar> Plant<S> {
         }
     }
 
-    /// In the experiment with this name: what has a parameter for each log acts with that of this one, and not at
-    /// all before it is said or in a log that it does not know.
+    /// The plant in the experiment `log`. An effect with one parameter for each log acts with the parameter of this
+    /// log. It does not act if this function was not called, or if it has no parameter for this log.
     #[must_use]
     pub fn for_log(mut self, log: &str) -> Plant<S> {
         self.structure.act_in_log(log);
@@ -246,7 +246,7 @@ impl<S: Scalar> Plant<S> {
         distance_rad.is_finite().then_some(distance_rad)
     }
 
-    /// What the sensors say in a state, without their lags and delays: those need the way there
+    /// The readings of the sensors in a state, without lags and delays, which need the motion before it
     /// ([`Plant::read_late`]).
     #[inline(always)]
     pub fn read(&self, state: &State<S>) -> Reading<S> {
@@ -257,7 +257,7 @@ impl<S: Scalar> Plant<S> {
         })
     }
 
-    /// What the sensors make of these readings.
+    /// Applies the sensor effects to these readings.
     #[inline(always)]
     fn distorted(&self, mut reading: Reading<S>) -> Reading<S> {
         for term in &self.structure.sensor {

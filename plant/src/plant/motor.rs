@@ -70,8 +70,8 @@ impl<S: Scalar> Plant<S> {
         } else if late.value() > span_s * (1.0 + LEAST_SHARE) {
             before_a
         } else {
-            // The end of the interval counts as inside, because `run` divides intervals there: a longer delay takes from this
-            // interval what the next one still gets.
+            // The end of the interval counts as inside, because `run` divides intervals there: with a longer delay the
+            // change of the current belongs to the next interval.
             mean + (before_a - first_a) * late * (1.0 / span_s)
         }
     }

@@ -58,7 +58,7 @@ fn every_claim_has_a_row_with_its_five_results() {
         assert_eq!(row["cases"].is_number(), row["result"] == "tested", "{row}");
         assert!(!row["statement"].as_str().unwrap().is_empty(), "{row}");
     }
-    for claim in &checker::certificate::claims::CLAIMS {
+    for claim in checker::certificate::claims::CLAIMS {
         assert!(
             !results(&rows, claim.id).is_empty(),
             "{} has no row",
@@ -81,7 +81,7 @@ fn every_claim_has_a_row_with_its_five_results() {
     let (code, rows) = proof(&crate_, &[]);
     assert_eq!(code, Some(1));
     assert_eq!(results(&rows, "source-understood"), ["failed"]);
-    for claim in &checker::certificate::claims::CLAIMS {
+    for claim in checker::certificate::claims::CLAIMS {
         assert!(
             !results(&rows, claim.id).is_empty(),
             "{} has no row",

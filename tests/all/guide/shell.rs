@@ -89,7 +89,7 @@ fn commands_that_are_shown_exist() {
     }
 }
 
-/// A command is looked at in its own help.
+/// The options are looked up in the command's own help.
 fn shown(page: &Path, line: &str) {
     let line = line.split(" #").next().unwrap_or(line);
     let mut words = line.split_whitespace();

@@ -35,7 +35,7 @@ pub enum RecordedExperiment {
 
 impl RecordedExperiment {
     /// All of them.
-    pub const ALL: [RecordedExperiment; 8] = [
+    pub const ALL: &[RecordedExperiment] = &[
         RecordedExperiment::FreeSwing,
         RecordedExperiment::SpinUp,
         RecordedExperiment::CoastDown,
@@ -60,7 +60,7 @@ impl RecordedExperiment {
         }
     }
 
-    /// What the person at the bench does.
+    /// The instruction to the person at the bench.
     pub fn instruction(self) -> &'static str {
         match self {
             RecordedExperiment::FreeSwing => {
@@ -126,6 +126,34 @@ impl RecordedExperiment {
             _ => Kind::FreeSwing,
         }
     }
+
+    /// The tasks of the firmware, one after another. `current_a` is the current in A of experiments that drive the
+    /// motor.
+    fn stretches(self, current_a: f64, seconds: f64) -> Vec<Stretch> {
+        let stretch = |task: Task, seconds: f64| Stretch { task, seconds };
+        match self {
+            RecordedExperiment::SpinUp | RecordedExperiment::CurrentStep => {
+                vec![stretch(drive(current_a), seconds)]
+            }
+            RecordedExperiment::CoastDown => vec![
+                stretch(drive(current_a), DRIVEN_BEFORE_COASTING_S),
+                stretch(drive(0.0), seconds),
+            ],
+            RecordedExperiment::Balance => vec![stretch(Task::Balance, seconds)],
+            _ => vec![stretch(Task::Watch, seconds)],
+        }
+    }
+
+    /// The name of a log where none is wished.
+    fn log_name(self, current_a: f64) -> String {
+        match self {
+            RecordedExperiment::SpinUp | RecordedExperiment::CurrentStep => {
+                format!("{self} {current_a} A")
+            }
+            RecordedExperiment::CoastDown => self.to_string(),
+            _ => self.to_string().replace('-', " "),
+        }
+    }
 }
 
 impl fmt::Display for RecordedExperiment {
@@ -139,11 +167,18 @@ impl FromStr for RecordedExperiment {
 
     fn from_str(text: &str) -> Result<RecordedExperiment, String> {
         RecordedExperiment::ALL
-            .into_iter()
+            .iter()
+            .copied()
             .find(|one| one.name() == text)
             .ok_or_else(|| {
-                let names = RecordedExperiment::ALL.map(RecordedExperiment::name);
-                format!("no such experiment; there are {}", names.join(", "))
+                let names: Vec<&str> = RecordedExperiment::ALL
+                    .iter()
+                    .map(|one| one.name())
+                    .collect();
+                format!(
+                    "there is no experiment \"{text}\" to record; there are {}",
+                    names.join(", ")
+                )
             })
     }
 }
@@ -164,7 +199,7 @@ pub(super) struct Part {
     /// Its key under `[bring_up]`, where it is a recording of raw counts.
     pub bring_up: Option<&'static str>,
     pub experiment: RecordedExperiment,
-    /// What comes one after another.
+    /// The tasks, one after another.
     pub stretches: Vec<Stretch>,
     /// The record begins when the controller runs, and ends when it does not any more.
     pub needs_running: bool,
@@ -219,38 +254,37 @@ pub(super) fn parts(settings: &RecordSettings, words: &Words) -> Result<Vec<Part
         stretches,
         notes: Vec::new(),
     };
-    let stretch = |task: Task, seconds: f64| Stretch { task, seconds };
-    Ok(match experiment {
-        RecordedExperiment::SpinUp | RecordedExperiment::CurrentStep => currents_a
-            .iter()
-            .map(|current_a| {
-                part(
-                    format!("{experiment} {current_a} A"),
-                    vec![stretch(drive(*current_a), seconds)],
-                )
-            })
-            .collect(),
-        RecordedExperiment::CoastDown => vec![part(
-            experiment.to_string(),
-            vec![
-                stretch(drive(currents_a[0]), DRIVEN_BEFORE_COASTING_S),
-                stretch(drive(0.0), seconds),
-            ],
-        )],
-        RecordedExperiment::Balance => vec![part(
-            experiment.to_string(),
-            vec![stretch(Task::Balance, seconds)],
-        )],
-        _ => vec![part(
-            experiment.to_string().replace('-', " "),
-            vec![stretch(Task::Watch, seconds)],
-        )],
-    })
+    // An experiment without a current is one log.
+    if currents_a.is_empty() {
+        currents_a.push(0.0);
+    }
+    Ok(currents_a
+        .iter()
+        .map(|&current_a| {
+            part(
+                experiment.log_name(current_a),
+                experiment.stretches(current_a, seconds),
+            )
+        })
+        .collect())
 }
 
 pub(super) fn drive(current_a: f64) -> Task {
     Task::Drive {
         // The limit of the drive is far below 2 147 A.
         current_ua: (1e6 * current_a).round() as i32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wheel_that_coasts_was_driven_before() {
+        let stretches = RecordedExperiment::CoastDown.stretches(0.2, 30.0);
+        let tasks: Vec<Task> = stretches.iter().map(|stretch| stretch.task).collect();
+        assert_eq!(tasks, [drive(0.2), drive(0.0)]);
+        assert_eq!(stretches[1].seconds, 30.0);
     }
 }

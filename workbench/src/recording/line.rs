@@ -28,7 +28,7 @@ impl Line {
     pub fn open(path: &Path, baud: u32) -> Result<Line, Error> {
         let failed = |error: serialport::Error| Error::Record {
             port: path.to_path_buf(),
-            // What is a file, a pipe or another device has no line settings.
+            // A file, a pipe or another device has no line settings.
             reason: match error.kind() {
                 serialport::ErrorKind::Io(_) if error.description.contains("typewriter") => {
                     "this is no serial device".to_owned()
@@ -40,7 +40,8 @@ impl Line {
             .timeout(PATIENCE)
             .open()
             .map_err(failed)?;
-        // What lay there is of before; a line that cannot be cleared is read as it is.
+        // Bytes that the system had buffered before are discarded. Where that fails, they are read
+        // like any others.
         let _ = port.clear(ClearBuffer::Input);
         Ok(Line {
             port,

@@ -27,7 +27,7 @@ use line::Line;
 use run::{Run, Wanted};
 use words::Words;
 
-/// What is to be recorded, and from where.
+/// The settings of [`record`]: the experiment, and the line to the firmware.
 #[derive(Clone, Debug)]
 pub struct RecordSettings {
     /// The serial device.
@@ -45,14 +45,15 @@ pub struct RecordSettings {
     pub name: Option<String>,
     /// Every how many steps of the controller a row is recorded; 0 counts as 1.
     pub every: u8,
-    /// The emitted crate that runs in the firmware; `None`: what `[hardware]` gives, which is the same
-    /// unless one of them was changed.
+    /// The emitted crate that runs in the firmware. With `None`, the words of the frames are taken from `[hardware]`;
+    /// they agree with the firmware unless `[hardware]` was changed after the module was generated.
     pub module: Option<PathBuf>,
-    /// Where what is not stated of sensors and drive comes from; `None`: then it is refused.
+    /// The bench that supplies what `[hardware]` does not state of sensors and drive. With `None`, incomplete hardware
+    /// is refused.
     pub preset: Option<Preset>,
 }
 
-/// What was recorded: the result of [`record`].
+/// The result of [`record`]: the logs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecordReport {
     /// The bench.toml that has the new entries.
@@ -76,13 +77,13 @@ pub struct RecordedLog {
     pub duration_s: f64,
     /// Frames that the firmware sent in that time and that did not arrive whole.
     pub lost_frames: u64,
-    /// Bytes between two ends of frames that were no frame.
+    /// Pieces between two ends of frames that were not a valid frame.
     pub damaged_frames: u64,
     /// Where the experiment begins in the log (`from`), s.
     pub from_s: Option<f64>,
     /// Why the record ended.
     pub end: RecordEnd,
-    /// What its user should know; sentences.
+    /// Remarks for the user; sentences.
     pub notes: Vec<String>,
 }
 

@@ -19,14 +19,14 @@ const LEASE_MS: u16 = 1000;
 const RENEWAL: Duration = Duration::from_millis(100);
 /// A line without a frame for so long has fallen silent.
 const SILENCE: Duration = Duration::from_secs(3);
-/// A person has so long to hold the body so that the controller arms.
+/// How long the recording waits for a person to hold the body where the controller arms.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// A wheel comes to rest within a minute or two, or is stopped by hand.
 const REST_PATIENCE: Duration = Duration::from_secs(180);
-/// A wheel below this is at rest: a spin-up that begins there differs from one that begins at zero by
-/// nothing that its fit does not see, since the start is fitted.
+/// A wheel slower than this (rad/s) counts as at rest. The fit of a spin-up estimates the wheel's speed at the first
+/// sample, so the log need not begin at exactly zero.
 const REST_RAD_S: f64 = 10.0;
-/// Time that passes between two frames only where the firmware began anew, µs.
+/// A gap in the time stamps of two frames, in µs, that means that the firmware has restarted.
 const RESTART_US: u32 = 10_000_000;
 
 /// Status words of the emitted module.
@@ -34,7 +34,7 @@ const NOT_ALIGNED: u8 = 0;
 const READY: u8 = 1;
 const RUNNING: u8 = 2;
 
-/// What the controller says of itself, in words.
+/// The status of the controller in words.
 pub(super) fn status_text(status: u8) -> String {
     let text = match status {
         NOT_ALIGNED => "the attitude is not known: hold the body still for a moment",
@@ -97,7 +97,7 @@ pub struct RecordedSample {
     pub rate_rad_s: f64,
     /// Wheel speed relative to the body, rad/s.
     pub wheel_speed_rad_s: f64,
-    /// What the drive is asked for, A.
+    /// The commanded current, A.
     pub current_a: f64,
     /// The controller's status.
     pub status: u8,
@@ -139,7 +139,7 @@ impl<'w> Run<'w> {
             line,
             words,
             every,
-            // Another program may have asked before: its number is not this one, but for one in 256.
+            // Another program may have sent a command before. Its number differs from this one in 255 of 256 cases.
             wish: std::process::id() as u8,
             command: Command {
                 task: Task::Watch,

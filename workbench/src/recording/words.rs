@@ -1,4 +1,4 @@
-//! What the words of a frame mean in SI units.
+//! Conversion of the words of a frame to SI units.
 
 use bench_files::{BenchOutline, ModelFile, Problem};
 use checker::certificate::Certificate;
@@ -11,7 +11,7 @@ use super::RecordSettings;
 use crate::bench_hardware::{HardwareError, bench_hardware};
 use crate::error::Error;
 
-/// What the words of a frame mean.
+/// The units of the words of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Words {
     /// rad, rad/s, rad/s per unit of the angle's, the rate's and the wheel speed's word.
@@ -25,7 +25,8 @@ pub(super) struct Words {
 }
 
 impl Words {
-    /// Of the emitted crate that is named, else of what bench.toml and model.toml state.
+    /// The units of the emitted crate in [`RecordSettings::module`], else those that follow from
+    /// bench.toml and model.toml.
     pub fn of(outline: &BenchOutline, settings: &RecordSettings) -> Result<Words, Error> {
         let model_path = outline.folder.join("model.toml");
         let mut model = match ModelFile::read(&model_path) {

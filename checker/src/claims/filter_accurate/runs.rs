@@ -11,8 +11,8 @@ use crate::program::steps::Program;
 /// Largest error of a quaternion's component in one step, but for the normalisation's.
 const COMPONENT_TOLERANCE: f64 = 2e-7;
 
-/// What the normalisation of third order leaves of a step by `turn` (half-angles, rad) and a
-/// correction by `correction` (rad): 5 |ε|³/16 with ε = ‖q‖² − 1, which is the square of both together.
+/// The error of the normalisation of third order after a step by `turn` (half-angles, rad) and a correction by
+/// `correction` (rad): 5 |ε|³/16 with ε = ‖q‖² − 1, the square of both together.
 fn left_by_normalisation(turn: [f64; 3], correction: f64) -> f64 {
     let excess = (dot3(turn, turn).sqrt() + correction).powi(2);
     5.0 / 16.0 * excess.powi(3)

@@ -80,7 +80,7 @@ impl Draw {
         }
     }
 
-    /// What [`unit`] may give.
+    /// The results that [`unit`] may have.
     pub(crate) fn direction(&mut self) -> Words {
         if self.0.choice(4) == 0 {
             self.vector(3, 5 << 27)

@@ -4,7 +4,7 @@ use crate::claims::filter_exact::second::{
     TWO_PI, arc_tangent, inverse_length, inverse_root, reciprocal, root_seed, square_root, wrapped,
 };
 
-/// A function of one word: what it must give, and for which words.
+/// A function of one word, the words that it must return, and the range of its argument.
 #[derive(Clone, Copy, Debug)]
 pub struct OneWord {
     /// Its file in an emitted crate.

@@ -236,7 +236,7 @@ pub(crate) fn correction_marg(q: &[i128], measured: &[i128], field: &[i128], bet
     let horizontal = square_root(2 * squared.clamp(0, (1 << 29) - 1));
     let error =
         [0, 1, 2].map(|i| high(horizontal, north[i]) + high(to_up, up[i]) - (field[i] >> 2));
-    // What meets the vertical's Jacobian, and what meets that of north.
+    // The factors of the vertical's Jacobian, and of that of north.
     let v = [0, 1, 2].map(|i| ((up[i] - measured[i]) >> 2) + 4 * high(to_up, error[i]));
     let n = error.map(|error| 4 * high(horizontal, error));
     let gradient = [

@@ -17,11 +17,11 @@ use crate::program::steps::{Program, Slot};
 /// Share to which `inverse_length` is looked at, 2⁻¹³ of the square; its error is far less.
 const FINE_BITS: i32 = 13;
 
-/// From this component on `scaled_up3` has room enough to reach its least length.
+/// log₂ of the smallest largest component from which `scaled_up3` reaches its least length.
 const SCALABLE_BITS: u32 = 14;
 
-/// That `scaled_up3` takes each vector within ±2³⁰ with a component of at least 2¹⁴ to one with a
-/// component of at least 2²⁹, octave by octave of the largest component.
+/// Proof that `scaled_up3` takes each vector within ±2³⁰ with a component of at least 2¹⁴ to a
+/// vector with a component of at least 2²⁹, octave by octave of the largest component.
 fn scaled_up_is_long(module: &Module) -> Result<(), String> {
     let program = module
         .function("scaling::scaled_up3")
@@ -151,13 +151,14 @@ pub(crate) fn aligned(module: &Module) -> Result<(BigRational, BigRational), Str
         }
     }
     short_turns_do_not_reach_it(module, &program, &words, call)?;
-    // Clamped to 1, a component that is longer loses what it has beyond.
+    // A component above 1 is clamped to 1 and loses the excess.
     let (least, most) = (&unit.0 * &unit.0, &unit.1 * &unit.1);
     let beyond = (&most - &one).max(BigRational::zero());
     Ok((least - beyond, most))
 }
 
-/// That `unit_q28` is asked only for vectors with a component of at least 2¹⁴, and within ±2³⁰.
+/// Proof that `unit_q28` is called only with vectors within ±2³⁰ that have a component of at least
+/// 2¹⁴.
 fn short_turns_do_not_reach_it(
     module: &Module,
     program: &Program,
@@ -201,7 +202,7 @@ fn short_turns_do_not_reach_it(
         domain[word] = IntegerInterval::new(low, high);
     }
     unless(seen.len() == program.arguments.len(), not_understood)?;
-    // All short ones end in one constant, so that the branch with the call is not reached.
+    // All short vectors give the same constant, so the branch with the call is not reached.
     let whole = module
         .function("madgwick::aligned")
         .ok_or("there is no aligned")?;

@@ -36,18 +36,18 @@ use crate::program::contract::Contract;
 /// Largest distance of the squared length from 1, as a power of two: 2⁻¹¹.
 pub const TOLERANCE_BITS: i32 = 11;
 
-/// What was found of the squared length.
+/// The bounds that were found for the squared length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SquaredNorms {
     /// Least and largest after a step with the correction, before it is normalised.
     pub before: (BigRational, BigRational),
-    /// Least and largest after a step.
+    /// Smallest and largest squared length after a step.
     pub after_step: (BigRational, BigRational),
     /// Least and largest after an alignment.
     pub after_alignment: (BigRational, BigRational),
 }
 
-/// What comes of the claim.
+/// The outcome of the claim.
 pub fn by_exact_arithmetic(module: &Module, contracts: &HashMap<usize, Contract>) -> ClaimOutcome {
     ClaimOutcome::proved(check(module, contracts).map(|lengths| {
         format!(

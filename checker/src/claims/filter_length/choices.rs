@@ -1,4 +1,4 @@
-//! That `clamp` gives the nearest value between two ends, for all words.
+//! Proof that `clamp` gives the nearest value between two ends, for all words.
 
 use crate::domains::machine::Machine;
 use crate::domains::walk::{BranchEnd, ContractedCall, Domain, Site, start, walk};
@@ -42,7 +42,7 @@ pub(crate) fn clamp_is_nearest(module: &Module) -> Result<(), String> {
     Ok(())
 }
 
-/// What a word is to a function that may only compare and pick.
+/// A word as a function sees it that may only compare and choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Choice {
     /// An argument.

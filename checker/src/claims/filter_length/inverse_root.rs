@@ -11,8 +11,8 @@ const BOXES: usize = 4_000_000;
 /// 1 in n, the squared length of a scaled vector.
 pub(crate) const SCALED_ONE: i128 = 1 << 26;
 
-/// That n r² 2⁻⁸⁶ lies within 1 ± 2^-`bits` for r the result of `name` at every n of `domain`,
-/// with the larger of n and 2²⁶ in place of n; only from above if not `is_two_sided`.
+/// Proof that n r² 2⁻⁸⁶ lies within 1 ± 2^-`bits`, where r is the result of `name` for n, for every n of `domain` (with
+/// 2²⁶ in place of a smaller n). If not `is_two_sided`, only the upper bound is proved.
 pub(crate) fn inverse_root(
     module: &Module,
     name: &str,

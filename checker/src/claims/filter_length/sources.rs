@@ -88,7 +88,7 @@ impl Sources {
         Ok(sources)
     }
 
-    /// That one quaternion is turned, aligned, unchanged, or a constant of length 1.
+    /// Proof that a quaternion is turned, aligned, unchanged, or a constant of length 1.
     fn quaternion(
         &mut self,
         name: &str,
@@ -122,7 +122,7 @@ impl Sources {
         match call {
             Some(call) if call.function == "aligned" => Ok(()),
             Some(call) if call.function == "turned" && call.arguments.len() == 12 => {
-                // What is turned may have been aligned just before.
+                // A quaternion that is turned may have been aligned just before.
                 for turned in words.alternatives(&call.arguments[..4]) {
                     self.quaternion(name, program, words, &turned, around_one)?;
                 }
@@ -137,7 +137,7 @@ impl Sources {
         }
     }
 
-    /// That a correction is none, or from `scaled_correction` with a constant β T.
+    /// Proof that a correction is zero, or comes from `scaled_correction` with a constant β T.
     fn correction(&mut self, name: &str, words: &Words, tuple: &[Slot]) -> Result<(), String> {
         let numbers: Option<Vec<BigRational>> = tuple
             .iter()

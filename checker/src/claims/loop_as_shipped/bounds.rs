@@ -23,7 +23,7 @@ pub struct Bounds {
     pub states: [BigRational; 3],
     /// The command, errors included (A).
     pub command: BigRational,
-    /// What the filter is off (rad).
+    /// Error of the filter (rad).
     pub filter: BigRational,
     rows: [BigRational; ROWS],
 }
@@ -57,8 +57,8 @@ struct Between {
     sine: BigRational,
 }
 
-/// From the bounds at samples to those between: while the states keep to `b`, they change in one sample by no more than
-/// the model's rows say; where that cannot reach `b`, it is never left.
+/// From the bounds at the samples to bounds between them. As long as the states stay within `b`, the rows of the model
+/// bound their change in one sample. If that change cannot reach `b`, the states never leave `b`.
 fn between(model: &Loop, rows: &[BigRational; ROWS], current: &BigRational) -> Option<Between> {
     let t = &model.t;
     let sine = |angle: &BigRational| &model.gravity * angle * angle * angle / integer(6);
@@ -86,7 +86,7 @@ fn between(model: &Loop, rows: &[BigRational; ROWS], current: &BigRational) -> O
                 drift += model.a[1][j].abs() * (&b[j] - &rows[j]);
             }
             let at_sample = ACCELERATIONS.iter().map(|row| &rows[*row]).max()?;
-            // Where the current is what was asked for before that: one change more.
+            // With a delay the current was commanded one sample earlier, which adds one change of the current.
             let acceleration = at_sample + drift + &model.dry + &outer + &lever[1];
             return Some(Between {
                 motion: Motion {
@@ -102,7 +102,7 @@ fn between(model: &Loop, rows: &[BigRational; ROWS], current: &BigRational) -> O
     None
 }
 
-/// What follows at the next step from bounds that held until now.
+/// The bounds at the next step that follow from bounds that held until now.
 struct Following {
     rows: [BigRational; ROWS],
     between: Between,
@@ -261,7 +261,8 @@ pub fn largest_start(
     Ok(low)
 }
 
-/// What every motion within `bounds` comes down to: the bounds that follow, again and again, without a start.
+/// The bounds within which every motion in `bounds` finally stays: the next bounds, computed again and again without
+/// the influence of the start.
 ///
 /// # Errors
 /// [`NoBounds::NotShown`].

@@ -1,7 +1,8 @@
-//! What the command is off: sensors, filter, words and duty.
+//! The error of the command from sensors, filter, words and duty.
 //!
-//! **Sensors.** A reading is off by half a step of its counts; with noise by one whole step more. Counts that are left-justified
-//! come in steps: the largest power of two that divides every count at which the sensor clips.
+//! **Sensors.** A reading is off by at most half a resolution step, and noise adds at most one whole step. The
+//! resolution step of left-justified counts is the largest power of two that divides every count at which the sensor
+//! clips.
 //!
 //! **Filter.** v̂ is the direction up that the filter believes, v the true one, both seen from the sensor. A step turns v̂
 //! as the gyroscope says, off by at most δ, and then by a turn of c along the great circle towards the direction a that
@@ -17,13 +18,16 @@
 //! E* + C + δ. The window of quiet samples sets v̂ = a at the start. The angle about the pivot is off by no more than E.
 //! Where δ ≥ 2/3 C nothing closes.
 //!
-//! **Drift.** The followed drift moves by at most 2βT over its time constant a step. What is assumed of the drift that is left
-//! would be a strange assumption were that fast: a time constant below 20 s closes nothing.
+//! **Drift.** In one step the drift that the filter follows moves by at most 2βT over its time constant. The claim
+//! assumes that little drift remains, which is plausible only if the filter follows it slowly: with a time constant
+//! below 20 s the claim is not settled.
 //!
-//! **Ends of the sensors.** A rate, a reading of the accelerometer or a wheel speed beyond its sensor's end closes nothing.
+//! **Ends of the sensors.** If a bound on a rate, an acceleration or the wheel speed lies beyond the range of its
+//! sensor, the claim is not settled.
 //!
-//! **Gyroscope.** Its reading may be old, by the time between its samples: then the rate is off by the acceleration times
-//! that, and the turn of a step by the acceleration times T times half a step or the age less half a step.
+//! **Gyroscope.** Its reading may be as old as the time between its samples. The rate is then off by the acceleration
+//! times that age, and the turn of a step by the acceleration times T times the larger of half a step and the age less
+//! half a step.
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -35,13 +39,13 @@ use crate::claims::loop_as_shipped::NoBounds;
 use crate::exact::matrices::inverse;
 use crate::exact::rational::{half, integer, power, root_above, root_below};
 
-/// What the filter's arithmetic is off in a step (rad): 2e-7 in each of four components
-/// (`filter-accurate`), twice as an angle, and the same again for the rounding of its normalisation.
+/// Error of the filter's arithmetic in a step (rad): 2e-7 in each of four components (`filter-accurate`), twice that as
+/// an angle, and the same again for the rounding of the normalisation.
 fn arithmetic() -> BigRational {
     integer(16) * power(10, -7)
 }
 
-/// What the arc tangent and the words of the angle are off (rad; `filter-accurate`).
+/// Error of the arc tangent and of the words of the angle (rad; `filter-accurate`).
 fn angle_arithmetic() -> BigRational {
     integer(1) * power(10, -6)
 }
@@ -50,12 +54,12 @@ fn angle_arithmetic() -> BigRational {
 /// than a twentieth of 2β.
 const FASTEST_DRIFT_S: i128 = 20;
 
-/// Share of 2β that the gyroscope may be left drifting.
+/// Drift of the gyroscope that may remain, as a share of 2β.
 fn drift_share() -> BigRational {
     BigRational::new(1.into(), 20.into())
 }
 
-/// What the sensors may be off, and what the filter makes of it.
+/// The errors that the sensors may have, and the errors of the filter that follow from them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorErrors {
     /// Of an axis of the gyroscope (rad/s).
@@ -88,7 +92,7 @@ pub struct SensorErrors {
     gains: [BigRational; 3],
 }
 
-/// What a motion adds: bounds of the body's acceleration and rate, between samples too.
+/// Bounds of a motion that enter the errors: the body's acceleration and rate, between samples too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
     /// rad/s².
@@ -105,7 +109,8 @@ fn step_of(clips: &[i32; 3]) -> i128 {
 }
 
 impl SensorErrors {
-    /// Of the sensors of a certificate: rounding alone, or `with_noise`, a step of each sensor more and a drift.
+    /// The errors of the sensors of a certificate: of rounding alone, or, `with_noise`, of rounding, one resolution
+    /// step of noise and a drift.
     ///
     /// # Errors
     /// [`NoBounds`].
@@ -229,10 +234,11 @@ impl SensorErrors {
     /// E: the angle by which the filter may be off (rad).
     ///
     /// # Errors
-    /// [`NoBounds::NotShown`] where its correction is not faster than what disturbs it.
+    /// [`NoBounds::NotShown`] if the correction of the filter is not faster than its disturbances.
     pub fn filter(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
         let not_shown = |why: &str| NoBounds::NotShown(why.to_owned());
-        // The correction for the lever arm lags, so that it takes nothing away for certain, and may add as much.
+        // The correction for the lever arm lags. It is therefore not counted as a reduction, and may add an error of
+        // the same size.
         let moved = integer(2)
             * &self.lever
             * (&motion.acceleration * integer(2) + &motion.rate * &motion.rate)
@@ -265,8 +271,8 @@ impl SensorErrors {
                 "drift and age of the gyroscope may turn the estimate faster than the filter's beta turns it back",
             ));
         }
-        // Two bounds of the largest sin φ = η/E at which a turn still gains on what disturbs it; the first is the
-        // better one where the turn of a step is short beside η.
+        // Two bounds of the largest sin φ = η/E at which a turn still outweighs the disturbances; the first is the
+        // better one if the turn of a step is short compared with η.
         let first = &share + &self.turn / &direction;
         let mut squared = (&one - &share) * BigRational::new(2.into(), 3.into());
         if first < one {
@@ -280,7 +286,7 @@ impl SensorErrors {
         Ok(settled + &self.turn + step + angle_arithmetic())
     }
 
-    /// ν: what the current is off for such a motion (A), by all errors but those of the drive itself.
+    /// ν: the error of the current (A) for such a motion, from all causes except the drive itself.
     ///
     /// # Errors
     /// As [`SensorErrors::filter`].
@@ -292,7 +298,7 @@ impl SensorErrors {
         Ok(n1.abs() * angle + n2.abs() * rate + n3.abs() * &self.wheel_speed + &self.rounding)
     }
 
-    /// What the rate is off (rad/s).
+    /// The error of the rate (rad/s).
     pub fn rate(&self, motion: &Motion) -> BigRational {
         &self.gyro_axis + &self.drift + &self.age * &motion.acceleration + &self.rate_word
     }

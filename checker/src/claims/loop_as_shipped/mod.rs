@@ -10,9 +10,9 @@
 //! where A has viscous friction alone. f holds dry friction, |f| ≤ μ/D, whatever its course, and the
 //! gravity that the straight line leaves out, g |sin α − α| ≤ g |α|³/6; f_w holds dry friction and cogging of the wheel.
 //!
-//! **Delay.** It is a part d of the sample time, 0 ≤ d ≤ 1, the same at each step to 1/8. For four values of d
-//! the loop in z = (x, w of the last step) is z⁺ = F z; what d is off adds at most T/8 of the current's change
-//! w − w⁻ ([`plant`]).
+//! **Delay.** It is a part d of the sample time, 0 ≤ d ≤ 1, which stays within one quarter of the sample at all steps.
+//! At the middle of each quarter the loop in z = (x, w of the last step) is z⁺ = F z. The deviation of d from the
+//! middle adds at most T/8 of the current's change w − w⁻ ([`plant`]).
 //!
 //! **Responses.** For a row C and an input v the sum of |C Fʲ v| over all j is a bound, and the best one, of what
 //! inputs within ±1 can do ([`responses`]). From rest at α₀ each quantity C z is then bounded by
@@ -25,8 +25,8 @@
 //! **Filter.** Its correction is a relay: it turns the estimate by at most 2βT a step towards the direction that the
 //! accelerometer shows. Nothing is linearised ([`errors`]).
 //!
-//! **What stays.** The start dies away, so the largest bounds that every motion comes down to obey the same
-//! inequality with α₀ = 0. From the bounds above it is applied again until nothing changes; that is
+//! **What stays.** The influence of the start decays. The bounds within which every motion finally stays therefore obey
+//! the same inequality with α₀ = 0. From the bounds above it is applied again until nothing changes; that is
 //! `motion-kept-up`, with rounding and dry friction alone.
 
 pub mod bounds;
@@ -56,16 +56,16 @@ pub enum NoBounds {
     Unphysical(String),
 }
 
-/// What is shown of a module.
+/// The bounds that were proved for a module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShippedLoop {
-    /// Largest angle from which the loop, at rest, is armed (rad).
+    /// Largest angle at which the loop may be armed at rest (rad).
     pub start: BigRational,
-    /// Bounds from there on.
+    /// Bounds of the motion after arming.
     pub bounds: Bounds,
-    /// Sensors' errors that are within.
+    /// The errors of the sensors that the bounds allow for.
     pub errors: SensorErrors,
-    /// What rounding and dry friction keep up.
+    /// Bounds of the motion that rounding and dry friction keep up.
     pub kept_up: Bounds,
 }
 
@@ -80,7 +80,7 @@ pub fn by_exact_arithmetic(
             let bounds = &shown.bounds;
             let errors = &shown.errors;
             let shipped = format!(
-                "from rest up to {} rad: within {} rad, {} rad/s, {} rad/s, {} A; the filter within {} rad; sensors within {} rad/s, {} m/s2, {} rad/s an axis, drift left within {} rad/s",
+                "armed at rest within {} rad: angle within {} rad, rate {} rad/s, wheel speed {} rad/s, current {} A; error of the filter within {} rad; errors of the sensors within {} rad/s (gyroscope, an axis), {} m/s2 (accelerometer, an axis), {} rad/s (wheel), remaining drift {} rad/s",
                 rounded_down(&shown.start),
                 three(&bounds.states[0]),
                 three(&bounds.states[1]),
@@ -94,7 +94,7 @@ pub fn by_exact_arithmetic(
             );
             let kept = &shown.kept_up;
             let kept_up = format!(
-                "within {} rad, {} rad/s, {} rad/s, {} A",
+                "angle within {} rad, rate {} rad/s, wheel speed {} rad/s, current {} A",
                 three(&kept.states[0]),
                 three(&kept.states[1]),
                 three(&kept.states[2]),

@@ -10,15 +10,15 @@ use crate::claims::loop_as_shipped::NoBounds;
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{integer, power};
 
-/// Delays whose loops are looked at, in eighths of a sample: with 1/8 to either side they cover all from none to one.
+/// Delays whose loops are examined, in eighths of a sample: the middles of the four quarters of a sample.
 pub const DELAYS: [i128; 4] = [1, 3, 5, 7];
 
-/// Share of a sample by which a delay may be off one of [`DELAYS`].
+/// Largest deviation of a delay from one of [`DELAYS`], as a share of a sample.
 pub fn delay_off() -> BigRational {
     BigRational::new(1.into(), 8.into())
 }
 
-/// States of the loop: angle, rate, wheel speed, current that was asked for one step before.
+/// States of the loop: angle, rate, wheel speed, and the current that was commanded one step before.
 pub const ORDER: usize = 4;
 
 /// Terms of the exponential series; |A| T ≤ 8 leaves less than 2⁻¹⁴⁴ after so many.
@@ -27,7 +27,7 @@ const TERMS: i128 = 120;
 /// Terms of exp(A σ) v whose responses are added up one by one.
 pub const PARTS: usize = 3;
 
-/// Terms that are bounded by their size, from [`PARTS`] on; what is left after them is far smaller.
+/// Terms after the first [`PARTS`] that are bounded by their size; all later terms together are far smaller.
 const LATER: usize = 12;
 
 /// Parameters that enter A and B.
@@ -46,7 +46,7 @@ const ON_THE_BODY: [&str; 2] = ["body_coulomb_torque", "body_breakaway_torque"];
 /// Torques between body and wheel, which add up.
 const ON_THE_WHEEL: [&str; 2] = ["wheel_coulomb_torque", "cogging_torque"];
 
-/// What the current may be off, added up (A).
+/// The largest error of the current, all causes added up (A).
 const OF_THE_CURRENT: [&str; 2] = ["dead_zone", "current_offset"];
 
 /// Parameters that shape one of these torques without making it larger.
@@ -76,13 +76,13 @@ pub struct Loop {
     pub dry: BigRational,
     /// Largest dry torque between body and wheel (N m).
     pub wheel_dry: BigRational,
-    /// What the current may be off by the drive's dead zone and offset (A).
+    /// The largest error of the current from the drive's dead zone and offset (A).
     pub current_off: BigRational,
     /// F on the grid.
     pub f: [[BigInt; ORDER]; ORDER],
     /// Terms A^k v T^k/k! on the grid, of B, e and e_w.
     pub inputs: [[[BigInt; 3]; PARTS]; 3],
-    /// What all later terms together are below in each entry, of B, e and e_w.
+    /// A bound on each entry of all later terms together, for B, e and e_w.
     pub later: [[BigRational; 3]; 3],
     /// The largest entry of e_w.
     pub on_wheel: BigRational,
@@ -179,7 +179,7 @@ impl Loop {
         }
         let late = &t * integer(eighths) / integer(8);
         let (ad, whole) = sampled(&a, &b, &t)?;
-        // What the new command does in the rest of the sample, after the delay.
+        // The effect of the new command in the rest of the sample, after the delay.
         let (_, new) = sampled(&a, &b, &(&t - late))?;
         let gains = law.gains.clone();
         let row = gains.each_ref().map(on_grid);

@@ -1,4 +1,4 @@
-//! What starts and inputs do to each quantity of the loop, at the worst, over all time.
+//! The largest effect of starts and inputs on each quantity of the loop, over all time.
 //!
 //! Inputs and start are carried forward as columns, v, F v, F² v, …, in units of 2⁻¹⁴⁴. With weights W and ‖·‖ the
 //! largest sum of a row's magnitudes, q = ‖W Fᵐ W⁻¹‖ < 1 for some m, and K = Σ_{i<m} ‖W Fⁱ W⁻¹‖. Then
@@ -16,8 +16,8 @@ use crate::claims::loop_as_shipped::plant::{Loop, ORDER, PARTS, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{half, integer, power_of_two};
 
-/// What is looked at: the three states, the command, its change since the last step, and the body's acceleration
-/// by the current before and after the command.
+/// The quantities: the three states, the command, its change since the last step, and the body's acceleration with the
+/// current before and after the command.
 pub const ROWS: usize = 7;
 /// Place of the command.
 pub const COMMAND: usize = 3;
@@ -34,7 +34,8 @@ const LENGTHS: usize = 16;
 /// Worst responses, for each row, all rounded up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
-    /// Largest |C Fʲ e₁|: of a start at 1 rad, at rest. Of the change: from the second step on.
+    /// Largest |C Fʲ e₁|: the largest value of each quantity after a start at rest at 1 rad. The same for the change of
+    /// the command, from the second step on.
     pub start: [BigRational; ROWS],
     /// The change of the command in the first step, for a start at 1 rad.
     pub first_change: BigRational,
@@ -45,7 +46,7 @@ pub struct Responses {
 }
 
 impl Responses {
-    /// Of one loop.
+    /// The responses of one loop.
     ///
     /// # Errors
     /// [`NoBounds::NotShown`] where the loop is not stable.

@@ -15,7 +15,7 @@ use crate::language::module::Module;
 pub fn composition(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     let f = Functions(module);
     let constants = f.constant("constants", "FILTER")?;
-    // What a calibrated magnetometer reads where there is no field: its bias.
+    // The reading of a calibrated magnetometer without a field: its bias.
     let no_field = Filter::of(module)?
         .mag
         .bias

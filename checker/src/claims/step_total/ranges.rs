@@ -11,7 +11,7 @@ use crate::language::module::Module;
 use crate::program::contract::Contract;
 use crate::program::steps::Program;
 
-/// What comes of the claim, with the duties of the stated drive.
+/// The outcome of the claim, with the duties of the stated drive.
 pub fn by_intervals(
     module: &Module,
     certificate: &Certificate,

@@ -1,4 +1,4 @@
-//! The builder of a program: its words so far, and what is known while a body is read.
+//! The builder of a program: its words so far, and the context in which a body is read.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub(super) struct Value {
     pub(super) slots: Vec<Slot>,
 }
 
-/// What is known while the body of one function is read.
+/// The context in which the body of one function is read.
 #[derive(Clone, Debug)]
 pub(super) struct Scope {
     pub(super) module: usize,
@@ -27,8 +27,8 @@ pub(super) struct Scope {
     pub(super) variables: Vec<(String, Value)>,
     /// `assert!`, `abs` and `i128` are for constants that assert something.
     pub(super) is_assertion: bool,
-    /// Whether the value of what is read is the value of the function: only there is `return`
-    /// what this reader takes it for.
+    /// Whether the expression that is being read gives the value of the function. The reader
+    /// accepts `return` only there.
     pub(super) is_tail: bool,
 }
 
@@ -163,7 +163,7 @@ impl Builder<'_> {
         )
     }
 
-    /// What an assignment or a `&mut` receiver stands for: variable, offset and type.
+    /// The target of an assignment or of a `&mut` receiver: variable, offset and type.
     pub(super) fn target(
         &self,
         scope: &Scope,

@@ -139,7 +139,8 @@ impl Builder<'_> {
         };
         if let Some(operation) = operation {
             if matches!(operation, Arithmetic::ShiftLeft | Arithmetic::ShiftRight) {
-                // What is shifted has its type from nowhere else, and an amount has one of its own.
+                // Only the shifted operand itself tells its type. The amount of the shift has a
+                // type of its own.
                 let Some(type_) = self.type_of(scope, &binary.left) else {
                     return self.unclear(scope, &binary.left);
                 };
@@ -226,7 +227,7 @@ impl Builder<'_> {
 
     /// Refuses an expression whose type Rust would find by rules that are not read here.
     fn unclear<T>(&mut self, scope: &mut Scope, expression: &syn::Expr) -> Read<T> {
-        // What is wrong inside of it says more.
+        // An error inside the expression is more informative.
         if !is_literal(expression) {
             self.expression(scope, expression, None, &mut Vec::new())?;
         }
@@ -249,8 +250,8 @@ impl Builder<'_> {
         let type_ = self
             .declarations
             .type_(scope.module, &scope.path, &cast.ty)?;
-        // A literal takes the type that it is cast to; everything else has its own, which Rust would
-        // take for i32 where nothing states it.
+        // A literal takes the type of the cast. Any other expression must have a stated type: Rust
+        // would assume i32 where none is stated.
         let inner = match self.type_of(scope, &cast.expr) {
             Some(inner) => inner,
             None if is_literal(&cast.expr) => type_.clone(),

@@ -55,9 +55,9 @@ pub(super) fn laws(amplitudes: &[AtAmplitude]) -> Vec<DecayLaw> {
     laws
 }
 
-/// Gauss–Newton with step halving, over the first amplitude and the terms of the law. Each half cycle is weighted by
-/// its own error and by a share of its amplitude, which stands for deviations that no law of this form can
-/// follow.
+/// Gauss–Newton with step halving, over the first amplitude and the terms of the law. The weight of each half cycle
+/// follows from its own error and from a share of its amplitude; the share allows for deviations that no law of this
+/// form can follow.
 fn fit_law(amplitudes: &[AtAmplitude], has: [bool; 3]) -> Option<DecayLaw> {
     let times: Vec<f64> = amplitudes.iter().map(|point| point.time_s).collect();
     let n = times.len();

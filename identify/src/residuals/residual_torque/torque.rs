@@ -446,7 +446,7 @@ mod tests {
         }
     }
 
-    /// A torque that acts, and that the model lacks, is what comes out.
+    /// The residual torque is the torque that acts and that the model lacks.
     #[test]
     fn a_torque_that_acts_is_found_in_its_place_and_size() {
         let model = Model::base();

@@ -1,4 +1,4 @@
-//! What a sensor measured, from what it said: the effects of the model on it are undone.
+//! From the reading of a sensor back to the measured quantity: the sensor effects of the model are inverted.
 
 use plant::{Output, Plant, State};
 
@@ -40,7 +40,7 @@ pub(super) fn undone(
     (in_time(values, time_s, lag_s, delay_s), scale)
 }
 
-/// The true value whose reading is this one, where a sensor says nearly what it measures.
+/// The true value whose reading is `sample`, for a sensor whose reading is close to the true value.
 fn inverted(plant: &Plant<f64>, output: Output, sample: f64) -> f64 {
     let mut value = sample;
     for _ in 0..ROUNDS {
@@ -53,8 +53,8 @@ fn inverted(plant: &Plant<f64>, output: Output, sample: f64) -> f64 {
     value
 }
 
-/// What went into a lag T and a delay δ: v(t) = y(t + δ) + T ẏ(t + δ), the slope taken over ±T so that
-/// noise is not enlarged. The ends of the log, of which the samples do not know enough, keep the last value.
+/// The input of a lag T and a delay δ from their output y: v(t) = y(t + δ) + T ẏ(t + δ). The slope is taken over ±T, so
+/// that noise is not amplified. At the ends of the log, where samples are missing, the last value is kept.
 fn in_time(values: Vec<f64>, time_s: &[f64], lag_s: f64, delay_s: f64) -> Vec<f64> {
     if lag_s <= 0.0 && delay_s <= 0.0 {
         return values;
