@@ -6,6 +6,7 @@ use identify::{Cancelled, Effort, FitProblem, Record};
 use plant::EffectId;
 
 use crate::candidate::Candidate;
+use crate::economy::CONCLUSIVE_SAMPLES;
 use crate::imperfection::{Imperfection, Imperfections};
 use crate::thresholds::Thresholds;
 
@@ -86,6 +87,21 @@ impl<'a> SearchBench<'a> {
     /// Whether the candidate's structured remainder is below `least_trace` in every series.
     pub fn leaves_nothing(&self, candidate: &Candidate) -> bool {
         candidate.largest_remainder() < self.thresholds.least_trace
+    }
+
+    /// Whether the candidate leaves nothing and the logs are long enough to rule out that an effect hides in its residual
+    /// (see [`CONCLUSIVE_SAMPLES`]).
+    pub fn proves_nothing_missing(&self, candidate: &Candidate) -> bool {
+        let counts = |record: &Record, channel: usize| {
+            let samples = record.channels[channel].samples.iter().zip(&record.weight);
+            samples
+                .filter(|(sample, weight)| sample.is_finite() && **weight > 0.0)
+                .count()
+        };
+        self.leaves_nothing(candidate)
+            && self.records.iter().all(|record| {
+                (0..record.channels.len()).all(|at| counts(record, at) >= CONCLUSIVE_SAMPLES)
+            })
     }
 
     /// The misfit that the smoothed sign of dry friction alone leaves in this candidate's fit.

@@ -73,8 +73,8 @@ pub fn decide(
         (Verdict::Ambiguous | Verdict::Unexplained, usual) => {
             let excess: Vec<f64> = (0..found.pool.len()).map(excess).collect();
             // Ties that explain more than they leave are offered as alternatives, even if something else remains.
-            if let Some(usual) =
-                usual.filter(|&usual| without_absorbers(found, usual, &excess) == usual)
+            if let Some(usual) = usual
+                .filter(|&usual| without_absorbers(found, usual, &excess, excess[usual]) == usual)
             {
                 return Decision {
                     provisional: Some(usual),
@@ -82,7 +82,11 @@ pub fn decide(
                     ..settled(shared, left(usual))
                 };
             }
-            let certain = without_absorbers(found, shared, &excess);
+            // What the ties share is a part of each of them. It is judged by what remains beside the whole of them, not
+            // beside it alone: their further effects take more away, whichever of them is right.
+            let remains = found.ties.iter().map(|&tie| excess[tie]);
+            let remains = remains.fold(excess[shared], f64::min);
+            let certain = without_absorbers(found, shared, &excess, remains);
             settled(certain, left(certain))
         }
     }
@@ -113,8 +117,9 @@ fn log_odds(candidate: &Candidate, shared: &Model) -> f64 {
 #[cfg(test)]
 mod tests {
     use plant::EffectId::{
-        BodyCoulombFriction as Coulomb, BodyPreslidingFriction as Presliding,
-        BodyQuadraticDrag as Drag, BodySofteningSpring as Softening, CurrentOffset as Offset,
+        AngleEccentricity as Eccentricity, BodyCoulombFriction as Coulomb,
+        BodyPreslidingFriction as Presliding, BodyQuadraticDrag as Drag,
+        BodySofteningSpring as Softening, CurrentOffset as Offset,
         WheelCoulombFriction as WheelCoulomb,
     };
 
@@ -193,6 +198,27 @@ mod tests {
         assert_eq!(decision.verdict, Verdict::Unexplained);
         assert_eq!((decision.certain, decision.provisional), (0, None));
         assert!(decision.ties.is_empty());
+    }
+
+    /// A cube's short swing: dry friction and drag are common to both explanations, which leave much. Drag takes more
+    /// than either leaves, though less than is left beside drag alone.
+    #[test]
+    fn what_ties_share_is_added_even_where_they_leave_much() {
+        let found = search(
+            &[
+                (&[], 300.0, 30.0, -90.0),
+                (&[Coulomb], 90.0, 8.0, -50.0),
+                (&[Coulomb, Drag], 50.0, 5.0, -20.0),
+                (&[Coulomb, Drag, Softening], 32.0, 3.5, 0.0),
+                (&[Coulomb, Drag, Eccentricity], 32.0, 3.5, -0.5),
+            ],
+            3,
+            &[3, 4],
+        );
+        let decision = of(&found);
+        assert_eq!(decision.verdict, Verdict::Unexplained);
+        assert_eq!((decision.certain, decision.provisional), (2, None));
+        assert_eq!(decision.remainder, 5.0);
     }
 
     #[test]

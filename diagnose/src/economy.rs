@@ -22,6 +22,11 @@ pub const MOST_SUSPECTS: usize = 6;
 /// Structured remainder, in units of the sensor's noise, up to which a free-running simulation is close enough
 /// to the measurement for its sensitivities to be used.
 pub const NEAR: f64 = 5.0;
+/// Number of samples in every series from which on a starting model that leaves no structure needs no search. An effect
+/// must lower the error of a series by 0.2 of its noise (`least_trace`). So much structure, if it lasts for 16 samples,
+/// stands out by eight standard deviations from this many samples ([`identify::structure`], with the uncertainty of
+/// the noise): it would have been seen.
+pub const CONCLUSIVE_SAMPLES: usize = 8_000;
 /// Length, in periods, of the short windows in which effects are scored where the free run drifts away from
 /// the log.
 pub const WINDOW_PERIODS: f64 = 3.0;

@@ -51,11 +51,10 @@ fn new_effects(found: &Search, from: usize, to: usize) -> Vec<EffectId> {
         .collect()
 }
 
-/// The chosen candidate, or an earlier one on its path if the last additions explained less than what remains in the
-/// end. Every effect can imitate a part of an unknown cause, so such an addition is not trusted. `excess` is
-/// the χ² beyond the noise that each candidate of the pool leaves.
-pub fn without_absorbers(found: &Search, chosen: usize, excess: &[f64]) -> usize {
-    let remains = excess[chosen];
+/// The chosen candidate, or an earlier one on its path if the last additions explained less than `remains`, the χ²
+/// that the final explanation leaves beyond the noise. Every effect can imitate a part of an unknown cause, so such an
+/// addition is not trusted. `excess` is the χ² beyond the noise that each candidate of the pool leaves.
+pub fn without_absorbers(found: &Search, chosen: usize, excess: &[f64], remains: f64) -> usize {
     let mut chosen = chosen;
     while let [.., (_, before), (Some(_), _)] = path(found, chosen).as_slice() {
         if excess[*before] - excess[chosen] >= remains {
@@ -139,10 +138,10 @@ mod tests {
             &[],
         );
         // Coulomb friction takes 10 where 30 remain, drag 60 where 30 remain.
-        assert_eq!(without_absorbers(&found, 2, &[100.0, 40.0, 30.0]), 1);
+        assert_eq!(without_absorbers(&found, 2, &[100.0, 40.0, 30.0], 30.0), 1);
         // Where next to nothing remains, every addition is its own.
-        assert_eq!(without_absorbers(&found, 2, &[75.0, 15.0, 5.0]), 2);
+        assert_eq!(without_absorbers(&found, 2, &[75.0, 15.0, 5.0], 5.0), 2);
         // Where nearly all remains, none is.
-        assert_eq!(without_absorbers(&found, 2, &[100.0, 95.0, 90.0]), 0);
+        assert_eq!(without_absorbers(&found, 2, &[100.0, 95.0, 90.0], 90.0), 0);
     }
 }

@@ -122,6 +122,14 @@ pub fn search(
     let thresholds = bench.thresholds;
     let tie = thresholds.tie;
     let mut pool = vec![start];
+    if bench.proves_nothing_missing(&pool[0]) {
+        return Ok(Search {
+            evidence: evidences(&bench, &pool),
+            pool,
+            best: 0,
+            ties: vec![],
+        });
+    }
     let mut extended = vec![];
     let mut beam = vec![0usize];
     let mut best = 0usize;
