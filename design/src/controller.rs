@@ -1,8 +1,8 @@
 //! Linear controllers and the loops that they close around the sampled plant.
 
 use crate::error::DesignError;
+use crate::late::Lateness;
 use crate::matrix::check_shape;
-use crate::zero_order_hold::{zero_order_hold, zero_order_hold_delayed};
 use nalgebra::{DMatrix, RowVector3};
 
 /// A discrete linear controller c⁺ = Ac c + Bc y, u = Cc c + Dc y, with y the measured state and u the
@@ -79,7 +79,7 @@ impl LinearController {
 
     /// The state matrix of the loop with ẋ = A x + B u, sampled at `sample_time_s`, if the
     /// current reaches the plant with the delay `delay_s` (any delay, not only whole samples). Its states are
-    /// (x, c, u₋₁, u₋₂, …).
+    /// (x, u₋₁, u₋₂, …, c).
     ///
     /// # Errors
     /// Wrong shapes, a sample time that is not positive, a negative delay.
@@ -90,62 +90,7 @@ impl LinearController {
         sample_time_s: f64,
         delay_s: f64,
     ) -> Result<DMatrix<f64>, DesignError> {
-        let (n, order) = (a.nrows(), self.order());
-        if delay_s == 0.0 {
-            let hold = zero_order_hold(a, b, sample_time_s)?;
-            return self.closed_loop(&hold.state, &hold.input);
-        }
-        self.check(n)?;
-        let delay = Delay::new(delay_s, sample_time_s);
-        let plant = zero_order_hold_delayed(a, b, sample_time_s, delay.part_s)?;
-        // Past commands u₋₁ … u₋(whole+1).
-        let past = delay.whole + 1;
-        let first = n + order;
-        let mut closed = DMatrix::zeros(first + past, first + past);
-        closed.view_mut((0, 0), (n, n)).copy_from(&plant.state);
-        closed
-            .view_mut((n, 0), (order, n))
-            .copy_from(&self.measurement);
-        closed
-            .view_mut((n, n), (order, order))
-            .copy_from(&self.state);
-        closed
-            .view_mut((0, first + past - 1), (n, 1))
-            .copy_from(&plant.previous_input);
-        let command = |closed: &mut DMatrix<f64>, row: usize, input: &DMatrix<f64>| {
-            let rows = input.nrows();
-            let mut from_plant = closed.view_mut((row, 0), (rows, n));
-            from_plant += input * &self.feedthrough;
-            let mut from_controller = closed.view_mut((row, n), (rows, order));
-            from_controller += input * &self.output;
-        };
-        if delay.whole == 0 {
-            command(&mut closed, 0, &plant.new_input);
-        } else {
-            let mut newer = closed.view_mut((0, first + past - 2), (n, 1));
-            newer += &plant.new_input;
-        }
-        command(&mut closed, first, &DMatrix::identity(1, 1));
-        for index in 1..past {
-            closed[(first + index, first + index - 1)] = 1.0;
-        }
-        Ok(closed)
-    }
-}
-
-/// A delay, divided into whole samples and a fraction.
-pub(crate) struct Delay {
-    pub(crate) whole: usize,
-    pub(crate) part_s: f64,
-}
-
-impl Delay {
-    pub(crate) fn new(delay_s: f64, sample_time_s: f64) -> Self {
-        let whole = (delay_s / sample_time_s).floor().max(0.0);
-        Delay {
-            whole: whole as usize,
-            part_s: (delay_s - whole * sample_time_s).clamp(0.0, sample_time_s),
-        }
+        self.late_closed_loop(a, b, sample_time_s, &Lateness::of_current(delay_s))
     }
 }
 
@@ -154,6 +99,7 @@ mod tests {
     use super::*;
     use crate::poles::spectral_radius;
     use crate::thesis;
+    use crate::zero_order_hold::zero_order_hold;
     use nalgebra::DVector;
 
     /// Steps the loop by its own means: the plant in small steps, the commands in a queue.

@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::controller::LinearController;
 use crate::error::DesignError;
+use crate::late::Lateness;
 use crate::margins::OpenLoop;
 
 /// Decades below half of the sampling frequency at which the curve begins.
@@ -37,7 +38,8 @@ pub fn frequency_response(
     delay_s: f64,
     count: usize,
 ) -> Result<Vec<LoopFrequency>, DesignError> {
-    let open = OpenLoop::new(a, b, controller, sample_time_s, delay_s)?;
+    let lateness = Lateness::of_current(delay_s);
+    let open = OpenLoop::new(a, b, controller, sample_time_s, &lateness)?;
     let nyquist = PI / sample_time_s;
     let mut curve: Vec<LoopFrequency> = Vec::with_capacity(count);
     for index in 0..count {
@@ -87,7 +89,7 @@ mod tests {
     fn the_curve_encircles_minus_one_once() {
         let controller = LinearController::state_feedback(&thesis::golden_gains());
         let (a, b) = (thesis::a(), thesis::b());
-        let open = OpenLoop::new(&a, &b, &controller, 1e-3, 0.0).unwrap();
+        let open = OpenLoop::new(&a, &b, &controller, 1e-3, &Lateness::default()).unwrap();
         let mut points = vec![open.at(0.0).unwrap()];
         points.extend(curve(0.0, 6000).iter().map(|at| at.value));
         let turn: f64 = points

@@ -9,6 +9,7 @@
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
 //! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
 //! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
+//! | [`late`] | current and sensors that are late, as states; the law that predicts |
 //! | [`excursions`] | weights from allowed excursions (Bryson's rule), and back |
 //! | [`frequency_response`] | the open loop over frequency: Bode and Nyquist |
 //! | [`linear_response`] | the loop's answer to a torque that stays and to a push, with bands from the parameters |
@@ -36,6 +37,7 @@ pub mod excursions;
 mod extended;
 pub mod frequency_response;
 pub mod friction;
+pub mod late;
 pub mod linear_response;
 pub mod lqr;
 pub mod margins;
@@ -63,6 +65,7 @@ pub use error::DesignError;
 pub use excursions::Excursions;
 pub use frequency_response::{LoopFrequency, frequency_response};
 pub use friction::{ExtremeCheck, FrictionCheck, FrictionExtremes, Hunting, friction_check};
+pub use late::{Lateness, SensorLateness};
 pub use linear_response::{
     Band, BandedResponse, DisturbanceTorque, LinearResponse, ResponseSettings, UncertainLoop,
     banded_response, drawn_plants, linear_response,
@@ -70,11 +73,11 @@ pub use linear_response::{
 pub use lqr::{
     ContinuousRegulator, DiscreteRegulator, Weights, continuous_regulator, discrete_regulator,
 };
-pub use margins::{Margins, margins, margins_with_delay};
+pub use margins::{Margins, late_margins, margins, margins_with_delay};
 pub use poles::{Pole, eigenvalues, spectral_radius};
 pub use recovery::recovery_angle_rad;
 pub use sampled_cost::QuadraticCost;
-pub use sensor_noise::{NoiseInLoop, SensorNoise, noise_in_loop};
+pub use sensor_noise::{NoiseInLoop, SensorNoise, noise_in_late_loop, noise_in_loop};
 pub use structural::{StructuralRank, controllability, observability};
 pub use uncertainty::{PoleUncertainty, UncertainParameters, UncertainPole, pole_uncertainty};
 pub use wheel_sizing::{ChartPoint, Sizing, SizingPush, wheel_energy_j};

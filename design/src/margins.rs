@@ -14,11 +14,11 @@
 //! exact condition 1 + L_δ(e^{jωT}) = 0 for δ and ω. L_δ is the loop with the plant sampled with its delay
 //! ([`crate::zero_order_hold::zero_order_hold_delayed`]).
 
-use crate::controller::{Delay, LinearController};
+use crate::controller::LinearController;
 use crate::error::DesignError;
+use crate::late::{LatePlant, Lateness, resolvent};
 use crate::matrix::check_positive;
 use crate::poles::{eigenvalues, spectral_radius};
-use crate::zero_order_hold::{DelayedDiscrete, zero_order_hold_delayed};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 
@@ -73,8 +73,24 @@ pub fn margins_with_delay(
     sample_time_s: f64,
     delay_s: f64,
 ) -> Result<Margins, DesignError> {
-    let open = OpenLoop::new(a, b, controller, sample_time_s, delay_s)?;
-    let closed = controller.closed_loop_with_delay(a, b, sample_time_s, delay_s)?;
+    let lateness = Lateness::of_current(delay_s);
+    late_margins(a, b, controller, sample_time_s, &lateness)
+}
+
+/// As [`margins`], of the loop whose current and sensors are late: the delay margin is what the current may be later
+/// still.
+///
+/// # Errors
+/// As for [`margins`]; a negative delay.
+pub fn late_margins(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    controller: &LinearController,
+    sample_time_s: f64,
+    lateness: &Lateness,
+) -> Result<Margins, DesignError> {
+    let open = OpenLoop::new(a, b, controller, sample_time_s, lateness)?;
+    let closed = controller.late_closed_loop(a, b, sample_time_s, lateness)?;
     let radius = spectral_radius(&closed)?;
     if radius >= 1.0 {
         return Err(DesignError::UnstableLoop {
@@ -135,10 +151,11 @@ pub fn margins_with_delay(
             phase_margin_rad = lead.abs();
             crossover_rad_s = frequency;
         }
-        let guess = delay_s + lead.rem_euclid(TAU) / frequency;
+        let own_s = lateness.current_s;
+        let guess = own_s + lead.rem_euclid(TAU) / frequency;
         let (delay, oscillation) = open.critical_delay(guess, frequency);
-        if delay - delay_s < delay_margin_s {
-            delay_margin_s = delay - delay_s;
+        if delay - own_s < delay_margin_s {
+            delay_margin_s = delay - own_s;
             delay_frequency_rad_s = oscillation;
         }
     }
@@ -156,40 +173,32 @@ pub fn margins_with_delay(
     })
 }
 
-/// L(z) and the loop with a delay.
+/// L(z) and the loop with delays.
 pub(crate) struct OpenLoop<'a> {
     a: &'a DMatrix<f64>,
     b: &'a DMatrix<f64>,
-    /// The plant with the loop's own delay.
-    plant: DelayedDiscrete,
-    /// Whole samples of that delay.
-    whole: usize,
+    lateness: Lateness,
+    /// The plant with the loop's own lateness.
+    plant: LatePlant,
     controller: &'a LinearController,
     sample_time_s: f64,
 }
 
 impl<'a> OpenLoop<'a> {
-    /// The loop whose current reaches the plant `delay_s` late.
+    /// The loop whose current and sensors are late.
     pub(crate) fn new(
         a: &'a DMatrix<f64>,
         b: &'a DMatrix<f64>,
         controller: &'a LinearController,
         sample_time_s: f64,
-        delay_s: f64,
+        lateness: &Lateness,
     ) -> Result<OpenLoop<'a>, DesignError> {
         check_positive("the sample time in s", sample_time_s)?;
-        if !(delay_s >= 0.0 && delay_s.is_finite()) {
-            return Err(DesignError::NotPositive {
-                what: "the delay in s (zero is allowed too)",
-                value: delay_s,
-            });
-        }
-        let delay = Delay::new(delay_s, sample_time_s);
         Ok(OpenLoop {
             a,
             b,
-            plant: zero_order_hold_delayed(a, b, sample_time_s, delay.part_s)?,
-            whole: delay.whole,
+            lateness: *lateness,
+            plant: LatePlant::new(a, b, sample_time_s, lateness)?,
             controller,
             sample_time_s,
         })
@@ -197,39 +206,29 @@ impl<'a> OpenLoop<'a> {
 
     /// L at a frequency in rad/s; none at a pole.
     pub(crate) fn at(&self, frequency: f64) -> Option<Complex<f64>> {
-        self.through_plant(&self.plant, self.whole, frequency)
+        self.through_plant(&self.plant, frequency)
     }
 
-    fn through_plant(
-        &self,
-        plant: &DelayedDiscrete,
-        whole: usize,
-        frequency: f64,
-    ) -> Option<Complex<f64>> {
+    /// −(Cc (zI − Ac)⁻¹ Bc + Dc) times what the sensors of `plant` say of the current.
+    fn through_plant(&self, plant: &LatePlant, frequency: f64) -> Option<Complex<f64>> {
         let z = Complex::from_polar(1.0, frequency * self.sample_time_s);
-        let input =
-            plant.new_input.map(Complex::from) + plant.previous_input.map(Complex::from) / z;
-        let power = u32::try_from(whole).ok()?;
-        Some(self.through(z, &input)? / z.powu(power))
-    }
-
-    /// −(Cc (zI − Ac)⁻¹ Bc + Dc) (zI − Ad)⁻¹ input.
-    fn through(&self, z: Complex<f64>, input: &DMatrix<Complex<f64>>) -> Option<Complex<f64>> {
-        let state = resolvent(&self.plant.state, z, input)?;
-        let measured = self.controller.measurement.map(Complex::from) * &state;
+        let shown = plant.transfer(z)?;
+        let measured = self.controller.measurement.map(Complex::from) * &shown;
         let inner = resolvent(&self.controller.state, z, &measured)?;
         let output = self.controller.output.map(Complex::from) * inner
-            + self.controller.feedthrough.map(Complex::from) * state;
+            + self.controller.feedthrough.map(Complex::from) * shown;
         let value = -output[0];
         (value.re.is_finite() && value.im.is_finite()).then_some(value)
     }
 
     /// 1 + L_δ.
     fn return_difference(&self, delay_s: f64, frequency: f64) -> Option<Complex<f64>> {
-        let delay = Delay::new(delay_s, self.sample_time_s);
-        let plant =
-            zero_order_hold_delayed(self.a, self.b, self.sample_time_s, delay.part_s).ok()?;
-        Some(self.through_plant(&plant, delay.whole, frequency)? + 1.0)
+        let lateness = Lateness {
+            current_s: delay_s,
+            ..self.lateness
+        };
+        let plant = LatePlant::new(self.a, self.b, self.sample_time_s, &lateness).ok()?;
+        Some(self.through_plant(&plant, frequency)? + 1.0)
     }
 
     /// Newton's method on 1 + L_δ(e^{jωT}) = 0 from a guess of (δ, ω); returns the guess if it fails.
@@ -321,24 +320,6 @@ impl<'a> OpenLoop<'a> {
             (grid[best].0, coarse)
         }
     }
-}
-
-/// (zI − M)⁻¹ right.
-fn resolvent(
-    matrix: &DMatrix<f64>,
-    z: Complex<f64>,
-    right: &DMatrix<Complex<f64>>,
-) -> Option<DMatrix<Complex<f64>>> {
-    let n = matrix.nrows();
-    if n == 0 {
-        return Some(right.clone());
-    }
-    DMatrix::from_fn(n, n, |row, column| {
-        let entry = Complex::from(-matrix[(row, column)]);
-        if row == column { z + entry } else { entry }
-    })
-    .lu()
-    .solve(right)
 }
 
 #[cfg(test)]

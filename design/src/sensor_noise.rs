@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, RowVector3};
 
 use crate::controller::LinearController;
 use crate::error::DesignError;
+use crate::late::{LatePlant, Lateness};
 use crate::matrix::{check_finite, of_model};
 use crate::poles::spectral_radius;
 use plant::LinearModel;
@@ -48,16 +49,27 @@ pub fn noise_in_loop(
     delay_s: f64,
     noise: &SensorNoise,
 ) -> Result<NoiseInLoop, DesignError> {
+    let controller = LinearController::state_feedback(gains);
+    let lateness = Lateness::of_current(delay_s);
+    noise_in_late_loop(model, &controller, sample_time_s, &lateness, noise)
+}
+
+/// As [`noise_in_loop`], of any linear controller, with current and sensors late. The noise is that of the readings,
+/// behind the sensors' filters.
+///
+/// # Errors
+/// As for [`noise_in_loop`].
+pub fn noise_in_late_loop(
+    model: &LinearModel,
+    controller: &LinearController,
+    sample_time_s: f64,
+    lateness: &Lateness,
+    noise: &SensorNoise,
+) -> Result<NoiseInLoop, DesignError> {
     let (a, b) = of_model(model)?;
-    let looped = |gains: &RowVector3<f64>| {
-        LinearController::state_feedback(gains).closed_loop_with_delay(
-            &a,
-            &b,
-            sample_time_s,
-            delay_s,
-        )
-    };
-    let closed = looped(gains)?;
+    let plant = LatePlant::new(&a, &b, sample_time_s, lateness)?.augmented();
+    let seeing = controller.seeing(&plant.output)?;
+    let closed = seeing.closed_loop(&plant.state, &plant.input)?;
     check_finite("the closed loop", &closed)?;
     let radius = spectral_radius(&closed)?;
     if radius >= 1.0 {
@@ -67,17 +79,30 @@ pub fn noise_in_loop(
             cure: "raise the current weight, or shorten the delay",
         });
     }
-    // How a command enters: what one more ampere per unit of the angle changes of the loop.
-    let open = looped(&RowVector3::zeros())?;
-    let input = (looped(&RowVector3::new(-1.0, 0.0, 0.0))? - &open)
-        .column(0)
-        .into_owned();
-    let variance =
-        [noise.angle_rad, noise.rate_rad_s, noise.wheel_speed_rad_s].map(|std| std * std);
-    let command_variance: f64 = (0..3)
-        .map(|index| gains[index].powi(2) * variance[index])
-        .sum();
-    let mut covariance: DMatrix<f64> = &input * input.transpose() * command_variance;
+    let (states, size) = (plant.state.nrows(), closed.nrows());
+    let stds = DMatrix::from_diagonal(&nalgebra::dvector![
+        noise.angle_rad,
+        noise.rate_rad_s,
+        noise.wheel_speed_rad_s
+    ]);
+    // How the noise of a sample enters the plant, by the command, and the controller.
+    let mut enters = DMatrix::zeros(size, 3);
+    enters
+        .rows_mut(0, states)
+        .copy_from(&(&plant.input * &controller.feedthrough * &stds));
+    enters
+        .rows_mut(states, size - states)
+        .copy_from(&(&controller.measurement * &stds));
+    let command_variance = (&controller.feedthrough * &stds).norm_squared();
+    // The command that the states alone give.
+    let mut command = DMatrix::zeros(1, size);
+    command
+        .columns_mut(0, states)
+        .copy_from(&seeing.feedthrough);
+    command
+        .columns_mut(states, size - states)
+        .copy_from(&controller.output);
+    let mut covariance: DMatrix<f64> = &enters * enters.transpose();
     let mut leap = closed;
     for _ in 0..MOST_DOUBLINGS {
         let more = &leap * &covariance * leap.transpose();
@@ -88,10 +113,7 @@ pub fn noise_in_loop(
         }
         leap = &leap * &leap;
     }
-    let by_state: f64 = (0..3)
-        .flat_map(|row| (0..3).map(move |column| (row, column)))
-        .map(|(row, column)| gains[row] * covariance[(row, column)] * gains[column])
-        .sum();
+    let by_state = (&command * &covariance * command.transpose())[0];
     let root = |variance: f64| variance.max(0.0).sqrt();
     Ok(NoiseInLoop {
         angle_rad: root(covariance[(0, 0)]),

@@ -89,7 +89,11 @@ pub fn zero_order_hold(
 }
 
 /// The zero-order hold over a time in s, which may be zero.
-fn held_for(a: &DMatrix<f64>, b: &DMatrix<f64>, time_s: f64) -> Result<Discrete, DesignError> {
+pub(crate) fn held_for(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    time_s: f64,
+) -> Result<Discrete, DesignError> {
     let (states, inputs) = (a.nrows(), b.ncols());
     check_shape("the state matrix A", a, states, states)?;
     check_shape("the input matrix B", b, states, inputs)?;

@@ -1,0 +1,562 @@
+//! The bench as the controller meets it: the current reaches the plant late, and the sensors are late and filtered.
+//!
+//! Between the samples nothing is approximated. A sensor's low-pass filter, T ẏ = v − y, is a state of the plant. The
+//! current changes once in a sample interval, at the fraction of its delay, so that the hold is split there
+//! ([`zero_order_hold_delayed`]). A late sensor shows the plant at an instant between two samples, which the same split
+//! hold gives from the sample before. Whole samples of a delay are shift states
+//! (Åström and Wittenmark, "Computer-Controlled Systems", 3rd ed., section 2.3). The result is
+//!
+//! ```text
+//! x⁺ = Ad x + Bp u₋₍d₊₁₎ + Bn u₋d,   yᵢ = z^−mᵢ (Cᵢ x + Pᵢ u₋₍d₊₁₎ + Nᵢ u₋d)
+//! ```
+//!
+//! with u₋d the current that was commanded d samples before; d and mᵢ are whole numbers of samples.
+
+use crate::controller::LinearController;
+use crate::error::DesignError;
+use crate::matrix::check_shape;
+use crate::zero_order_hold::{DelayedDiscrete, held_for, zero_order_hold_delayed};
+use nalgebra::{Complex, DMatrix, RowVector3};
+
+/// How late one sensor is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensorLateness {
+    /// Time constant of its low-pass filter in s; zero for none.
+    pub lag_s: f64,
+    /// Delay behind the filter in s: transport, and the age of a reading.
+    pub delay_s: f64,
+}
+
+/// How late the current and the sensors are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lateness {
+    /// From a sample to the change of the current at the plant, in s.
+    pub current_s: f64,
+    /// Angle, rate, wheel speed.
+    pub sensors: [SensorLateness; 3],
+}
+
+impl Lateness {
+    /// Only the current is late.
+    pub fn of_current(current_s: f64) -> Lateness {
+        Lateness {
+            current_s,
+            ..Lateness::default()
+        }
+    }
+
+    fn check(&self) -> Result<(), DesignError> {
+        let sensors = self.sensors.iter().flat_map(|one| [one.lag_s, one.delay_s]);
+        for value in sensors.chain([self.current_s]) {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(DesignError::NotPositive {
+                    what: "the delay in s (zero is allowed too)",
+                    value,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A delay, divided into whole samples and a fraction.
+struct Delay {
+    whole: usize,
+    part_s: f64,
+}
+
+impl Delay {
+    fn new(delay_s: f64, sample_time_s: f64) -> Self {
+        let whole = (delay_s / sample_time_s).floor().max(0.0);
+        Delay {
+            whole: whole as usize,
+            part_s: (delay_s - whole * sample_time_s).clamp(0.0, sample_time_s),
+        }
+    }
+}
+
+/// The sampled plant between the commanded current and what the sensors say.
+pub(crate) struct LatePlant {
+    plant: DelayedDiscrete,
+    /// d, whole samples of the current's delay.
+    whole: usize,
+    /// Whether the current is late at all.
+    is_late: bool,
+    outputs: Vec<LateOutput>,
+}
+
+/// One sensor.
+struct LateOutput {
+    /// mᵢ.
+    shifts: usize,
+    /// Cᵢ (1×n).
+    from_state: DMatrix<f64>,
+    /// Pᵢ.
+    from_previous: f64,
+    /// Nᵢ.
+    from_new: f64,
+}
+
+/// x⁺ = `state` x + `input` u, y = `output` x.
+pub(crate) struct Augmented {
+    pub(crate) state: DMatrix<f64>,
+    pub(crate) input: DMatrix<f64>,
+    pub(crate) output: DMatrix<f64>,
+}
+
+impl LatePlant {
+    /// ẋ = A x + B u (A n×n, B n×1) sampled at `sample_time_s`. Every state is measured, the first three by the sensors
+    /// of `lateness`, any further ones at once.
+    ///
+    /// # Errors
+    /// Wrong shapes; a sample time that is not positive; a negative delay.
+    pub(crate) fn new(
+        a: &DMatrix<f64>,
+        b: &DMatrix<f64>,
+        sample_time_s: f64,
+        lateness: &Lateness,
+    ) -> Result<LatePlant, DesignError> {
+        lateness.check()?;
+        let n = a.nrows();
+        check_shape("the state matrix A", a, n, n)?;
+        check_shape("the input matrix B", b, n, 1)?;
+        // One more state for each filter; it shows in place of what it filters.
+        let filtered: Vec<usize> = (0..lateness.sensors.len().min(n))
+            .filter(|sensor| lateness.sensors[*sensor].lag_s > 0.0)
+            .collect();
+        let states = n + filtered.len();
+        let (mut whole_a, mut whole_b) =
+            (DMatrix::zeros(states, states), DMatrix::zeros(states, 1));
+        whole_a.view_mut((0, 0), (n, n)).copy_from(a);
+        whole_b.view_mut((0, 0), (n, 1)).copy_from(b);
+        let mut shown: Vec<usize> = (0..n).collect();
+        for (index, sensor) in filtered.into_iter().enumerate() {
+            let (own, lag_s) = (n + index, lateness.sensors[sensor].lag_s);
+            whole_a[(own, sensor)] = 1.0 / lag_s;
+            whole_a[(own, own)] = -1.0 / lag_s;
+            shown[sensor] = own;
+        }
+        let current = Delay::new(lateness.current_s, sample_time_s);
+        let plant = zero_order_hold_delayed(&whole_a, &whole_b, sample_time_s, current.part_s)?;
+        let output = |(sensor, state): (usize, usize)| -> Result<LateOutput, DesignError> {
+            let delay_s = lateness.sensors.get(sensor).map_or(0.0, |one| one.delay_s);
+            let delay = Delay::new(delay_s, sample_time_s);
+            let pick = DMatrix::from_fn(1, states, |_, column| f64::from(column == state));
+            if delay.part_s == 0.0 {
+                return Ok(LateOutput {
+                    shifts: delay.whole,
+                    from_state: pick,
+                    from_previous: 0.0,
+                    from_new: 0.0,
+                });
+            }
+            // The instant lies this long after the sample before it.
+            let after_s = sample_time_s - delay.part_s;
+            let change_s = current.part_s.min(after_s);
+            let early = held_for(&whole_a, &whole_b, change_s)?;
+            let late = held_for(&whole_a, &whole_b, after_s - change_s)?;
+            Ok(LateOutput {
+                shifts: delay.whole + 1,
+                from_state: &pick * &late.state * &early.state,
+                from_previous: (&pick * &late.state * &early.input)[0],
+                from_new: (&pick * &late.input)[0],
+            })
+        };
+        let outputs = shown.into_iter().enumerate().map(output);
+        Ok(LatePlant {
+            plant,
+            whole: current.whole,
+            is_late: lateness.current_s > 0.0,
+            outputs: outputs.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The same with delays as states: (x, filters, u₋₁ … u₋₍d₊₁₎, the shifted readings of each sensor).
+    pub(crate) fn augmented(&self) -> Augmented {
+        let n = self.plant.state.nrows();
+        let past = if self.is_late { self.whole + 1 } else { 0 };
+        let shifts: usize = self.outputs.iter().map(|one| one.shifts).sum();
+        let size = n + past + shifts;
+        let mut state = DMatrix::zeros(size, size);
+        let mut input = DMatrix::zeros(size, 1);
+        let mut output = DMatrix::zeros(self.outputs.len(), size);
+        state.view_mut((0, 0), (n, n)).copy_from(&self.plant.state);
+        // A row that takes `factor` of u₋₍d₊₁₎ and of u₋d.
+        let mut takes = |state: &mut DMatrix<f64>, row: usize, previous: f64, new: f64| {
+            if past > 0 {
+                state[(row, n + past - 1)] += previous;
+            }
+            if self.whole == 0 {
+                input[(row, 0)] += new;
+            } else {
+                state[(row, n + past - 2)] += new;
+            }
+        };
+        for row in 0..n {
+            let (previous, new) = (self.plant.previous_input[row], self.plant.new_input[row]);
+            takes(&mut state, row, previous, new);
+        }
+        let mut next = n + past;
+        for (sensor, one) in self.outputs.iter().enumerate() {
+            if one.shifts == 0 {
+                output
+                    .view_mut((sensor, 0), (1, n))
+                    .copy_from(&one.from_state);
+                continue;
+            }
+            state.view_mut((next, 0), (1, n)).copy_from(&one.from_state);
+            takes(&mut state, next, one.from_previous, one.from_new);
+            for shift in 1..one.shifts {
+                state[(next + shift, next + shift - 1)] = 1.0;
+            }
+            next += one.shifts;
+            output[(sensor, next - 1)] = 1.0;
+        }
+        if past > 0 {
+            input[(n, 0)] = 1.0;
+        }
+        for index in 1..past {
+            state[(n + index, n + index - 1)] = 1.0;
+        }
+        Augmented {
+            state,
+            input,
+            output,
+        }
+    }
+
+    /// What the sensors say of a current of size 1 at z, one row a sensor; none at a pole.
+    pub(crate) fn transfer(&self, z: Complex<f64>) -> Option<DMatrix<Complex<f64>>> {
+        let plant = &self.plant;
+        let input =
+            plant.new_input.map(Complex::from) + plant.previous_input.map(Complex::from) / z;
+        let state = resolvent(&plant.state, z, &input)?;
+        let late = z.powu(u32::try_from(self.whole).ok()?);
+        let mut shown = DMatrix::zeros(self.outputs.len(), 1);
+        for (sensor, one) in self.outputs.iter().enumerate() {
+            let direct = Complex::from(one.from_new) + Complex::from(one.from_previous) / z;
+            let value = (one.from_state.map(Complex::from) * &state)[0] + direct;
+            shown[sensor] = value / (late * z.powu(u32::try_from(one.shifts).ok()?));
+        }
+        Some(shown)
+    }
+}
+
+/// (zI − M)⁻¹ right.
+pub(crate) fn resolvent(
+    matrix: &DMatrix<f64>,
+    z: Complex<f64>,
+    right: &DMatrix<Complex<f64>>,
+) -> Option<DMatrix<Complex<f64>>> {
+    let n = matrix.nrows();
+    if n == 0 {
+        return Some(right.clone());
+    }
+    DMatrix::from_fn(n, n, |row, column| {
+        let entry = Complex::from(-matrix[(row, column)]);
+        if row == column { z + entry } else { entry }
+    })
+    .lu()
+    .solve(right)
+}
+
+impl LinearController {
+    /// The state matrix of the loop with ẋ = A x + B u, sampled at `sample_time_s`, with current and sensors late by
+    /// any times. Its states are (x, filters of the sensors, past commands, past readings, c).
+    ///
+    /// # Errors
+    /// Wrong shapes, a sample time that is not positive, a negative delay.
+    pub fn late_closed_loop(
+        &self,
+        a: &DMatrix<f64>,
+        b: &DMatrix<f64>,
+        sample_time_s: f64,
+        lateness: &Lateness,
+    ) -> Result<DMatrix<f64>, DesignError> {
+        let plant = LatePlant::new(a, b, sample_time_s, lateness)?.augmented();
+        self.seeing(&plant.output)?
+            .closed_loop(&plant.state, &plant.input)
+    }
+
+    /// The same controller on the states of a plant whose sensors show `output` of them.
+    pub(crate) fn seeing(&self, output: &DMatrix<f64>) -> Result<LinearController, DesignError> {
+        let (order, sensors) = (self.order(), output.nrows());
+        check_shape("Bc of the controller", &self.measurement, order, sensors)?;
+        check_shape("Dc of the controller", &self.feedthrough, 1, sensors)?;
+        Ok(LinearController {
+            state: self.state.clone(),
+            measurement: &self.measurement * output,
+            output: self.output.clone(),
+            feedthrough: &self.feedthrough * output,
+        })
+    }
+
+    /// u = −K x̂, with x̂ the state that the plant will have `ahead_s` after the sample: the measured state is led on
+    /// by the model, with the commands that have been given and not arrived. For a current that is late by `ahead_s`
+    /// this law is the optimal one, and its gains are those of the plant without delay: no command changes the cost
+    /// before it arrives. The controller's states are the commands u₋₁, u₋₂, … of that time.
+    ///
+    /// # Errors
+    /// Wrong shapes, a sample time that is not positive, a negative time.
+    pub fn predicting(
+        gains: &RowVector3<f64>,
+        a: &DMatrix<f64>,
+        b: &DMatrix<f64>,
+        sample_time_s: f64,
+        ahead_s: f64,
+    ) -> Result<LinearController, DesignError> {
+        Lateness::of_current(ahead_s).check()?;
+        let gains = DMatrix::from_row_slice(1, 3, gains.as_slice());
+        let ahead = Delay::new(ahead_s, sample_time_s);
+        let order = ahead.whole + usize::from(ahead.part_s > 0.0);
+        let mut output = DMatrix::zeros(1, order);
+        for index in 0..order {
+            // u₋ⱼ, j = index + 1, acts from `ahead_s` − j T on, for one sample time or what is left of it.
+            let rest_s = index as f64 * sample_time_s;
+            let acts = held_for(a, b, (ahead_s - rest_s).clamp(0.0, sample_time_s))?;
+            let rest = held_for(a, b, rest_s)?;
+            output[index] = -(&gains * rest.state * acts.input)[0];
+        }
+        let mut state = DMatrix::zeros(order, order);
+        for index in 1..order {
+            state[(index, index - 1)] = 1.0;
+        }
+        let lead = held_for(a, b, ahead_s)?;
+        let feedthrough = -(&gains * lead.state);
+        let mut measurement = DMatrix::zeros(order, 3);
+        if order > 0 {
+            // u₋₁ is the command of this sample, at the next one.
+            measurement.row_mut(0).copy_from(&feedthrough);
+            state.row_mut(0).copy_from(&output);
+        }
+        Ok(LinearController {
+            state,
+            measurement,
+            output,
+            feedthrough,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::margins::late_margins;
+    use crate::poles::eigenvalues;
+    use crate::thesis;
+    use crate::zero_order_hold::zero_order_hold;
+    use nalgebra::DVector;
+    use proptest::prelude::*;
+
+    const T: f64 = 1e-3;
+
+    fn law() -> LinearController {
+        LinearController::state_feedback(&thesis::golden_gains())
+    }
+
+    /// Steps the loop by its own means: the plant in small steps, everything that was late in long tables. The sensors
+    /// are filtered by the exact answer to a value that is held over a small step.
+    fn simulate(
+        controller: &LinearController,
+        lateness: &Lateness,
+        samples: usize,
+    ) -> DVector<f64> {
+        const PARTS: i64 = 200;
+        let small_s = T / PARTS as f64;
+        let fine = zero_order_hold(&thesis::a(), &thesis::b(), small_s).unwrap();
+        let parts = |time_s: f64| (time_s / small_s).round() as i64;
+        let mut x = DVector::from_column_slice(&[0.01, 0.0, 0.0]);
+        let mut filtered: Vec<DVector<f64>> = Vec::new();
+        let mut shown = DVector::zeros(3);
+        let mut commands: Vec<f64> = Vec::new();
+        let mut c = DVector::zeros(controller.order());
+        for part in 0..samples as i64 * PARTS {
+            for sensor in 0..3 {
+                let lag_s = lateness.sensors[sensor].lag_s;
+                if lag_s == 0.0 {
+                    shown[sensor] = x[sensor];
+                }
+            }
+            filtered.push(shown.clone());
+            if part % PARTS == 0 {
+                let y = DVector::from_fn(3, |sensor, _| {
+                    let at = part - parts(lateness.sensors[sensor].delay_s);
+                    if at < 0 {
+                        0.0
+                    } else {
+                        filtered[at as usize][sensor]
+                    }
+                });
+                commands.push((&controller.output * &c + &controller.feedthrough * &y)[0]);
+                c = &controller.state * &c + &controller.measurement * &y;
+            }
+            let at = part - parts(lateness.current_s);
+            let current = if at < 0 {
+                0.0
+            } else {
+                commands[(at / PARTS) as usize]
+            };
+            let next = &fine.state * &x + fine.input.column(0) * current;
+            for sensor in 0..3 {
+                let lag_s = lateness.sensors[sensor].lag_s;
+                if lag_s > 0.0 {
+                    // The mean over the step.
+                    let held = 0.5 * (x[sensor] + next[sensor]);
+                    shown[sensor] = held + (shown[sensor] - held) * (-small_s / lag_s).exp();
+                }
+            }
+            x = next;
+        }
+        x
+    }
+
+    #[test]
+    fn late_sensors_and_a_late_current_match_a_simulation_in_small_steps() {
+        let sensor = |lag_s, delay_s| SensorLateness { lag_s, delay_s };
+        let cases = [
+            (
+                0.0,
+                [sensor(0.0, 0.25e-3), sensor(0.0, 1e-3), sensor(0.0, 2.5e-3)],
+            ),
+            (
+                0.6e-3,
+                [sensor(0.0, 0.0), sensor(0.0, 0.2e-3), sensor(0.0, 0.9e-3)],
+            ),
+            (
+                1e-3,
+                [
+                    sensor(0.0, 2.2e-3),
+                    sensor(4e-3, 0.0),
+                    sensor(20e-3, 0.7e-3),
+                ],
+            ),
+            (
+                2.3e-3,
+                [
+                    sensor(1e-3, 0.4e-3),
+                    sensor(1e-3, 0.4e-3),
+                    sensor(0.0, 3e-3),
+                ],
+            ),
+        ];
+        for (current_s, sensors) in cases {
+            let lateness = Lateness { current_s, sensors };
+            let ahead_s = current_s + 0.4e-3;
+            let predicting = LinearController::predicting(
+                &thesis::golden_gains(),
+                &thesis::a(),
+                &thesis::b(),
+                T,
+                ahead_s,
+            )
+            .unwrap();
+            for controller in [law(), predicting] {
+                let closed = controller
+                    .late_closed_loop(&thesis::a(), &thesis::b(), T, &lateness)
+                    .unwrap();
+                let mut x = DVector::zeros(closed.nrows());
+                x[0] = 0.01;
+                for _ in 0..250 {
+                    x = &closed * x;
+                }
+                let simulated = simulate(&controller, &lateness, 250);
+                let size = simulated.norm();
+                let difference = (x.rows(0, 3) - &simulated).norm();
+                // A filter whose input is held at its mean over a step h is off by (h/T)²/12 in its slope.
+                assert!(
+                    difference < 3e-5 * size,
+                    "{lateness:?}: {difference:e} of {size:e}"
+                );
+            }
+        }
+    }
+
+    /// A law that predicts has the poles of the loop without delay, and zeros for what it waits for (Manitius and
+    /// Olbrot, "Finite spectrum assignment problem for systems with delays", IEEE TAC 24(4), 1979).
+    #[test]
+    fn prediction_gives_back_the_poles_without_delay() {
+        let (a, b) = (thesis::a(), thesis::b());
+        let plain = law()
+            .late_closed_loop(&a, &b, T, &Lateness::default())
+            .unwrap();
+        let wanted = eigenvalues(&plain).unwrap();
+        for ahead_s in [0.0, 0.3e-3, 1e-3, 2.7e-3, 12e-3] {
+            let law =
+                LinearController::predicting(&thesis::golden_gains(), &a, &b, T, ahead_s).unwrap();
+            let closed = law
+                .late_closed_loop(&a, &b, T, &Lateness::of_current(ahead_s))
+                .unwrap();
+            let found = eigenvalues(&closed).unwrap();
+            for pole in &wanted {
+                let nearest = found
+                    .iter()
+                    .map(|other| (other - pole).norm())
+                    .fold(f64::INFINITY, f64::min);
+                assert!(nearest < 1e-7, "{ahead_s}: {pole} off by {nearest:e}");
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+        /// Shift states and powers of z say the same, and a delay that all sensors share acts like one of the current.
+        #[test]
+        fn states_and_transfer_agree(
+            current in 0.0..4.0_f64,
+            delays in prop::array::uniform3(0.0..4.0_f64),
+            lags in prop::array::uniform3(0.0..4.0_f64),
+            whole in prop::array::uniform4(any::<bool>()),
+            phase in 0.01..3.1_f64,
+        ) {
+            let time = |value: f64, whole: bool| T * if whole { value.round() } else { value };
+            let lateness = Lateness {
+                current_s: time(current, whole[3]),
+                sensors: [0, 1, 2].map(|index| SensorLateness {
+                    lag_s: if lags[index] < 1.0 { 0.0 } else { T * lags[index] },
+                    delay_s: time(delays[index], whole[index]),
+                }),
+            };
+            let plant = LatePlant::new(&thesis::a(), &thesis::b(), T, &lateness).unwrap();
+            let z = Complex::from_polar(1.0, phase);
+            let by_powers = plant.transfer(z).unwrap();
+            let states = plant.augmented();
+            let inner = resolvent(&states.state, z, &states.input.map(Complex::from)).unwrap();
+            let by_states = states.output.map(Complex::from) * inner;
+            let error = (&by_powers - &by_states).norm();
+            prop_assert!(error < 1e-9 * by_powers.norm(), "{lateness:?}: {error:e}");
+
+            let shared = Lateness {
+                current_s: 0.0,
+                sensors: [SensorLateness { lag_s: 0.0, delay_s: lateness.current_s }; 3],
+            };
+            let sensors = LatePlant::new(&thesis::a(), &thesis::b(), T, &shared).unwrap();
+            let current = Lateness::of_current(lateness.current_s);
+            let current = LatePlant::new(&thesis::a(), &thesis::b(), T, &current).unwrap();
+            let (left, right) = (sensors.transfer(z).unwrap(), current.transfer(z).unwrap());
+            prop_assert!((&left - &right).norm() < 1e-9 * right.norm());
+        }
+    }
+
+    /// Two milliseconds at the sensors cost two milliseconds of the delay margin.
+    #[test]
+    fn late_sensors_come_off_the_delay_margin() {
+        let margin = |lateness: &Lateness| {
+            late_margins(&thesis::a(), &thesis::b(), &law(), T, lateness)
+                .unwrap()
+                .delay_margin_s
+        };
+        let late = SensorLateness {
+            lag_s: 0.0,
+            delay_s: 2e-3,
+        };
+        let whole = margin(&Lateness::default());
+        let left = margin(&Lateness {
+            current_s: 0.7e-3,
+            sensors: [late; 3],
+        });
+        assert!((left + 2.7e-3 - whole).abs() < 1e-8, "{left} of {whole}");
+        assert!(
+            LatePlant::new(&thesis::a(), &thesis::b(), T, &Lateness::of_current(-1e-3)).is_err()
+        );
+    }
+}
