@@ -9,14 +9,14 @@ const INERTIAL: [Key; 8] = [
         "",
         "none",
         "part = \"FXAS21002\"",
-        "a part whose data sheet is known here; the other keys override what it says",
+        "a part whose data sheet is known here; the other keys override its values",
     ),
     key(
         "scale",
         "rad/s, m/s² or µT per count",
         "from `part`",
         "scale = 1.0908308e-3",
-        "what one count means",
+        "the value of one count",
     ),
     key("bits", "", "16", "bits = 12", "width of the sensor's word"),
     key(
@@ -64,7 +64,7 @@ const ACCELEROMETER_KEYS: [Key; 9] = joined(
         "m",
         "[0, 0]",
         "lever_arm = [0.05, 0.0]",
-        "where the sensor sits: from the pivot, along body x and y",
+        "position of the sensor from the pivot, along body x and y",
     )],
 );
 
@@ -268,7 +268,7 @@ pub(super) const GYROSCOPE: KeySection = KeySection {
 pub(super) const ACCELEROMETER: KeySection = KeySection {
     name: "hardware.accelerometer",
     heading: "[hardware.accelerometer]",
-    meaning: "The accelerometer, which also says where it sits.",
+    meaning: "The accelerometer, with its position.",
     keys: &ACCELEROMETER_KEYS,
 };
 

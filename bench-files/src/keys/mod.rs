@@ -15,7 +15,7 @@ pub struct Key {
     pub name: &'static str,
     /// The SI unit of its value; empty where it has none.
     pub unit: &'static str,
-    /// What holds where the key is left out; "needed" where it cannot be left out.
+    /// The value that holds if the key is left out; "needed" if it cannot be left out.
     pub default: &'static str,
     /// The line as a person would write it.
     pub example: &'static str,
@@ -92,9 +92,7 @@ pub const MODEL: &[KeySection] = &[
 pub const OWN_EFFECT: &[KeySection] = &[own_effect::EFFECT, own_effect::PARAMETERS];
 
 /// The names of the keys that a section may have.
-///
-/// # Panics
-/// Never for a section of the tables above, and the readers name no others: a test reads each.
+/// Empty for a section that is in none of the tables above; a test reads every section that the readers name.
 pub(crate) fn names(sections: &[KeySection], section: &str) -> Vec<&'static str> {
     sections
         .iter()

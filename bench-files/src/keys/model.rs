@@ -37,7 +37,7 @@ pub(super) const PARAMETERS: KeySection = KeySection {
 pub(super) const CORRELATION: KeySection = KeySection {
     name: "correlation",
     heading: "[correlation]",
-    meaning: "How the errors of the parameters hang together.",
+    meaning: "The correlations between the errors of the parameters.",
     keys: &[
         key(
             "parameters",
@@ -60,7 +60,7 @@ pub(super) const CORRELATION: KeySection = KeySection {
 pub(super) const EFFECTS: KeySection = KeySection {
     name: "effects",
     heading: "[effects]",
-    meaning: "What the model holds.",
+    meaning: "The effects in the model.",
     keys: &[
         key(
             "present",
@@ -74,21 +74,21 @@ pub(super) const EFFECTS: KeySection = KeySection {
             "",
             "none",
             "provisional = [\"wheel-coulomb-friction\"]",
-            "those of them that explain no better than their rivals",
+            "the present effects that explain no better than their rivals",
         ),
         key(
             "rivals",
             "",
             "none",
             "rivals = [[\"current-offset\"]]",
-            "what explains as well",
+            "sets of effects that explain as well",
         ),
         key(
             "unseen_upright",
             "",
             "none",
             "unseen_upright = [\"own:magnet\"]",
-            "own effects that no log has shown upright: the linear model does without them",
+            "own effects that no log has shown upright; the linear model leaves them out",
         ),
     ],
 };
@@ -112,14 +112,14 @@ pub(super) const LEARNED: KeySection = KeySection {
             "N m",
             NEEDED,
             "torque = [0.0, 1e-4, -1e-4, 0.0]",
-            "the torque there, as it acts",
+            "the torque at each knot, as it acts",
         ),
         key(
             "std",
             "N m",
             "taken as exact",
             "std = [1e-5, 1e-5, 1e-5, 1e-5]",
-            "their standard errors",
+            "the standard errors of the torques",
         ),
         key(
             "unit",
@@ -142,7 +142,7 @@ pub(super) const LEARNED: KeySection = KeySection {
 pub(super) const DESIGN: KeySection = KeySection {
     name: "design",
     heading: "[design]",
-    meaning: "What the controller is designed for.",
+    meaning: "The requirements of the controller.",
     keys: &[
         key(
             "sample_time",
@@ -193,7 +193,7 @@ pub(super) const DESIGN: KeySection = KeySection {
 pub(super) const CALIBRATION: KeySection = KeySection {
     name: "calibration",
     heading: "[calibration]",
-    meaning: "What `flywheel calibrate` found; it goes before `[hardware]`.",
+    meaning: "The results of `flywheel calibrate`; they take precedence over `[hardware]`.",
     keys: &[
         key(
             "accelerometer",

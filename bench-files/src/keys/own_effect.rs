@@ -51,14 +51,14 @@ pub(super) const PARAMETERS: KeySection = KeySection {
             "`unit`",
             NEEDED,
             "start = [0.1, 0.2]",
-            "where the fit begins; several where one may lead nowhere",
+            "start values of the fit; several, if one might lead nowhere",
         ),
         key(
             "bounds",
             "`unit`",
             "none",
             "bounds = [-0.5, 0.5]",
-            "the range that it may have",
+            "the allowed range",
         ),
     ],
 };

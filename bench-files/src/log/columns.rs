@@ -17,8 +17,8 @@ pub(crate) struct ColumnUse {
     pub is_beside: bool,
 }
 
-/// Assigns the columns to channels: those that the kind uses, and those that it holds still. With `time_is_ahead`, the
-/// time comes before the columns.
+/// Assigns the columns to channels: the first log has the channels that the kind of experiment uses, the second those
+/// that the experiment holds still. With `time_is_ahead`, the time comes before the columns.
 pub(crate) fn by_channel(
     series: Vec<Vec<f64>>,
     uses: &[ColumnUse],

@@ -27,7 +27,7 @@ impl TrueMotion {
         })
     }
 
-    /// What sensors without lag and delay would say.
+    /// The readings of sensors without lag and delay.
     pub(super) fn at_once(&self) -> [f64; 3] {
         let [mut angle, mut rate, _, speed, _, _] = self.motion;
         if let Some(p) = self.library(EffectId::AngleEccentricity) {
@@ -224,7 +224,7 @@ impl TrueMotion {
     ) -> Motion {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;
-        // What the heavy side of the wheel adds to the products of inertia.
+        // The contribution of the wheel's heavy side to the products of inertia.
         let side = |p: &[f64]| p[0] * p[2] * (y[2] + p[1]).cos();
         let coupling = self.library(EffectId::WheelUnbalance).map_or(0.0, side);
         let body_friction = self.body * self.body_dry(time_s, y[0], y[1]);

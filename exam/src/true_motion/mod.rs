@@ -89,7 +89,7 @@ impl TrueMotion {
         }
     }
 
-    /// With the sensors at the start of a log.
+    /// The motion with its sensors, at the first sample of a log.
     fn with_sensors(mut self) -> TrueMotion {
         let effects = self.truth.hidden.iter().filter_map(Hidden::effect);
         let sensors = TrueSensors::new(effects, self.time_s, self.at_once());
@@ -212,7 +212,7 @@ impl TrueMotion {
                 return;
             }
         }
-        // A joint that reverses this often in one step chatters around rest: it sticks.
+        // A joint that reverses so often within one step chatters about rest. It is treated as sticking.
         let (body, wheel) = (self.body, self.wheel);
         if self.motion[1] == 0.0 {
             self.body = 0.0;
