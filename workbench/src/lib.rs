@@ -80,6 +80,7 @@ mod effect_library;
 mod effect_portrait;
 mod error;
 mod fingerprint;
+mod identification;
 mod learned;
 mod loop_expectations;
 mod loop_responses;
@@ -141,6 +142,7 @@ pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use fingerprint::EffectFingerprint;
+pub use identification::BenchCheck;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use loop_expectations::{
     AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
@@ -162,5 +164,5 @@ pub use recording::{
 };
 pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use sensor_noise::BenchNoise;
-pub use session::{BenchCheck, Predictor, Session};
+pub use session::{Predictor, Session};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

@@ -10,15 +10,13 @@ use bench_files::{
 };
 use design::Settings;
 use identify::{
-    Contradiction, Effort, FitProblem, Identification, IdentifyError, Minimum, Output,
-    PredictedSeries, Progress, PushModel, Record, Window,
+    Effort, FitProblem, Identification, IdentifyError, Minimum, Output, PredictedSeries, Progress,
+    Record, Window,
 };
 use plant::{EffectId, Instant, Model, Smoothing};
-use serde::{Deserialize, Serialize};
 
 use crate::comparison::{
-    BenchNote, Compared, ComparisonReport, ExperimentCurves, LoggedExperiment, Said,
-    correlation_of, notes, parameters_of, with_model,
+    ComparisonReport, ExperimentCurves, correlation_of, parameters_of, with_model,
 };
 use crate::data_check;
 use crate::error::Error;
@@ -41,21 +39,6 @@ pub struct Session {
     model: Option<ModelFile>,
     /// The fit from which `model` comes, if it was made in this session.
     fitted: Option<Identification>,
-}
-
-/// The condition of the data, before anything is concluded from them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BenchCheck {
-    /// The bench.
-    pub bench: String,
-    /// The experiments as they were read.
-    pub experiments: Vec<LoggedExperiment>,
-    /// The notes from reading the files.
-    pub notes: Vec<BenchNote>,
-    /// Warnings about the data; the data are used nevertheless.
-    pub findings: Vec<Finding>,
-    /// Experiments and direct measurements that cannot all be right; sentences.
-    pub contradictions: Vec<String>,
 }
 
 impl Session {
@@ -234,157 +217,6 @@ impl Session {
         Ok(model.write(&self.model_path)?)
     }
 
-    /// Checks the data: how the files were read, and which results contradict each other. The
-    /// contradictions need a fit of the model (of the base model if there is none yet).
-    ///
-    /// # Errors
-    /// As for [`Session::identify`].
-    pub fn check(&self, progress: &Progress) -> Result<BenchCheck, Error> {
-        let found = self.fit(&self.structure(), progress)?;
-        (progress.say)("looking for contradictions");
-        let minimum = &found.fit.minimum;
-        let contradictions = identify::contradictions(
-            &self.problem,
-            &found.fit.model,
-            &minimum.values,
-            &minimum.windows,
-            &[],
-        );
-        Ok(BenchCheck {
-            bench: self.bench.name.clone(),
-            experiments: self
-                .problem
-                .records
-                .iter()
-                .map(LoggedExperiment::of)
-                .collect(),
-            notes: notes(&self.bench),
-            findings: self.findings.clone(),
-            contradictions: contradictions.iter().map(Contradiction::sentence).collect(),
-        })
-    }
-
-    /// Fits the base model, with the effects of the session's model, to all experiments.
-    ///
-    /// # Errors
-    /// [`Error::Identify`] if no start gives a finite simulation; [`Error::Cancelled`].
-    pub fn identify(&mut self, progress: &Progress) -> Result<ComparisonReport, Error> {
-        self.identify_as(&self.structure(), progress)
-    }
-
-    /// As [`Session::identify`], with the base model alone: viscous friction and no other effect.
-    ///
-    /// # Errors
-    /// As for [`Session::identify`].
-    pub fn identify_base(&mut self, progress: &Progress) -> Result<ComparisonReport, Error> {
-        self.identify_as(&Model::base(), progress)
-    }
-
-    /// As [`Session::identify`], started from these values of the model's parameters, and from the model's values for
-    /// the others. It is for users who have moved parameters by hand to the neighbourhood of the minimum.
-    ///
-    /// # Errors
-    /// Those of [`Session::predictor`] and of [`Session::identify`].
-    pub fn identify_from(
-        &mut self,
-        start: &[(&str, f64)],
-        progress: &Progress,
-    ) -> Result<ComparisonReport, Error> {
-        let started = self.started(progress)?;
-        let values = with_changes(&started.model, &started.minimum.values, start)?;
-        (progress.say)("fitting the model to all experiments");
-        let previous = Some((values, started.minimum.windows));
-        let found = identify::identify_until(&self.problem, &started.model, previous, progress)
-            .map_err(|source| self.not_identified(source))?;
-        let comparison = self.comparison_of(&found);
-        self.adopt(found);
-        Ok(comparison)
-    }
-
-    /// Sets parameters of the model to other values, without standard errors; `source` states where the values
-    /// come from. The correlations of the errors are removed, and so are quantities that were derived from a
-    /// changed parameter.
-    ///
-    /// # Errors
-    /// [`Error::NoModel`], [`Error::UnknownParameter`].
-    pub fn set_parameters(&mut self, values: &[(&str, f64)], source: &str) -> Result<(), Error> {
-        let file = self.required_model()?;
-        let model = file.model();
-        // The names are checked before anything changes.
-        with_changes(&model, &vec![0.0; model.parameters().len()], values)?;
-        let mut file = file.clone();
-        let mut parameters = file.parameters.clone();
-        parameters.retain(|parameter| parameter.name != "body_inertia");
-        for (name, value) in values {
-            let old = parameters.iter_mut().find(|old| old.name == *name);
-            if let Some(old) = old {
-                old.value = *value;
-                old.std = None;
-                source.clone_into(&mut old.source);
-            }
-        }
-        file.replace_model_parameters(parameters, None);
-        self.set_model(file);
-        Ok(())
-    }
-
-    /// Fits this model to all experiments and makes it that of the session.
-    pub(crate) fn identify_as(
-        &mut self,
-        model: &Model,
-        progress: &Progress,
-    ) -> Result<ComparisonReport, Error> {
-        let found = self.fit(model, progress)?;
-        let comparison = self.comparison_of(&found);
-        progress.check()?;
-        self.adopt(found);
-        Ok(comparison)
-    }
-
-    /// Compares the present model with every experiment. Only the start of each log (its angle, its speed)
-    /// is fitted, since no log states it.
-    ///
-    /// # Errors
-    /// [`Error::NoModel`]; a parameter that is missing or has another unit; [`Error::Cancelled`].
-    pub fn compare(&self, progress: &Progress) -> Result<ComparisonReport, Error> {
-        let file = self.required_model()?;
-        let started = self.started(progress)?;
-        let (model, minimum) = (&started.model, &started.minimum);
-        let push_model = PushModel::of(model, &minimum.values);
-        let records = started.problem.all_records();
-        let traces = started.traces(&minimum.values);
-        let pushes: Vec<_> = records
-            .iter()
-            .map(|record| identify::find_pushes(record, &push_model))
-            .collect();
-        progress.check()?;
-        (progress.say)("looking for contradictions");
-        let found =
-            identify::contradictions(&self.problem, model, &minimum.values, &minimum.windows, &[]);
-        let contradictions: Vec<String> = found.iter().map(Contradiction::sentence).collect();
-        progress.check()?;
-        let compared = Compared {
-            model,
-            values: &minimum.values,
-            windows: &minimum.windows,
-            traces: &traces,
-            pushes: &pushes,
-        };
-        Ok(ComparisonReport::new(
-            &self.bench,
-            &self.problem,
-            self.model_path.clone(),
-            &compared,
-            file.parameters.clone(),
-            file.correlation.clone(),
-            Said {
-                findings: self.findings.clone(),
-                contradictions: contradictions.clone(),
-                statements: contradictions,
-            },
-        ))
-    }
-
     /// Prepares the experiments for sliders: the starts of all logs are fitted once to the present model.
     /// [`Predictor::curves`] then simulates the experiments with other parameter values.
     ///
@@ -521,7 +353,7 @@ impl Session {
     }
 
     /// The starts of all logs, fitted to the present model.
-    fn started(&self, progress: &Progress) -> Result<Started, Error> {
+    pub(crate) fn started(&self, progress: &Progress) -> Result<Started, Error> {
         let file = self.required_model()?;
         let values = self.parameter_values(file)?;
         let model = file.model();
@@ -580,15 +412,15 @@ impl Session {
 
 /// A model with the fitted starts of all logs.
 #[derive(Clone, Debug)]
-struct Started {
+pub(crate) struct Started {
     /// The bench, with the windows that suit the model.
-    problem: FitProblem,
-    model: Model,
-    minimum: Minimum,
+    pub(crate) problem: FitProblem,
+    pub(crate) model: Model,
+    pub(crate) minimum: Minimum,
 }
 
 impl Started {
-    fn traces(&self, values: &[f64]) -> Vec<Vec<PredictedSeries>> {
+    pub(crate) fn traces(&self, values: &[f64]) -> Vec<Vec<PredictedSeries>> {
         let traces = |(record, windows): (&Record, &Vec<Window>)| {
             identify::traces(record, windows, &self.model, values)
         };
