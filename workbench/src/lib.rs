@@ -80,6 +80,7 @@ mod effect_library;
 mod effect_portrait;
 mod error;
 mod fingerprint;
+mod late_loop;
 mod learned;
 mod loop_expectations;
 mod loop_responses;
@@ -139,6 +140,7 @@ pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
 pub use fingerprint::EffectFingerprint;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use late_loop::{LateLoop, LatePart, LatePoint, SampleTimeRow};
 pub use learned::{MissingTorque, TorquePoint};
 pub use loop_expectations::{
     AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
