@@ -37,6 +37,14 @@
 //! The widely copied C code computes 2b and uses it as b; here, b is a part of a unit vector.
 //! Copies of that code that return early at zero rate skip the correction of a resting sensor; here, a zero
 //! rate is not a special case.
+//!
+//! # The heading by itself
+//! In [`Madgwick::step_marg`] a field that is not the earth's, of a motor say, tilts the estimate. Madgwick's thesis
+//! (S. O. H. Madgwick, "AHRS algorithms and calibration solutions to facilitate new applications using low-cost MEMS",
+//! PhD thesis, University of Bristol, 2014) takes the magnetometer for the heading alone. [`Madgwick::turn_to_north`]
+//! does that after a six-axis step: with the measured field of length 1 in the estimated earth frame, h = q ⊗ m ⊗ q*,
+//! the estimate is turned about the vertical by −h_y, or by the largest turn where north lies behind (h_x ≤ 0), and
+//! by at most 2 β T. The emitted filter does the same.
 
 use crate::pivot_angle::up_in_sensor;
 use nalgebra::{Quaternion, Vector3, Vector4};
@@ -154,6 +162,28 @@ impl Madgwick {
         let u = horizontal * field_error;
         let half_gradient = self.half_gradient(&w, &u);
         self.integrate(rate, &half_gradient);
+    }
+
+    /// Turns the estimate about the vertical towards magnetic north, by at most 2 β T. `mag` in any unit; the zero
+    /// vector and a field that is nearly vertical change nothing.
+    pub fn turn_to_north(&mut self, mag: &Vector3<f64>) {
+        let Some(field) = mag.try_normalize(0.0) else {
+            return;
+        };
+        let h = (self.q * Quaternion::from_imag(field) * self.q.conjugate()).imag();
+        if h.x.hypot(h.y) < HORIZONTAL_FIELD_MIN {
+            return;
+        }
+        let largest = 2.0 * self.beta_rad_s * self.sample_time_s;
+        let turn = if h.x > 0.0 {
+            (-h.y).clamp(-largest, largest)
+        } else if h.y > 0.0 {
+            -largest
+        } else {
+            largest
+        };
+        let turn = Quaternion::new(1.0, 0.0, 0.0, 0.5 * turn);
+        self.q = (turn * self.q).normalize();
     }
 
     /// ½∇ from the two error vectors of the module's text.

@@ -7,8 +7,8 @@
 //!   near free fall, its direction is that of bias and noise. The zero vector is a case of this.
 //! - A magnetometer vector shorter than the stated field is not used, nor one whose horizontal
 //!   part in the estimated frame is below [`crate::madgwick::HORIZONTAL_FIELD_MIN`] of it.
-//! - Without a usable accelerometer reading, the step integrates the gyroscope only. With it, but
-//!   without a usable magnetometer reading, it is the six-axis step.
+//! - Without a usable accelerometer reading, the step integrates the gyroscope only. Without a usable
+//!   magnetometer reading, the heading is left to the gyroscope.
 //! - A gyroscope reading at its limit is integrated unchanged, since nothing better is known.
 
 /// Share of g below which the direction of the accelerometer's reading is not used.

@@ -70,16 +70,22 @@ impl RawFilter {
         self.drift_rad_s
     }
 
-    /// One step with gyroscope, accelerometer and magnetometer.
+    /// As [`RawFilter::update_imu_tracked`], then turned about the vertical towards magnetic north.
     pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
+        self.update_imu_tracked(gyro, accel);
+        if let Some(field) = self.field(mag) {
+            self.filter.turn_to_north(&field);
+        }
+    }
+
+    /// One step with gyroscope, accelerometer and magnetometer as Madgwick's report of 2010 has it: one gradient of
+    /// both errors, without an estimate of the drift; the field may tilt the estimate. For comparison.
+    pub fn update_marg_of_2010(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
         let rate = self.spec.gyro.apply(gyro);
-        let field = self.spec.mag.apply(mag);
-        let field_usable =
-            !is_saturated(mag, self.spec.mag_clip) && field.norm() >= self.spec.field_min_ut;
-        match self.gravity(accel, rate.z) {
-            Some(up) if field_usable => self.filter.step_marg(&rate, &up, &field),
-            Some(up) => self.filter.step_imu(&rate, &up),
-            None => self.filter.step_gyro(&rate),
+        match (self.gravity(accel, rate.z), self.field(mag)) {
+            (Some(up), Some(field)) => self.filter.step_marg(&rate, &up, &field),
+            (Some(up), None) => self.filter.step_imu(&rate, &up),
+            (None, _) => self.filter.step_gyro(&rate),
         }
     }
 
@@ -98,6 +104,14 @@ impl RawFilter {
         let reading = self.spec.accel.apply(accel);
         let up = self.lever_arm.correct(reading, rate_rad_s);
         self.gravity_usable(accel, &up).then_some(up)
+    }
+
+    /// The magnetic field; `None` if the reading cannot be used.
+    fn field(&self, mag: [i16; 3]) -> Option<Vector3<f64>> {
+        let field = self.spec.mag.apply(mag);
+        let usable =
+            !is_saturated(mag, self.spec.mag_clip) && field.norm() >= self.spec.field_min_ut;
+        usable.then_some(field)
     }
 
     fn gravity_usable(&self, accel: [i16; 3], up: &Vector3<f64>) -> bool {

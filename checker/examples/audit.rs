@@ -110,7 +110,6 @@ fn run_all(function: &OneWord) -> Result<(), Box<dyn Error>> {
         "coarse_inverse_root_q30" => root::coarse_inverse_root_q30,
         "inverse_length" => root::inverse_length,
         "coarse_inverse_length" => root::coarse_inverse_length,
-        "square_root_q30" => root::square_root_q30,
         "reciprocal_q29" => arc_tangent::reciprocal_q29,
         "arc_tangent_q31" => arc_tangent::arc_tangent_q31,
         "wrapped" => pivot_angle::wrapped,

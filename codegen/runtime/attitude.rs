@@ -7,9 +7,7 @@ use super::constants::{
     ANGLE_FACTOR, ANGLE_MAX, ANGLE_SHIFT, FILTER, LIMITS, MOUNTING_ANGLE, RATE_LINE,
 };
 use super::control::{Angle, Rate};
-use super::filter::{
-    FilterState, START, align, align_to, is_gravity_usable, step_marg, step_tracked,
-};
+use super::filter::{FilterState, START, align, align_to, headed, is_gravity_usable, step_tracked};
 use super::lever_arm::length_squared;
 use super::line::on_line;
 use super::pivot_angle::pivot_angle;
@@ -84,11 +82,12 @@ impl Attitude {
         self.drift = drift;
     }
 
-    /// One step with gyroscope, accelerometer and magnetometer, raw counts, as Madgwick's report has
-    /// it: without an estimate of the drift, and the field may tilt the estimate. The controller does
-    /// not use it.
+    /// As [`Attitude::update_imu`]; then the estimate is turned about the vertical towards magnetic north,
+    /// by at most 2 β T. Whatever the field, the body's angle about the pivot stays that of six axes, so
+    /// that the controller has no use for it: it does not call this.
     pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
-        self.state = step_marg(&self.state, gyro, accel, mag, &FILTER);
+        self.update_imu(gyro, accel);
+        self.state = headed(&self.state, mag, &FILTER);
     }
 
     /// The attitude as a unit quaternion w, x, y, z: v in the earth's frame is q* v q in the

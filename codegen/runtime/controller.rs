@@ -2,6 +2,7 @@
 
 use super::attitude::Attitude;
 use super::bias_observer::{advanced, estimated_bias, waiting};
+use super::calibration::is_saturated;
 use super::constants::{BIAS_OBSERVER, DUTY_LINE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
 use super::control::{Angle, CURRENT_LIMIT, Current, WheelSpeed, control};
 use super::line::on_line;
@@ -28,6 +29,15 @@ pub struct Sample {
 /// Duty of the timer that the current drive reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duty(pub u16);
+
+/// What a sample means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Seen {
+    /// Whether the motor is to be driven.
+    is_driven: bool,
+    /// The body's angle, its word: an arc tangent, so that it is found once a step.
+    angle: i32,
+}
 
 /// The whole controller: call [`Controller::step`] once every sample time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,8 +107,9 @@ impl Controller {
     /// Takes one sample and returns the duty: that of zero current unless the controller runs.
     pub fn step(&mut self, sample: &Sample) -> Duty {
         let speed = wheel_speed(sample.wheel_adc);
-        if self.is_driven(sample, speed) {
-            let angle = self.attitude.angle().to_bits();
+        let seen = self.seen(sample, speed);
+        if seen.is_driven {
+            let angle = seen.angle;
             let rate = self.attitude.rate();
             let states = [angle, rate.to_bits(), speed.to_bits()];
             let bias = estimated_bias(self.bias_state, states, &BIAS_OBSERVER);
@@ -113,7 +124,8 @@ impl Controller {
     /// As [`Controller::step`], with a current in place of the law's, within its limit.
     pub fn step_with_current(&mut self, sample: &Sample, current: Current) -> Duty {
         let speed = wheel_speed(sample.wheel_adc);
-        if self.is_driven(sample, speed) {
+        let seen = self.seen(sample, speed);
+        if seen.is_driven {
             let limit = CURRENT_LIMIT.to_bits();
             self.sent(Current::from_bits(clamp(current.to_bits(), -limit, limit)))
         } else {
@@ -121,14 +133,21 @@ impl Controller {
         }
     }
 
-    /// Takes a sample: attitude, counts, window. Whether the motor is to be driven.
-    fn is_driven(&mut self, sample: &Sample, speed: WheelSpeed) -> bool {
+    /// Takes a sample: attitude, counts, window.
+    fn seen(&mut self, sample: &Sample, speed: WheelSpeed) -> Seen {
+        // A reading at the end of the range says nothing of the rate: the last one stands in for the few
+        // steps until that trips. Integrated as it is, it would turn the attitude by degrees a step.
+        let gyro = if is_saturated(sample.gyro, LIMITS.gyro_clip) {
+            self.counters.gyro
+        } else {
+            sample.gyro
+        };
         // The pivot's angle comes from the vertical alone, to which a magnetic field, of a motor say,
         // has nothing to add: the compass is left out.
-        self.attitude.update_imu(sample.gyro, sample.accel);
+        self.attitude.update_imu(gyro, sample.accel);
         self.counters = observed(
             &self.counters,
-            sample.gyro,
+            gyro,
             self.attitude.is_clipped(sample.gyro, sample.accel),
             self.attitude.shows_gravity(sample.accel),
             sample.wheel_adc as i32,
@@ -137,7 +156,10 @@ impl Controller {
         let angle = self.attitude.angle().to_bits();
         let judgement = judged(&self.counters, angle, &LIMITS);
         if self.status == Status::Running && judgement == Status::Running {
-            return true;
+            return Seen {
+                is_driven: true,
+                angle,
+            };
         }
         if self.status == Status::Running {
             self.trip(judgement);
@@ -146,7 +168,10 @@ impl Controller {
         }
         let states = [angle, self.attitude.rate().to_bits(), speed.to_bits()];
         self.bias_state = waiting(states, &BIAS_OBSERVER);
-        false
+        Seen {
+            is_driven: false,
+            angle,
+        }
     }
 
     /// The window with one sample more; a full one sets the attitude.

@@ -5,15 +5,17 @@
 //!   used;
 //! - an accelerometer vector shorter than g/8, after the lever-arm correction, is not used (free
 //!   fall, the zero vector), nor a magnetic field shorter than its stated minimum;
-//! - without the accelerometer the step integrates the gyroscope alone; with it and without the
-//!   magnetometer it is the six-axis step;
-//! - a gyroscope at its limit is integrated as it stands.
+//! - without the accelerometer the step integrates the gyroscope alone; without the magnetometer the
+//!   heading is left to the gyroscope;
+//! - a gyroscope at its limit is integrated as it stands; the controller puts its last reading in place
+//!   of such a one.
 
 use super::calibration::{SensorLine, calibrate, is_saturated};
 use super::drift::{DriftGain, rate_error, tracked, without_drift};
 use super::lever_arm::{LeverArm, length_squared, slow_rate, without_motion};
 use super::madgwick::{
-    Correction, NO_CORRECTION, ONE, aligned, correction_imu, correction_marg, turned, unit_q28,
+    Correction, NO_CORRECTION, ONE, aligned, correction_imu, heading_turn, turned, turned_about_up,
+    unit_q28,
 };
 
 /// Everything that fixes the filter.
@@ -104,35 +106,22 @@ pub fn step_tracked(
     (next(state, turn, &correction), followed)
 }
 
-/// One step with gyroscope, accelerometer and magnetometer.
+/// The state turned about the vertical towards magnetic north, by at most 2 β T; unchanged where the
+/// magnetometer cannot be used.
 #[inline]
-pub fn step_marg(
-    state: &FilterState,
-    gyro: [i16; 3],
-    accel: [i16; 3],
-    mag: [i16; 3],
-    constants: &FilterConstants,
-) -> FilterState {
-    let turn = calibrate(gyro, &constants.gyro);
-    let up = gravity(accel, turn[2], state.slow_rate, constants);
+pub fn headed(state: &FilterState, mag: [i16; 3], constants: &FilterConstants) -> FilterState {
     let field = calibrate(mag, &constants.mag);
-    let correction = if is_gravity_usable(accel, up, constants) {
-        if is_saturated(mag, constants.mag_clip)
-            || length_squared(field) < constants.field_squared_min
-        {
-            correction_imu(state.quaternion, unit_q28(up), constants.beta)
-        } else {
-            correction_marg(
-                state.quaternion,
-                unit_q28(up),
-                unit_q28(field),
-                constants.beta,
-            )
-        }
-    } else {
-        NO_CORRECTION
-    };
-    next(state, turn, &correction)
+    if is_saturated(mag, constants.mag_clip) || length_squared(field) < constants.field_squared_min
+    {
+        return *state;
+    }
+    // β T from Q35 to Q32.
+    let half_angle = heading_turn(state.quaternion, unit_q28(field), constants.beta >> 3);
+    FilterState {
+        quaternion: turned_about_up(state.quaternion, half_angle),
+        rate: state.rate,
+        slow_rate: state.slow_rate,
+    }
 }
 
 /// The attitude by the accelerometer alone, and whether the reading could be used; otherwise the

@@ -1,16 +1,16 @@
-//! Madgwick's filter (report of 2010), six and nine axes, in 32-bit words.
+//! Madgwick's filter in 32-bit words: six axes as in his report of 2010, whose equation numbers stand
+//! below; the heading as in his thesis of 2014, where the magnetic field turns the estimate about the
+//! vertical and does nothing else.
 //!
 //! Quaternion q = (q₁, q₂, q₃, q₄) = (w, x, y, z) in Q30; turns as half-angles ω T/2 in Q32;
-//! directions in Q28; gradients ½Jᵀf in Q26 (six axes) or Q24 (nine). Equation numbers are the
-//! report's; the gradient with two vectors w and u is derived in the reference filter:
-//! w = f_g + b_z f_b collects all that meets the vertical, u = b_x f_b all that meets north.
+//! directions in Q28; gradients ½Jᵀf in Q26.
 //!
 //! Every bound below holds for components in their ranges alone, whatever their length, so that
 //! no step can overflow even if a length were wrong.
 
 use super::lever_arm::length_squared;
 use super::product::{clamp, mul_high, round_high};
-use super::root::{coarse_inverse_length, inverse_length, square_root_q30};
+use super::root::{coarse_inverse_length, inverse_length};
 use super::scaling::{is_within, scaled_up3, scaled_up4};
 
 /// 1 in Q30.
@@ -21,9 +21,6 @@ pub const COMPONENT_MAX: i32 = 0x4004_0000;
 
 /// Below this in all components the half gradient makes no correction: 2⁻¹⁸ in Q26.
 const GRADIENT_MIN_IMU: i32 = 0x100;
-
-/// The same in Q24.
-const GRADIENT_MIN_MARG: i32 = 0x40;
 
 /// A horizontal field below 1/16 shows no heading: its square in Q29.
 const HORIZONTAL_SQUARED_MIN: i32 = 0x20_0000;
@@ -124,75 +121,80 @@ pub fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correcti
     scaled_correction(gradient, GRADIENT_MIN_IMU, beta)
 }
 
-/// Gradient of the nine-axis error in Q24 (eq. 29 to 34, 45, 46); that of six axes if the field
-/// is nearly vertical in the estimated frame.
+/// Half of the turn about the vertical, in Q32, that brings the estimate towards magnetic north: within
+/// ±`limit`; zero where the field is nearly vertical in the estimated frame.
+///
+/// The measured field, of length 1, has the parts n to the estimated north and w to the west. A turn by
+/// −w, which is −sin of the error times the horizontal share, comes nearer without going too far; beyond a
+/// quarter turn the whole limit is taken.
 #[cfg_attr(any(), kani::requires(
     (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[3])
-        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[0])
-        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[1])
-        && (-0x2800_0000..=0x2800_0000).contains(&measured_up[2])
         && (-0x2800_0000..=0x2800_0000).contains(&field[0])
         && (-0x2800_0000..=0x2800_0000).contains(&field[1])
         && (-0x2800_0000..=0x2800_0000).contains(&field[2])
-        && (0..=0x1fff_ffff).contains(&beta)
+        && (0..=0x03ff_ffff).contains(&limit)
 ))]
-#[cfg_attr(any(), kani::ensures(|r|
-    (-0x7000_0000..=0x7000_0000).contains(&r.direction[0])
-        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[1])
-        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[2])
-        && (-0x7000_0000..=0x7000_0000).contains(&r.direction[3])
-        && (0..=0x0980_0001).contains(&r.gain)
-))]
+#[cfg_attr(any(), kani::ensures(|r| (-0x03ff_ffff..=0x03ff_ffff).contains(r)))]
 #[inline]
-pub fn correction_marg(
-    q: [i32; 4],
-    measured_up: [i32; 3],
-    field: [i32; 3],
-    beta: i32,
-) -> Correction {
-    let up = up_q28(q);
-    let (q1, q2, q3, q4) = (q[0], q[1], q[2], q[3]);
-    let yy = mul_high(q3, q3);
-    let zz = mul_high(q4, q4);
+pub fn heading_turn(q: [i32; 4], field: [i32; 3], limit: i32) -> i32 {
+    let zz = mul_high(q[3], q[3]);
     let north = [
-        0x1000_0000 - (yy + zz) * 2,
-        (mul_high(q2, q3) - mul_high(q1, q4)) * 2,
-        (mul_high(q1, q3) + mul_high(q2, q4)) * 2,
+        0x1000_0000 - (mul_high(q[2], q[2]) + zz) * 2,
+        (mul_high(q[1], q[2]) - mul_high(q[0], q[3])) * 2,
+        (mul_high(q[0], q[2]) + mul_high(q[1], q[3])) * 2,
     ];
     let west = [
-        (mul_high(q2, q3) + mul_high(q1, q4)) * 2,
-        0x1000_0000 - (mul_high(q2, q2) + zz) * 2,
-        (mul_high(q3, q4) - mul_high(q1, q2)) * 2,
+        (mul_high(q[1], q[2]) + mul_high(q[0], q[3])) * 2,
+        0x1000_0000 - (mul_high(q[1], q[1]) + zz) * 2,
+        (mul_high(q[2], q[3]) - mul_high(q[0], q[1])) * 2,
     ];
-    // The field in the estimated earth frame, from Q24 to Q30 (eq. 45).
     let field_north = component_q30(north, field);
     let field_west = component_q30(west, field);
-    let field_up = component_q30(up, field);
     let squared = (mul_high(field_north, field_north) + mul_high(field_west, field_west)) * 2;
     if squared < HORIZONTAL_SQUARED_MIN {
-        return correction_imu(q, measured_up, beta);
+        0
+    } else if field_north > 0 {
+        // Half of w from Q30 to Q32 is twice its word.
+        clamp(
+            clamp(-field_west, -0x0200_0000, 0x0200_0000) * 2,
+            -limit,
+            limit,
+        )
+    } else if field_west > 0 {
+        -limit
+    } else {
+        limit
     }
-    let horizontal = square_root_q30(clamp(squared, 0, 0x1fff_ffff) * 2);
-    // Errors in Q26: the field's (eq. 29), and the two vectors that meet the Jacobian.
-    let f1 = mul_high(horizontal, north[0]) + mul_high(field_up, up[0]) - (field[0] >> 2);
-    let f2 = mul_high(horizontal, north[1]) + mul_high(field_up, up[1]) - (field[1] >> 2);
-    let f3 = mul_high(horizontal, north[2]) + mul_high(field_up, up[2]) - (field[2] >> 2);
-    let w1 = ((up[0] - measured_up[0]) >> 2) + mul_high(field_up, f1) * 4;
-    let w2 = ((up[1] - measured_up[1]) >> 2) + mul_high(field_up, f2) * 4;
-    let w3 = ((up[2] - measured_up[2]) >> 2) + mul_high(field_up, f3) * 4;
-    let u1 = mul_high(horizontal, f1) * 4;
-    let u2 = mul_high(horizontal, f2) * 4;
-    let u3 = mul_high(horizontal, f3) * 4;
-    let gradient = [
-        mul_high(q3, u3 - w1) + mul_high(q2, w2) - mul_high(q4, u2),
-        mul_high(q4, w1 + u3) + mul_high(q1, w2) - mul_high(q2, w3) * 2 + mul_high(q3, u2),
-        mul_high(q1, u3 - w1) + mul_high(q4, w2) - mul_high(q3, w3 + u1) * 2 + mul_high(q2, u2),
-        mul_high(q2, w1 + u3) + mul_high(q3, w2) - mul_high(q4, u1) * 2 - mul_high(q1, u2),
+}
+
+/// q turned about the vertical by twice `half_angle` (Q32, within ±2²⁶): the pivot's angle stays as it is.
+#[cfg_attr(any(), kani::requires(
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[3])
+        && (-0x03ff_ffff..=0x03ff_ffff).contains(&half_angle)
+))]
+#[cfg_attr(any(), kani::ensures(|r|
+    (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[0])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[1])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[2])
+        && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&r[3])
+))]
+#[inline]
+pub fn turned_about_up(q: [i32; 4], half_angle: i32) -> [i32; 4] {
+    let up = up_q28(q);
+    // From Q60 to Q64, whose upper word is the half-angle about each of the sensor's axes.
+    let about = (half_angle as i64) * 16;
+    let turn = [
+        round_high(about * up[0] as i64),
+        round_high(about * up[1] as i64),
+        round_high(about * up[2] as i64),
     ];
-    scaled_correction(gradient, GRADIENT_MIN_MARG, beta)
+    turned(q, turn, &NO_CORRECTION)
 }
 
 /// Scalar product of two directions in Q28, as Q30 within ±1.

@@ -1,4 +1,4 @@
-//! Inverse square root and square root by Newton's method from a polynomial seed.
+//! Inverse square root by Newton's method from a polynomial seed.
 
 use super::product::{clamp, mul_high};
 
@@ -74,30 +74,4 @@ pub fn coarse_inverse_length(n: i32) -> i32 {
     } else {
         coarse_inverse_root_q30(n) >> 1
     }
-}
-
-/// √n in Q30 for n in Q30, clamped to [2²², 2³⁰). Range: [0, 2³⁰].
-/// Error: at most 16 units of 2⁻³⁰.
-#[cfg_attr(kani, kani::ensures(|r| (0..=0x4000_0000).contains(r)))]
-#[inline]
-pub fn square_root_q30(n: i32) -> i32 {
-    let n = clamp(n, 0x40_0000, 0x3fff_ffff);
-    // √n = n/√n, with n scaled to [2²⁸, 2³⁰) by powers of four.
-    if n < 0x100_0000 {
-        root_of_scaled(n * 64) >> 3
-    } else if n < 0x400_0000 {
-        root_of_scaled(n * 16) >> 2
-    } else if n < 0x1000_0000 {
-        root_of_scaled(n * 4) >> 1
-    } else {
-        root_of_scaled(n)
-    }
-}
-
-/// √n in Q30 for n in Q30, n in [2²⁸, 2³⁰).
-#[inline]
-fn root_of_scaled(n: i32) -> i32 {
-    // n/2²⁸ in Q29 times 1/√(n/2²⁸) in Q30 is √(n/2²⁸) = 2 √(n/2³⁰) in Q27.
-    // It is clamped where it is exact at most, one.
-    clamp(mul_high(n * 2, inverse_root_q30(n)), 0, 0x1000_0000) * 4
 }

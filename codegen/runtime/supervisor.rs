@@ -84,7 +84,7 @@ pub struct Counters {
     pub rejected: i32,
     /// The current was at its limit.
     pub saturated: i32,
-    /// The gyroscope's words of the last step.
+    /// The gyroscope's words of the last step that was not at the end of its range.
     pub gyro: [i16; 3],
 }
 

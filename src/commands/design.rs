@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use bench_files::{DesignSection, ModelFile};
 use serde::Serialize;
 use workbench::{
-    ControlDesign, DesignReport, DesignSweep, ExpectationSettings, ExportLanguage,
+    ControlDesign, DesignReport, DesignSweep, ExpectationSettings, ExportLanguage, LateLoop,
     LoopExpectations, NamedLoop, Session, Swept, loop_drawings, weights_of_excursions,
 };
 
@@ -62,6 +62,7 @@ struct Everything<'a> {
     #[serde(flatten)]
     report: &'a DesignReport,
     expectations: &'a LoopExpectations,
+    late_loop: &'a LateLoop,
     compare: Vec<Compared<'a>>,
     sweeps: &'a [DesignSweep],
 }
@@ -88,6 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
         },
     };
     let first = whole(&designed, &settings)?;
+    let late_loop = designed.late_loop(&settings)?;
     let others = arguments.compare.iter().map(|path| {
         let other = ControlDesign::read(path)?;
         Ok((other.name().to_owned(), path, whole(&other, &settings)?))
@@ -127,6 +129,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
 
     let mut text = design::text(&first.0);
     text.push_str(&designs::expectations(&first.1));
+    text.push_str(&designs::late(&late_loop));
     if all.len() > 1 {
         text.push_str(&designs::side_by_side(&all));
     }
@@ -139,6 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let result = &Everything {
         report: &first.0,
         expectations: &first.1,
+        late_loop: &late_loop,
         compare: compare
             .map(|one| Compared {
                 name: one.name,

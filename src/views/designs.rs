@@ -1,7 +1,9 @@
 //! Properties of a loop, designs side by side, and sweeps, as tables.
 
 use workbench::numbers::{significant, with_prefix};
-use workbench::{DesignSweep, LoopExpectations, NamedLoop, TorqueAnswer};
+use workbench::{
+    DesignSweep, LateLoop, LatePoint, LoopExpectations, NamedLoop, SampleTimeRow, TorqueAnswer,
+};
 
 use crate::report::table::{Align, Table};
 
@@ -109,6 +111,91 @@ fn answered(answer: &TorqueAnswer) -> String {
         with_prefix(answer.largest_wheel_speed_rad_s, "rad/s"),
         with_prefix(answer.largest_current_a, "A")
     )
+}
+
+/// The loop with all that makes the bench late, and what each sample time costs.
+pub fn late(found: &LateLoop) -> String {
+    let mut table = Table::without_head(&[Align::Left, Align::Left]);
+    for part in &found.parts {
+        table.row([
+            part.what.clone(),
+            format!("{} late: {}", with_prefix(part.late_s, "s"), part.why),
+        ]);
+    }
+    let ahead = with_prefix(found.ahead_s, "s");
+    let predicting = format!("u = −K x̂, x̂ led on by {ahead}");
+    for (name, point) in [
+        ("u = −K x", &found.law),
+        (predicting.as_str(), &found.predicting),
+    ] {
+        table.row([name.to_owned(), point_in_words(point)]);
+    }
+    let mut times = Table::new(&[
+        ("sample time", Align::Right),
+        ("modulus margin", Align::Right),
+        ("further delay", Align::Right),
+        ("angle by noise", Align::Right),
+        ("current by noise", Align::Right),
+        ("with prediction", Align::Right),
+        ("", Align::Left),
+    ]);
+    for row in &found.sample_times {
+        times.row(sample_time(row));
+    }
+    format!(
+        "\nThe loop with its lateness\n{}\nWhat each sample time costs, with that lateness\n{}",
+        table.text(),
+        times.text()
+    )
+}
+
+fn point_in_words(point: &Option<LatePoint>) -> String {
+    let Some(point) = point else {
+        return "unstable: it falls".to_owned();
+    };
+    let poles = point.poles_per_s.iter().map(|[re, im]| {
+        let re_text = significant(*re, 3);
+        match *im == 0.0 {
+            true => re_text,
+            false => format!(
+                "{re_text} {} {}j",
+                if *im < 0.0 { "−" } else { "+" },
+                significant(im.abs(), 3)
+            ),
+        }
+    });
+    format!(
+        "poles {} 1/s; modulus margin {}, {} of further delay; noise: angle ±{}, current ±{}",
+        poles.collect::<Vec<_>>().join(", "),
+        significant(point.margins.modulus_margin, 3),
+        with_prefix(point.margins.delay_margin_s, "s"),
+        with_prefix(point.noise_angle_rad, "rad"),
+        with_prefix(point.noise_current_a, "A")
+    )
+}
+
+fn sample_time(row: &SampleTimeRow) -> [String; 7] {
+    let of = |text: &dyn Fn(&LatePoint) -> String| row.law.as_ref().map_or("–".to_owned(), text);
+    let predicting = row.predicting.as_ref().map_or("–".to_owned(), |point| {
+        format!(
+            "{}, {}",
+            significant(point.margins.modulus_margin, 3),
+            with_prefix(point.noise_angle_rad, "rad")
+        )
+    });
+    [
+        with_prefix(row.sample_time_s, "s"),
+        of(&|point| significant(point.margins.modulus_margin, 3)),
+        of(&|point| with_prefix(point.margins.delay_margin_s, "s")),
+        of(&|point| with_prefix(point.noise_angle_rad, "rad")),
+        of(&|point| with_prefix(point.noise_current_a, "A")),
+        predicting,
+        if row.sensible {
+            "makes sense".to_owned()
+        } else {
+            row.why.clone()
+        },
+    ]
 }
 
 /// One column a design.

@@ -81,6 +81,7 @@ mod effect_portrait;
 mod error;
 mod fingerprint;
 mod identification;
+mod late_loop;
 mod learned;
 mod loop_expectations;
 mod loop_responses;
@@ -144,6 +145,7 @@ pub use error::Error;
 pub use fingerprint::EffectFingerprint;
 pub use identification::BenchCheck;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
+pub use late_loop::{LateLoop, LatePart, LatePoint, SampleTimeRow};
 pub use loop_expectations::{
     AllowedExcursions, ExpectationSettings, LoopExpectations, NoiseExpectation, TorqueAnswer,
     weights_of_excursions,

@@ -111,6 +111,74 @@ fn magnetometer_gives_the_heading() {
     }
 }
 
+/// The heading by itself is found too, from any start, and at 2 β rad/s where it is far off.
+#[test]
+fn the_turn_to_north_gives_the_heading() {
+    for dip in [0.0_f64, 0.8, 1.2] {
+        let field = Vector3::new(dip.cos(), 0.0, -dip.sin()) * 48.0;
+        for heading in [-3.1, -1.5, 0.2, 1.1, 3.0] {
+            let truth = UnitQuaternion::from_euler_angles(0.3, -0.4, heading);
+            let (up, mag) = (truth.inverse() * Vector3::z(), truth.inverse() * field);
+            let mut filter = Madgwick::new(0.5, STEP_S);
+            filter.align(&up);
+            let to_go = angle_between(&filter.quaternion(), truth.quaternion());
+            let at = |steps: usize, filter: &mut Madgwick| {
+                for _ in 0..steps {
+                    filter.step_imu(&Vector3::zeros(), &up);
+                    filter.turn_to_north(&mag);
+                }
+                angle_between(&filter.quaternion(), truth.quaternion())
+            };
+            // A fifth of a second at one radian a second; less where it is nearer than that.
+            let gone = to_go - at(200, &mut filter);
+            assert!(
+                (gone - to_go.min(0.2)).abs() < 3e-3,
+                "{dip} {heading}: {gone} of {to_go}"
+            );
+            let left = at(6000, &mut filter);
+            assert!(left < 1.5e-3, "{dip} {heading}: {left}");
+        }
+    }
+}
+
+/// A field that is 90° off in heading, as a motor's may be, on a body at rest: the gradient of 2010 leans by degrees; the
+/// turn to north leaves the vertical where six axes have it, whatever the field.
+#[test]
+fn only_the_gradient_of_2010_leans_in_a_wrong_field() {
+    let truth = pendulum_attitude(PI, 0.0);
+    let up = truth.inverse() * Vector3::z();
+    let wrong = truth.inverse() * Vector3::new(0.0, 20.0, -43.0);
+    let lean = |filter: &Madgwick| {
+        let found = up_in_sensor(&filter.quaternion());
+        found.cross(&up).norm().atan2(found.dot(&up))
+    };
+    let mut gradient = Madgwick::new(0.033, STEP_S);
+    let mut turn = gradient;
+    for filter in [&mut gradient, &mut turn] {
+        filter.align(&up);
+        // The heading of the start agrees with the earth's field.
+        for _ in 0..200_000 {
+            filter.step_imu(&Vector3::zeros(), &up);
+            filter.turn_to_north(&(truth.inverse() * Vector3::new(20.0, 0.0, -43.0)));
+        }
+    }
+    let mut most = [0.0_f64; 2];
+    for _ in 0..20_000 {
+        gradient.step_marg(&Vector3::zeros(), &up, &wrong);
+        turn.step_imu(&Vector3::zeros(), &up);
+        turn.turn_to_north(&wrong);
+        most = [most[0].max(lean(&gradient)), most[1].max(lean(&turn))];
+    }
+    println!(
+        "gradient of 2010 {:.2}°, turn {:.1e} rad",
+        most[0].to_degrees(),
+        most[1]
+    );
+    assert!(most[0].to_degrees() > 3.0, "{most:?}");
+    // The chord of six-axis corrections at rest, which no field touches.
+    assert!(most[1] < 1e-4, "{most:?}");
+}
+
 /// A vertical field shows no heading: the step is then the six-axis step.
 #[test]
 fn vertical_field_falls_back_to_six_axes() {

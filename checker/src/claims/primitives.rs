@@ -271,15 +271,6 @@ fn roots(f: &Functions, random: &mut Random) -> Result<(), String> {
             wanted,
             8.5,
         )?;
-        let m = within(1 << 22, (1 << 30) - 1);
-        let wanted = one * (m as f64 / one).sqrt();
-        near(
-            "square_root_q30",
-            n,
-            f.call("square_root_q30", &[n])?[0],
-            wanted,
-            16.5,
-        )?;
         let m = within(1 << 29, 1 << 30);
         let wanted = 2f64.powi(59) / m as f64;
         near(

@@ -6,7 +6,7 @@
 use codegen::helpers::arc_tangent::{PI_Q28, arc_tangent2};
 use codegen::helpers::product::{clamp, clamp_wide, mul_high, round_high};
 use codegen::helpers::root::{
-    coarse_inverse_length, inverse_length, inverse_root_q30, refined, seed, square_root_q30,
+    coarse_inverse_length, inverse_length, inverse_root_q30, refined, seed,
 };
 use codegen::helpers::scaling::{SCALED_MIN, scaled_up2, scaled_up3, scaled_up4};
 use proptest::prelude::*;
@@ -58,20 +58,6 @@ fn inverse_length_over_its_range() {
     for n in [i32::MIN, -1, 0, 1, 0x03ff_ffff, 0x4000_0000, i32::MAX] {
         let y = inverse_length(n);
         assert!((0x1000_0000..=0x4000_0000).contains(&y), "{n} {y}");
-    }
-}
-
-#[test]
-fn square_root_over_its_range() {
-    let mut worst = 0.0_f64;
-    for n in (0x40_0000..0x4000_0000).step_by(5) {
-        let exact = (f64::from(n) / Q30).sqrt() * Q30;
-        worst = worst.max((f64::from(square_root_q30(n)) - exact).abs());
-    }
-    println!("square root: worst error {worst:.2} units");
-    assert!(worst <= 16.0, "{worst}");
-    for n in [i32::MIN, -1, 0, 0x4000_0000, i32::MAX] {
-        assert!((0x03ff_fff0..=0x4000_0000).contains(&square_root_q30(n)));
     }
 }
 

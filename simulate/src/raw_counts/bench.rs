@@ -27,6 +27,9 @@ pub struct RawLoop<'a> {
     /// How long the body is held at its start before the controller is armed and the body is released,
     /// s; the filter aligns during that time.
     pub held_s: f64,
+    /// Whether the firmware asks again to arm before every sample after the release, whatever the status;
+    /// else it asks once, at the release.
+    pub asks_again: bool,
     /// Pushes on the body; their times count from the release.
     pub pushes: Vec<Push>,
     /// Seed of the sensors' noise.
@@ -42,6 +45,7 @@ impl<'a> RawLoop<'a> {
             drive_limit_a: Actuator::OF_THE_THESIS.limit_a,
             sample_time_s: 1e-3,
             held_s: 1.0,
+            asks_again: false,
             pushes: Vec::new(),
             seed,
         }
@@ -84,6 +88,8 @@ impl<'a> RawLoop<'a> {
                 }
                 controller.arm()?;
                 is_held = false;
+            } else if self.asks_again {
+                controller.arm()?;
             }
             let (acceleration, _) =
                 self.plant

@@ -3,11 +3,17 @@
 use super::controller::{RawController, RawSample};
 use crate::law::LawFailure;
 
-/// A fault that persists from one instant on.
+/// What is wrong with the samples, or with the firmware, while a fault lasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The gyroscope's registers are no longer updated.
     GyroscopeFrozen,
+    /// The accelerometer's registers are no longer updated.
+    AccelerometerFrozen,
+    /// The converter of the wheel's speed repeats its last count.
+    WheelFrozen,
+    /// Every sensor repeats its last reading: the bus gives old data.
+    AllFrozen,
     /// An axis of the gyroscope stays at the end of its range.
     GyroscopeClipped,
     /// An axis of the accelerometer stays at the end of its range.
@@ -28,8 +34,11 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Fault; 9] = [
+    pub const ALL: [Fault; 12] = [
         Fault::GyroscopeFrozen,
+        Fault::AccelerometerFrozen,
+        Fault::WheelFrozen,
+        Fault::AllFrozen,
         Fault::GyroscopeClipped,
         Fault::AccelerometerClipped,
         Fault::AccelerometerDead,
@@ -41,7 +50,15 @@ impl Fault {
     ];
 }
 
-/// A controller whose samples are faulty from one of its steps on, with the record of its outputs.
+/// Registers that read zero.
+const NOTHING_READ: RawSample = RawSample {
+    gyro: [0; 3],
+    accel: [0; 3],
+    mag: None,
+    wheel_adc: 0,
+};
+
+/// A controller whose samples are faulty during some of its steps, with the record of its outputs.
 #[derive(Clone, Debug)]
 pub struct Faulty<C> {
     /// The controller.
@@ -50,6 +67,8 @@ pub struct Faulty<C> {
     pub fault: Fault,
     /// The step of the controller at which the fault begins, counted from its reset.
     pub from_step: usize,
+    /// The first step after the fault; `None` if the fault does not end.
+    pub until_step: Option<usize>,
     /// Counts at the ends of the converter's range.
     pub wheel_ends: [u16; 2],
     steps: usize,
@@ -65,6 +84,7 @@ impl<C: RawController> Faulty<C> {
             controller,
             fault,
             from_step,
+            until_step: None,
             wheel_ends,
             steps: 0,
             last: None,
@@ -85,23 +105,19 @@ impl<C: RawController> Faulty<C> {
 
     fn damaged(&self, sample: &RawSample) -> RawSample {
         let mut damaged = *sample;
+        // What a sensor repeats that has never been read: zero.
+        let last = self.last.unwrap_or(NOTHING_READ);
         match self.fault {
-            Fault::GyroscopeFrozen => {
-                damaged.gyro = self.last.map_or(sample.gyro, |last| last.gyro);
-            }
+            Fault::GyroscopeFrozen => damaged.gyro = last.gyro,
+            Fault::AccelerometerFrozen => damaged.accel = last.accel,
+            Fault::WheelFrozen => damaged.wheel_adc = last.wheel_adc,
+            Fault::AllFrozen => damaged = last,
             Fault::GyroscopeClipped => damaged.gyro[2] = i16::MAX,
             Fault::AccelerometerClipped => damaged.accel[1] = i16::MIN,
             Fault::AccelerometerDead => damaged.accel = [0; 3],
             Fault::WheelLow => damaged.wheel_adc = self.wheel_ends[0],
             Fault::WheelHigh => damaged.wheel_adc = self.wheel_ends[1],
-            Fault::BusDead => {
-                damaged = RawSample {
-                    gyro: [0; 3],
-                    accel: [0; 3],
-                    mag: None,
-                    wheel_adc: 0,
-                };
-            }
+            Fault::BusDead => damaged = NOTHING_READ,
             Fault::MissedTick => {}
             Fault::GyroscopeReversed => {
                 damaged.gyro[2] = sample.gyro[2].checked_neg().unwrap_or(i16::MAX);
@@ -139,10 +155,15 @@ impl<C: RawController> RawController for Faulty<C> {
             self.last = Some(*sample);
             return self.controller.step(sample);
         }
-        if step == self.from_step && self.fault == Fault::MissedTick {
+        let is_faulty = self.until_step.is_none_or(|until| step < until);
+        if is_faulty && step == self.from_step && self.fault == Fault::MissedTick {
             self.controller.fault()?;
         }
-        let duty = self.controller.step(&self.damaged(sample))?;
+        let duty = if is_faulty {
+            self.controller.step(&self.damaged(sample))?
+        } else {
+            self.controller.step(sample)?
+        };
         self.duties.push(duty);
         self.ends.push(self.controller.status()?);
         Ok(duty)

@@ -7,9 +7,11 @@
 mod bench;
 mod controller;
 mod faults;
+mod paced;
 mod sensors;
 
 pub use bench::RawLoop;
 pub use controller::{InterpretedController, RawController, RawSample};
 pub use faults::{Fault, Faulty};
+pub use paced::{Paced, SensorPace};
 pub use sensors::{CountsLine, RawSensors};

@@ -13,9 +13,9 @@ use simulate::linear_validity::{
 use simulate::overlay::MeasuredLog;
 use simulate::scenario::Scale;
 use simulate::{
-    Actuator, ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, Motion, Push, RawLoop,
-    RawSensors, Scenario, Sensors, SimulateError, Transient, effects_on_transient,
-    largest_recoverable_angle, overlay, region_of_attraction,
+    Actuator, ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, Motion, Paced, Push,
+    RawLoop, RawSensors, Scenario, SensorPace, Sensors, SimulateError, Transient,
+    effects_on_transient, largest_recoverable_angle, overlay, region_of_attraction,
 };
 
 use super::report::{
@@ -266,8 +266,21 @@ impl<'a> Laws<'a> {
         Ok(runs)
     }
 
-    /// The half minute with pushes, from raw counts to duty: the sensors' noise, bias and quantisation, the emitted
-    /// attitude filter and law.
+    /// What [hardware] says of the pace of the inertial sensors, and the model of the gyroscope's filter.
+    fn sensor_pace(&self) -> SensorPace {
+        let hardware = self.designed.file().hardware.as_ref();
+        let accelerometer = hardware.and_then(|hardware| hardware.accelerometer.as_ref());
+        let or_every = |rate_hz: Option<f64>| rate_hz.unwrap_or(f64::INFINITY);
+        SensorPace {
+            gyro_rate_hz: or_every(self.spec.hardware.gyro_rate_hz),
+            accel_rate_hz: or_every(accelerometer.and_then(|sensor| sensor.rate_hz)),
+            gyro_lag_s: self.plant.sensor_times_s(plant::Output::Rate).0,
+            ..SensorPace::EVERY_SAMPLE
+        }
+    }
+
+    /// The half minute with pushes, from raw counts to duty: the sensors' noise, bias, quantisation and pace, the
+    /// emitted attitude filter and law.
     fn raw_counts(&mut self) -> Result<RawCountsRun, Error> {
         let failure = self.failure();
         let scenario = Scenario::half_minute(&self.scale);
@@ -278,8 +291,14 @@ impl<'a> Laws<'a> {
             ..RawLoop::new(self.plant, self.sensors, self.seed)
         };
         let start_rad = simulate::sensors::from_upright_rad(scenario.start.angle_rad);
+        let mut controller = Paced::new(
+            self.controller.clone(),
+            self.sensor_pace(),
+            self.spec.sample_time_s,
+            self.seed,
+        );
         let trace = on
-            .run(start_rad, scenario.duration_s, &mut self.controller, false)
+            .run(start_rad, scenario.duration_s, &mut controller, false)
             .map_err(failure)?;
         let errors = trace.angle_rad.iter().zip(&trace.measured_angle_rad);
         let squares: f64 = errors.map(|(truth, told)| (truth - told).powi(2)).sum();

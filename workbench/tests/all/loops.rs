@@ -289,3 +289,64 @@ fn an_export_gives_the_numbers_back() {
         "model_thesis_4_4.py"
     );
 }
+
+/// What the hardware of the thesis makes late, and that it comes off the margins; what each sample time costs.
+#[test]
+fn the_hardware_makes_the_loop_late() {
+    let design = thesis();
+    let found = design
+        .late_loop(&ExpectationSettings::default())
+        .expect("a loop");
+    let late_s = |what: &str| -> f64 {
+        let parts = found.parts.iter().filter(|part| part.what == what);
+        parts.map(|part| part.late_s).sum()
+    };
+    // One sample of computation; readings of a gyroscope of 800 Hz are half of 1.25 ms old on the mean.
+    for (what, wanted_s) in [
+        ("the current", 1e-3),
+        ("the rate", 0.625e-3),
+        ("the angle", 0.625e-3),
+    ] {
+        assert!((late_s(what) - wanted_s).abs() < 1e-12, "{what}: {found:?}");
+    }
+    assert!((found.ahead_s - 1.625e-3).abs() < 1e-12);
+    let law = found.law.as_ref().expect("a stable loop");
+    let whole_s = design.report().expect("a report").margins.delay_margin_s;
+    // More than the sample of computation, less than with readings that all are as old as the oldest.
+    let lost_s = whole_s - law.margins.delay_margin_s;
+    assert!(lost_s > 1e-3 && lost_s < 1e-3 + 1.25e-3, "{lost_s}");
+    assert!(law.poles_per_s.iter().all(|pole| pole[0] < 0.0));
+
+    // A law that predicts has the poles of the loop without delay, but for the wheel's sensor, which it leads on too.
+    let predicting = found.predicting.as_ref().expect("a stable loop");
+    let wanted = design.report().expect("a report").closed_loop_poles_per_s;
+    for pole in &wanted {
+        let near = predicting.poles_per_s.iter();
+        let near = near.map(|other| (other[0] - pole[0]).hypot(other[1] - pole[1]));
+        let size = pole[0].hypot(pole[1]);
+        let nearest = near.fold(f64::INFINITY, f64::min);
+        assert!(
+            nearest < 0.02 * size,
+            "{pole:?} off by {nearest}: {found:?}"
+        );
+    }
+
+    let rows = &found.sample_times;
+    assert!(
+        rows.windows(2)
+            .all(|pair| pair[0].sample_time_s < pair[1].sample_time_s)
+    );
+    let margins: Vec<f64> = rows
+        .iter()
+        .filter_map(|row| Some(row.law.as_ref()?.margins.modulus_margin))
+        .collect();
+    assert!(
+        margins.len() > 5 && margins.windows(2).all(|pair| pair[1] < pair[0]),
+        "{margins:?}"
+    );
+    // Faster than the gyroscope is its own sample time alone, and it is said.
+    assert!(rows[0].sample_time_s == 1e-3 && !rows[0].sensible && rows[0].why.contains("fresh"));
+    assert!(rows[1].sample_time_s == 1.25e-3 && rows[1].sensible);
+    let last = rows.last().expect("rows");
+    assert!(!last.sensible && !last.why.is_empty());
+}

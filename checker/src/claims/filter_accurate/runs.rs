@@ -1,7 +1,7 @@
 //! Random runs of the filter against its equations: tests, not proofs.
 
 use crate::claims::filter_accurate::constants::Filter;
-use crate::claims::filter_accurate::equations::{dot3, madgwick, unit};
+use crate::claims::filter_accurate::equations::{dot3, in_earth, madgwick, to_north, unit};
 use crate::claims::functions::number;
 use crate::claims::random::Random;
 use crate::domains::machine::{Machine, Trap};
@@ -33,7 +33,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             .function(name)
             .ok_or_else(|| format!("there is no function {name}"))
     };
-    let programs = [get("step_imu")?, get("step_marg")?, get("align")?];
+    let programs = [get("step_imu")?, get("headed")?, get("align")?];
     let mounting = match module.constant("constants", "MOUNTING_ANGLE") {
         Some([word]) => *word,
         _ => return Err("src/constants.rs has no MOUNTING_ANGLE".to_owned()),
@@ -59,7 +59,7 @@ fn one_step(
     q: [f64; 4],
     random: &mut Random,
 ) -> Result<(), String> {
-    let [imu, marg, align] = programs;
+    let [imu, headed, align] = programs;
     let q_words = q.map(|x| (x * 2f64.powi(30)).round() as i128);
     let gyro = [0; 3].map(|_| random.count(30_000.0));
     let scale = 10f64.powf(2.2 + 2.2 * (random.real() + 1.0) / 2.0);
@@ -124,35 +124,28 @@ fn one_step(
         near(
             "step_imu",
             found,
-            madgwick(q, turn, usable, None, filter.beta_step),
+            madgwick(q, turn, usable, filter.beta_step),
         )?;
         rates("step_imu", found)?;
-
-        // Near the vertical the field shows no heading, and the gradient depends on it.
-        let field_unit = unit(field);
-        let vertical = {
-            let [w, x, y, z] = q;
-            let up = [
-                2.0 * (x * z - w * y),
-                2.0 * (w * x + y * z),
-                1.0 - 2.0 * (x * x + y * y),
-            ];
-            dot3(up, field_unit)
-        };
-        let is_heading = 1.0 - vertical * vertical;
-        let has_field = squared_length(field) > field_min;
-        if is_clear(squared_length(field), field_min) && (is_heading - 1.0 / 256.0).abs() > 1e-4 {
-            let seen = (has_field && is_heading > 1.0 / 256.0).then_some(field);
-            let mut machine = Machine::new(marg);
-            let found = machine
-                .call(&arguments(&[&gyro, &accel, &mag]))
-                .map_err(trapped)?;
-            near(
-                "step_marg",
-                found,
-                madgwick(q, turn, usable, seen, filter.beta_step),
-            )?;
-            rates("step_marg", found)?;
+    }
+    let length = squared_length(field);
+    let north = in_earth(q, unit(field));
+    let horizontal = north[0].hypot(north[1]);
+    // Where the rules meet, rounding may choose either.
+    let is_known = is_clear(length, field_min)
+        && (horizontal - 1.0 / 16.0).abs() > 1e-4
+        && north[0].abs() > 1e-6
+        && (north[0] > 0.0 || north[1].abs() > 1e-6);
+    if is_known {
+        let seen = (length > field_min && horizontal > 1.0 / 16.0).then_some(north);
+        let mut arguments = state.clone();
+        arguments.extend_from_slice(&mag);
+        arguments.extend(filter.flat());
+        let mut machine = Machine::new(headed);
+        let found = machine.call(&arguments).map_err(|trap| trap.to_string())?;
+        near("headed", found, to_north(q, seen, filter.beta_step))?;
+        if found[4..] != state[4..] {
+            return Err(format!("headed: rates {found:?} of {state:?}"));
         }
     }
     one_alignment(align, filter, &state, accel, reading, gravity_min)

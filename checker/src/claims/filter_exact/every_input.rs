@@ -1,7 +1,7 @@
 //! Functions of one word that an audit runs on every input.
 
 use crate::claims::filter_exact::second::{
-    TWO_PI, arc_tangent, inverse_length, inverse_root, reciprocal, root_seed, square_root, wrapped,
+    TWO_PI, arc_tangent, inverse_length, inverse_root, reciprocal, root_seed, wrapped,
 };
 
 /// A function of one word, the words that it must return, and the range of its argument.
@@ -21,7 +21,7 @@ pub struct OneWord {
 }
 
 /// All of them.
-pub const ONE_WORD: [OneWord; 9] = {
+pub const ONE_WORD: [OneWord; 8] = {
     const ROOT: (i32, i32) = (0x1000_0000, 0x3fff_ffff);
     const ALL: (i32, i32) = (i32::MIN, i32::MAX);
     const LENGTH: (i32, i32) = (0x0400_0000, 0x3fff_ffff);
@@ -66,13 +66,6 @@ pub const ONE_WORD: [OneWord; 9] = {
             |n| inverse_length(n, 1),
             ALL,
             LENGTH,
-        ),
-        entry(
-            FILE,
-            "square_root_q30",
-            square_root,
-            ALL,
-            (0x40_0000, 0x3fff_ffff),
         ),
         entry(
             "src/arc_tangent.rs",

@@ -33,7 +33,6 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     for n in powers.filter(|n| (0..=i32::MAX.into()).contains(n)) {
         same("inverse_length", &[n], &[inverse_length(n, 2)])?;
         same("coarse_inverse_length", &[n], &[inverse_length(n, 1)])?;
-        same("square_root_q30", &[n], &[square_root(n)])?;
         same("arc_tangent_q31", &[n], &[arc_tangent(n)])?;
         if (1 << 28..ONE).contains(&n) {
             same("inverse_root_q30", &[n], &[inverse_root(n, 2)])?;
@@ -53,7 +52,6 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
         let n = draw.within(i32::MIN.into(), i32::MAX.into());
         same("inverse_length", &[n], &[inverse_length(n, 2)])?;
         same("coarse_inverse_length", &[n], &[inverse_length(n, 1)])?;
-        same("square_root_q30", &[n], &[square_root(n)])?;
 
         let n = draw.within(1 << 29, ONE);
         same("reciprocal_q29", &[n], &[reciprocal(n)])?;
@@ -110,10 +108,19 @@ fn attitude(
         &[&q[..], &measured, &[beta]].concat(),
         &correction_imu(&q, &measured, beta),
     )?;
+    let limit = beta >> 3;
+    for field in [field, near_north(draw, &q)] {
+        same(
+            "heading_turn",
+            &[&q[..], &field, &[limit]].concat(),
+            &[heading_turn(&q, &field, limit)],
+        )?;
+    }
+    let half = draw.within(-limit, limit);
     same(
-        "correction_marg",
-        &[&q[..], &measured, &field, &[beta]].concat(),
-        &correction_marg(&q, &measured, &field, beta),
+        "turned_about_up",
+        &[&q[..], &[half]].concat(),
+        &turned_about_up(&q, half),
     )?;
     // A gradient that just stops the correction, and any other.
     let least = 1 << 8;
@@ -131,9 +138,9 @@ fn attitude(
     aslant[draw.0.choice(2) as usize] = (1 << 24) + draw.0.choice(64) as i128 - 32;
     let level = [ONE, 0, 0, 0];
     same(
-        "correction_marg",
-        &[&level[..], &measured, &aslant, &[beta]].concat(),
-        &correction_marg(&level, &measured, &aslant, beta),
+        "heading_turn",
+        &[&level[..], &aslant, &[limit]].concat(),
+        &[heading_turn(&level, &aslant, limit)],
     )?;
     // At rest the gradient is as small as its least value, which stops the correction.
     let at_rest: Words = up(&q)
@@ -161,6 +168,22 @@ fn attitude(
         [0; 3].map(|_| draw.at_corners(-0x4_0001, 0x4_0001, &[1 << 18, -(1 << 18)]));
     near_down[2] -= 1 << 28;
     same("aligned", &near_down, &aligned(&near_down))
+}
+
+/// A field of length 1 that lies near the estimated north, or south, where pieces of the turn meet.
+fn near_north(draw: &mut Draw, q: &[i128]) -> Words {
+    let [w, x, y, z] = four(q);
+    let north = [
+        (1 << 28) - 2 * nearest(y * y + z * z),
+        2 * nearest(x * y - w * z),
+        2 * nearest(w * y + x * z),
+    ];
+    let sign = 1 - 2 * draw.0.choice(2) as i128;
+    let off = 1_i128 << draw.0.choice(24);
+    north
+        .iter()
+        .map(|part| (sign * part + draw.within(-off, off)).clamp(-(5 << 27), 5 << 27))
+        .collect()
 }
 
 /// Whole steps with the bench's constants or any calibration: any counts, each sensor saturated now and then without the
@@ -212,7 +235,7 @@ fn steps(
     same(
         "step_imu",
         &[&state[..], &gyro, &accel, words].concat(),
-        &filter.step(&state, &gyro, &accel, None),
+        &filter.step(&state, &gyro, &accel),
     )?;
     let limit = words[57];
     let drift: Words = (0..3).map(|_| draw.within(-limit, limit)).collect();
@@ -222,9 +245,9 @@ fn steps(
         &filter.tracked(&state, &drift, &gyro, &accel),
     )?;
     same(
-        "step_marg",
-        &[&state[..], &gyro, &accel, &mag, words].concat(),
-        &filter.step(&state, &gyro, &accel, Some(&mag)),
+        "headed",
+        &[&state[..], &mag, words].concat(),
+        &filter.headed(&state, &mag),
     )?;
     let up = calibrated(&accel, filter.accel());
     let is_usable = filter.shows_gravity(&accel, &up);
@@ -250,7 +273,6 @@ fn constants(module: &Module) -> Result<(), String> {
         ("lever_arm", "CORRECTION_MAX", 1 << 29),
         ("drift", "DRIFT_MAX", 1 << 30),
         ("madgwick", "GRADIENT_MIN_IMU", 1 << 8),
-        ("madgwick", "GRADIENT_MIN_MARG", 1 << 6),
         ("madgwick", "HORIZONTAL_SQUARED_MIN", 1 << 21),
     ];
     let names = ["C0", "C1", "C2", "C3", "C4", "C5", "C6"];

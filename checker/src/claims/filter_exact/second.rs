@@ -75,18 +75,6 @@ pub(crate) fn inverse_length(n: i128, steps: usize) -> i128 {
     }
 }
 
-/// √n in Q30, n clamped to [2²², 2³⁰): scaled by fours into the upper two octaves.
-pub(crate) fn square_root(n: i128) -> i128 {
-    let mut n = n.clamp(1 << 22, ONE - 1);
-    let mut halvings = 0;
-    while n < 1 << 28 {
-        n *= 4;
-        halvings += 1;
-    }
-    let root = high(2 * n, inverse_root(n, 2)).clamp(0, 1 << 28);
-    (4 * root) >> halvings
-}
-
 /// 2²⁹/(n/2³⁰): a quadratic and two Newton steps.
 pub(crate) fn reciprocal(n: i128) -> i128 {
     let seed = 2 * quadratic(n, [1_138_817_242, 780_903_358, 1_388_272_791]);
@@ -211,9 +199,9 @@ pub(crate) fn correction_imu(q: &[i128], measured: &[i128], beta: i128) -> Words
     correction(&gradient.map(nearest), 1 << 8, beta)
 }
 
-pub(crate) fn correction_marg(q: &[i128], measured: &[i128], field: &[i128], beta: i128) -> Words {
+/// Half of the turn about the vertical towards north, within ±`limit`.
+pub(crate) fn heading_turn(q: &[i128], field: &[i128], limit: i128) -> i128 {
     let [w, x, y, z] = four(q);
-    let up = up(q);
     let north = [
         (1 << 28) - 2 * (high(y, y) + high(z, z)),
         2 * (high(x, y) - high(w, z)),
@@ -228,24 +216,21 @@ pub(crate) fn correction_marg(q: &[i128], measured: &[i128], field: &[i128], bet
         let sum: i128 = axis.iter().zip(field).map(|(a, f)| high(*a, *f)).sum();
         64 * sum.clamp(-(1 << 24), 1 << 24)
     };
-    let (to_north, to_west, to_up) = (along(&north), along(&west), along(&up));
-    let squared = 2 * (high(to_north, to_north) + high(to_west, to_west));
-    if squared < 1 << 21 {
-        return correction_imu(q, measured, beta);
+    let (to_north, to_west) = (along(&north), along(&west));
+    if 2 * (high(to_north, to_north) + high(to_west, to_west)) < 1 << 21 {
+        return 0;
     }
-    let horizontal = square_root(2 * squared.clamp(0, (1 << 29) - 1));
-    let error =
-        [0, 1, 2].map(|i| high(horizontal, north[i]) + high(to_up, up[i]) - (field[i] >> 2));
-    // The factors of the vertical's Jacobian, and of that of north.
-    let v = [0, 1, 2].map(|i| ((up[i] - measured[i]) >> 2) + 4 * high(to_up, error[i]));
-    let n = error.map(|error| 4 * high(horizontal, error));
-    let gradient = [
-        high(y, n[2] - v[0]) + high(x, v[1]) - high(z, n[1]),
-        high(z, v[0] + n[2]) + high(w, v[1]) - 2 * high(x, v[2]) + high(y, n[1]),
-        high(w, n[2] - v[0]) + high(z, v[1]) - 2 * high(y, v[2] + n[0]) + high(x, n[1]),
-        high(x, v[0] + n[2]) + high(y, v[1]) - 2 * high(z, n[0]) - high(w, n[1]),
-    ];
-    correction(&gradient, 1 << 6, beta)
+    match (to_north > 0, to_west > 0) {
+        (true, _) => (2 * (-to_west).clamp(-(1 << 25), 1 << 25)).clamp(-limit, limit),
+        (false, true) => -limit,
+        (false, false) => limit,
+    }
+}
+
+/// A turn about the vertical by twice a half-angle.
+pub(crate) fn turned_about_up(q: &[i128], half_angle: i128) -> Words {
+    let turn = up(q).map(|up| nearest(16 * half_angle * up));
+    turned(q, &turn, &[0; 5])
 }
 
 /// q (1 − ε/2 + 3ε²/8) with ‖q‖² = 1 + ε, ε within 1/8.
@@ -386,28 +371,30 @@ impl Filter {
         next
     }
 
-    /// State: quaternion, rate, slow rate. Without a magnetometer its share is left out.
-    pub(crate) fn step(
-        &self,
-        state: &[i128],
-        gyro: &[i128],
-        accel: &[i128],
-        mag: Option<&[i128]>,
-    ) -> Words {
+    /// State: quaternion, rate, slow rate; the drift is not followed.
+    pub(crate) fn step(&self, state: &[i128], gyro: &[i128], accel: &[i128]) -> Words {
         let turn = calibrated(gyro, self.gyro());
         let up = self.gravity(accel, turn[2], state[5]);
         let q = &state[..4];
-        let field = mag
-            .filter(|mag| !is_saturated(mag, &self.words[52..55]))
-            .map(|mag| calibrated(mag, self.mag()))
-            .filter(|field| squares(field) >= self.words[Self::FIELD_MIN]);
-        let correction = match field {
-            _ if !self.shows_gravity(accel, &up) => vec![0; 5],
-            None => correction_imu(q, &unit(&up), self.beta()),
-            Some(field) => correction_marg(q, &unit(&up), &unit(&field), self.beta()),
+        let correction = if self.shows_gravity(accel, &up) {
+            correction_imu(q, &unit(&up), self.beta())
+        } else {
+            vec![0; 5]
         };
         let mut next = turned(q, &turn, &correction);
         next.extend([turn[2], (state[5] >> 1) + (turn[2] >> 1)]);
+        next
+    }
+
+    /// The state after the magnetometer has turned it, by at most 2 β T.
+    pub(crate) fn headed(&self, state: &[i128], mag: &[i128]) -> Words {
+        let field = calibrated(mag, self.mag());
+        let mut next = state.to_vec();
+        if !is_saturated(mag, &self.words[52..55]) && squares(&field) >= self.words[Self::FIELD_MIN]
+        {
+            let half = heading_turn(&state[..4], &unit(&field), self.beta() >> 3);
+            next.splice(..4, turned_about_up(&state[..4], half));
+        }
         next
     }
 }

@@ -138,8 +138,19 @@ impl<'a> Supervisor<'a> {
     ) -> Result<(i128, Vec<i128>), String> {
         let f = &self.f;
         let mut next = words.to_vec();
+        let gyro_clip = [
+            self.limit("gyro_clip[0]")?,
+            self.limit("gyro_clip[1]")?,
+            self.limit("gyro_clip[2]")?,
+        ];
+        // A clipped gyroscope is held at its last reading.
+        let is_gyro_clipped = is_saturated(&sample.gyro, &gyro_clip);
+        let gyro = match is_gyro_clipped {
+            true => &words[GYRO..GYRO + 3],
+            false => &sample.gyro[..],
+        };
         // Whatever the magnetometer says.
-        let arguments = [&words[..ATTITUDE], &sample.gyro, &sample.accel].concat();
+        let arguments = [&words[..ATTITUDE], gyro, &sample.accel].concat();
         let attitude = f.call("Attitude::update_imu", &arguments)?;
         next[..ATTITUDE].copy_from_slice(&attitude);
         let angle = f.call("Attitude::angle", &attitude)?[0];
@@ -147,16 +158,10 @@ impl<'a> Supervisor<'a> {
         let speed = f.call("wheel_speed", &[sample.wheel])?[0];
 
         let (up, shows_gravity) = self.reading(&sample.accel);
-        let gyro_clip = [
-            self.limit("gyro_clip[0]")?,
-            self.limit("gyro_clip[1]")?,
-            self.limit("gyro_clip[2]")?,
-        ];
-        let is_clipped = is_saturated(&sample.gyro, &gyro_clip)
-            || is_saturated(&sample.accel, &self.filter[49..52]);
+        let is_clipped = is_gyro_clipped || is_saturated(&sample.accel, &self.filter[49..52]);
         let is_unknown =
             sample.wheel <= self.limit("wheel_low")? || sample.wheel >= self.limit("wheel_high")?;
-        let is_frozen = words[GYRO..GYRO + 3] == sample.gyro;
+        let is_frozen = words[GYRO..GYRO + 3] == *gyro;
         for (index, holds, limit) in [
             (0, is_unknown, "wheel_steps"),
             (1, is_clipped, "clipped_steps"),
@@ -165,7 +170,7 @@ impl<'a> Supervisor<'a> {
         ] {
             next[COUNTS + index] = self.counted(words[COUNTS + index], holds, limit)?;
         }
-        next[GYRO..GYRO + 3].copy_from_slice(&sample.gyro);
+        next[GYRO..GYRO + 3].copy_from_slice(gyro);
 
         let at = |index: usize, limit: &str| -> Result<bool, String> {
             Ok(next[COUNTS + index] >= self.limit(limit)?)
