@@ -90,7 +90,7 @@ pub struct DesignReport {
     pub margins: LoopMargins,
     /// Steady wheel speed per rad of bias of the measured angle, rad/s per rad.
     pub wheel_speed_per_angle_bias: f64,
-    /// What the linear model takes of learned curves and of the effects of users; sentences.
+    /// What the linear model takes of learned curves and of the effects of users; one phrase each.
     pub upright: Vec<String>,
     /// The loop with none and with all of the Coulomb friction, where there is any.
     pub friction_extremes: Option<[FrictionExtreme; 2]>,
