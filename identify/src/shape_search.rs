@@ -139,6 +139,7 @@ impl Lacking {
                             rate_rad_s: state.rate_rad_s,
                             wheel_angle_rad: state.wheel_angle_rad,
                             wheel_speed_rad_s: state.wheel_speed_rad_s,
+                            current_a: state.current_a,
                             memory: 0.0,
                         })
                 });

@@ -1,6 +1,6 @@
 // Puts the panels together: the state from the server, the work under way, the tabs.
 import { byId, el } from "./dom.js";
-import { callOff, get, listen, post } from "./server.js";
+import { callOff, download, get, listen, post } from "./server.js";
 import * as controller from "./controller.js";
 import * as curves from "./curves.js";
 import * as design from "./design.js";
@@ -61,6 +61,8 @@ async function refresh() {
   remarks(bench);
   const fresh = bench.folder !== folder;
   folder = bench.folder;
+  // Where the list of files was scrolled to says nothing here.
+  if (fresh) scrollTo(0, 0);
   if (!shownTab) tab("sliders");
   curves.setBench(bench, fresh);
   sliders.setBench(bench);
@@ -113,9 +115,29 @@ TABS.forEach((name, index) => {
   });
 });
 byId("undo").addEventListener("click", () => begin({ task: "undo" }));
+byId("report").addEventListener("click", report);
 byId("cancel").addEventListener("click", callOff);
 byId("message-close").addEventListener("click", () => complain(null));
 byId("open-other").addEventListener("click", () => { choosing = !choosing; refresh().catch(complain); });
+
+/** The report takes seconds to make; then the browser keeps it as a file. */
+async function report() {
+  const button = byId("report");
+  complain(null);
+  button.disabled = true;
+  button.textContent = "Writing the report …";
+  try {
+    const address = URL.createObjectURL(await download("/api/report"));
+    el("a", { href: address, download: "report.html" }).click();
+    button.textContent = "Report: saved";
+    setTimeout(() => { URL.revokeObjectURL(address); button.textContent = "Report"; }, 4000);
+  } catch (error) {
+    button.textContent = "Report";
+    complain(error);
+  } finally {
+    button.disabled = false;
+  }
+}
 
 function told(event) {
   if (event.event === "says" || event.event === "begun") working(event);
@@ -129,7 +151,8 @@ function told(event) {
   else if (event.event === "gone") complain(new Error("The lab has stopped, or this browser has lost it. Start `flywheel lab` again."));
 }
 
-for (const part of [sliders, opening, controller]) part.start(begin, complain);
+for (const part of [opening, controller]) part.start(begin, complain);
+sliders.start(begin, () => tab("why"));
 curves.start(complain);
 design.start(begin, complain);
 why.start(begin).then(() => listen(told)).catch(complain);

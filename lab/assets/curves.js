@@ -20,7 +20,7 @@ let wish = null;
 let drawing = false;
 // The hand rests when nothing has moved for this long, ms.
 const RESTS = 250;
-let resting = 0;
+let rest = 0;
 
 export function start(report) {
   onError = report;
@@ -72,32 +72,44 @@ function buttons() {
     const over = worst(one.name);
     return el("button", {
       type: "button", "aria-pressed": String(index === chosen),
-      title: `${one.kind}, ${one.samples} samples over ${one.duration_s.toPrecision(3)} s`,
+      title: `${one.kind}, ${one.samples} samples over ${one.duration_s.toPrecision(3)} s; the largest RMSE is ${over.toPrecision(3)} times the noise of its sensor`,
       onclick: () => choose(one.name),
     }, `${one.name} `, el("span", { class: over > 1.5 ? "bad" : "good" }, `×${over < 10 ? over.toPrecision(2) : Math.round(over)}`));
   }));
 }
 
-async function request(anew) {
-  wish = { anew: anew || (wish?.anew ?? false) };
+/**
+ * Asks for the curves, and shows them. `anew`: other axes or marks; `whole`: of every experiment and by the library, as
+ * when the hand has come to rest. Else a moved curve follows the hand: this experiment alone, on a canvas.
+ */
+async function request(anew, whole = anew) {
+  wish = { anew: anew || (wish?.anew ?? false), whole: whole || (wish?.whole ?? false) };
   if (busy) return;
   busy = true;
   try {
     while (wish) {
-      const { anew: all } = wish;
+      const { anew: all, whole: resting } = wish;
       wish = null;
-      const question = { experiment: chosen, ...view, pixels: Math.max(200, plot.clientWidth - 90) };
+      // The library knows its width; asking the page for it would lay the page out anew at every move.
+      const width = plot._fullLayout?.width ?? plot.clientWidth;
+      const question = { experiment: chosen, ...view, pixels: Math.max(200, width - 90) };
       if (!ghost) ghost = await ask({ ...question, changes: [] });
       if (wish?.anew) continue;
-      const now = changes.length ? await ask({ ...question, changes }) : ghost;
-      if (wish?.anew) continue;
-      const first = !shown || all;
-      shown = now;
       const moved = changes.length > 0;
+      const alone = moved && !all && !resting && Boolean(shown);
+      const now = moved ? await ask({ ...question, changes, alone }) : ghost;
+      if (wish && (wish.anew || !ghost)) {
+        wish.whole ||= resting;
+        continue;
+      }
+      const first = !shown || all;
+      if (alone) now.channels.forEach((channel, index) => { channel.measured = ghost.channels[index].measured; });
+      shown = now;
+      clearTimeout(rest);
+      if (alone && paint(plot, now, ghost)) rest = setTimeout(() => request(false, true).catch(onError), RESTS);
+      else if (!wish) await settle(first);
+      else wish.anew ||= first;
       showErrors(now.errors, moved ? ghost.errors : null, bench.experiments[chosen].name, choose);
-      clearTimeout(resting);
-      if (!first && moved && paint(plot, now, ghost)) resting = setTimeout(settle, RESTS);
-      else await settle(first);
       document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
     }
   } catch (error) {
@@ -107,19 +119,17 @@ async function request(anew) {
   }
 }
 
-
 function curvesOf(index) {
   const channel = shown.channels[index];
   const empty = { x: [], y: [] };
-  const moved = changes.length > 0;
+  const moved = changes.length > 0 && ghost;
   return [channel.measured, moved ? ghost.channels[index].simulated : empty, channel.simulated, channel.residual];
 }
 
 /** The library draws what the canvas has shown. */
 async function settle(anew = false) {
-  if (!ghost) return;
   await (anew ? redraw() : refresh());
-  clear(plot);
+  clear();
 }
 
 /** Only the curves: axes and marks stay. */
@@ -167,10 +177,14 @@ async function redraw() {
       form.shapes.push({ type: "rect", xref: "x", x0: from, x1: to, yref: "paper", y0: 0, y1: 1, fillcolor: colour("shade"), line: { width: 0 }, layer: "below" });
     }
   }
+  experiment.channels.forEach((channel, index) => lostMarks(channel, form[`yaxis${index ? 2 * index + 1 : ""}`].domain, form));
   for (const push of experiment.pushes) {
     form.shapes.push({ type: "line", xref: "x", x0: push.time_s, x1: push.time_s, yref: "paper", y0: 0, y1: 1, line: { color: colour("push"), width: 1, dash: "dash" } });
     form.annotations.push({ xref: "x", x: push.time_s, yref: "paper", y: 1, yanchor: "top", textangle: -90, showarrow: false, text: push.text, font: { size: 10, color: colour("push") }, bgcolor: colour("card") });
   }
+  const lost = experiment.channels.filter((channel) => channel.lost)
+    .map((channel) => `${channel.spoken}: ${channel.lost.samples} of ${experiment.samples} samples in ${channel.lost.runs} ${channel.lost.runs === 1 ? "place" : "places"}`);
+  byId("lost").textContent = lost.length ? `Lost samples, marked on the time axis: ${lost.join("; ")}.` : "";
   plot.style.height = `${Math.max(440, 60 + 260 * count)}px`;
   drawing = true;
   await draw(plot, traces, form);
@@ -178,6 +192,15 @@ async function redraw() {
   if (!plot.dataset.listens) {
     plot.dataset.listens = "yes";
     plot.on("plotly_relayout", zoomed);
+  }
+}
+
+/** Samples that a channel lost: shaded in its plot, and a tick on the time axis that a single sample shows as well. */
+function lostMarks(channel, [low, high], form) {
+  const mark = (x0, x1, y0, y1, more) => form.shapes.push({ type: "rect", xref: "x", x0, x1, yref: "paper", y0, y1, ...more });
+  for (const [from, to] of channel.lost?.marked ?? []) {
+    mark(from, to, low, high, { fillcolor: colour("lost"), opacity: 0.25, line: { width: 0 }, layer: "below" });
+    mark(from, to, 0, 0.012, { fillcolor: colour("lost"), line: { width: 2, color: colour("lost") }, layer: "above" });
   }
 }
 

@@ -41,6 +41,7 @@ export function panel() {
 
 async function take(files) {
   complain(null);
+  if (!holder.firstChild) holder.replaceChildren(el("p", { role: "status", class: "row" }, el("span", { class: "spinner", "aria-hidden": "true" }), `Reading ${files.length === 1 ? files[0].name : `${files.length} files`} …`));
   try {
     for (const file of files) {
       const response = await fetch(`/api/drop?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
@@ -125,7 +126,7 @@ function card(one, preview, lines, open) {
     ...one.questions.map((question) => ask(`${one.file}: ${question}`, question)),
     el("div", { class: "scroll" }, table(["channel", "column", "unit", "reversed", "why"], rows, ["column", "unit", "reversed", "why"])), plot,
     el("div", { class: "row" }, number("from_s", "use from", "s", "earlier samples are left out"), number("until_s", "until", "s", "later samples are left out"),
-      number("offset_rad", "add to the angle", "rad", "π where 0 is upright"),
+      has("angle") ? number("offset_rad", "add to the angle", "rad", "π where 0 is upright") : "",
       has("current") ? "" : number("held_current_a", "current held at", "A", "0 where the motor was off"),
       has("time") ? "" : number("time_step_s", "from line to line", "s", "there is no time column"),
       choices.from_s !== null || choices.until_s !== null ? el("button", { type: "button", onclick: () => { choices.from_s = null; choices.until_s = null; change(); } }, "Use the whole log") : ""),
@@ -161,7 +162,7 @@ function previewed(plot, preview, choices, change) {
   const out = (x0, x1) => form.shapes.push({ type: "rect", xref: "x", x0, x1, yref: "paper", y0: 0, y1: 1, fillcolor: colour("measured"), opacity: 0.35, line: { width: 0 } });
   if (choices.from_s !== null) out(first, choices.from_s);
   if (choices.until_s !== null) out(choices.until_s, last);
-  plot.style.height = `${90 + 85 * count}px`;
+  plot.style.height = `${60 + 105 * count}px`;
   draw(plot, traces, form, { displayModeBar: false }).then(() => plot.on("plotly_relayout", (moved) => {
     if (!("xaxis.range[0]" in moved) || preview.time !== "time (s)") return;
     const [from, until] = [moved["xaxis.range[0]"], moved["xaxis.range[1]"]].map(Number);
@@ -213,7 +214,7 @@ function bench(found, folderName, open, clear) {
     el("h3", {}, "What the check of the data says"), findings,
     el("details", { "data-part": "text", open: open.has("text") }, el("summary", {}, "bench.toml, as it will be written"),
       el("p", { class: "quiet small" }, "Everything can be corrected here too; it is checked as you type. A click above writes the text anew."), text),
-    el("div", { class: "row" }, el("label", { for: "new-folder" }, "New folder"), folder,
+    el("div", { class: "row" }, el("label", { for: "new-folder" }, "New folder"), folder, el("span", { class: "small quiet" }, `in ${found.here}`),
       el("button", { type: "button", class: "main", id: "make-bench", onclick: () => begin({ task: "create", folder: folder.value.trim(), text: text.value }) }, "Write and open"), clear),
   ];
 }

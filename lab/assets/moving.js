@@ -7,15 +7,16 @@ const [FITTED, MODEL, DIFFERENCE] = [1, 2, 3];
 const TRACES = 4;
 
 let canvas = null;
+// The library's curves that are hidden now.
+let hidden = null;
 
-function over(plot) {
+function over(plot, { width, height }) {
   if (!canvas || canvas.parentElement !== plot) {
     canvas = document.createElement("canvas");
     canvas.className = "moving";
     plot.append(canvas);
   }
   const dots = window.devicePixelRatio || 1;
-  const [width, height] = [plot.clientWidth, plot.clientHeight];
   if (canvas.width !== Math.round(width * dots) || canvas.height !== Math.round(height * dots)) {
     canvas.width = Math.round(width * dots);
     canvas.height = Math.round(height * dots);
@@ -29,21 +30,22 @@ function over(plot) {
 }
 
 /** The library's own model and difference are out of date while the hand moves. */
-function hideOld(plot, hidden) {
-  for (const node of plot.querySelectorAll(".scatterlayer .trace")) {
+function hideOld(plot, channels) {
+  if (hidden) return;
+  hidden = [...plot.querySelectorAll(".scatterlayer .trace")].filter((node) => {
     const index = node.__data__?.[0]?.trace?.index;
-    const place = index === undefined ? -1 : index % TRACES;
-    node.style.visibility = hidden && (place === FITTED || place === MODEL || place === DIFFERENCE) ? "hidden" : "";
-  }
+    return index < TRACES * channels && [FITTED, MODEL, DIFFERENCE].includes(index % TRACES);
+  });
+  for (const node of hidden) node.style.visibility = "hidden";
 }
 
-function line(pen, x, y, curve, tone, width, dash) {
+function line(pen, x, y, curve, strokeStyle, width, dash) {
   pen.save();
   pen.beginPath();
   pen.rect(x._offset, y._offset, x._length, y._length);
   pen.clip();
   pen.beginPath();
-  pen.strokeStyle = colour(tone);
+  pen.strokeStyle = strokeStyle;
   pen.lineWidth = width;
   pen.setLineDash(dash);
   pen.lineJoin = "round";
@@ -63,20 +65,22 @@ function line(pen, x, y, curve, tone, width, dash) {
 export function paint(plot, now, fitted) {
   const axes = plot._fullLayout;
   if (!axes?.xaxis?.l2p || axes.xaxis._offset === undefined) return false;
-  const pen = over(plot);
-  hideOld(plot, true);
+  const pen = over(plot, axes);
+  hideOld(plot, now.channels.length);
+  const [ghost, model, difference] = ["ghost", "model", "push"].map(colour);
   const name = (k) => `yaxis${k === 1 ? "" : k}`;
   now.channels.forEach((channel, index) => {
     const [top, low] = [axes[name(2 * index + 1)], axes[name(2 * index + 2)]];
-    line(pen, axes.xaxis, top, fitted.channels[index].simulated, "ghost", 1.3, [2, 3]);
-    line(pen, axes.xaxis, top, channel.simulated, "model", 1.5, []);
-    line(pen, axes.xaxis, low, channel.residual, "push", 0.9, []);
+    line(pen, axes.xaxis, top, fitted.channels[index].simulated, ghost, 1.3, [2, 3]);
+    line(pen, axes.xaxis, top, channel.simulated, model, 1.5, []);
+    line(pen, axes.xaxis, low, channel.residual, difference, 0.9, []);
   });
   return true;
 }
 
 /** The library has drawn. */
-export function clear(plot) {
-  hideOld(plot, false);
+export function clear() {
+  for (const node of hidden ?? []) node.style.visibility = "";
+  hidden = null;
   canvas?.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
 }

@@ -16,6 +16,12 @@ export const post = async (path, body) => answer(await fetch(path, {
   body: JSON.stringify(body),
 }));
 
+/** A file that the server makes. */
+export async function download(path) {
+  const response = await fetch(path);
+  return response.ok ? response.blob() : answer(response);
+}
+
 export const callOff = () => fetch("/api/work", { method: "DELETE" });
 
 let socket = null;

@@ -45,7 +45,7 @@ export function sketch() {
     shape("g", { transform: "rotate(-18 135 40)" },
       part("body_mass", shape("rect", { x: 124, y: 30, width: 22, height: 218, rx: 9, class: "body" }), shape("text", { x: 108, y: 118, "text-anchor": "end" }, "m_b")),
       part("wheel_mass", shape("circle", { cx: 135, cy: 240, r: 48, class: "wheel" }), ...[0, 60, 120].map((turn) => shape("path", { d: "M87 240 H183", class: "spoke", transform: `rotate(${turn} 135 240)` })), shape("text", { x: 80, y: 285, "text-anchor": "end" }, "m_w")),
-      part("torque_constant", shape("circle", { cx: 135, cy: 240, r: 12, class: "motor" }), shape("path", { d: "M135 205 A35 35 0 0 1 168 229", class: "measure", "marker-end": "url(#sketch-tip)" }), shape("text", { x: 172, y: 214 }, "τ · i")),
+      part("torque_constant", shape("circle", { cx: 135, cy: 240, r: 12, class: "motor" }), shape("path", { d: "M135 205 A35 35 0 0 1 168 229", class: "measure", "marker-end": "url(#sketch-tip)" }), shape("text", { x: 186, y: 208 }, "τ · i")),
       part("pivot_to_com", shape("circle", { cx: 135, cy: 140, r: 5, class: "centre" }), measure(162, 40, 162, 140), shape("path", { d: "M135 140 H166 M135 40 H166", class: "thin" }), shape("text", { x: 168, y: 98 }, "l")),
       part("pivot_to_wheel", measure(206, 40, 206, 240), shape("path", { d: "M168 40 H210 M135 240 H210", class: "thin" }), shape("text", { x: 212, y: 150 }, "k")),
       shape("circle", { cx: 135, cy: 40, r: 6, class: "pivot" })),

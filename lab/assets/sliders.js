@@ -10,11 +10,20 @@ let values = new Map();
 let past = [];
 let fine = false;
 let begin = () => {};
+let askWhy = () => {};
+let bench = null;
+// RMSE over noise above which the page asks what is missing.
+const FAILS = 1.5;
 let rows = new Map();
 
-export function start(work) { begin = work; }
+/** `why` shows the panel that says why the model fails. */
+export function start(work, why) {
+  begin = work;
+  askWhy = () => { why(); begin({ task: "diagnose" }); };
+}
 
 export function setBench(state) {
+  bench = state;
   sliders = state.sliders;
   values = new Map(sliders.map((one) => [one.name, one.value]));
   past = [];
@@ -27,6 +36,7 @@ const moved = () => sliders.filter((one) => values.get(one.name) !== one.value)
 function build() {
   rows = new Map();
   panel.replaceChildren(
+    hint(),
     el("div", { class: "row" },
       el("button", { type: "button", id: "slider-back", title: "one move back", onclick: back }, "Back"),
       el("button", { type: "button", id: "slider-reset", onclick: reset }, "Reset"),
@@ -40,6 +50,15 @@ function build() {
     ...sliders.map(row),
   );
   update();
+}
+
+/** What a newcomer does next where the model fails and nobody has asked why. */
+function hint() {
+  const worst = bench.errors.reduce((most, row) => (row.over_noise > most.over_noise ? row : most), bench.errors[0]);
+  if (bench.has_diagnosis || !(worst?.over_noise > FAILS)) return "";
+  return el("div", { class: "hint row", id: "hint" },
+    el("span", { class: "grow small" }, `The model misses the ${worst.spoken} of ${worst.experiment} by ${worst.over_noise_text} times the noise of the sensor.`),
+    el("button", { type: "button", class: "main", id: "ask-why", onclick: askWhy }, "What is missing?"));
 }
 
 function row(one) {

@@ -10,6 +10,8 @@ let bench = null;
 let found = null;
 let library = [];
 let redrawPlots = [];
+// How many series of the staircase are named in it.
+const NAMED_STAIRS = 3;
 
 export async function start(work) {
   begin = work;
@@ -89,18 +91,22 @@ function model() {
 
 function staircase() {
   const { labels, rows } = bench.staircase;
-  const holder = el("div", { class: "plot", id: "staircase", role: "img", "aria-label": "RMSE over the sensor's noise after each change; the numbers are in the table below" });
+  const holder = el("div", { class: "plot stairs", id: "staircase", role: "img", "aria-label": "RMSE over the sensor's noise after each change; the numbers are in the table below" });
+  // The worst have a colour and their name; the others are there, and do not compete with them.
+  const height = (row) => Math.max(...row.cells.map((cell) => cell.over_noise ?? 0));
+  const worst = [...rows].sort((a, b) => height(b) - height(a)).slice(0, NAMED_STAIRS);
+  const tone = (row) => colour(["model", "ghost", "push"][worst.indexOf(row)] ?? "measured");
   redrawPlots.push(() => draw(holder,
     [...rows.map((row) => ({
-      x: labels.map((_, index) => index), y: row.cells.map((cell) => cell.over_noise), name: row.series,
-      mode: "lines+markers", line: { shape: "hv", width: 1.5 }, hovertemplate: "%{y:.3g} × noise<extra>%{fullData.name}</extra>",
+      x: labels.map((_, index) => index), y: row.cells.map((cell) => cell.over_noise), name: row.series, showlegend: worst.includes(row),
+      mode: "lines+markers", line: { shape: "hv", width: worst.includes(row) ? 2 : 1, color: tone(row) }, hovertemplate: "%{y:.3g} × noise<extra>%{fullData.name}</extra>",
     }))],
     layout({
-      showlegend: false, margin: { l: 56, r: 12, t: 8, b: 60 },
+      margin: { l: 56, r: 12, t: 70, b: 60 }, legend: { orientation: "v", x: 0, y: 1.02, yanchor: "bottom", font: { size: 11 } },
       xaxis: axis("", { tickvals: labels.map((_, index) => index), ticktext: labels.map((label) => (label.length > 22 ? `${label.slice(0, 21)}…` : label)), range: [-0.2, labels.length - 0.4] }),
       yaxis: axis("RMSE / noise", { type: "log", dtick: 1, exponentformat: "none" }),
       shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: 1, y1: 1, line: { color: colour("good"), dash: "dash", width: 1 } }],
-    })));
+    }), { displayModeBar: false }));
   const lines = rows.map((row) => el("tr", {}, el("td", {}, row.series),
     row.cells.map((cell) => el("td", { class: cell.over_noise > 1.5 ? "bad" : "good" }, cell.text)), el("td", {}, row.noise_text)));
   return el("div", {}, el("h2", {}, "The error, change by change"), holder,
@@ -123,7 +129,7 @@ function pictures(residual, decay, names) {
   const [was, after] = names;
   const residuals = residual.map((one) => figure(`${one.experiment}: ${one.residual} over ${one.coordinate}`,
     () => [points(one.before, was, "model", "circle"), ...(one.after ? [points(one.after, after, "ghost", "diamond-open")] : [])],
-    `${one.coordinate} (${one.coordinate_unit})`, `${one.residual} (${one.unit})`));
+    `${one.coordinate} (${one.coordinate_unit})`, `${one.is_torque ? "torque" : "difference"} (${one.unit})`));
   const over = (measured, model, other) => () => [points(measured, "measured", "measured", "circle"),
     ...(other ? [points(other, was, "model", "x")] : []), ...(model ? [points(model, after, "ghost", "diamond-open")] : [])];
   const decays = decay.flatMap((one) => [

@@ -82,6 +82,12 @@ pub(crate) fn numbers(
             degrees(report.recovery_angle_rad),
         ),
     ];
+    if !report.upright.is_empty() {
+        lines.push((
+            "Curves and own effects in the linear model",
+            report.upright.join("; "),
+        ));
+    }
     if let Some(angle_rad) = found.recoverable_angle_rad {
         lines.push((
             "Recovers from rest up to (this law, nonlinear)",

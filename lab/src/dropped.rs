@@ -12,6 +12,8 @@ use tempfile::TempDir;
 
 use crate::preview;
 
+/// The name that a bench has until its folder is named.
+const UNNAMED: &str = "my-bench";
 /// Most files at a time.
 const MOST_FILES: usize = 50;
 /// Number of lines of a file that are shown.
@@ -22,7 +24,7 @@ const SHOWN_CHARACTERS: usize = 300;
 /// The files, in a folder that only this user can enter; it is deleted with the lab.
 #[derive(Default)]
 pub struct Dropped {
-    folder: Option<TempDir>,
+    room: Option<TempDir>,
     names: Vec<String>,
 }
 
@@ -60,11 +62,13 @@ impl Dropped {
             return Err(format!("more than {MOST_FILES} files at a time"));
         }
         let failed = |error: io::Error| format!("{name}: cannot be stored: {error}");
-        let folder = match &self.folder {
-            Some(folder) => folder.path().to_path_buf(),
+        let folder = match self.folder() {
+            Some(folder) => folder,
             None => {
                 let made = TempDir::with_prefix("flywheel-lab-").map_err(failed)?;
-                self.folder.insert(made).path().to_path_buf()
+                let folder = self.room.insert(made).path().join(UNNAMED);
+                fs::create_dir(&folder).map_err(failed)?;
+                folder
             }
         };
         fs::write(folder.join(name), text).map_err(failed)?;
@@ -79,15 +83,20 @@ impl Dropped {
         *self = Dropped::default();
     }
 
+    /// The folder of the files. A bench is called after its folder, so it has the name of one.
+    fn folder(&self) -> Option<PathBuf> {
+        let room = self.room.as_ref();
+        room.map(|room| room.path().join(UNNAMED))
+    }
+
     fn paths(&self) -> Vec<PathBuf> {
-        let folder = self.folder.as_ref().map(TempDir::path);
-        let folder = folder.unwrap_or(Path::new(""));
+        let folder = self.folder().unwrap_or_default();
         self.names.iter().map(|name| folder.join(name)).collect()
     }
 
     /// The files with their first lines, and the bench.toml that is proposed for them with what was corrected.
     pub fn facts(&self, corrections: &Corrections) -> Value {
-        let Some(folder) = &self.folder else {
+        let Some(folder) = self.folder() else {
             return json!({"files": []});
         };
         let files = self
@@ -104,14 +113,16 @@ impl Dropped {
                 json!({"name": name, "bytes": text.len(), "lines": lines.collect::<Vec<_>>()})
             });
         let files: Vec<Value> = files.collect();
-        match data_check::propose_with(folder.path(), &self.paths(), corrections) {
+        match data_check::propose_with(&folder, &self.paths(), corrections) {
             Ok((proposal, refused)) => {
                 let previews = proposal.experiments.iter();
                 let previews: Vec<Value> = previews
-                    .map(|one| preview::of(&folder.path().join(&one.file), &one.choices))
+                    .map(|one| preview::of(&folder.join(&one.file), &one.choices))
                     .collect();
                 json!({
                     "files": files,
+                    // A new folder is named from here on.
+                    "here": std::env::current_dir().unwrap_or_default().display().to_string(),
                     "refused": refused,
                     "previews": previews,
                     "open_ends": self.open_ends(&proposal.text),
@@ -120,7 +131,7 @@ impl Dropped {
             }
             // The folder is of no interest to who reads the message.
             Err(error) => {
-                let place = format!("{}/", folder.path().display());
+                let place = format!("{}/", folder.display());
                 json!({"files": files, "failure": error.to_string().replace(&place, "")})
             }
         }
@@ -150,7 +161,8 @@ impl Dropped {
         files
     }
 
-    /// Creates a bench folder from the files. The folder must not be a bench, and no file is overwritten.
+    /// Creates a bench folder from the files. The folder must not be a bench, and no file is overwritten. A bench whose
+    /// name the user has left as it was proposed is called after its folder.
     ///
     /// # Errors
     /// A sentence: the fault of the text or of the folder.
@@ -174,6 +186,21 @@ impl Dropped {
             fs::copy(from, &to).map_err(|error| failed(&to, &error))?;
         }
         let to = folder.join("bench.toml");
+        let text = called_after(folder, text);
         bench_files::write_atomically(&to, text.as_bytes()).map_err(|error| failed(&to, &error))
+    }
+}
+
+/// The text of bench.toml with the name of its folder, where it still has the proposed one.
+fn called_after(folder: &Path, text: &str) -> String {
+    let is_plain = |c: char| !c.is_control() && c != '"' && c != '\\';
+    let name = folder.file_name().map(|name| name.to_string_lossy());
+    match name {
+        Some(name) if name.chars().all(is_plain) => text.replacen(
+            &format!("name = \"{UNNAMED}\""),
+            &format!("name = \"{name}\""),
+            1,
+        ),
+        _ => text.to_owned(),
     }
 }

@@ -3,10 +3,10 @@
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
 use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
-use workbench::{ComparisonReport, Coordinate, FailurePlace, PerSeries, ResidualKind, words};
+use workbench::{ComparisonReport, Coordinate, FailurePlace, PerSeries, words};
 
 use crate::desk::{Desk, OpenBench};
-use crate::picture::stretches;
+use crate::picture::{lost, stretches};
 use crate::why_facts;
 use crate::work::CONTROLLER;
 
@@ -16,8 +16,8 @@ const FINE_ERRORS: f64 = 10.0;
 const MOST_STRETCHES: usize = 100;
 /// Largest share of an experiment's time that is shaded; a place that covers more is not shown.
 const MOST_SHADED: f64 = 0.5;
-/// Largest number of pictures of residuals in a diagnosis.
-const MOST_REASONS: usize = 3;
+/// Largest number of runs of lost samples of a channel that are marked.
+const MOST_LOST: usize = 100;
 
 /// The state without curves and diagnosis.
 pub fn state(desk: &Desk) -> Value {
@@ -76,7 +76,7 @@ fn experiments(found: &ComparisonReport) -> Vec<Value> {
                     "spoken": words::spoken(channel.channel.name()),
                     "unit": channel.channel.unit(),
                     "noise_std": channel.noise_std,
-                    "missing": channel.measured.iter().filter(|value| value.is_nan()).count(),
+                    "lost": lost_samples(&curves.time_s, &channel.measured),
                 })
             });
             let pushes = found.pushes.iter();
@@ -100,6 +100,22 @@ fn experiments(found: &ComparisonReport) -> Vec<Value> {
             })
         })
         .collect()
+}
+
+/// The longest runs of lost samples of a channel, with their number altogether; `null` where none is lost.
+fn lost_samples(time_s: &[f64], measured: &[f64]) -> Value {
+    let mut runs = lost(time_s, measured);
+    let samples: usize = runs.iter().map(|run| run.count).sum();
+    if samples == 0 {
+        return Value::Null;
+    }
+    runs.sort_by_key(|run| std::cmp::Reverse(run.count));
+    let marked = runs.iter().take(MOST_LOST);
+    json!({
+        "samples": samples,
+        "runs": runs.len(),
+        "marked": marked.map(|run| [run.from_s, run.to_s]).collect::<Vec<_>>(),
+    })
 }
 
 /// The stretches of the time axis where the model fails: the most significant place that can be shaded.
@@ -288,94 +304,24 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
         "ambiguous_between": report.ambiguous_between,
         "next_experiment": report.next_experiment,
         "places": report.places.iter().filter(|one| one.significant).map(place).collect::<Vec<_>>(),
-        "reasons": reasons(&found.first, &report.last),
+        "reasons": why_facts::reasons(&found.first, &report.last),
         "decay": report.decay.iter().filter_map(|swing| why_facts::decay(swing, None)).collect::<Vec<_>>(),
         "fingerprints": bench.fingerprints.iter().map(|one| why_facts::fingerprint(one)).collect::<Vec<_>>(),
         "recipe": report.recipe.as_ref().map(|recipe| why_facts::recipe(recipe, &report.ambiguous_between)),
     })
 }
 
-/// The three series with the largest removed share of their error.
+/// The three series with the largest removed share of their error; what is below a percent is nothing.
 fn takes_away(shares: &PerSeries) -> Vec<Value> {
     let mut all: Vec<_> = shares
         .iter()
-        .filter(|(_, share)| share.is_finite())
+        .filter(|(_, share)| share.is_finite() && *share >= 0.01)
         .collect();
     all.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     all.iter()
         .take(3)
         .map(|(series, share)| {
             json!({"series": series.to_string(), "text": format!("{} %", significant(100.0 * share, 2))})
-        })
-        .collect()
-}
-
-/// The residuals in which the first model fails most plainly, with the last model beside them.
-pub(crate) fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
-    let mut seen = Vec::new();
-    let significant = || first.places.iter().filter(|place| place.significant);
-    // A torque shows the cause directly; an output shows its accumulated effect since the start of the log.
-    let has_torque = significant().any(|place| place.residual == ResidualKind::ResidualTorque);
-    for place in significant() {
-        if has_torque && place.residual != ResidualKind::ResidualTorque {
-            continue;
-        }
-        let key = (
-            place.experiment.as_str(),
-            place.channel.as_str(),
-            place.residual,
-            place.coordinate,
-        );
-        if !seen.contains(&key) {
-            seen.push(key);
-        }
-    }
-    let with_key = |of: &ComparisonReport, key: &(&str, &str, ResidualKind, Coordinate)| {
-        let mut all = of.breakdowns.iter();
-        let own = all.find(|one| {
-            (
-                one.experiment.as_str(),
-                one.channel,
-                one.quantity,
-                one.coordinate,
-            ) == *key
-        })?;
-        let bins = own.bins.iter().map(|bin| {
-            // A force along the motion cancels in the mean over both directions.
-            let (value, std) = if bin.along_motion.is_finite() {
-                (bin.along_motion, bin.along_motion_std)
-            } else {
-                (bin.mean, bin.mean_std)
-            };
-            json!([0.5 * (bin.from + bin.to), value, std])
-        });
-        Some(json!(bins.collect::<Vec<_>>()))
-    };
-    seen.iter()
-        .take(MOST_REASONS)
-        .filter_map(|key| {
-            let &(experiment, channel, residual, coordinate) = key;
-            let unit = match residual {
-                ResidualKind::ResidualTorque if first.per_unit_of_inertia => "N m per kg m2",
-                ResidualKind::ResidualTorque => "N m",
-                ResidualKind::Output => first
-                    .curves
-                    .iter()
-                    .flat_map(|curves| &curves.channels)
-                    .find(|own| own.channel.name() == channel)?
-                    .channel
-                    .unit(),
-            };
-            Some(json!({
-                "experiment": experiment,
-                "channel": channel,
-                "residual": words::residual(residual),
-                "unit": unit,
-                "coordinate": words::spoken(coordinate.name()),
-                "coordinate_unit": coordinate.unit(),
-                "before": with_key(first, key)?,
-                "after": with_key(last, key),
-            }))
         })
         .collect()
 }

@@ -95,9 +95,54 @@ pub fn stretches(time_s: &[f64], value: &[f64], range: (f64, f64), most: usize) 
     found
 }
 
+/// A run of lost samples: the times in s of the samples on either side, and how many are lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lost {
+    /// The last sample before; the first lost one where there is none before.
+    pub from_s: f64,
+    /// The first sample after; the last lost one where there is none after.
+    pub to_s: f64,
+    /// Number of lost samples.
+    pub count: usize,
+}
+
+/// The runs of lost samples (NaN) of a channel.
+pub fn lost(time_s: &[f64], value: &[f64]) -> Vec<Lost> {
+    let count = time_s.len().min(value.len());
+    let mut found = Vec::new();
+    let mut index = 0;
+    while index < count {
+        let end = (index..count)
+            .find(|k| !value[*k].is_nan())
+            .unwrap_or(count);
+        if end > index {
+            found.push(Lost {
+                from_s: time_s[index.saturating_sub(1)],
+                to_s: time_s[end.min(count - 1)],
+                count: end - index,
+            });
+        }
+        index = end + 1;
+    }
+    found
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lost_samples_lie_between_those_that_were_kept() {
+        let nan = f64::NAN;
+        let time = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let found = lost(&time, &[nan, 1.0, nan, nan, 2.0, 3.0, nan]);
+        let runs: Vec<_> = found
+            .iter()
+            .map(|run| (run.from_s, run.to_s, run.count))
+            .collect();
+        assert_eq!(runs, [(0.0, 1.0, 1), (1.0, 4.0, 2), (5.0, 6.0, 1)]);
+        assert_eq!(lost(&time, &[1.0; 7]), []);
+    }
 
     fn samples(count: usize, value: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<f64>) {
         let times = (0..count).map(|k| k as f64 * 1e-3).collect();

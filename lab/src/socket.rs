@@ -35,9 +35,12 @@ struct Question {
     pixels: usize,
     /// Parameters with other values than in the model.
     changes: Vec<(String, f64)>,
+    /// Only what the model says of this experiment: for a curve that follows a hand.
+    #[serde(default)]
+    alone: bool,
 }
 
-/// Curves of all experiments, with the model and changes that they belong to.
+/// Curves of all experiments, with the model and the changes to which they belong.
 struct Simulated {
     bench: Arc<OpenBench>,
     changes: Vec<(String, f64)>,
@@ -93,26 +96,46 @@ async fn answer_to(
     let computing = tokio::task::spawn_blocking(move || {
         let simulated = match known {
             Some(known) => known,
+            None if question.alone => {
+                let curves = simulate_one(&bench, &question)?;
+                return Ok((None, answer(&curves, &[], &question)?));
+            }
             None => Arc::new(simulate(bench, &question)?),
         };
-        let answer = answer(&simulated, &question)?;
-        Ok::<_, String>((simulated, answer))
+        let curves = simulated.curves.get(question.experiment);
+        let curves = curves.ok_or(NO_EXPERIMENT)?;
+        let answer = answer(curves, &simulated.curves, &question)?;
+        Ok::<_, String>((Some(simulated), answer))
     });
     let (simulated, answer) = computing
         .await
         .map_err(|_| "internal error: this is a bug in flywheel, please report it")??;
-    *last = Some(simulated);
+    *last = simulated.or(last.take());
     Ok(answer)
 }
 
-fn simulate(bench: Arc<OpenBench>, question: &Question) -> Result<Simulated, String> {
+/// The message to a page whose list of experiments is an old one.
+const NO_EXPERIMENT: &str = "there is no such experiment";
+
+fn changes_of(question: &Question) -> Vec<(&str, f64)> {
     let changes = question.changes.iter();
-    let changes: Vec<(&str, f64)> = changes
+    changes
         .map(|(name, value)| (name.as_str(), *value))
-        .collect();
+        .collect()
+}
+
+fn simulate_one(bench: &OpenBench, question: &Question) -> Result<ExperimentCurves, String> {
     let curves = bench
         .predictor
-        .curves(&changes)
+        .curves_of(question.experiment, &changes_of(question))
+        .map_err(|error| error.to_string())?;
+    curves.ok_or_else(|| NO_EXPERIMENT.to_owned())
+}
+
+fn simulate(bench: Arc<OpenBench>, question: &Question) -> Result<Simulated, String> {
+    let curves = bench
+        .predictor
+        .curves(&changes_of(question))
         .map_err(|error| error.to_string())?;
     Ok(Simulated {
         bench,
@@ -122,10 +145,18 @@ fn simulate(bench: Arc<OpenBench>, question: &Question) -> Result<Simulated, Str
 }
 
 /// The format of an answer: the length of the header in bytes (u32, little-endian), the header as JSON, zeros up to
-/// a multiple of eight, then numbers as f64, little-endian. The header describes the numbers.
-fn answer(simulated: &Simulated, question: &Question) -> Result<Vec<u8>, String> {
-    let curves = simulated.curves.get(question.experiment);
-    let curves = curves.ok_or("there is no such experiment")?;
+/// a multiple of eight, then numbers as f64, little-endian. The header describes the numbers, and has the errors of
+/// `all` experiments, or of this one where there are no others. For a curve that follows a hand the measurements are left
+/// out: the page has them.
+fn answer(
+    curves: &ExperimentCurves,
+    all: &[ExperimentCurves],
+    question: &Question,
+) -> Result<Vec<u8>, String> {
+    let all = match all {
+        [] => std::slice::from_ref(curves),
+        all => all,
+    };
     let time_s = &curves.time_s;
     let (Some(&first), Some(&last)) = (time_s.first(), time_s.last()) else {
         return Err("the experiment has no samples".to_owned());
@@ -157,15 +188,19 @@ fn answer(simulated: &Simulated, question: &Question) -> Result<Vec<u8>, String>
                 .collect();
             let pairs = channel.measured.iter().zip(&model);
             let residual: Vec<f64> = pairs.map(|(measured, model)| measured - model).collect();
+            let measured = match question.alone {
+                true => Curve::default(),
+                false => thinned(time_s, &channel.measured, &view),
+            };
             json!({
                 "channel": channel.channel.name(),
-                "measured": put(thinned(time_s, &channel.measured, &view)),
+                "measured": put(measured),
                 "simulated": put(thinned(time_s, &model, &view)),
                 "residual": put(thinned(time_s, &residual, &view)),
             })
         })
         .collect();
-    let errors = simulated.curves.iter().flat_map(|curves| {
+    let errors = all.iter().flat_map(|curves| {
         let name = &curves.experiment;
         let channels = curves.channels.iter();
         channels.map(move |channel| error_row(name, channel))

@@ -3,9 +3,13 @@
 
 use serde_json::{Value, json};
 use workbench::numbers::{significant, with_prefix};
-use workbench::{EffectFingerprint, Recipe, SwingDecay, words};
+use workbench::{
+    ComparisonReport, Coordinate, EffectFingerprint, Output, Recipe, ResidualKind, SwingDecay,
+    TorquePart, words,
+};
 
-use crate::facts::reasons;
+/// Largest number of pictures of residuals in a diagnosis.
+const MOST_REASONS: usize = 3;
 
 /// How a swing dies out over its amplitude: measured, by a model, and by another one.
 pub fn decay(swing: &SwingDecay, other: Option<&SwingDecay>) -> Option<Value> {
@@ -28,19 +32,109 @@ pub fn decay(swing: &SwingDecay, other: Option<&SwingDecay>) -> Option<Value> {
     }))
 }
 
-/// An effect's fingerprint: residuals without (before) and with it (after); decays by the model with it, and by the
-/// other without.
+/// An effect's fingerprint: the torque that the model lacks without it (before) and with it (after), over every
+/// coordinate over which it shows; decays by the model with it, and by the other without.
 pub fn fingerprint(found: &EffectFingerprint) -> Value {
     let decays = found.decay_with.iter().filter_map(|swing| {
         let mut all = found.decay_without.iter();
         let other = all.find(|other| other.experiment == swing.experiment)?;
         shows(swing, other).then(|| decay(swing, Some(other)))?
     });
+    let torques = found.torques().into_iter().map(|torque| {
+        json!({
+            "experiment": torque.experiment,
+            "channel": torque.channel,
+            "residual": part_in_words(ResidualKind::ResidualTorque, torque.part),
+            "is_torque": true,
+            "unit": torque_unit(&found.without),
+            "coordinate": words::spoken(torque.coordinate.name()),
+            "coordinate_unit": torque.coordinate.unit(),
+            "before": torque.without,
+            "after": torque.with,
+        })
+    });
+    let torques: Vec<Value> = torques.collect();
     json!({
         "effect": found.effect,
-        "reasons": reasons(&found.without, &found.with),
+        // What shows in no torque may show in the output of a sensor.
+        "reasons": if torques.is_empty() { reasons(&found.without, &found.with) } else { torques },
         "decay": decays.collect::<Vec<_>>(),
     })
+}
+
+/// The residuals in which the first model fails most plainly, with the last model beside them.
+pub fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> {
+    let mut seen = Vec::new();
+    let significant = || first.places.iter().filter(|place| place.significant);
+    // A torque shows the cause directly; an output shows its accumulated effect since the start of the log.
+    let has_torque = significant().any(|place| place.residual == ResidualKind::ResidualTorque);
+    for place in significant() {
+        if has_torque && place.residual != ResidualKind::ResidualTorque {
+            continue;
+        }
+        let key = (
+            place.experiment.as_str(),
+            place.channel.as_str(),
+            place.residual,
+            place.coordinate,
+        );
+        if !seen.contains(&key) {
+            seen.push(key);
+        }
+    }
+    let with_key = |of: &ComparisonReport, key: &(&str, &str, ResidualKind, Coordinate)| {
+        let mut all = of.breakdowns.iter();
+        let own = all.find(|one| {
+            (
+                one.experiment.as_str(),
+                one.channel,
+                one.quantity,
+                one.coordinate,
+            ) == *key
+        });
+        own.cloned()
+    };
+    seen.iter()
+        .take(MOST_REASONS)
+        .filter_map(|key| {
+            let &(experiment, channel, residual, coordinate) = key;
+            let unit = match residual {
+                ResidualKind::ResidualTorque => torque_unit(first),
+                ResidualKind::Output => {
+                    let mut outputs = Output::ALL.into_iter();
+                    outputs.find(|output| output.name() == channel)?.unit()
+                }
+            };
+            let before = with_key(first, key)?;
+            let part = TorquePart::plainest(&before);
+            Some(json!({
+                "experiment": experiment,
+                "channel": channel,
+                "residual": part_in_words(residual, part),
+                "is_torque": residual == ResidualKind::ResidualTorque,
+                "unit": unit,
+                "coordinate": words::spoken(coordinate.name()),
+                "coordinate_unit": coordinate.unit(),
+                "before": part.points(&before),
+                "after": with_key(last, key).map(|after| part.points(&after)),
+            }))
+        })
+        .collect()
+}
+
+fn torque_unit(of: &ComparisonReport) -> &'static str {
+    if of.per_unit_of_inertia {
+        "N m per kg m2"
+    } else {
+        "N m"
+    }
+}
+
+fn part_in_words(residual: ResidualKind, part: TorquePart) -> String {
+    match part {
+        TorquePart::Mean => words::residual(residual).to_owned(),
+        TorquePart::AlongMotion => format!("{} along the motion", words::residual(residual)),
+    }
 }
 
 /// Standard errors of a measured point by which two models differ where the swing tells them apart for the eye.

@@ -21,6 +21,9 @@ pub struct Instant<S> {
     pub wheel_angle_rad: S,
     /// Wheel speed φ̇ relative to the body, in rad/s.
     pub wheel_speed_rad_s: S,
+    /// Current in A that makes the motor's torque, behind delay, lag and all stages of the motor; 0 for these stages
+    /// themselves, and where the wheel is locked.
+    pub current_a: S,
     /// Memory of the effect that is evaluated (its friction torque in N m); 0 for all others.
     pub memory: S,
 }

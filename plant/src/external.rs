@@ -239,6 +239,7 @@ fn plain<S: Scalar>(at: &Instant<S>) -> Instant<f64> {
         rate_rad_s: at.rate_rad_s.value(),
         wheel_angle_rad: at.wheel_angle_rad.value(),
         wheel_speed_rad_s: at.wheel_speed_rad_s.value(),
+        current_a: at.current_a.value(),
         memory: at.memory.value(),
     }
 }
@@ -248,6 +249,7 @@ const NO_INSTANT: Instant<f64> = Instant {
     rate_rad_s: 0.0,
     wheel_angle_rad: 0.0,
     wheel_speed_rad_s: 0.0,
+    current_a: 0.0,
     memory: 0.0,
 };
 
@@ -307,6 +309,7 @@ fn of_instant<S: Scalar>(at: &Instant<S>, partials: &Partials, add: &mut Pair<S>
     add(at.rate_rad_s, partials.at.rate_rad_s);
     add(at.wheel_angle_rad, partials.at.wheel_angle_rad);
     add(at.wheel_speed_rad_s, partials.at.wheel_speed_rad_s);
+    add(at.current_a, partials.at.current_a);
 }
 
 // Not inlined, so that built-in effects have no cost from them.
@@ -420,13 +423,17 @@ fn parameters(p: &[f64], before: usize, variable: &Variable) -> Vec<Numbers> {
         .collect()
 }
 
-/// The instant as the first four variables.
+/// Number of the variables of an instant.
+const OF_INSTANT: usize = 5;
+
+/// The instant as the first variables.
 fn instant(at: &Instant<f64>, variable: &Variable) -> Instant<Numbers> {
     Instant {
         angle_rad: variable(at.angle_rad, 0),
         rate_rad_s: variable(at.rate_rad_s, 1),
         wheel_angle_rad: variable(at.wheel_angle_rad, 2),
         wheel_speed_rad_s: variable(at.wheel_speed_rad_s, 3),
+        current_a: variable(at.current_a, 4),
         memory: Numbers::constant(at.memory),
     }
 }
@@ -438,13 +445,14 @@ fn slope_of_instant(at: &mut Instant<f64>, index: usize) -> Option<&mut f64> {
         1 => Some(&mut at.rate_rad_s),
         2 => Some(&mut at.wheel_angle_rad),
         3 => Some(&mut at.wheel_speed_rad_s),
+        4 => Some(&mut at.current_a),
         _ => None,
     }
 }
 
 impl<E: Effect + Send + Sync> ExternalEffect for Adapted<E> {
     fn torque(&self, p: &[f64], at: &Instant<f64>, v0: &Smoothing, partials: &mut Partials) -> f64 {
-        const BEFORE: usize = 4;
+        const BEFORE: usize = OF_INSTANT;
         differentiated(
             BEFORE + p.len(),
             &mut |variable| E::torque(&parameters(p, BEFORE, variable), &instant(at, variable), v0),
@@ -463,9 +471,9 @@ impl<E: Effect + Send + Sync> ExternalEffect for Adapted<E> {
         torque_constant: f64,
         partials: &mut Partials,
     ) -> f64 {
-        const CURRENT: usize = 4;
-        const TORQUE_CONSTANT: usize = 5;
-        const BEFORE: usize = 6;
+        const CURRENT: usize = OF_INSTANT;
+        const TORQUE_CONSTANT: usize = CURRENT + 1;
+        const BEFORE: usize = TORQUE_CONSTANT + 1;
         differentiated(
             BEFORE + p.len(),
             &mut |variable| {

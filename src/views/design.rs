@@ -56,8 +56,13 @@ fn linear_model(report: &DesignReport) -> String {
     for ((state, gain), unit) in states.iter().zip(gains).zip(units) {
         law.row([(*state).to_owned(), gain, unit.to_owned()]);
     }
+    let notes: String = report
+        .upright
+        .iter()
+        .map(|note| format!("  {note}\n"))
+        .collect();
     format!(
-        "\nLinear model about upright (SI units)\n{}\nGains K of u = −K x\n{}",
+        "\nLinear model about upright (SI units)\n{}{notes}\nGains K of u = −K x\n{}",
         table.text(),
         law.text()
     )

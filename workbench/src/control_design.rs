@@ -196,14 +196,12 @@ impl ControlDesign {
             let name = effect.name();
             if effect.info().linearised == Linearised::LeftOut {
                 format!(
-                    "{name}: the linear model does without it, for the angle of the wheel is no state of it"
+                    "{name}: left out, because the linear model does not have the wheel's angle"
                 )
             } else if upright.has(effect) && plant::has_seen(effect, PI) {
-                format!("{name}: the linear model takes its slope upright")
+                format!("{name}: its slope upright, where the logs have been")
             } else {
-                format!(
-                    "{name}: no log shows it upright, and the linear model takes no slope of it"
-                )
+                format!("{name}: slope zero, because no log shows it upright")
             }
         };
         others.map(note).collect()

@@ -142,7 +142,7 @@ pub use drawings::{NamedLoop, loop_drawings};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;
-pub use fingerprint::EffectFingerprint;
+pub use fingerprint::{EffectFingerprint, TorqueFingerprint, TorquePart};
 pub use identification::BenchCheck;
 pub use identify::{Cancelled, Coordinate, Output, Progress, ResidualKind};
 pub use late_loop::{LateLoop, LatePart, LatePoint, SampleTimeRow};

@@ -14,6 +14,7 @@ use identify::{
     Record, Window,
 };
 use plant::{EffectId, Instant, Model, Smoothing};
+use rayon::prelude::*;
 
 use crate::comparison::{
     ComparisonReport, ExperimentCurves, correlation_of, parameters_of, with_model,
@@ -424,7 +425,7 @@ impl Started {
         let traces = |(record, windows): (&Record, &Vec<Window>)| {
             identify::traces(record, windows, &self.model, values)
         };
-        let records = self.problem.records.iter();
+        let records = self.problem.records.par_iter();
         records.zip(&self.minimum.windows).map(traces).collect()
     }
 }
@@ -465,6 +466,26 @@ impl Predictor {
             .zip(&traces)
             .map(|(record, traces)| ExperimentCurves::new(record, traces))
             .collect())
+    }
+
+    /// As [`Predictor::curves`], of the experiment at this place in the list alone; `None` where there is no such
+    /// experiment. It is for a curve that follows a hand.
+    ///
+    /// # Errors
+    /// [`Error::UnknownParameter`].
+    pub fn curves_of(
+        &self,
+        experiment: usize,
+        changes: &[(&str, f64)],
+    ) -> Result<Option<ExperimentCurves>, Error> {
+        let started = &self.0;
+        let values = with_changes(&started.model, &started.minimum.values, changes)?;
+        let record = started.problem.records.get(experiment);
+        let windows = started.minimum.windows.get(experiment);
+        Ok(record.zip(windows).map(|(record, windows)| {
+            let traces = identify::traces(record, windows, &started.model, &values);
+            ExperimentCurves::new(record, &traces)
+        }))
     }
 }
 
@@ -516,6 +537,7 @@ fn depends_on_angle(effect: EffectId, p: &[f64]) -> bool {
                 rate_rad_s: 5.0 * spread(1.0),
                 wheel_angle_rad: 3.0 * spread(2.0),
                 wheel_speed_rad_s: 100.0 * spread(3.0),
+                current_a: 2.0 * spread(6.0),
                 memory: 0.0,
             };
             effect.torque(p, &instant, &Smoothing::SIMULATION)

@@ -28,7 +28,9 @@ pub const OWN_PREFIX: &str = "own:";
 /// The folder beside bench.toml.
 const FOLDER: &str = "effects";
 /// The quantities of the motion that a torque may depend on, in the order of a formula's variables.
-const MOTION: [&str; 4] = ["angle", "rate", "wheel_speed", "wheel_angle"];
+const MOTION: [&str; 5] = ["angle", "rate", "wheel_speed", "wheel_angle", "current"];
+/// The place of the wheel's angle among them.
+const WHEEL_ANGLE: usize = 3;
 /// Largest number of sets of start values: several starts for several parameters multiply.
 const MOST_STARTS: usize = 64;
 /// Number of parameters and variables up to which an evaluation needs no heap allocation.
@@ -448,7 +450,7 @@ fn define(
             shows_in,
             has_kink: formula.has_kink(),
             linearised: Linearised::Exactly,
-            uses_wheel_angle: formula.uses(3),
+            uses_wheel_angle: formula.uses(WHEEL_ANGLE),
             ..EffectInfo::PLAIN
         },
         equations: Box::new(OwnTorque {
@@ -470,7 +472,7 @@ fn vanishes_without(formula: &Formula, parameters: &[ParameterText], index: usiz
             .enumerate()
             .map(|(k, one)| match k == index {
                 true => 0.0,
-                false => one.starts[0] * (1.0 + 0.1 * spread(k + 4)),
+                false => one.starts[0] * (1.0 + 0.1 * spread(k + MOTION.len())),
             });
         let variables: Vec<f64> = motion.chain(own).collect();
         let mut slopes = vec![0.0; variables.len()];
@@ -503,6 +505,7 @@ impl ExternalEffect for OwnTorque {
             at.rate_rad_s,
             at.wheel_speed_rad_s,
             at.wheel_angle_rad,
+            at.current_a,
         ]);
         for (value, &index) in p.iter().zip(&self.order) {
             variables[MOTION.len() + index] = *value;
@@ -516,6 +519,7 @@ impl ExternalEffect for OwnTorque {
         partials.at.rate_rad_s = -slopes[1];
         partials.at.wheel_speed_rad_s = -slopes[2];
         partials.at.wheel_angle_rad = -slopes[3];
+        partials.at.current_a = -slopes[4];
         for (partial, &index) in partials.p.iter_mut().zip(&self.order) {
             *partial = -slopes[MOTION.len() + index];
         }

@@ -33,6 +33,7 @@ fn torque(file: &ModelFile, angle_rad: f64) -> f64 {
         rate_rad_s: 1.0,
         wheel_angle_rad: 2.0,
         wheel_speed_rad_s: 3.0,
+        current_a: 0.0,
         memory: 0.0,
     };
     // Torques of the library are against the motion.

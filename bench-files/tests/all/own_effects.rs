@@ -41,6 +41,7 @@ fn at(angle_rad: f64) -> Instant<f64> {
         rate_rad_s: 0.3,
         wheel_angle_rad: 0.0,
         wheel_speed_rad_s: 0.0,
+        current_a: 0.0,
         memory: 0.0,
     }
 }
@@ -62,6 +63,27 @@ fn the_torque_is_that_of_the_formula_against_the_motion() {
         (torque + 2e-3 * z * (-z * z).exp()).abs() < 1e-15,
         "{torque}"
     );
+}
+
+/// Friction of a gear: it grows with the torque that the gear carries.
+#[test]
+fn a_torque_may_look_at_the_current() {
+    let own = load(
+        "role = \"wheel\"
+torque = \"-c*abs(current)*sign(wheel_speed)\"
+[parameters.c]
+unit = \"N m/A\"
+start = 1e-3
+",
+    );
+    let effect = own.expect("an effect")[0].effect;
+    let instant = Instant {
+        wheel_speed_rad_s: 100.0,
+        current_a: -0.6,
+        ..at(0.0)
+    };
+    let torque = effect.torque(&[2e-3], &instant, &Smoothing::SIMULATION);
+    assert!((torque - 1.2e-3).abs() < 1e-15, "{torque}");
 }
 
 #[test]

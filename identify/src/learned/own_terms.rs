@@ -33,6 +33,7 @@ fn instant(coordinate: LearnedCoordinate, value: f64) -> Instant<f64> {
         rate_rad_s: 0.0,
         wheel_angle_rad: 0.0,
         wheel_speed_rad_s: 0.0,
+        current_a: 0.0,
         memory: 0.0,
     };
     match coordinate {

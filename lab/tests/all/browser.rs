@@ -46,7 +46,7 @@ fn stairs(browser: &Browser) -> Value {
 }
 
 /// Moves a slider as a hand does, and gives the time in ms until the curves are drawn anew.
-fn move_slider(browser: &Browser, name: &str, step: i64) -> f64 {
+pub fn move_slider(browser: &Browser, name: &str, step: i64) -> f64 {
     let milliseconds = browser.script_until_called(&format!(
         "const done = arguments[0]; const range = document.getElementById('slider-{name}'); \
          const before = document.body.dataset.drawn; const begun = performance.now(); \

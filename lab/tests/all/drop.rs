@@ -63,9 +63,12 @@ fn dropped_logs_are_described_checked_and_become_a_bench() {
         opened["bench"]["experiments"].as_array().map(Vec::len),
         Some(2)
     );
+    // The bench is called after its folder, not after where the lab kept the files.
+    assert!(filled.contains("name = \"my-bench\""), "{filled}");
+    assert_eq!(opened["bench"]["name"], "mine");
     assert_eq!(
         fs::read_to_string(folder.join("bench.toml")).expect("written"),
-        filled
+        filled.replacen("my-bench", "mine", 1)
     );
     let written = fs::read_to_string(folder.join("free-swing-20deg.csv")).expect("written");
     assert_eq!(written, log("free-swing-20deg.csv"));

@@ -2,6 +2,7 @@
 
 mod bench;
 mod browser;
+mod browser_curves;
 mod browser_design;
 mod drop;
 mod hostile;

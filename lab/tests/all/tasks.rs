@@ -55,9 +55,23 @@ fn the_missing_effect_is_found_added_and_taken_back() {
             .is_some_and(|bins| bins.len() > 3)
     );
 
-    // And the first suspect's fingerprint: how the swing dies out without and with it.
+    // And the first suspect's fingerprint: the torque that is missing without it, over the rate, and the same with it;
+    // how the swing dies out without and with it.
     let drawn = &found["fingerprints"][0];
     assert_eq!(drawn["effect"], "body-coulomb-friction");
+    let torques = drawn["reasons"].as_array().expect("torques");
+    let over_rate = torques.iter().find(|one| one["coordinate"] == "rate");
+    let over_rate = over_rate.expect("over the rate");
+    // How far the torque is from zero: the sum of the squares in standard errors.
+    let size = |key: &str| {
+        let points = over_rate[key].as_array().expect("points").iter();
+        let of = |point: &Value, part: usize| point[part].as_f64().expect("a number");
+        points
+            .map(|point| (of(point, 1) / of(point, 2)).powi(2))
+            .sum::<f64>()
+    };
+    let (before_it, with_it) = (size("before"), size("after"));
+    assert!(with_it < 0.3 * before_it, "{before_it} {with_it}");
     let mean = |key: &str| {
         let points = drawn["decay"][0][key].as_array().expect("points");
         points

@@ -193,6 +193,7 @@ impl EffectId {
             rate_rad_s: 0.0,
             wheel_angle_rad: 0.0,
             wheel_speed_rad_s,
+            current_a: 0.0,
             memory: 0.0,
         };
         self.current(p, current_a, &at, torque_constant) != current_a

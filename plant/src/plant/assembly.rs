@@ -185,6 +185,7 @@ impl Structure {
                     rate_rad_s: 0.0,
                     wheel_angle_rad: 0.0,
                     wheel_speed_rad_s: 0.0,
+                    current_a: 0.0,
                     memory: 0.0,
                 };
                 let p = &values[term.own()];
@@ -215,6 +216,7 @@ impl Structure {
             rate_rad_s: rate,
             wheel_angle_rad: 0.0,
             wheel_speed_rad_s: wheel,
+            current_a: 0.0,
             memory: 0.0,
         };
         let (rate, wheel) = (

@@ -83,6 +83,7 @@ impl<S: Scalar> Plant<S> {
                 rate_rad_s: start.rate_rad_s,
                 wheel_angle_rad: start.wheel_angle_rad,
                 wheel_speed_rad_s: start.wheel_speed_rad_s,
+                current_a: S::zero(),
                 memory: S::zero(),
             };
             let mut memory = start.friction_torque;

@@ -426,6 +426,7 @@ impl<S: Scalar> Late<S> {
                 rate_rad_s: state.rate_rad_s,
                 wheel_angle_rad: state.wheel_angle_rad,
                 wheel_speed_rad_s: state.wheel_speed_rad_s,
+                current_a: S::zero(),
                 memory: S::zero(),
             };
             let with_ripple = plant.has_ripple(state, step_s);

@@ -155,6 +155,7 @@ impl<S: Scalar> Plant<S> {
         if structure.kind != Kind::FreeSwing {
             let current = self.through_motor(current_a, at);
             wheel_torque = self.torque_constant * current;
+            at.current_a = current;
             for term in &structure.wheel {
                 if term.is_ripple && !with_ripple {
                     continue;
@@ -222,6 +223,7 @@ impl<S: Scalar> Plant<S> {
             rate_rad_s: state.rate_rad_s,
             wheel_angle_rad: state.wheel_angle_rad,
             wheel_speed_rad_s: state.wheel_speed_rad_s,
+            current_a: S::zero(),
             memory: S::zero(),
         };
         self.accelerations(&mut at, state.friction_torque, current_a, push, true)

@@ -93,6 +93,7 @@ impl<S: Scalar> Plant<S> {
             rate_rad_s: state.rate_rad_s,
             wheel_angle_rad: state.wheel_angle_rad,
             wheel_speed_rad_s: state.wheel_speed_rad_s,
+            current_a: S::zero(),
             memory: S::zero(),
         };
         let delay_s = self.delay_s.map_or(0.0, |delay| delay.value());

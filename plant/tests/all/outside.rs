@@ -115,6 +115,25 @@ impl Effect for Fading {
     }
 }
 
+/// A torque of the motor beside the one that the model knows: it depends on the current.
+struct MoreTorque;
+
+impl Effect for MoreTorque {
+    const INFO: EffectInfo = EffectInfo {
+        name: "more-torque",
+        equation: "−k i",
+        role: Role::Wheel,
+        parameters: &[parameter("more_torque_constant", "N m/A")],
+        starts: &[&[1e-3]],
+        shows_in: &[Kind::Driven],
+        ..EffectInfo::PLAIN
+    };
+
+    fn torque<S: Scalar>(p: &[S], at: &Instant<S>, _v0: &Smoothing) -> S {
+        -(p[0] * at.current_a)
+    }
+}
+
 /// An encoder whose disc is not centred.
 struct Eccentric;
 
@@ -159,6 +178,8 @@ fn an_effect_from_outside_is_differentiated_like_one_of_the_library() {
     agree_with_finite_differences(five, &[2e-3, 30.0, 1e-3, 0.4, 1e-3]);
     let fading = EffectId::of::<Fading>().expect("a sound description");
     agree_with_finite_differences(fading, &[80.0]);
+    let more = EffectId::of::<MoreTorque>().expect("a sound description");
+    agree_with_finite_differences(more, &[3e-3]);
     let eccentric = EffectId::of::<Eccentric>().expect("a sound description");
     agree_with_finite_differences(eccentric, &[0.01, 0.3]);
 }
@@ -190,6 +211,43 @@ fn a_magnet_takes_no_energy_from_the_swing() {
         let plain = Plant::new(&Model::base(), values[0], Kind::FreeSwing);
         let other = swing(&plain, 0.3, 1e-3, 1500);
         assert!((other[1500].angle_rad - states[1500].angle_rad).abs() > 1e-3);
+    }
+}
+
+/// A torque k i beside τ i is a torque constant of τ + k, also behind a motor that saturates, and in the linear model.
+#[test]
+fn a_torque_on_the_current_is_a_larger_torque_constant() {
+    let more = EffectId::of::<MoreTorque>().expect("sound");
+    let model = Model::base().with(EffectId::MotorSaturation);
+    let (saturation, k) = (1.5, 4e-3);
+    let with = {
+        let model = model.with(more);
+        let mut values = VALUES.to_vec();
+        values.resize(model.parameters().len(), 0.0);
+        values[model.position(EffectId::MotorSaturation).expect("added")] = saturation;
+        values[model.position(more).expect("added")] = k;
+        (model, values)
+    };
+    let larger = {
+        let mut values = VALUES.to_vec();
+        values[plant::TORQUE_CONSTANT] += k;
+        values.push(saturation);
+        (model, values)
+    };
+    let state = State {
+        angle_rad: 3.0,
+        rate_rad_s: 0.4,
+        wheel_speed_rad_s: 50.0,
+        ..State::rest()
+    };
+    for kind in [Kind::FreeSwing, Kind::SpinUp, Kind::Balance, Kind::Driven] {
+        for current_a in [-2.0, 0.0, 0.7] {
+            let [a, b] = [&with, &larger].map(|(model, values)| {
+                Plant::new(model, values, kind).derivative(&state, current_a, 0.0)
+            });
+            let off = (a.0 - b.0).abs() + (a.1 - b.1).abs();
+            assert!(off < 1e-9, "{kind:?} {current_a}: {a:?} {b:?}");
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use workbench::{
-    ControlDesign, FilesInMemory, ModelFile, PerSeries, Session, Verdict, check_own_effect,
+    ControlDesign, Coordinate, FilesInMemory, ModelFile, PerSeries, Session, TorquePart, Verdict,
+    check_own_effect,
 };
 
 use crate::bench::silent;
@@ -95,7 +96,7 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
     // No log shows it upright: the controller is that without it.
     assert_eq!(
         curve_slopes(&read),
-        ["learned-angle: no log shows it upright, and the linear model takes no slope of it"]
+        ["learned-angle: slope zero, because no log shows it upright"]
     );
 
     // Diagnosed again: the same verdict, and the curve is no suspect.
@@ -164,8 +165,31 @@ fn an_effect_of_ones_own_explains_the_magnet() {
     assert!(file.to_toml().contains("unseen_upright = [\"own:magnet\"]"));
     assert_eq!(
         curve_slopes(&file),
-        ["own:magnet: no log shows it upright, and the linear model takes no slope of it"]
+        ["own:magnet: slope zero, because no log shows it upright"]
     );
+}
+
+/// The fingerprint of the magnet: over the angle the torque is missing without it, in both directions of the motion
+/// alike, as large as it is; with it, nothing is missing there.
+#[test]
+fn the_fingerprint_of_a_magnet_is_a_torque_over_the_angle() {
+    let mut session = session(&[("effects/magnet.toml", OWN.to_owned())]);
+    session.identify(&silent()).expect("a fit");
+    let found = session
+        .fingerprint("own:magnet", &silent())
+        .expect("a fingerprint");
+    let torques = found.torques();
+    let first = torques.first().expect("it shows");
+    assert_eq!(first.coordinate, Coordinate::Angle);
+    assert_eq!(first.part, TorquePart::Mean);
+    let largest = |points: &[[f64; 3]]| {
+        let sizes = points.iter().map(|point| point[1].abs());
+        sizes.fold(0.0, f64::max)
+    };
+    // The curve's own extremes are ±0.006 e^(−½)/√2 = ±2.57e-3 N m.
+    let (without, with) = (largest(&first.without), largest(&first.with));
+    assert!((1.5e-3..3.5e-3).contains(&without), "{without}");
+    assert!(with < 0.25 * without, "{with} of {without}");
 }
 
 #[test]

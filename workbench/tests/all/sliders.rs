@@ -29,7 +29,18 @@ fn the_fitted_parameters_give_the_comparison() {
                 assert_eq!(own.simulated, compared.simulated);
             }
         }
+        // One experiment alone is what it is among the others.
+        for (index, compared) in compared.curves.iter().enumerate() {
+            let own = sliders.curves_of(index, changes).expect("curves");
+            let own = own.expect("there is this experiment");
+            assert_eq!(own.experiment, compared.experiment);
+            for (own, compared) in own.channels.iter().zip(&compared.channels) {
+                assert_eq!(own.simulated, compared.simulated);
+            }
+        }
     }
+    let beyond = sliders.curves_of(compared.curves.len(), &[]);
+    assert!(beyond.expect("no error").is_none());
 }
 
 /// A pendulum without friction keeps its amplitude; gravity four times as large halves its period.

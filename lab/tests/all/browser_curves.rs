@@ -1,0 +1,106 @@
+//! The curves of the page: what is marked on them, and how they follow a hand.
+
+use std::fmt::Write;
+use std::fs;
+
+use serde_json::json;
+
+use crate::bench;
+use crate::browser::{move_slider, settled};
+use crate::running::Running;
+use crate::webdriver::Browser;
+
+/// A logger that loses samples: the page marks them on the time axis and says how many they are.
+#[test]
+#[cfg_attr(not(have_chromium), ignore = "needs chromium")]
+fn lost_samples_are_marked_on_the_time_axis() {
+    let folder = bench::folder();
+    let path = folder.path().join("free-swing-20deg.csv");
+    let text = fs::read_to_string(&path).expect("a log");
+    let mut times: Vec<f64> = Vec::new();
+    let mut changed = String::new();
+    for (number, line) in text.lines().enumerate() {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        // The sensor says half a turn for one sample: no pendulum moves like that.
+        if number == 500 || number == 1200 {
+            times.push(cells[0].parse().expect("a time"));
+            cells[1] = "3.1";
+        }
+        let _ = writeln!(changed, "{}", cells.join(","));
+    }
+    fs::write(&path, changed).expect("written");
+    let lab = Running::start(Some(folder.path()));
+    let browser = Browser::start(1280, 900);
+    browser.go(&lab.once);
+    browser.wait_for("document.body.dataset.ready");
+    settled(&browser, 1);
+    browser.script(
+        "[...document.querySelectorAll('#experiments button')].find((one) => one.textContent.startsWith('swing')).click()",
+    );
+    browser.wait_for("document.getElementById('lost').textContent");
+    let says = browser.text("#lost");
+    assert!(
+        says.contains("angle: 2 of ") && says.contains("2 places"),
+        "{says}"
+    );
+    // Ticks on the axis: from the sample before to the one after.
+    let ticks = browser.script(
+        "return document.getElementById('curves').layout.shapes.filter((one) => one.y0 === 0 && one.y1 < 0.1) \
+         .map((one) => [one.x0, one.x1])",
+    );
+    let ticks: Vec<[f64; 2]> = serde_json::from_value(ticks).expect("pairs of times");
+    assert_eq!(ticks.len(), 2, "{ticks:?}");
+    for time in times {
+        assert!(
+            ticks.iter().any(|[from, to]| *from < time && time < *to),
+            "{time} {ticks:?}"
+        );
+    }
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+/// While a hand moves a slider only the shown experiment follows; when the hand rests, the errors of all are those of
+/// the moved parameters. Back again, everything is as it was.
+#[test]
+#[cfg_attr(not(have_chromium), ignore = "needs chromium")]
+fn the_other_experiments_follow_when_the_hand_rests() {
+    let folder = bench::folder();
+    let lab = Running::start(Some(folder.path()));
+    let browser = Browser::start(1280, 900);
+    browser.go(&lab.once);
+    browser.wait_for("document.body.dataset.ready");
+    settled(&browser, 1);
+    let errors = || {
+        browser.script(
+            "return [...document.querySelectorAll('#errors tbody tr')].map((row) => Number(row.cells[2].dataset.rmse))",
+        )
+    };
+    let before: Vec<f64> = serde_json::from_value(errors()).expect("errors");
+    // The motor drives the spin-up alone: the wheel of the swing is locked.
+    move_slider(&browser, "torque_constant", 80);
+    browser.wait_for("document.querySelectorAll('#errors tr.stale').length === 0");
+    let after: Vec<f64> = serde_json::from_value(errors()).expect("errors");
+    let series = browser.script(
+        "return [...document.querySelectorAll('#errors tbody tr')].map((row) => row.cells[0].textContent)",
+    );
+    for ((name, before), after) in series
+        .as_array()
+        .expect("names")
+        .iter()
+        .zip(&before)
+        .zip(&after)
+    {
+        let moved = (after / before - 1.0).abs() > 0.1;
+        assert_eq!(moved, name == "spin-up", "{name}: {before} {after}");
+    }
+    browser.click("#slider-reset");
+    browser.wait_for("!document.querySelector('.slider.moved')");
+    browser.wait_for("document.querySelectorAll('#errors th').length === 6");
+    let again: Vec<f64> = serde_json::from_value(errors()).expect("errors");
+    assert_eq!(again, before);
+    let hidden = browser.script(
+        "return [...document.querySelectorAll('.scatterlayer .trace')].filter((one) => one.style.visibility === 'hidden').length",
+    );
+    assert_eq!(hidden, json!(0));
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
