@@ -67,7 +67,7 @@ pub use bench::{IsCancelled, SearchBench};
 pub use candidate::{Candidate, names};
 pub use diagnosis::{Options, diagnose_with, suspects_of};
 pub use imperfection::{Imperfection, Imperfections, imperfection};
-pub use next_experiment::{NextExperiment, Recipe, propose};
+pub use next_experiment::{Explanation, NextExperiment, Recipe, propose, tell_apart};
 pub use pool::Search;
 pub use remains::{RemainingTorque, Remains};
 pub use report::{Diagnosis, Step, Suspect};

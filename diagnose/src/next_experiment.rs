@@ -5,7 +5,7 @@
 //! proposed.
 
 use identify::{FitProblem, Output, Record};
-use plant::{Current, Hold, Input, Kind, Plant, State};
+use plant::{Current, Hold, Input, Kind, Model, Plant, State};
 
 use crate::candidate::Candidate;
 
@@ -121,8 +121,26 @@ fn proposals(problem: &FitProblem) -> Vec<Proposal> {
     list
 }
 
+/// One of the explanations: a model with its parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Explanation<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Its parameter vector, SI.
+    pub values: &'a [f64],
+}
+
+impl Candidate {
+    fn explanation(&self) -> Explanation<'_> {
+        Explanation {
+            model: &self.model,
+            values: &self.minimum.values,
+        }
+    }
+}
+
 /// What a model's angle, rate and wheel speed would be in an imagined experiment, and the times.
-fn imagined(proposal: &Proposal, candidate: &Candidate) -> (Vec<f64>, Vec<[f64; 3]>) {
+fn imagined(proposal: &Proposal, one: Explanation) -> (Vec<f64>, Vec<[f64; 3]>) {
     let steps = (proposal.duration_s / STEP_S) as usize;
     let time_s: Vec<f64> = (0..steps).map(|k| k as f64 * STEP_S).collect();
     let current: Vec<f64> = time_s
@@ -130,7 +148,7 @@ fn imagined(proposal: &Proposal, candidate: &Candidate) -> (Vec<f64>, Vec<[f64; 
         .map(|&time| (proposal.current)(time, proposal.amplitude_a))
         .collect();
     let input = Input::new(&time_s, &current, Hold::Zero);
-    let plant = Plant::new(&candidate.model, &candidate.minimum.values, proposal.kind);
+    let plant = Plant::new(one.model, one.values, proposal.kind);
     let start = State {
         angle_rad: proposal.angle_rad,
         wheel_speed_rad_s: proposal.wheel_speed_rad_s,
@@ -159,8 +177,8 @@ fn imagined(proposal: &Proposal, candidate: &Candidate) -> (Vec<f64>, Vec<[f64; 
 fn separation(
     problem: &FitProblem,
     proposal: &Proposal,
-    a: &Candidate,
-    b: &Candidate,
+    a: Explanation,
+    b: Explanation,
 ) -> (f64, Output) {
     let ((time_s, first), (_, second)) = (imagined(proposal, a), imagined(proposal, b));
     let steps = time_s.len();
@@ -196,10 +214,16 @@ fn separation(
     best
 }
 
-/// The experiment that separates the first two of the explanations that tie best, and by how much; with what each of
-/// all would show in it.
+/// The experiment that best separates the first two of the candidates that tie, as [`tell_apart`].
 pub fn propose(problem: &FitProblem, ties: &[&Candidate]) -> NextExperiment {
-    let [a, b, ..] = ties else {
+    let ties: Vec<Explanation> = ties.iter().map(|tie| tie.explanation()).collect();
+    tell_apart(problem, &ties)
+}
+
+/// The experiment that best separates the first two explanations, by how much, and what each of the explanations
+/// would show in it. The noise of the sensors and the largest current are those of the problem's records.
+pub fn tell_apart(problem: &FitProblem, ties: &[Explanation]) -> NextExperiment {
+    let [a, b, ..] = *ties else {
         return NextExperiment::default();
     };
     let best = proposals(problem)
@@ -226,12 +250,12 @@ pub fn propose(problem: &FitProblem, ties: &[&Candidate]) -> NextExperiment {
     }
 }
 
-fn recipe(proposal: &Proposal, output: Output, size: f64, ties: &[&Candidate]) -> Recipe {
+fn recipe(proposal: &Proposal, output: Output, size: f64, ties: &[Explanation]) -> Recipe {
     let index = Output::ALL
         .iter()
         .position(|one| *one == output)
         .unwrap_or(0);
-    let all: Vec<_> = ties.iter().map(|tie| imagined(proposal, tie)).collect();
+    let all: Vec<_> = ties.iter().map(|&tie| imagined(proposal, tie)).collect();
     let time_s = all.first().map_or(vec![], |(time_s, _)| time_s.clone());
     let stride = time_s.len().div_ceil(RECIPE_POINTS).max(1);
     let thin = |values: Vec<f64>| values.into_iter().step_by(stride).collect();

@@ -1,7 +1,8 @@
 //! `flywheel effects [NAME]`
 
 use clap::builder::PossibleValuesParser;
-use workbench::{EffectDescription, effect_library};
+use serde::Serialize;
+use workbench::{EffectConfusion, EffectDescription, effect_confusions, effect_library};
 
 use crate::arguments::JsonOutput;
 use crate::commands::add::effect_names;
@@ -19,6 +20,14 @@ pub struct Arguments {
     pub output: JsonOutput,
 }
 
+/// Everything about one effect.
+#[derive(Serialize)]
+struct Explained<'a> {
+    #[serde(flatten)]
+    effect: &'a EffectDescription,
+    confusions: Vec<EffectConfusion>,
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let library = effect_library();
@@ -28,7 +37,11 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let mut named: Vec<EffectDescription> = library;
     named.retain(|effect| effect.name == *name);
     match named.first() {
-        Some(effect) => Report::new(effects::whole(effect), effect),
+        Some(effect) => {
+            let confusions = effect_confusions(name);
+            let text = effects::whole(effect, &confusions);
+            Report::new(text, &Explained { effect, confusions })
+        }
         None => Err(Failure::new(format!("there is no effect \"{name}\""))),
     }
 }

@@ -1,6 +1,6 @@
 //! The library of effects in words.
 
-use workbench::EffectDescription;
+use workbench::{EffectConfusion, EffectDescription};
 
 use crate::report::table::{Align, Table};
 
@@ -24,7 +24,7 @@ pub fn list(library: &[EffectDescription]) -> String {
 }
 
 /// Everything about one.
-pub fn whole(effect: &EffectDescription) -> String {
+pub fn whole(effect: &EffectDescription, confusions: &[EffectConfusion]) -> String {
     let mut text = format!(
         "{}: {}\n\nEquation ({})\n  {}\n  from {}\n\nWhat to look for\n  {}\n  it shows in {}\n",
         effect.name,
@@ -55,10 +55,26 @@ pub fn whole(effect: &EffectDescription) -> String {
         text.push_str(&format!("\nIt contains and replaces {contained}.\n"));
     }
     if !effect.confused_with.is_empty() {
-        let others = effect.confused_with.join(", ");
-        text.push_str(&format!("\nIt is confused with {others}.\n"));
+        text.push_str("\nWhat it is confused with\n");
+    }
+    for one in confusions {
+        let (with, alike, apart) = (&one.with, &one.alike_in, apart(one));
+        text.push_str(&format!("  {with}, in {alike};\n    {apart}\n"));
+    }
+    for name in &effect.confused_with {
+        if confusions.iter().all(|one| one.with != *name) {
+            text.push_str(&format!("  {name}\n"));
+        }
     }
     text
+}
+
+/// The experiment that tells an effect from another one.
+fn apart(confusion: &EffectConfusion) -> String {
+    match &confusion.told_apart_by {
+        Some(experiment) => format!("told apart by {experiment}"),
+        None => "none of the usual experiments tells the two apart".to_owned(),
+    }
 }
 
 fn acts(role: &str) -> &'static str {

@@ -20,19 +20,23 @@ const POWERS: std::ops::RangeInclusive<i32> = -12..=12;
 const BISECTIONS: usize = 10;
 
 /// An experiment in which effects are drawn.
-struct Scene {
-    words: &'static str,
-    kind: Kind,
+pub(crate) struct Scene {
+    /// The experiment in words.
+    pub words: &'static str,
+    /// What is held still.
+    pub kind: Kind,
     angle_rad: f64,
     wheel_speed_rad_s: f64,
-    current_a: fn(f64) -> f64,
+    /// Current in A at a time in s.
+    pub current_a: fn(f64) -> f64,
     duration_s: f64,
 }
 
 /// Ampere of the scenes with current.
 const CURRENT_A: f64 = 0.5;
 
-const SCENES: [Scene; 5] = [
+/// The experiments in which effects are drawn.
+pub(crate) const SCENES: [Scene; 5] = [
     Scene {
         words: "a free swing from 20°, the wheel locked",
         kind: Kind::FreeSwing,
@@ -82,7 +86,7 @@ const SCENES: [Scene; 5] = [
 ];
 
 /// The bench of the pictures: the parameters behind the thesis' matrix 4.4, viscous friction alone.
-const BENCH: [(&str, f64); 6] = [
+pub(crate) const BENCH: [(&str, f64); 6] = [
     ("total_inertia", 2.30344e-3),
     ("wheel_inertia", 1.36125e-4),
     ("gravity_torque", 0.245158),
@@ -90,6 +94,11 @@ const BENCH: [(&str, f64); 6] = [
     ("body_viscous_friction", 2.12e-5),
     ("wheel_viscous_friction", 1.75204e-5),
 ];
+
+/// Distance from the pivot to the axis of the wheel, m.
+pub(crate) const PIVOT_TO_WHEEL_M: f64 = 0.085;
+/// Gravity, m/s².
+pub(crate) const GRAVITY_M_S2: f64 = 9.81;
 
 /// The same experiment with and without an effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,10 +121,9 @@ pub struct EffectPortrait {
     pub with: Vec<f64>,
 }
 
-/// Draws an effect of the library at an amplitude at which it changes the channel by a tenth of its range, in the
-/// experiment that shows it best; `None` for the effects of the base model, which are in every
-/// picture, and for those that have a parameter for each log: in a single log they look like the effect that they
-/// replace.
+/// Draws an effect of the library in the experiment that shows it best, at an amplitude that changes the channel by a
+/// tenth of its range. `None` for the effects of the base model, which are in every picture, and for effects with one
+/// parameter per log, which look in a single log like the effect that they replace.
 pub fn effect_portrait(name: &str) -> Option<EffectPortrait> {
     let effect = EffectId::from_name(name)?;
     let info = effect.info();
@@ -127,7 +135,7 @@ pub fn effect_portrait(name: &str) -> Option<EffectPortrait> {
         wheel_inertia: BENCH[1].1,
         gravity_torque: BENCH[2].1,
         torque_constant: BENCH[3].1,
-        pivot_to_wheel_m: 0.085,
+        pivot_to_wheel_m: PIVOT_TO_WHEEL_M,
         top_current_a: CURRENT_A,
         top_wheel_speed_rad_s: 150.0,
         side: 1.0,
@@ -274,7 +282,7 @@ fn visible_amplitude(first_guess: f64, share: impl Fn(f64) -> Option<f64>) -> Op
 }
 
 /// The bench's values in the order of a model's parameters; those of further effects are zero.
-fn bench_values(model: &Model) -> Vec<f64> {
+pub(crate) fn bench_values(model: &Model) -> Vec<f64> {
     model
         .parameters()
         .iter()
@@ -287,14 +295,15 @@ fn bench_values(model: &Model) -> Vec<f64> {
         .collect()
 }
 
-fn times(scene: &Scene) -> Vec<f64> {
+/// Times of the samples, s.
+pub(crate) fn times(scene: &Scene) -> Vec<f64> {
     (0..SAMPLES)
         .map(|k| scene.duration_s * k as f64 / (SAMPLES - 1) as f64)
         .collect()
 }
 
-/// What the sensors say in a scene: angle, rate and wheel speed at [`SAMPLES`] times.
-fn record(model: &Model, values: &[f64], scene: &Scene) -> [Vec<f64>; 3] {
+/// The readings of the sensors in a scene: angle, rate and wheel speed at [`SAMPLES`] times.
+pub(crate) fn record(model: &Model, values: &[f64], scene: &Scene) -> [Vec<f64>; 3] {
     let steps = (SAMPLES - 1) * PARTS + 1;
     let fine: Vec<f64> = (0..steps)
         .map(|k| scene.duration_s * k as f64 / (steps - 1) as f64)

@@ -76,6 +76,7 @@ mod design_report;
 mod design_sweep;
 mod diagnosis;
 mod drawings;
+mod effect_confusion;
 mod effect_library;
 mod effect_portrait;
 mod error;
@@ -139,6 +140,7 @@ pub use diagnosis::{
     AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
 };
 pub use drawings::{NamedLoop, loop_drawings};
+pub use effect_confusion::{EffectConfusion, effect_confusions};
 pub use effect_library::{EffectDescription, EffectParameter, effect_library};
 pub use effect_portrait::{EffectPortrait, effect_portrait};
 pub use error::Error;

@@ -27,6 +27,8 @@ pub(super) struct Guess {
 const ABOUT_UPRIGHT: f64 = 0.6;
 /// Share of the amplitude up to which the rest position of a swing may differ from 0 without a question.
 const REST: f64 = 0.1;
+/// A wheel that travels against the body by less than this share of the body's travel is locked.
+const LOCKED: f64 = 0.1;
 /// A command was held if this share of its samples has its usual value.
 const HELD: f64 = 0.98;
 
@@ -62,8 +64,16 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         }
         return guess;
     }
-    if !is_driven && !wheel.as_deref().is_some_and(moves) {
+    let time = samples(Channel::Time);
+    let is_locked = match (&angle, samples(Channel::WheelSpeed), &time) {
+        (Some(angle), Some(speed), Some(time)) => stays_with(angle, &speed, time),
+        _ => false,
+    };
+    if is_locked || (!is_driven && !wheel.as_deref().is_some_and(moves)) {
         guess.reason = match &wheel {
+            Some(_) if is_driven => {
+                "the body swings and the wheel stands still, whatever the current shows"
+            }
             Some(_) => "the body swings and the wheel stands still",
             None => "the file has the body and not the wheel",
         }
@@ -96,6 +106,25 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         ));
     }
     guess
+}
+
+/// Whether the wheel (speed in rad/s) is locked to a body that moves: a wheel that is free keeps its own motion while
+/// the body turns, so that it travels against the body about as far as the body itself.
+fn stays_with(angle_rad: &[f64], wheel_speed_rad_s: &[f64], time_s: &[f64]) -> bool {
+    let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
+    let steps = || {
+        1..angle_rad
+            .len()
+            .min(wheel_speed_rad_s.len())
+            .min(time_s.len())
+    };
+    let of_body: f64 = steps()
+        .map(|k| finite(angle_rad[k] - angle_rad[k - 1]).abs())
+        .sum();
+    let of_wheel: f64 = steps()
+        .map(|k| finite(wheel_speed_rad_s[k] * (time_s[k] - time_s[k - 1])).abs())
+        .sum();
+    of_wheel < LOCKED * of_body && moves(angle_rad)
 }
 
 /// Whether a series moves by more than noise and single lost samples. Between its fifth and ninety-fifth

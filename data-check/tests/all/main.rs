@@ -1,6 +1,7 @@
 //! The check of the data, on benches whose faults are known.
 
 mod corrections;
+mod kinds;
 mod known_faults;
 mod recordings;
 mod simulated;

@@ -298,7 +298,13 @@ fn effects_are_listed_and_explained() {
         "{text}"
     );
     let text = done(["effects", "motor-lag"]);
-    for part in ["motor_lag", "confused with input-delay", "What to look for"] {
+    for part in [
+        "motor_lag",
+        "What to look for",
+        "What it is confused with",
+        "input-delay, in ",
+        "told apart by a run with the body hanging free",
+    ] {
         assert!(text.contains(part), "{part} is not in {text}");
     }
     let json = json_of(["effects", "--json", "-"]);

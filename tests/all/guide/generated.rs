@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 use bench_files::keys::{self, KeySection};
-use workbench::{EffectDescription, FindingId, effect_library, effect_portrait};
+use workbench::{EffectDescription, FindingId, effect_confusions, effect_library, effect_portrait};
 
 use super::{pages, root, text};
 
@@ -124,7 +124,7 @@ fn parts() -> String {
     out + "\n"
 }
 
-/// What a command says of itself.
+/// The help text of a command.
 fn help(arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_flywheel"))
         .args(arguments)
@@ -219,12 +219,22 @@ fn whole(effect: &EffectDescription) -> String {
             names(&effect.replaces)
         );
     }
-    if !effect.confused_with.is_empty() {
+    let confusions = effect_confusions(&effect.name);
+    for confusion in &confusions {
+        let apart = match &confusion.told_apart_by {
+            Some(experiment) => format!("What tells them apart: {experiment}."),
+            None => "None of the usual experiments tells them apart.".to_owned(),
+        };
         let _ = write!(
             out,
-            "It is confused with {}.\n\n",
-            names(&effect.confused_with)
+            "It is confused with `{}` in {}. {apart}\n\n",
+            confusion.with, confusion.alike_in
         );
+    }
+    for name in &effect.confused_with {
+        if confusions.iter().all(|one| one.with != *name) {
+            let _ = write!(out, "It is confused with `{name}`.\n\n");
+        }
     }
     let _ = write!(out, "Source: {}.\n\n", effect.source.trim_end_matches('.'));
     if let Some(portrait) = effect_portrait(&effect.name) {

@@ -1,73 +1,242 @@
-//! The worked example of a new effect is followed to the letter, in a copy of the crate that holds the effects.
+//! The worked examples of the guide are followed to the letter, in a copy of the sources.
+//!
+//! A block after `<!-- replayed: FILE -->` is a new file. A block after `<!-- replayed: FILE, after: LINE -->` is
+//! inserted into a file after the one line that reads LINE.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::{root, text};
 
-/// What the page puts into a file: the block after `<!-- replayed: FILE -->`.
-fn block(page: &str, file: &str) -> String {
-    let (_, after) = page
-        .split_once(&format!("<!-- replayed: {file} -->\n```rust\n"))
-        .unwrap_or_else(|| panic!("the page has no block for {file}"));
-    after.split("```").next().expect("a block").to_owned()
+/// The page with the worked examples.
+const PAGE: &str = "docs/guide/carrying-on.md";
+
+/// Folders of the root that no example needs.
+const LEFT_OUT: [&str; 4] = [".git", "target", "docs", "embedded"];
+
+/// One block of an example.
+struct Step {
+    file: String,
+    /// The line after which the block stands; `None` for a new file.
+    after: Option<String>,
+    block: String,
 }
 
-fn copy(from: &Path, to: &Path) {
+/// The blocks of the page under the heading with this text.
+fn steps(heading: &str) -> Vec<Step> {
+    let page = text(&root().join(PAGE));
+    let (_, section) = page
+        .split_once(&format!("\n## {heading}\n"))
+        .unwrap_or_else(|| panic!("{PAGE} has no heading {heading}"));
+    let section = section.split("\n## ").next().unwrap_or(section);
+    let found: Vec<Step> = section
+        .split("<!-- replayed: ")
+        .skip(1)
+        .map(|part| {
+            let (place, rest) = part.split_once(" -->\n```rust\n").expect("a block of Rust");
+            let (file, after) = match place.split_once(", after: ") {
+                Some((file, line)) => (file, Some(line.to_owned())),
+                None => (place, None),
+            };
+            Step {
+                file: file.to_owned(),
+                after,
+                block: rest.split("```").next().expect("a block").to_owned(),
+            }
+        })
+        .collect();
+    assert!(!found.is_empty(), "{heading}: no block is replayed");
+    found
+}
+
+/// The file after the step.
+fn applied(step: &Step, old: Option<String>) -> String {
+    let Step { file, after, block } = step;
+    let Some(line) = after else {
+        assert!(old.is_none(), "{file} is there already");
+        return block.clone();
+    };
+    let old = old.unwrap_or_else(|| panic!("there is no {file}"));
+    let places: Vec<usize> = old
+        .lines()
+        .enumerate()
+        .filter(|(_, found)| found.trim() == line)
+        .map(|(at, _)| at)
+        .collect();
+    let [place] = places[..] else {
+        panic!("{file} has {} lines \"{line}\"", places.len());
+    };
+    let mut new = String::new();
+    for (at, found) in old.lines().enumerate() {
+        new.push_str(found);
+        new.push('\n');
+        if at == place {
+            new.push_str(block);
+        }
+    }
+    new
+}
+
+/// Brings `to` to the state of `from`. Files that are the same keep their time, so that cargo builds only what has
+/// changed since the last run.
+fn mirror(from: &Path, to: &Path, keep: &dyn Fn(&Path) -> bool) {
     fs::create_dir_all(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("a folder").flatten() {
-        let target = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &target);
+    let names = |folder: &Path| -> Vec<std::ffi::OsString> {
+        let entries = fs::read_dir(folder).expect("a folder").flatten();
+        entries.map(|entry| entry.file_name()).collect()
+    };
+    for name in names(from) {
+        let (source, target) = (from.join(&name), to.join(&name));
+        if !keep(&source) {
+            continue;
+        }
+        if source.is_dir() {
+            mirror(&source, &target, keep);
         } else {
-            fs::copy(entry.path(), target).expect("a copy");
+            write(&target, &fs::read(&source).expect("a file"));
+        }
+    }
+    for name in names(to) {
+        let target = to.join(&name);
+        let is_gone = !from.join(&name).exists() || !keep(&from.join(&name));
+        match (is_gone, target.is_dir()) {
+            (true, true) => fs::remove_dir_all(target).expect("an old folder"),
+            (true, false) => fs::remove_file(target).expect("an old file"),
+            _ => {}
         }
     }
 }
 
-#[test]
-fn a_new_effect_is_one_file_and_one_line() {
-    let page = text(&root().join("docs/guide/carrying-on.md"));
-    let folder = tempfile::tempdir().expect("a folder");
-    let plant = folder.path().join("plant");
-    copy(&root().join("plant"), &plant);
-    fs::copy(root().join("Cargo.lock"), folder.path().join("Cargo.lock")).expect("a copy");
-    // A workspace of the crate alone, with the versions of this one.
-    let workspace: String = text(&root().join("Cargo.toml"))
-        .split_once("[workspace.package]")
-        .map(|(_, rest)| format!("[workspace.package]{rest}"))
-        .expect("a workspace");
-    let workspace = workspace
-        .split("\n[package]\n")
-        .next()
-        .expect("the workspace's part");
-    fs::write(
-        folder.path().join("Cargo.toml"),
-        format!("[workspace]\nmembers = [\"plant\"]\nresolver = \"1\"\n\n{workspace}"),
-    )
-    .expect("a manifest");
+/// Writes a file where its content changes.
+fn write(file: &Path, content: &[u8]) {
+    if fs::read(file).ok().as_deref() != Some(content) {
+        fs::create_dir_all(file.parent().expect("a folder")).expect("a folder");
+        fs::write(file, content).expect("a file");
+    }
+}
 
-    let file = "plant/src/effects/body_rubber_bush.rs";
-    fs::write(folder.path().join(file), block(&page, file)).expect("the effect");
-    let list = folder.path().join("plant/src/effects/mod.rs");
-    let line = block(&page, "plant/src/effects/mod.rs");
-    let old = text(&list);
-    let first = "effects! {\n";
-    assert!(old.contains(first), "the list has another shape");
-    fs::write(&list, old.replacen(first, &format!("{first}{line}"), 1)).expect("the list");
+/// A copy of the folders and files of the root that `keep` lets through, with the steps applied. It lies in the
+/// target folder, always at the same place.
+fn copy_with(name: &str, steps: &[Step], keep: &dyn Fn(&Path) -> bool) -> PathBuf {
+    let copy = root().join("target/guide-replay").join(name);
+    let is_changed = |file: &Path| steps.iter().any(|step| root().join(&step.file) == *file);
+    mirror(root(), &copy, &|file| keep(file) || is_changed(file));
+    let mut files: Vec<(&str, String)> = vec![];
+    for step in steps {
+        let at = files.iter().position(|(file, _)| *file == step.file);
+        let old = match at {
+            Some(at) => Some(files.swap_remove(at).1),
+            None => fs::read_to_string(root().join(&step.file)).ok(),
+        };
+        files.push((&step.file, applied(step, old)));
+    }
+    for (file, content) in files {
+        write(&copy.join(file), content.as_bytes());
+    }
+    copy
+}
 
+fn cargo(folder: &Path, target: &Path, arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO"))
-        .args(["test", "--offline", "--lib", "-p", "plant"])
-        .current_dir(folder.path())
-        .env("CARGO_TARGET_DIR", root().join("target/guide-replay"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("CARGO_TARGET_DIR", target)
+        // The examples run in no time; what takes time is their compilation.
+        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
+        .env("CARGO_PROFILE_DEV_DEBUG", "false")
         .env_remove("CARGO_MANIFEST_DIR")
         .output()
         .expect("cargo runs");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
         output.status.success(),
-        "{}\n{}",
-        String::from_utf8_lossy(&output.stdout),
+        "cargo {arguments:?}\n{said}\n{}",
         String::from_utf8_lossy(&output.stderr)
     );
+    said
+}
+
+/// The number of tests that passed, by what cargo says.
+fn passed(said: &str) -> usize {
+    said.split("test result: ok. ")
+        .skip(1)
+        .filter_map(|rest| rest.split(' ').next()?.parse::<usize>().ok())
+        .sum()
+}
+
+#[test]
+fn a_new_effect_is_one_file_and_one_line() {
+    let steps = steps("An effect, from beginning to end");
+    let copy = copy_with("effect", &steps, &|file| {
+        let inside = file.strip_prefix(root()).expect("in the root");
+        inside.starts_with("plant") || inside.as_os_str() == "Cargo.lock"
+    });
+    // A workspace of the crate alone, with the versions of this one.
+    let workspace = text(&root().join("Cargo.toml"));
+    let (_, rest) = workspace
+        .split_once("[workspace.package]")
+        .expect("a workspace");
+    let rest = rest
+        .split("\n[package]\n")
+        .next()
+        .expect("the workspace's part");
+    let manifest = format!(
+        "[workspace]\nmembers = [\"plant\"]\nresolver = \"1\"\n\n[workspace.package]{rest}"
+    );
+    write(&copy.join("Cargo.toml"), manifest.as_bytes());
+    let target = root().join("target/guide-replay/target");
+    cargo(
+        &copy,
+        &target,
+        &["test", "--offline", "--lib", "-p", "plant"],
+    );
+}
+
+#[test]
+fn a_sensor_an_experiment_a_claim_and_a_command_work_as_shown() {
+    let mut all = vec![];
+    for heading in ["A sensor", "An experiment", "A claim", "A command"] {
+        all.extend(steps(heading));
+    }
+    let copy = copy_with("sources", &all, &|file| {
+        let inside = file.strip_prefix(root()).expect("in the root");
+        let first = inside.components().next().expect("a name");
+        !LEFT_OUT.iter().any(|name| first.as_os_str() == *name) && !inside.ends_with("target")
+    });
+    // Crates that others publish are compiled already; tests of libraries and programs leave no program there.
+    let said = cargo(
+        &copy,
+        &root().join("target"),
+        &[
+            "test",
+            "--locked",
+            "--lib",
+            "--bins",
+            "-p",
+            "bench-files",
+            "-p",
+            "checker",
+            "-p",
+            "workbench",
+            "-p",
+            "flywheel",
+            "worked_example",
+        ],
+    );
+    assert_eq!(passed(&said), 4, "{said}");
+    let drivers = [
+        "test",
+        "--locked",
+        "-p",
+        "sensor-drivers",
+        "--test",
+        "mt6701",
+    ];
+    let said = cargo(
+        &copy.join("firmware"),
+        &root().join("target/guide-replay/target"),
+        &drivers,
+    );
+    assert_eq!(passed(&said), 1, "{said}");
 }

@@ -1,0 +1,41 @@
+//! The kind of experiment that is proposed for a log.
+
+use std::fs;
+
+use data_check::propose;
+
+/// A swing of half a radian at 10 rad/s, with the wheel's speed as `wheel` makes it of the body's rate, and a current
+/// sensor whose zero wanders.
+fn kind_of(wheel: impl Fn(f64) -> f64) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("log.csv");
+    let mut text = "time_s,angle_rad,wheel_speed_rad_s,current_A\n".to_owned();
+    for k in 0..2000 {
+        let time = 0.02 * f64::from(k);
+        let size = 0.5 * (-0.05 * time).exp();
+        let (angle, rate) = (
+            size * (10.0 * time).cos(),
+            -10.0 * size * (10.0 * time).sin(),
+        );
+        let current = 0.1 + 0.05 * (0.2 * time).sin();
+        text.push_str(&format!(
+            "{time:.2},{angle:.5},{:.4},{current:.4}\n",
+            wheel(rate)
+        ));
+    }
+    fs::write(&file, text).expect("a log");
+    let proposal = propose(folder.path(), &[file]).expect("a proposal");
+    proposal.experiments[0].choices.kind.clone()
+}
+
+/// A wheel that stays with the body is locked, or stuck, whatever the current's column shows.
+#[test]
+fn a_swing_with_a_still_wheel_is_a_free_swing() {
+    assert_eq!(kind_of(|rate| 0.02 * rate), "free-swing");
+}
+
+/// A wheel that is free keeps its own motion, so that it turns against the body.
+#[test]
+fn a_swing_with_a_free_wheel_is_no_free_swing() {
+    assert_ne!(kind_of(|rate| -rate), "free-swing");
+}
