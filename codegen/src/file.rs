@@ -23,6 +23,13 @@ pub struct EmittedFile {
     pub contents: String,
 }
 
+impl EmittedFile {
+    /// Whether the file is a Rust source of the crate itself, not one of its harness crate.
+    pub fn is_source(&self) -> bool {
+        self.path.starts_with("src/") && self.path.ends_with(".rs")
+    }
+}
+
 /// The reason why emitted files could not be written, or that they differ from the generator's output.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
@@ -67,6 +74,12 @@ impl EmittedCrate {
     pub fn file(&self, path: &str) -> Option<&str> {
         let file = self.files.iter().find(|file| file.path == path)?;
         Some(&file.contents)
+    }
+
+    /// Path and text of each source of the crate, without those of its harness crate.
+    pub fn sources(&self) -> impl Iterator<Item = (&str, &str)> {
+        let sources = self.files.iter().filter(|file| file.is_source());
+        sources.map(|file| (file.path.as_str(), file.contents.as_str()))
     }
 
     /// Writes the crate into `directory` (created if missing) and returns the files that changed.

@@ -1,7 +1,7 @@
 //! The hand-written helpers of the emitted crate, compiled here unchanged.
 //!
 //! They are tested in `codegen/tests/` and carried into the output by [`crate::runtime`]. Those
-//! that name emitted constants (`attitude.rs`, `controller.rs`) are compiled in the output only.
+//! that name emitted constants (`attitude.rs`, `controller.rs`, `monitor.rs`) are compiled in the output only.
 
 #[path = "../runtime/arc_tangent.rs"]
 pub mod arc_tangent;
@@ -19,6 +19,8 @@ pub mod lever_arm;
 pub mod line;
 #[path = "../runtime/madgwick.rs"]
 pub mod madgwick;
+#[path = "../runtime/motion.rs"]
+pub mod motion;
 #[path = "../runtime/pivot_angle.rs"]
 pub mod pivot_angle;
 #[path = "../runtime/product.rs"]

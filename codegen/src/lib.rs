@@ -9,7 +9,8 @@
 //!    prints them. No number is computed in this form.
 //!
 //! Only [`mod@file`] accesses the disk. Helpers that are ordinary tested Rust without
-//! numbers are in `codegen/runtime/`; [`runtime`] copies them into the output.
+//! numbers are in `codegen/runtime/`; [`runtime`] copies them into the output. [`harnesses`] does so for the
+//! Kani proofs, which become a crate of their own beside it.
 //!
 //! ```no_run
 //! # fn spec() -> codegen::spec::ModuleSpec { unimplemented!() }
@@ -32,8 +33,11 @@ pub mod file;
 pub mod format;
 pub mod hardware;
 pub mod hardware_words;
+pub mod harnesses;
 pub mod helpers;
 pub mod ir;
+pub mod modes;
+pub mod monitor;
 pub mod refusal;
 pub mod runtime;
 pub mod spec;
@@ -41,6 +45,7 @@ pub mod stability;
 pub mod supervisor;
 
 pub use file::{EmittedCrate, EmittedFile, FileError};
+pub use monitor::MonitorSpec;
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
 
@@ -51,6 +56,21 @@ pub use spec::ModuleSpec;
 /// # Errors
 /// A [`Refusal`] that names what is wrong and what would cure it.
 pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
+    emitted(spec, None)
+}
+
+/// As [`generate`], with a monitor: a function that says whether the measured motion is one that the model allows.
+///
+/// # Errors
+/// As [`generate`]; [`Refusal::Monitor`] where no bound of the model's motion is known.
+pub fn generate_with_monitor(
+    spec: &ModuleSpec,
+    monitor: &MonitorSpec,
+) -> Result<EmittedCrate, Refusal> {
+    emitted(spec, Some(monitor))
+}
+
+fn emitted(spec: &ModuleSpec, monitor: Option<&MonitorSpec>) -> Result<EmittedCrate, Refusal> {
     spec.validate()?;
     let law = control::derive(spec)?;
     stability::require_stable(spec, &law)?;
@@ -58,11 +78,18 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
 
     let mut files = vec![
         emit::cargo_toml::file(spec),
-        emit::lib_rs::file(spec),
+        emit::lib_rs::file(spec, monitor.is_some()),
         emit::control_rs::file(spec, &law),
         emit::constants_rs::file(spec, &law, &hardware),
     ];
-    files.extend(runtime::helpers(spec));
+    files.extend(runtime::emitted(&runtime::HELPERS, spec));
+    let numbers = monitor
+        .map(|told| monitor::derive(spec, &law, told))
+        .transpose()?;
+    if let Some(numbers) = &numbers {
+        files.push(emit::monitor_rs::file(spec, numbers));
+        files.extend(runtime::emitted(&runtime::MONITOR_HELPERS, spec));
+    }
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
         // The bound holds for `control` on the measured states. An observer that changes the angle
@@ -70,6 +97,14 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
         None if spec.hardware.bias_observer.is_some() => None,
         None => closed_loop::certify(spec, &law),
     };
-    files.push(emit::certificate::file(spec, &law, closed_loop, &files));
+    let modes = modes::derive(spec, &law);
+    let found = emit::certificate::Found {
+        monitor: monitor.zip(numbers.as_ref()),
+        modes: modes.as_ref(),
+        closed_loop,
+    };
+    let certificate = emit::certificate::file(spec, &law, found, &files);
+    files.extend(harnesses::files(spec, modes.as_ref()));
+    files.push(certificate);
     Ok(EmittedCrate { files })
 }

@@ -82,6 +82,12 @@ pub enum Refusal {
         /// One count of the drive (A).
         count_a: String,
     },
+    /// A monitor was asked for, and the model or the drive has none.
+    #[error("no monitor can be emitted: {reason}; generate without --monitor")]
+    Monitor {
+        /// What is missing.
+        reason: String,
+    },
     /// Sensors, mounting or converter have numbers that the emitted step cannot hold.
     #[error(transparent)]
     Hardware(#[from] crate::attitude::AttitudeRefusal),
@@ -100,7 +106,10 @@ impl Refusal {
     /// The claim that would fail; `None` if the input is not a usable number.
     pub fn claim(&self) -> Option<ClaimId> {
         match self {
-            Self::NotFinite { .. } | Self::NotPositive { .. } | Self::Hardware(_) => None,
+            Self::NotFinite { .. }
+            | Self::NotPositive { .. }
+            | Self::Hardware(_)
+            | Self::Monitor { .. } => None,
             Self::RangeTooLarge { .. }
             | Self::LimitAboveDrive { .. }
             | Self::LimitBelowResolution { .. }

@@ -44,7 +44,7 @@ impl Helper {
     }
 }
 
-/// Every helper of the emitted crate.
+/// Every helper of each emitted crate.
 pub const HELPERS: [Helper; 15] = [
     helper!("arc_tangent.rs"),
     helper!("attitude.rs"),
@@ -63,9 +63,12 @@ pub const HELPERS: [Helper; 15] = [
     helper!("supervisor.rs"),
 ];
 
-/// All helpers as they are emitted.
-pub fn helpers(spec: &ModuleSpec) -> Vec<EmittedFile> {
-    HELPERS
+/// The helpers of a crate with a monitor, beside [`HELPERS`].
+pub const MONITOR_HELPERS: [Helper; 2] = [helper!("monitor.rs"), helper!("motion.rs")];
+
+/// Helpers as they are emitted.
+pub fn emitted(helpers: &[Helper], spec: &ModuleSpec) -> Vec<EmittedFile> {
+    helpers
         .iter()
         .map(|helper| {
             helper
@@ -145,7 +148,7 @@ mod tests {
 
     #[test]
     fn every_helper_parses_and_is_formatted() {
-        for helper in HELPERS {
+        for helper in HELPERS.into_iter().chain(MONITOR_HELPERS) {
             let carried = without_tests(helper.source).unwrap();
             assert_eq!(carried, helper.source, "{}", helper.path);
         }

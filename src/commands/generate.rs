@@ -25,6 +25,9 @@ pub struct Arguments {
     /// The language: a Rust crate, or a C99 library for Arduino and PlatformIO (`prove` reads the Rust)
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub language: Language,
+    /// Add a monitor: a function that says whether the motion is one that the model allows
+    #[arg(long)]
+    pub monitor: bool,
     /// Compare instead of writing: exit code 1 if DIR differs from what would be written
     #[arg(long)]
     pub check: bool,
@@ -73,7 +76,12 @@ struct Generated<'a> {
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let out = &arguments.out;
     let preset = arguments.preset.map(PresetName::preset);
-    let controller = ControlDesign::read(&arguments.model)?.generate(preset)?;
+    let design = ControlDesign::read(&arguments.model)?;
+    let controller = if arguments.monitor {
+        design.generate_with_monitor(preset)?
+    } else {
+        design.generate(preset)?
+    };
     let controller = match arguments.language {
         Language::Rust => controller,
         Language::C => controller.in_c()?,

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use checker::certificate::Certificate;
-use codegen::{EmittedCrate, FileError};
+use codegen::{EmittedCrate, FileError, ModuleSpec, MonitorSpec, Refusal};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::bench_hardware::{BenchHardware, Preset};
 use crate::control_design::ControlDesign;
 use crate::error::Error;
+use crate::module_spec::simulated_noise;
 
 /// An emitted controller in memory: the result of
 /// [`ControlDesign::generate`](crate::ControlDesign::generate).
@@ -57,14 +58,37 @@ impl ControlDesign {
         self.generate_with(self.hardware(preset)?)
     }
 
+    /// As [`ControlDesign::generate`], with a monitor: a function that says whether the measured motion is one that
+    /// the model allows. The sensors' noise is that of the simulated sensors.
+    ///
+    /// # Errors
+    /// As [`ControlDesign::generate`]; [`Error::Refused`] too where no bound of the model's motion is known.
+    pub fn generate_with_monitor(
+        &self,
+        preset: Option<Preset>,
+    ) -> Result<GeneratedController, Error> {
+        self.emit(self.hardware(preset)?, |spec| {
+            let noise_std = simulated_noise();
+            codegen::generate_with_monitor(spec, &MonitorSpec { noise_std })
+        })
+    }
+
     /// As [`ControlDesign::generate`], for these sensors and this drive.
     pub(crate) fn generate_with(
         &self,
         hardware: BenchHardware,
     ) -> Result<GeneratedController, Error> {
+        self.emit(hardware, codegen::generate)
+    }
+
+    fn emit(
+        &self,
+        hardware: BenchHardware,
+        generate: impl Fn(&ModuleSpec) -> Result<EmittedCrate, Refusal>,
+    ) -> Result<GeneratedController, Error> {
         let (assumed, warnings) = (hardware.assumed.clone(), hardware.warnings.clone());
         let spec = self.module_spec_with(hardware)?;
-        let emitted = codegen::generate(&spec).map_err(|source| Error::Refused {
+        let emitted = generate(&spec).map_err(|source| Error::Refused {
             model: self.path(),
             source: Box::new(source),
         })?;
@@ -105,6 +129,11 @@ impl GeneratedController {
     pub fn files(&self) -> impl Iterator<Item = (&str, &str)> {
         let files = self.emitted.0.files.iter();
         files.map(|file| (file.path.as_str(), file.contents.as_str()))
+    }
+
+    /// Path inside the crate and text of each source of the controller, without those of its harness crate.
+    pub fn sources(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.emitted.0.sources()
     }
 
     /// Writes the crate into a folder (created if missing), and returns the files that changed.
@@ -153,10 +182,7 @@ impl GeneratedController {
 
     /// The emitted source, as the checker reads it.
     pub(crate) fn module(&self, model: &Path) -> Result<checker::Module, Error> {
-        let sources: Vec<(&str, &str)> = self
-            .files()
-            .filter(|(path, _)| path.ends_with(".rs"))
-            .collect();
+        let sources: Vec<(&str, &str)> = self.sources().collect();
         checker::Module::parse(&sources).map_err(|error| Error::Emitted {
             model: model.to_path_buf(),
             reason: format!("source: {error}"),

@@ -103,12 +103,7 @@ fn bias_observer(designed: &ControlDesign) -> Result<Option<BiasObserverSpec>, E
     let Some(time_constant_s) = wishes.bias_time_constant_s else {
         return Ok(None);
     };
-    let sensors = Sensors::of_the_thesis();
-    let noise = Vector3::new(
-        sensors.angle.noise_std,
-        sensors.rate.noise_std,
-        sensors.wheel_speed.noise_std,
-    );
+    let noise = Vector3::from(simulated_noise());
     let observer = BiasObserver::new(
         &designed.design().model,
         wishes.sample_time_s,
@@ -123,4 +118,14 @@ fn bias_observer(designed: &ControlDesign) -> Result<Option<BiasObserverSpec>, E
         from_current: observer.from_current,
         limit_rad: BIAS_LIMIT_RAD,
     }))
+}
+
+/// Standard deviations of the simulated sensors: angle (rad), rate and wheel speed (rad/s).
+pub(crate) fn simulated_noise() -> [f64; 3] {
+    let sensors = Sensors::of_the_thesis();
+    [
+        sensors.angle.noise_std,
+        sensors.rate.noise_std,
+        sensors.wheel_speed.noise_std,
+    ]
 }

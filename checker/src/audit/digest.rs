@@ -4,7 +4,12 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest, Sha256};
 
 /// Files that contain the numbers of a bench.
-const WITH_NUMBERS: [&str; 2] = ["src/constants.rs", "src/control.rs"];
+const WITH_NUMBERS: [&str; 4] = [
+    "src/constants.rs",
+    "src/control.rs",
+    "src/monitor_words.rs",
+    "verify/src/modes.rs",
+];
 
 /// SHA-256 of the tokens of a file, in hexadecimal; `None` if the text does not consist of Rust tokens.
 ///

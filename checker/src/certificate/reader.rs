@@ -69,6 +69,26 @@ pub struct Certificate {
     /// Bounds of the closed loop for all time; null if there are none.
     #[serde(deserialize_with = "stated")]
     pub closed_loop: Option<CertifiedLoop>,
+    /// Rows of the coordinates in which each mode of the loop decays by itself; null if there are none.
+    #[serde(deserialize_with = "stated")]
+    pub modes: Option<[[StatedDecimal; 3]; 3]>,
+    /// The monitor; missing where the module has none.
+    #[serde(default)]
+    pub monitor: Option<CertifiedMonitor>,
+}
+
+/// The monitor of the motion; see [`crate::claims::monitor`] for what the numbers mean.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedMonitor {
+    /// Standard deviations of the measured angle (rad), rate and wheel speed (rad/s).
+    pub noise_std: [StatedDecimal; 3],
+    /// Change of the body's rate by a push that is allowed (rad/s).
+    pub push_rad_s: StatedDecimal,
+    /// Limit of the sum of the wheel's own speed (rad/s).
+    pub wheel_limit_rad_s: StatedDecimal,
+    /// Limit of the sum of the body's rate (rad/s).
+    pub body_limit_rad_s: StatedDecimal,
 }
 
 /// A parameter of the model.

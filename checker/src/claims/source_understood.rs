@@ -57,7 +57,7 @@ pub fn by_reading(emitted: &Emitted, module: &Module) -> ClaimOutcome {
     )
 }
 
-/// Nothing is built but the sources, with nothing but `fixed`.
+/// Nothing is built but the sources, with nothing but `fixed`; and the harness crate with nothing but these.
 fn check_surroundings(emitted: &Emitted) -> Result<(), String> {
     if let Some(stray) = emitted.strays.first() {
         return Err(format!("{stray} does not belong to an emitted crate"));
@@ -65,5 +65,10 @@ fn check_surroundings(emitted: &Emitted) -> Result<(), String> {
     if !emitted.sources.iter().any(|(path, _)| path == "src/lib.rs") {
         return Err("there is no src/lib.rs".to_owned());
     }
-    manifest::read(&emitted.cargo).map(|_| ())
+    let own = manifest::read(&emitted.cargo)?;
+    match (&emitted.harness_cargo, emitted.harnesses.is_empty()) {
+        (Some(text), _) => manifest::read_harness(text, &own.name),
+        (None, true) => Ok(()),
+        (None, false) => Err("there is no verify/Cargo.toml".to_owned()),
+    }
 }

@@ -6,15 +6,30 @@ use crate::language::emitted::Emitted;
 
 /// Compares each file with the digests of the audited texts.
 pub fn by_digest(emitted: &Emitted) -> ClaimOutcome {
-    ClaimOutcome::proved(texts(emitted).map(|texts| format!("{} files", texts.len())))
+    let checked = texts(emitted).and_then(|texts| {
+        let harnesses = of_files(&emitted.harnesses)?;
+        Ok(match harnesses.len() {
+            0 => format!("{} files", texts.len()),
+            count => format!("{} files, and {count} of harnesses", texts.len()),
+        })
+    });
+    ClaimOutcome::proved(checked)
 }
 
-/// The audited text of each file.
+/// The audited text of each file of the crate, without its harness crate.
 ///
 /// # Errors
 /// A sentence that names the first file that is none.
 pub fn texts(emitted: &Emitted) -> Result<Vec<&'static AuditedText>, String> {
-    let found = emitted.sources.iter().map(|(path, text)| {
+    of_files(&emitted.sources)
+}
+
+/// The audited text of each of these files.
+///
+/// # Errors
+/// A sentence that names the first file that is none.
+pub fn of_files(files: &[(String, String)]) -> Result<Vec<&'static AuditedText>, String> {
+    let found = files.iter().map(|(path, text)| {
         let digest = digest::of_file(path, text).unwrap_or_default();
         known(path, &digest).ok_or_else(|| {
             if audited().iter().any(|text| text.file == *path) {

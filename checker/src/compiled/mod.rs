@@ -8,3 +8,4 @@
 pub mod harness;
 pub mod points;
 pub mod run;
+pub(crate) mod surroundings;

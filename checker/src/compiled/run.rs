@@ -1,8 +1,6 @@
 //! Builds and runs the crate in an empty folder, with a manifest of the checker.
 //!
-//! The surroundings have no influence: the environment is cleared except for the paths of the tools, the
-//! build is offline, the folder is a workspace of its own, and the folders above are checked for a `.cargo` or toolchain
-//! file.
+//! The surroundings have no influence, see [`crate::compiled::surroundings`]; the folder is a workspace of its own.
 
 use std::fs;
 use std::io;
@@ -12,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use crate::compiled::harness::{CRATE, Harness};
 use crate::compiled::points::Point;
+use crate::compiled::surroundings::{cargo, in_the_way};
 use crate::language::emitted::Emitted;
 
 /// The reason why there is no comparison, or its negative result.
@@ -25,22 +24,6 @@ pub enum RunFailure {
 
 /// Time limit of the build, and of the run.
 const PATIENCE: Duration = Duration::from_secs(300);
-
-/// The environment variables that Cargo and rustc need: their paths, and the user's folder of crates.
-const KEPT: [&str; 12] = [
-    "PATH",
-    "HOME",
-    "USERPROFILE",
-    "CARGO_HOME",
-    "RUSTUP_HOME",
-    "RUSTUP_TOOLCHAIN",
-    "SYSTEMROOT",
-    "TMPDIR",
-    "TEMP",
-    "TMP",
-    "LD_LIBRARY_PATH",
-    "DYLD_LIBRARY_PATH",
-];
 
 /// Compiles the sources and compares every point; returns their number.
 ///
@@ -107,19 +90,6 @@ pub fn compare(
     Ok(points.len())
 }
 
-/// A file in a folder above that would influence Cargo or rustup.
-fn in_the_way(folder: &Path) -> Option<String> {
-    let own = std::env::var_os("CARGO_HOME")
-        .map(std::path::PathBuf::from)
-        .or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
-    let names = [".cargo", "rust-toolchain", "rust-toolchain.toml"];
-    folder
-        .ancestors()
-        .flat_map(|above| names.map(|name| above.join(name)))
-        .find(|path| path.exists() && own.as_ref() != Some(path))
-        .map(|path| path.display().to_string())
-}
-
 fn write_crate(
     root: &Path,
     emitted: &Emitted,
@@ -140,18 +110,6 @@ fn write_crate(
         fs::write(root.join(path), text)?;
     }
     Ok(())
-}
-
-/// A command with the tools' environment only.
-fn cargo(root: &Path) -> Command {
-    let mut command = Command::new("cargo");
-    command.env_clear().current_dir(root).stdin(Stdio::null());
-    for name in KEPT {
-        if let Some(value) = std::env::var_os(name) {
-            command.env(name, value);
-        }
-    }
-    command
 }
 
 /// Builds `fixed` alone first: if it is missing, that is not a fault of the emitted crate.

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::language::harness;
 use crate::language::module::{Module, ReadError, sources};
 use crate::program::place::SourceError;
 
@@ -39,7 +40,11 @@ pub struct Emitted {
     pub cargo: String,
     /// `certificate.json`.
     pub certificate: String,
-    /// Other files in the folder that would be compiled or run with the crate.
+    /// The sources of the harness crate, `verify/src/**.rs`, by path; none where the folder has no `verify`.
+    pub harnesses: Vec<(String, String)>,
+    /// `verify/Cargo.toml`, where there is one.
+    pub harness_cargo: Option<String>,
+    /// Other files in the folder that would be compiled or run with the crate, or with its harness crate.
     pub strays: Vec<String>,
 }
 
@@ -60,11 +65,16 @@ impl Emitted {
                 EmittedError::Io { path, source }
             })
         };
+        let harness = harness::read(directory)?;
+        let mut strays = strays(directory)?;
+        strays.extend(harness.strays);
         Ok(Emitted {
             certificate: text("certificate.json")?,
             cargo: text("Cargo.toml")?,
             sources: sources(directory).map_err(EmittedError::Read)?,
-            strays: strays(directory)?,
+            harnesses: harness.sources,
+            harness_cargo: harness.cargo,
+            strays,
         })
     }
 

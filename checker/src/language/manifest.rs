@@ -1,4 +1,4 @@
-//! `Cargo.toml` of an emitted crate: the only entries that it may have.
+//! `Cargo.toml` of an emitted crate, and of its harness crate: the only entries that they may have.
 
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
@@ -67,6 +67,15 @@ pub fn read(text: &str) -> Result<Manifest, String> {
         return Err("Cargo.toml takes the default features of `fixed`".to_owned());
     }
 
+    check_lints(root)?;
+    Ok(Manifest {
+        name: name.to_owned(),
+        fixed_version: version.to_owned(),
+    })
+}
+
+/// Unsafe code is forbidden, and no lint is weaker than the emitted one.
+fn check_lints(root: &dyn TableLike) -> Result<(), String> {
     let lints = table(root, "lints")?;
     only(lints, "lints.", &["rust"])?;
     let rust = table(lints, "rust")?;
@@ -89,10 +98,42 @@ pub fn read(text: &str) -> Result<Manifest, String> {
             return Err("Cargo.toml: check-cfg knows more than cfg(kani)".to_owned());
         }
     }
-    Ok(Manifest {
-        name: name.to_owned(),
-        fixed_version: version.to_owned(),
-    })
+    Ok(())
+}
+
+/// Reads the manifest of the harness crate beside the crate called `name`: a package of edition 2024 that depends on
+/// that crate alone, runs nothing while it is built, and forbids unsafe code.
+///
+/// # Errors
+/// A sentence that names the first key that is missing or not allowed.
+pub fn read_harness(text: &str, name: &str) -> Result<(), String> {
+    let check = || {
+        let document: DocumentMut = text
+            .parse()
+            .map_err(|error| format!("Cargo.toml is no TOML: {error}").replace('\n', " "))?;
+        let root = document.as_table();
+        only(root, "", &["package", "dependencies", "lints", "workspace"])?;
+        let package = table(root, "package")?;
+        let texts = ["name", "version", "edition", "description", "license"];
+        let others = ["publish", "metadata"];
+        only(package, "package.", &[&texts[..], &others].concat())?;
+        for key in texts {
+            string(package, "package.", key)?;
+        }
+        expect(package, "package.", "edition", "2024")?;
+        let dependencies = table(root, "dependencies")?;
+        only(dependencies, "dependencies.", &["generated"])?;
+        let generated = table(dependencies, "generated")?;
+        let path = "dependencies.generated.";
+        only(generated, path, &["path", "package"])?;
+        expect(generated, path, "path", "..")?;
+        if generated.contains_key("package") || name != "generated" {
+            expect(generated, path, "package", name)?;
+        }
+        check_lints(root)?;
+        only(table(root, "workspace")?, "workspace.", &[])
+    };
+    check().map_err(|why: String| format!("verify/{why}"))
 }
 
 /// No keys but these.
@@ -128,7 +169,30 @@ fn expect(within: &dyn TableLike, path: &str, key: &str, wanted: &str) -> Result
 
 #[cfg(test)]
 mod tests {
-    use super::read;
+    use super::{read, read_harness};
+
+    #[test]
+    fn the_harness_crate_depends_on_the_emitted_one_alone() {
+        let good = "[package]\nname = \"x-verify\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
+                    description = \"\"\nlicense = \"\"\n[dependencies]\ngenerated = { path = \"..\" }\n\
+                    [lints.rust]\nunsafe_code = \"forbid\"\n[workspace]\n";
+        read_harness(good, "generated").unwrap();
+        assert!(read_harness(good, "other").is_err());
+        let renamed = good.replace("\"..\"", "\"..\", package = \"other\"");
+        read_harness(&renamed, "other").unwrap();
+        for (from, to) in [
+            ("[workspace]", ""),
+            ("[workspace]", "[workspace]\nmembers = [\"y\"]"),
+            ("[workspace]", "[build-dependencies]\n[workspace]"),
+            ("\"..\"", "\"../..\""),
+            ("[lints", "evil = \"1\"\n[lints"),
+            ("forbid", "allow"),
+            ("edition", "build = \"evil.rs\"\nedition"),
+        ] {
+            let error = read_harness(&good.replace(from, to), "generated").unwrap_err();
+            assert!(error.starts_with("verify/Cargo.toml"), "{to}: {error}");
+        }
+    }
 
     #[test]
     fn whatever_cargo_would_obey_is_looked_at() {

@@ -5,6 +5,7 @@ pub mod attributes;
 pub mod contracts;
 pub mod declarations;
 pub mod emitted;
+pub(crate) mod harness;
 mod imports;
 pub mod lower;
 pub mod manifest;

@@ -1,30 +1,49 @@
-//! The harnesses of the crate `verify`, run by Kani.
+//! The harnesses that were emitted with the crate, run by Kani.
 
+use std::fs;
+use std::io;
 use std::path::Path;
-use std::process::Command;
 
+use crate::certificate::reader::Certificate;
+use crate::claims::closed_loop_agreement::NO_MODES;
 use crate::claims::outcome::{ClaimOutcome, KANI};
+use crate::claims::texts_audited;
+use crate::compiled::surroundings::{cargo, in_the_way};
+use crate::language::emitted::Emitted;
+use crate::language::manifest;
 use crate::prove::results::{ClaimResult, Table};
 use crate::prove::settings::ProofSettings;
 
-/// Claims that harnesses of the crate `verify` settle. A harness belongs to the claim with whose name it begins. A
+/// Claims that the emitted harnesses settle. A harness belongs to the claim with whose name it begins. A
 /// harness that begins with no claim's name shows a contract or a range on which other harnesses rest; it counts for
 /// `primitives`.
-const CLAIMS: [&str; 6] = [
+const CLAIMS: [&str; 7] = [
     "control-total",
     "control-accurate",
     "primitives",
     "filter-total",
     "step-total",
     "supervisor",
+    "closed-loop-agreement",
 ];
 
-/// The harnesses of the crate `verify` beside `directory`, if Kani is installed.
-pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResult> {
+/// The harnesses that were emitted with the crate, if Kani is installed.
+pub(crate) fn kani(
+    emitted: &Emitted,
+    certificate: &Certificate,
+    settings: &ProofSettings,
+) -> Vec<ClaimResult> {
     let mut table = Table(Vec::new(), None);
-    match output(directory, settings) {
+    match output(emitted, settings) {
         Ok(text) => {
             for (id, outcome, seconds) in kani_rows(&text) {
+                // Without modes all numbers of the harness are zero, and it proves nothing.
+                let is_empty = id == "closed-loop-agreement" && certificate.modes.is_none();
+                let outcome = if is_empty {
+                    ClaimOutcome::NotApplicable(NO_MODES.to_owned())
+                } else {
+                    outcome
+                };
                 table.row(id, KANI, outcome, seconds);
             }
         }
@@ -38,29 +57,36 @@ pub(crate) fn kani(directory: &Path, settings: &ProofSettings) -> Vec<ClaimResul
 }
 
 /// The output of Kani, or the reason why it did not run.
-fn output(directory: &Path, settings: &ProofSettings) -> Result<String, String> {
+fn output(emitted: &Emitted, settings: &ProofSettings) -> Result<String, String> {
     if !settings.kani {
         return Err("switched off".to_owned());
     }
-    // The harnesses call the crate `generated` beside them, and no other.
-    let is_theirs = directory
-        .canonicalize()
-        .is_ok_and(|path| path.file_name().is_some_and(|name| name == "generated"));
-    let manifest = directory.join("../verify/Cargo.toml");
-    if !is_theirs || !manifest.is_file() {
-        return Err("no harnesses (crate verify) belong to this folder".to_owned());
+    if emitted.harnesses.is_empty() {
+        return Err("the folder has no harnesses (verify/): generate it again".to_owned());
     }
-    let is_installed = Command::new("cargo")
+    if settings.audited_texts {
+        texts_audited::of_files(&emitted.harnesses)?;
+    }
+    let fixed_version = manifest::read(&emitted.cargo)?.fixed_version;
+    let io = |error: std::io::Error| format!("a temporary folder: {error}");
+    let folder = tempfile::tempdir().map_err(io)?;
+    let root = folder.path();
+    if let Some(path) = in_the_way(root) {
+        return Err(format!(
+            "{path} would count for a build in {}",
+            root.display()
+        ));
+    }
+    let is_installed = cargo(root)
         .args(["kani", "--version"])
         .output()
         .is_ok_and(|output| output.status.success());
     if !is_installed {
         return Err("cargo kani is not installed".to_owned());
     }
-    let output = Command::new("cargo")
+    write_crates(root, emitted, &fixed_version).map_err(io)?;
+    let output = cargo(&root.join("verify"))
         .arg("kani")
-        .arg("--manifest-path")
-        .arg(&manifest)
         .output()
         .map_err(|error| format!("cargo kani: {error}"))?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -71,6 +97,43 @@ fn output(directory: &Path, settings: &ProofSettings) -> Result<String, String> 
         let last = lines.lines().rev().find(|line| !line.trim().is_empty());
         Err(format!("cargo kani: {}", last.unwrap_or("no harness ran")))
     }
+}
+
+/// Writes the emitted crate into `root`, and its harness crate into `root/verify`, under manifests of the checker: what
+/// Kani builds is what was read, and nothing else.
+///
+/// # Errors
+/// What the system says if a file cannot be written.
+pub fn write_crates(root: &Path, emitted: &Emitted, fixed_version: &str) -> io::Result<()> {
+    let package = |name: &str| {
+        format!(
+            "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\
+             build = false\n\n[lib]\npath = \"src/lib.rs\"\n\n[lints.rust]\n\
+             unexpected_cfgs = {{ level = \"warn\", check-cfg = ['cfg(kani)'] }}\n\n"
+        )
+    };
+    let own = format!(
+        "{}[dependencies]\nfixed = {{ version = \"{fixed_version}\", default-features = false }}\n",
+        package("generated")
+    );
+    let harness = format!(
+        "{}[package.metadata.kani.unstable]\nfunction-contracts = true\nstubbing = true\n\n\
+         [workspace]\n\n[dependencies]\ngenerated = {{ path = \"..\" }}\n",
+        package("verify")
+    );
+    let manifests = [("Cargo.toml", &own), ("verify/Cargo.toml", &harness)];
+    let sources = emitted.sources.iter().chain(&emitted.harnesses);
+    let files = manifests
+        .into_iter()
+        .chain(sources.map(|(path, text)| (path.as_str(), text)));
+    for (path, text) in files {
+        let path = root.join(path);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        fs::write(path, text)?;
+    }
+    Ok(())
 }
 
 /// The line that ends a harness.
@@ -141,7 +204,9 @@ mod tests {
         let words: Vec<_> = rows.iter().map(|(_, outcome, _)| outcome.word()).collect();
         assert_eq!(
             words,
-            ["proved", "failed", "proved", "not run", "failed", "proved"]
+            [
+                "proved", "failed", "proved", "not run", "failed", "proved", "not run"
+            ]
         );
         assert_eq!((rows[0].0, rows[0].2), ("control-total", 2.25));
         assert!(rows[4].1.why().contains("1 of 2"), "{:?}", rows[4].1);

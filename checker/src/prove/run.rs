@@ -52,6 +52,6 @@ pub fn prove(
         })
         .transpose()?;
     let mut results = settle_saying(&emitted, &certificate, model.as_deref(), settings, say);
-    results.extend(kani(directory, settings));
+    results.extend(kani(&emitted, &certificate, settings));
     Ok(complete(results, "switched off"))
 }

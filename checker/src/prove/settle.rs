@@ -8,12 +8,12 @@ use crate::claims::outcome::{
     COMPILED, ClaimOutcome, EXACT, INTERVALS, PYTHON, RANDOM, READER, SMT,
 };
 use crate::claims::{
-    bias_observer_stable, certificate_consistent, closed_loop_for_all_time, closed_loop_second,
-    closed_loop_stable, compiled_agrees, control_accurate, control_accurate_real_gains,
-    control_monotone, control_total, filter_accurate, filter_exact, filter_length, filter_total,
-    hardware_words, loop_as_shipped, model_matches, physical_signs, primitives,
-    region_of_attraction, source_understood, stable_for_parameters, step_total, supervisor,
-    texts_audited,
+    bias_observer_stable, certificate_consistent, closed_loop_agreement, closed_loop_for_all_time,
+    closed_loop_second, closed_loop_stable, compiled_agrees, control_accurate,
+    control_accurate_real_gains, control_monotone, control_total, filter_accurate, filter_exact,
+    filter_length, filter_total, hardware_words, loop_as_shipped, model_matches, monitor,
+    physical_signs, primitives, region_of_attraction, source_understood, stable_for_parameters,
+    step_total, supervisor, texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -133,6 +133,7 @@ pub fn settle_telling(
         // Six leans and four rates.
         ClaimOutcome::tested(checked.map(|()| 10))
     });
+    monitor_claims(&mut table, &module, certificate, &law, settings);
     say("the closed loop");
     loop_claims(&mut table, emitted, &module, certificate, &law, settings);
     complete(table.0, "switched off")
@@ -193,6 +194,29 @@ fn control_claims(
     });
     ask("control-monotone", &|| {
         control_monotone::by_smt(program, certificate)
+    });
+}
+
+/// The claims about the monitor, where the module has one.
+fn monitor_claims(
+    table: &mut Table,
+    module: &Module,
+    certificate: &Certificate,
+    law: &EmittedLaw,
+    settings: &ProofSettings,
+) {
+    let absent = || monitor::absent(module, certificate);
+    table.add("monitor-total", INTERVALS, || {
+        absent().unwrap_or_else(|| monitor::total_by_intervals(module))
+    });
+    table.add("monitor-silent", EXACT, || {
+        absent().unwrap_or_else(|| monitor::silent_by_words(module, certificate, law))
+    });
+    table.add("monitor-silent", RANDOM, || {
+        absent().unwrap_or_else(|| {
+            let (cases, seed) = (settings.cases, settings.seed);
+            ClaimOutcome::tested(monitor::runs::run(module, cases, seed))
+        })
     });
 }
 
@@ -285,6 +309,9 @@ fn loop_claims(
         } else {
             ClaimOutcome::NotRun("switched off".to_owned())
         }
+    });
+    table.add("closed-loop-agreement", EXACT, || {
+        closed_loop_agreement::by_exact_arithmetic(certificate, emitted, module, law)
     });
     table.add("region-of-attraction", EXACT, || {
         region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law)

@@ -6,6 +6,8 @@ mod attraction;
 mod certificate;
 mod closed_loop;
 mod document;
+mod folders;
+mod harnesses;
 mod interpreter;
 mod intervals;
 mod length;

@@ -4,6 +4,8 @@ use checker::certificate::reader::Certificate;
 use checker::prove::{Emitted, settle};
 use checker::{ClaimOutcome, Machine, Module, ProofSettings};
 
+use crate::folders::copied;
+
 fn refused(body: &str) -> String {
     let text = format!("pub fn f(a: i32, b: i32) -> i32 {{\n    {body}\n}}\n");
     match Module::parse(&[("src/x.rs", &text)]) {
@@ -287,17 +289,7 @@ fn the_root_declares_every_file_and_forbids_unsafe() {
 
 #[test]
 fn files_that_would_be_built_along_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let copy = |name: &str| {
-        let text = std::fs::read(format!("../generated/{name}")).unwrap();
-        std::fs::write(folder.path().join(name), text).unwrap();
-    };
-    std::fs::create_dir(folder.path().join("src")).unwrap();
-    copy("Cargo.toml");
-    copy("certificate.json");
-    for entry in std::fs::read_dir("../generated/src").unwrap() {
-        copy(&format!("src/{}", entry.unwrap().file_name().display()));
-    }
+    let folder = copied("../generated");
     let strays = || Emitted::read(folder.path()).unwrap().strays;
     assert_eq!(strays(), [""; 0]);
     std::fs::write(folder.path().join("build.rs"), "fn main() {}").unwrap();

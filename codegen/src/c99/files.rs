@@ -10,7 +10,7 @@ use super::{Result, Untranslatable, comments, constants, place};
 use crate::file::{EmittedCrate, EmittedFile, MARK};
 
 /// The functions that a firmware calls: module, structure, name in Rust, name in C.
-const PUBLIC: [(&str, Option<&str>, &str, &str); 11] = [
+const PUBLIC: [(&str, Option<&str>, &str, &str); 13] = [
     ("controller", Some("Controller"), "new", "flywheel_init"),
     ("controller", Some("Controller"), "arm", "flywheel_arm"),
     (
@@ -41,6 +41,13 @@ const PUBLIC: [(&str, Option<&str>, &str, &str); 11] = [
         Some("Attitude"),
         "quaternion",
         "flywheel_quaternion",
+    ),
+    ("monitor", Some("Monitor"), "new", "flywheel_monitor_init"),
+    (
+        "monitor",
+        Some("Monitor"),
+        "allows",
+        "flywheel_monitor_allows",
     ),
 ];
 /// Constants that a firmware uses.
@@ -136,9 +143,16 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
         }
     }
     let mut shown = BTreeSet::new();
-    for (module, name) in [("controller", "Controller"), ("controller", "Sample")] {
-        let own = Type::Struct((module.to_string(), name.to_string()));
-        collect(&items, &own, &mut shown);
+    let kept_by_the_firmware = [
+        ("controller", "Controller"),
+        ("controller", "Sample"),
+        ("monitor", "Monitor"),
+    ];
+    for (module, name) in kept_by_the_firmware {
+        let key = (module.to_string(), name.to_string());
+        if items.structs.contains_key(&key) {
+            collect(&items, &Type::Struct(key), &mut shown);
+        }
     }
     let title = title(emitted);
     let source = source(&Parts {

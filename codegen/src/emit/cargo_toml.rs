@@ -1,6 +1,6 @@
-//! `Cargo.toml` of the emitted crate.
+//! `Cargo.toml` of the emitted crate, and that of its harness crate.
 //!
-//! It inherits nothing, so that the crate builds inside a workspace and alone.
+//! They inherit nothing, so that the crates build inside a workspace and alone.
 
 use crate::emit::header;
 use crate::file::EmittedFile;
@@ -31,6 +31,45 @@ unexpected_cfgs = {{ level = "warn", check-cfg = ['cfg(kani)'] }}
     );
     EmittedFile {
         path: "Cargo.toml".to_owned(),
+        contents,
+    }
+}
+
+/// Emits `verify/Cargo.toml`.
+///
+/// The harness crate is a workspace of its own: Cargo then looks for none above it, to which the crate would have to
+/// belong.
+pub fn harness_file(spec: &ModuleSpec) -> EmittedFile {
+    let header = header(spec);
+    let contents = format!(
+        r#"# {header}.
+
+[package]
+name = "generated-verify"
+version = "0.1.0"
+edition = "2024"
+description = "Properties of the controller beside it, and their Kani proofs: run `cargo kani` here"
+license = "MIT OR Apache-2.0"
+publish = false
+
+# Contracts of the primitives, and their use in place of the functions.
+[package.metadata.kani.unstable]
+function-contracts = true
+stubbing = true
+
+[dependencies]
+generated = {{ path = ".." }}
+
+[lints.rust]
+unsafe_code = "forbid"
+missing_docs = "warn"
+unexpected_cfgs = {{ level = "warn", check-cfg = ['cfg(kani)'] }}
+
+[workspace]
+"#
+    );
+    EmittedFile {
+        path: "verify/Cargo.toml".to_owned(),
         contents,
     }
 }

@@ -12,6 +12,8 @@ use crate::emit::{control_rs, single_line};
 use crate::exact::{ShortestDecimal, outward};
 use crate::file::{EmittedFile, MARK};
 use crate::ir::IntegerLaw;
+use crate::modes::Modes;
+use crate::monitor::{MonitorNumbers, MonitorSpec};
 use crate::spec::ModuleSpec;
 
 /// Version of the layout below; raised when a field changes its meaning.
@@ -51,6 +53,11 @@ struct Certificate<'a> {
     bias_observer: Option<Observer>,
     /// Bounds of the closed loop for all time, where they have been computed.
     closed_loop: Option<serde_json::Value>,
+    /// Rows of the coordinates in which each mode of the loop decays by itself, where there are such.
+    modes: Option<[[String; 3]; 3]>,
+    /// The monitor, where the module has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    monitor: Option<Monitor>,
 }
 
 #[derive(Debug, Serialize)]
@@ -148,6 +155,28 @@ struct Observer {
     limit_rad: String,
 }
 
+/// What the monitor's words were made of, beside the model.
+#[derive(Debug, Serialize)]
+struct Monitor {
+    /// rad, rad/s, rad/s.
+    noise_std: [String; 3],
+    push_rad_s: String,
+    wheel_limit_rad_s: String,
+    body_limit_rad_s: String,
+}
+
+impl Monitor {
+    fn of(told: &MonitorSpec, found: &MonitorNumbers) -> Monitor {
+        let number = |value: f64| ShortestDecimal::new(value).text;
+        Monitor {
+            noise_std: told.noise_std.map(number),
+            push_rad_s: number(found.push_rad_s),
+            wheel_limit_rad_s: number(found.wheel_limit_rad_s),
+            body_limit_rad_s: number(found.body_limit_rad_s),
+        }
+    }
+}
+
 #[derive(Debug, Serialize)]
 struct Claim {
     id: ClaimId,
@@ -157,11 +186,21 @@ struct Claim {
     bound: Option<String>,
 }
 
+/// What was found for the module beside its law.
+pub struct Found<'a> {
+    /// What the monitor was told, and its numbers.
+    pub monitor: Option<(&'a MonitorSpec, &'a MonitorNumbers)>,
+    /// The modes of the loop.
+    pub modes: Option<&'a Modes>,
+    /// Bounds of the closed loop for all time.
+    pub closed_loop: Option<serde_json::Value>,
+}
+
 /// Emits `certificate.json` for the `sources` emitted so far.
 pub fn file(
     spec: &ModuleSpec,
     law: &IntegerLaw,
-    closed_loop: Option<serde_json::Value>,
+    found: Found<'_>,
     sources: &[EmittedFile],
 ) -> EmittedFile {
     let number = |value: f64| ShortestDecimal::new(value).text;
@@ -242,7 +281,11 @@ pub fn file(
                 from_current: number(observer.from_current),
                 limit_rad: number(observer.limit_rad),
             }),
-        closed_loop,
+        closed_loop: found.closed_loop,
+        modes: found
+            .modes
+            .map(|modes| modes.rows.map(|row| row.map(number))),
+        monitor: found.monitor.map(|(told, found)| Monitor::of(told, found)),
     };
     let mut contents =
         serde_json::to_string_pretty(&certificate).expect("strings and integers serialise");

@@ -30,8 +30,31 @@ const EXAMPLE: [&str; 20] = [
     "`status()` says why there is no current; a trip lasts until `arm()` succeeds.",
 ];
 
+/// What a firmware with a monitor adds after each step.
+const MONITOR_EXAMPLE: [&str; 19] = [
+    "",
+    "# Monitor",
+    "",
+    "```",
+    "use generated::{Controller, Monitor, Sample, Status, wheel_speed};",
+    "",
+    "let (mut controller, mut monitor) = (Controller::new(), Monitor::new());",
+    "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };",
+    "let duty = controller.step(&sample);",
+    "// Whether the wheel and the body move as the model allows after the duties that were sent.",
+    "let is_running = controller.status() == Status::Running;",
+    "let (angle, rate) = (controller.attitude().angle(), controller.attitude().rate());",
+    "if !monitor.allows(is_running, angle, rate, wheel_speed(sample.wheel_adc), duty) {",
+    "    controller.fault();",
+    "}",
+    "```",
+    "",
+    "A wheel that does not answer, a sign that is wrong or a motor that is stuck ends the motion that",
+    "the model allows, before the body leans far.",
+];
+
 /// Emits `src/lib.rs`.
-pub fn file(spec: &ModuleSpec) -> EmittedFile {
+pub fn file(spec: &ModuleSpec, has_monitor: bool) -> EmittedFile {
     let mut lines = vec![
         "Fixed-point controller of a reaction-wheel pendulum.".to_owned(),
         String::new(),
@@ -59,6 +82,18 @@ pub fn file(spec: &ModuleSpec) -> EmittedFile {
         list(&mut lines, &spec.assumed);
     }
     lines.extend(EXAMPLE.iter().map(|line| (*line).to_owned()));
+    let (mut monitor_modules, mut monitor_use) = (quote!(), quote!());
+    if has_monitor {
+        lines.extend(MONITOR_EXAMPLE.iter().map(|line| (*line).to_owned()));
+        monitor_modules = quote! {
+            pub mod monitor;
+            pub mod monitor_words;
+            pub mod motion;
+        };
+        monitor_use = quote!(
+            pub use monitor::Monitor;
+        );
+    }
     let docs = inner_docs(&lines);
     let tokens = quote! {
         #docs
@@ -78,6 +113,7 @@ pub fn file(spec: &ModuleSpec) -> EmittedFile {
         pub mod lever_arm;
         pub mod line;
         pub mod madgwick;
+        #monitor_modules
         pub mod pivot_angle;
         pub mod product;
         pub mod root;
@@ -88,6 +124,7 @@ pub fn file(spec: &ModuleSpec) -> EmittedFile {
         pub use control::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed, control};
         pub use constants::{SAMPLE_TIME_US, ZERO_CURRENT};
         pub use controller::{Controller, Duty, Sample, duty, wheel_speed};
+        #monitor_use
         pub use supervisor::Status;
     };
     EmittedFile {

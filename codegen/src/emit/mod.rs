@@ -53,6 +53,8 @@ mod certificate_hardware;
 pub mod constants_rs;
 pub mod control_rs;
 pub mod lib_rs;
+pub mod modes_rs;
+pub mod monitor_rs;
 
 /// The header line of an emitted file, without comment sign.
 fn header(spec: &ModuleSpec) -> String {

@@ -5,6 +5,7 @@ mod arithmetic;
 mod c99;
 mod emission;
 mod files;
+mod monitor;
 mod refusals;
 mod runtime_drift;
 mod runtime_filter;

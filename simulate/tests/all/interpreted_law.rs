@@ -94,12 +94,7 @@ fn a_law_emitted_for_another_bench_balances_it() {
         closed_loop: None,
     };
     let emitted = codegen::generate(&spec).unwrap();
-    let sources: Vec<(&str, &str)> = emitted
-        .files
-        .iter()
-        .filter(|file| file.path.ends_with(".rs"))
-        .map(|file| (file.path.as_str(), file.contents.as_str()))
-        .collect();
+    let sources: Vec<(&str, &str)> = emitted.sources().collect();
     let mut from_source = InterpretedLaw::new(&Module::parse(&sources).unwrap()).unwrap();
     let mut exact = ExactLaw {
         gains: design.gains,

@@ -7,6 +7,7 @@ mod emitted_law;
 mod faults;
 mod independent_simulation;
 mod interpreted_law;
+mod monitor;
 mod physics;
 mod raw_counts;
 mod rounding;

@@ -4,4 +4,5 @@ mod attitude;
 mod certificate;
 mod claims;
 mod control;
+mod modes;
 mod supervisor;

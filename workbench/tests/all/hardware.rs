@@ -130,10 +130,7 @@ fn an_upside_down_sensor_balances() {
     for (more, stands) in [(mounted, true), (axes, true), ("", false)] {
         let design = designed(2.0, more);
         let controller = design.generate(Some(Preset::ThesisBench)).expect("emitted");
-        let sources: Vec<_> = controller
-            .files()
-            .filter(|(path, _)| path.ends_with(".rs"))
-            .collect();
+        let sources: Vec<_> = controller.sources().collect();
         let module = checker::Module::parse(&sources).expect("its own source");
         let mut running = InterpretedController::new(&module).expect("a controller");
         let plant = Plant::new(design.model(), design.values(), Kind::Balance);

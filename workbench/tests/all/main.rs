@@ -8,6 +8,7 @@ mod hardware;
 mod learned;
 mod loops;
 mod magnet;
+mod monitored;
 mod results;
 mod session;
 mod sliders;

@@ -1,6 +1,6 @@
 //! Kani harnesses: the properties on every input at once.
 //!
-//! Run all of them with `cargo kani -p verify`. A harness is called like the claim that it settles.
+//! Run all of them with `cargo kani` in the folder of this crate. A harness is called like the claim that it settles.
 //! Solvers: overflow and ranges close fastest with Kani's default (CaDiCaL), comparison with exact
 //! arithmetic only with kissat. Each `cover!` shows that a region which a claim speaks of is
 //! reached at all.

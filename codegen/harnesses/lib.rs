@@ -1,21 +1,24 @@
-//! The claims of the emitted crate `generated`, stated once and decided by several engines.
+//! The claims of the controller beside this crate, each stated once and decided by several engines.
 //!
 //! Each property in [`properties`] is a plain function that asserts it for one input. The same
 //! function is called
 //!
-//! - by the tests in `verify/tests/`, on tables of extreme words and on random ones (proptest), and
-//! - by the harnesses in `proofs` (compiled only by `cargo kani -p verify`), on every input at
+//! - by tests, on tables of extreme words and on random ones, and
+//! - by the harnesses in `proofs…` (compiled only by `cargo kani` in this folder), on every input at
 //!   once.
 //!
 //! Every claim is thus executable, and none is stated twice. The identifiers of the claims are
-//! those of `generated/certificate.json`.
+//! those of `flywheel prove`.
 
+pub mod modes;
 pub mod properties;
 
 #[cfg(kani)]
 mod proofs;
 #[cfg(kani)]
 mod proofs_attitude;
+#[cfg(kani)]
+mod proofs_modes;
 #[cfg(kani)]
 mod proofs_step;
 #[cfg(kani)]

@@ -1,0 +1,329 @@
+//! The words of `MOTION_LIMITS`, from the certificate's plant, parameters, sensors and drive.
+//!
+//! Why a sound bench stays within them: let r be what a step's change of a speed differs from the sampled model's, and
+//! s⁺ = (1 − 2⁻ᵐ) s + r the monitor's sum. An error n of a sensor enters r as the difference n⁺ − n of two steps, which adds
+//! up to at most 2 max |n|; as a part of the predicted row a, it enters by |a n| in each step, which adds up to at most
+//! 2ᵐ |a| max |n|. So does any torque of bounded size. A current that acts up to two steps late leaves the
+//! currents of these two steps, and a share (1 − 2⁻ᵐ)⁻² − 1 of all that is remembered. Numbers of the model that
+//! are off by a share leave this share of what they multiply, which the width adds up with the same memory. One
+//! push changes the body's rate once. All this is derived here a second time.
+
+use num_traits::ToPrimitive;
+
+use crate::certificate::reader::{Certificate, StatedDecimal};
+use crate::claims::control_law::EmittedLaw;
+use crate::language::module::Module;
+
+/// The memory of the sums (s), to within a factor of √2.
+const MEMORY_S: f64 = 0.1;
+/// Largest noise, in standard deviations.
+const NOISE_STDS: f64 = 8.0;
+/// Error of the filter's angle beside its noise (rad).
+const ANGLE_ERROR_RAD: f64 = 0.02;
+/// Share of a parameter whose error is not stated.
+const UNSTATED_SHARE: f64 = 0.1;
+/// Share of a row that sampling and rounding leave.
+const ROW_SHARE: f64 = 0.01;
+/// Steps by which a current may be late.
+const LATE_STEPS: f64 = 2.0;
+/// Fraction bits of a sum.
+const SUM_BITS: i32 = 16;
+/// Relative tolerance of double precision.
+const TOLERANCE: f64 = 1e-6;
+
+/// Parameters of the linear model, and those of motions with a bounded torque.
+const KNOWN: [&str; 17] = [
+    "total_inertia",
+    "wheel_inertia",
+    "body_inertia",
+    "gravity_torque",
+    "torque_constant",
+    "body_viscous_friction",
+    "wheel_viscous_friction",
+    "body_coulomb_torque",
+    "body_breakaway_torque",
+    "body_stribeck_speed",
+    "body_presliding_stiffness",
+    "wheel_coulomb_torque",
+    "cogging_torque",
+    "cogging_order",
+    "cogging_phase",
+    "current_offset",
+    "dead_zone",
+];
+
+/// Checks every word; returns the two limits in rad/s.
+///
+/// # Errors
+/// A sentence that names the word.
+pub fn check(
+    certificate: &Certificate,
+    module: &Module,
+    law: &EmittedLaw,
+) -> Result<[f64; 2], String> {
+    let stated = certificate.monitor.as_ref().ok_or("there is no monitor")?;
+    let words = module
+        .constant_words("monitor_words", "MOTION_LIMITS")
+        .ok_or("src/monitor_words.rs has no MOTION_LIMITS")?;
+    let word = |name: &str| -> Result<f64, String> {
+        let name = format!("MOTION_LIMITS.{name}");
+        let found = words.iter().find(|(known, _)| *known == name);
+        // Words of 32 bits are exact in double precision.
+        found
+            .map(|(_, word)| *word as f64)
+            .ok_or_else(|| format!("there is no {name}"))
+    };
+    let real = |number: &StatedDecimal| number.value.to_f64().unwrap_or(f64::NAN);
+    let wanted = Wanted::of(certificate, stated.noise_std.each_ref().map(real))?;
+
+    let period = real(&certificate.sample_time_s);
+    let leak = word("leak")?;
+    let memory_s = leak.exp2() * period;
+    let is_clamped = leak == 1.0 && memory_s > MEMORY_S || leak == 12.0 && memory_s < MEMORY_S;
+    let ratio = (memory_s / MEMORY_S).log2().abs();
+    if !(1.0..=12.0).contains(&leak) || (ratio > 0.5 + TOLERANCE && !is_clamped) {
+        return Err(format!(
+            "MOTION_LIMITS.leak is {leak}: a memory of {memory_s} s"
+        ));
+    }
+    let shift = word("shift")?;
+    if !(1.0..=62.0).contains(&shift) {
+        return Err(format!("MOTION_LIMITS.shift is {shift}"));
+    }
+    let scale = shift + f64::from(SUM_BITS);
+    let unit = |bits: u32| (scale - f64::from(bits)).exp2();
+    let units = [
+        ("angle", unit(law.state_bits[0])),
+        ("rate", unit(law.state_bits[1])),
+        ("wheel_speed", unit(law.state_bits[2])),
+        (
+            "duty",
+            scale.exp2() * real(&certificate.drive.amperes_per_count),
+        ),
+    ];
+    let is = |name: &str, low: f64, high: f64| -> Result<(), String> {
+        let found = word(name)?;
+        let more = TOLERANCE * low.abs().max(high.abs());
+        if low - more <= found && found <= high + more {
+            Ok(())
+        } else {
+            Err(format!(
+                "MOTION_LIMITS.{name} is {found}, the certificate makes it {low:.2} to {high:.2}"
+            ))
+        }
+    };
+    is("rate", units[1].1, units[1].1)?;
+    is("wheel_speed", units[2].1, units[2].1)?;
+    let found = wanted.rows(leak)?;
+    for (name, row) in [("wheel", &found.wheel), ("body", &found.body)] {
+        for (value, (column, unit)) in row.iter().zip(units) {
+            let exact = value * unit;
+            is(&format!("{name}.{column}"), exact - 0.5, exact + 0.5)?;
+        }
+    }
+    let widths = [
+        ("wheel_width", &found.wheel_width),
+        ("body_width", &found.body_width),
+    ];
+    for (name, row) in widths {
+        for (value, (column, unit)) in row.iter().zip(units) {
+            let exact = value * unit.abs();
+            is(&format!("{name}.{column}"), exact + 1.0, exact + 2.0)?;
+        }
+    }
+    let sum_unit = f64::from(SUM_BITS).exp2();
+    let rest = 2.0 * leak.exp2();
+    let limits = [
+        ("wheel_limit", found.limits[0], &stated.wheel_limit_rad_s),
+        ("body_limit", found.limits[1], &stated.body_limit_rad_s),
+    ];
+    for (name, value, said) in limits {
+        let exact = value * sum_unit;
+        is(name, exact + rest, exact + rest + 1.0)?;
+        if (real(said) - value).abs() > TOLERANCE * value {
+            return Err(format!("the certificate says {name} = {said}, not {value}"));
+        }
+    }
+    if (real(&stated.push_rad_s) - wanted.push_rad_s).abs() > TOLERANCE * wanted.push_rad_s {
+        return Err(format!(
+            "the certificate says a push of {} rad/s, not {}",
+            stated.push_rad_s, wanted.push_rad_s
+        ));
+    }
+    Ok(found.limits)
+}
+
+/// What the certificate makes of the words, in SI units.
+struct Wanted {
+    /// Change of the body's rate and of the wheel's own speed in a step, per rad, rad/s, rad/s, A.
+    body: [f64; 4],
+    wheel: [f64; 4],
+    errors: [f64; 3],
+    /// Shares of gravity, motor and wheel friction on the body; of motor and friction on the wheel.
+    on_body: [f64; 3],
+    on_wheel: [f64; 2],
+    /// Torques of bounded size, as accelerations of wheel and body.
+    torques: [f64; 2],
+    /// Largest share by which gravity is less than its linear form.
+    sine: f64,
+    push_rad_s: f64,
+    limit_a: f64,
+    period_s: f64,
+}
+
+/// The rows that follow, and the limits in rad/s.
+struct Rows {
+    body: [f64; 4],
+    wheel: [f64; 4],
+    body_width: [f64; 4],
+    wheel_width: [f64; 4],
+    limits: [f64; 2],
+}
+
+impl Wanted {
+    fn of(certificate: &Certificate, noise_std: [f64; 3]) -> Result<Wanted, String> {
+        let real = |number: &StatedDecimal| number.value.to_f64().unwrap_or(f64::NAN);
+        let parameters = &certificate.parameters;
+        if let Some(other) = parameters
+            .iter()
+            .find(|p| !KNOWN.contains(&p.name.as_str()))
+        {
+            return Err(format!(
+                "`{}` moves the pendulum by no bounded torque",
+                other.name
+            ));
+        }
+        let find = |name: &str| parameters.iter().find(|parameter| parameter.name == name);
+        let value = |name: &str| find(name).map_or(0.0, |found| real(&found.value));
+        let share = |name: &str| -> f64 {
+            let stated = find(name).and_then(|found| Some((found.std.as_ref()?, &found.value)));
+            match stated {
+                Some((std, value)) if real(value) != 0.0 => 3.0 * real(std) / real(value).abs(),
+                _ => UNSTATED_SHARE,
+            }
+        };
+        let (whole, wheel_inertia) = (value("total_inertia"), value("wheel_inertia"));
+        let body_inertia = whole - wheel_inertia;
+        let body_share = (share("total_inertia") * whole + share("wheel_inertia") * wheel_inertia)
+            / body_inertia;
+        let over = |above: f64, below: f64| (1.0 + above) / (1.0 - below) - 1.0;
+        let is_known = |share: f64| (0.0..0.5).contains(&share);
+        let wheel_share = share("wheel_inertia");
+        if !(wheel_inertia > 0.0 && body_inertia > 0.0)
+            || !is_known(body_share)
+            || !is_known(wheel_share)
+        {
+            return Err("the inertias are not known well enough".to_owned());
+        }
+        let torque = share("torque_constant");
+        let friction = share("wheel_viscous_friction");
+        let motor = value("torque_constant").abs()
+            * (value("dead_zone").abs() + value("current_offset").abs());
+        let on_wheel = value("wheel_coulomb_torque").abs() + value("cogging_torque").abs() + motor;
+        let on_body = value("body_coulomb_torque")
+            .abs()
+            .max(value("body_breakaway_torque").abs());
+
+        let plant = &certificate.plant;
+        let step = |row: usize, column: usize| {
+            real(&plant.ad[row][column]) - f64::from(u8::from(row == column))
+        };
+        let input = plant.bd.each_ref().map(real);
+        let limit = certificate.constant("CURRENT_LIMIT");
+        let limit_a = real(&limit.ok_or("there is no limit")?.real);
+        let (fall, push) = (real(&plant.a[1][0]), real(&plant.b[1]).abs() * limit_a);
+        if !(fall > 0.0) {
+            return Err("the body does not fall".to_owned());
+        }
+        // The supervisor's largest angle: twice the one that the current holds, at most 60 degrees.
+        let most = core::f64::consts::FRAC_PI_3.min(real(&certificate.inputs[0].range));
+        let holds = (push / fall).min(0.99).asin();
+        let holds = if holds > 0.0 { holds } else { most };
+        let angle = (2.0 * holds).min(most);
+        let gyro = certificate.hardware.gyroscope.matrix[2]
+            .each_ref()
+            .map(real);
+        let converter = real(&certificate.hardware.wheel_speed.rad_s_per_count).abs();
+        let count = gyro.iter().map(|entry| entry.abs()).sum::<f64>();
+        Ok(Wanted {
+            body: [step(1, 0), step(1, 1), step(1, 2), input[1]],
+            wheel: [
+                step(1, 0) + step(2, 0),
+                step(1, 1) + step(2, 1),
+                step(1, 2) + step(2, 2),
+                input[1] + input[2],
+            ],
+            errors: [
+                NOISE_STDS * noise_std[0] + ANGLE_ERROR_RAD,
+                NOISE_STDS * noise_std[1] + count / 2.0,
+                NOISE_STDS * noise_std[2] + converter / 2.0,
+            ],
+            on_body: [
+                over(share("gravity_torque"), body_share) + ROW_SHARE,
+                over(torque, body_share) + ROW_SHARE,
+                over(friction, body_share) + ROW_SHARE,
+            ],
+            on_wheel: [
+                over(torque, wheel_share) + ROW_SHARE,
+                over(friction, wheel_share) + ROW_SHARE,
+            ],
+            // An inertia may be half of what it is taken for.
+            torques: [
+                2.0 * on_wheel / wheel_inertia,
+                2.0 * (on_wheel + on_body) / body_inertia,
+            ],
+            sine: angle * angle / 6.0,
+            push_rad_s: push / fall.sqrt(),
+            limit_a,
+            period_s: real(&certificate.sample_time_s),
+        })
+    }
+
+    fn rows(&self, leak: f64) -> Result<Rows, String> {
+        let memory = leak.exp2();
+        let late = (1.0 - 1.0 / memory).powf(-LATE_STEPS) - 1.0;
+        let magnitude = |row: &[f64; 4]| row.map(f64::abs);
+        let (body, wheel) = (magnitude(&self.body), magnitude(&self.wheel));
+        let [gravity, motor, friction] = self.on_body;
+        let of_errors = |row: &[f64; 4]| -> f64 {
+            let terms = row.iter().zip(self.errors);
+            memory * terms.map(|(entry, error)| entry * error).sum::<f64>()
+        };
+        let of_torque = |torque: f64| torque * memory * self.period_s;
+        let late_a = LATE_STEPS * self.limit_a;
+        let [_, rate, speed] = self.errors;
+        let limits = [
+            2.0 * (rate + speed)
+                + of_errors(&wheel)
+                + wheel[3] * late_a
+                + of_torque(self.torques[0])
+                + ROW_SHARE,
+            2.0 * rate
+                + of_errors(&body)
+                + body[3] * late_a
+                + of_torque(self.torques[1])
+                + self.push_rad_s
+                + ROW_SHARE,
+        ];
+        if limits.iter().any(|limit| !limit.is_finite()) {
+            return Err("a limit of the monitor is no number".to_owned());
+        }
+        Ok(Rows {
+            body: self.body,
+            wheel: self.wheel,
+            body_width: [
+                body[0] * (gravity + self.sine),
+                2.0 * body[1],
+                body[2] * friction,
+                body[3] * (motor + late),
+            ],
+            wheel_width: [
+                wheel[0],
+                wheel[1],
+                wheel[2] * self.on_wheel[1],
+                wheel[3] * (self.on_wheel[0] + late),
+            ],
+            limits,
+        })
+    }
+}

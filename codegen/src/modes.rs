@@ -1,0 +1,116 @@
+//! The closed loop in coordinates in which each mode decays by itself, for the harness crate.
+//!
+//! The loop with the emitted law and the loop with the same gains in real numbers differ by e. In a step e becomes
+//! F e + Bd w: F = Ad + Bd N is the loop's matrix, w what the emitted command differs from N x. With the
+//! left eigenvectors of F as the rows of T, the coordinates z = T e of a loop with three real modes satisfy
+//! |z⁺| ≤ λ |z| + |T Bd| |w|, each for itself. The rows are scaled so that |z| ≤ 1 follows for all time. A loop with a
+//! pair of complex modes has no such coordinates.
+
+use nalgebra::{Matrix3, RowVector3, Vector3};
+
+use crate::ir::IntegerLaw;
+use crate::spec::ModuleSpec;
+
+/// A mode's largest coordinate in the harness: 2^28 stands for 1.
+const BOX_BITS: i32 = 28;
+/// Fraction bits of a mode's decay.
+const DECAY_BITS: i32 = 30;
+/// Bits by which the harness divides the words of the states.
+const PART_BITS: i32 = 4;
+/// Share of a step that is left for rounding outward.
+const MARGIN: f64 = 1e-3;
+
+/// What double precision may add to an entry of T F T⁻¹, whose entries are at most about one.
+const ROUNDING: f64 = 1e-12;
+
+/// One mode in the units of the harness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ModeWords {
+    /// By what the coordinate is multiplied in a step, in Q30, rounded up.
+    pub decay: i64,
+    /// What the other coordinates may add in a step.
+    pub rest: i64,
+    /// What one unit of the command's difference adds in a step.
+    pub input: i64,
+}
+
+/// The modes of a loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    /// T, row by row: per rad, per rad/s, per rad/s.
+    pub rows: [[f64; 3]; 3],
+    /// The words, mode by mode.
+    pub words: [ModeWords; 3],
+}
+
+/// The modes of the loop; `None` where they are not three different real ones.
+pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
+    let unit = |bits: u32| 2f64.powi(-(bits as i32));
+    let gains = RowVector3::from_fn(|_, i| {
+        let gain = &law.terms[i].gain;
+        f64::from(gain.raw) * unit(gain.fraction_bits)
+    });
+    let input = Vector3::from_column_slice(&spec.bd);
+    let f = Matrix3::from_fn(|i, j| spec.ad[i][j]) + input * gains;
+    let values = f.eigenvalues()?;
+
+    // In units of the sum of products, divided by 2^PART_BITS: half a unit of the command, and the states' half words.
+    let shift = law.shift as i32;
+    let half = 2f64.powi(shift - 1 + PART_BITS);
+    let raw = law
+        .terms
+        .iter()
+        .map(|term| f64::from(term.gain.raw.unsigned_abs()));
+    let worst = half + 2f64.powi(PART_BITS - 1) * raw.sum::<f64>();
+    let count_a = unit(law.current.fraction_bits) * 2f64.powi(-shift - PART_BITS);
+
+    let mut rows = Matrix3::zeros();
+    for (i, value) in values.iter().enumerate() {
+        let row = left_eigenvector(&f, *value);
+        let push = (row * input)[0].abs() * count_a * worst;
+        rows.set_row(i, &(row * ((1.0 - value.abs()) * (1.0 - MARGIN) / push)));
+    }
+    if !rows.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let decoupled = rows * f * rows.try_inverse()?;
+    let scale = 2f64.powi(DECAY_BITS + BOX_BITS);
+    let up = |value: f64| (value * (1.0 + 1e-9)).ceil() as i64 + 1;
+    let words = [0, 1, 2].map(|i| ModeWords {
+        decay: up(decoupled[(i, i)].abs() * 2f64.powi(DECAY_BITS)),
+        // The exact entries beside the diagonal are zero; these are the rounding of T, and of this product.
+        rest: up((0..3)
+            .filter(|j| *j != i)
+            .map(|j| 2.0 * decoupled[(i, j)].abs() + ROUNDING)
+            .sum::<f64>()
+            * scale),
+        input: up((rows.row(i) * input)[0].abs() * count_a * scale),
+    });
+    let fits = |mode: &ModeWords| {
+        let next = mode.decay as f64 * 2f64.powi(BOX_BITS) + mode.rest as f64;
+        next + mode.input as f64 * worst <= scale
+    };
+    words.iter().all(fits).then(|| Modes {
+        rows: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[(i, j)])),
+        words,
+    })
+}
+
+/// A row v with v F = `value` v: the longest row of the adjugate of F − `value`.
+fn left_eigenvector(f: &Matrix3<f64>, value: f64) -> RowVector3<f64> {
+    let m = f - Matrix3::identity() * value;
+    let columns = [m.column(0), m.column(1), m.column(2)];
+    // The rows of the adjugate are the cross products of the columns.
+    let candidates = [
+        columns[1].cross(&columns[2]),
+        columns[2].cross(&columns[0]),
+        columns[0].cross(&columns[1]),
+    ];
+    let mut longest = candidates[0];
+    for candidate in candidates {
+        if candidate.norm() > longest.norm() {
+            longest = candidate;
+        }
+    }
+    longest.transpose()
+}

@@ -1,0 +1,327 @@
+//! The numbers of the monitor: what the model predicts of a step's motion, and how far a sound bench may be from it.
+//!
+//! The prediction is that of the sampled linear model. With λ = 1 − 2^−leak, a difference d that every step repeats
+//! adds up to at most d 2^leak, and the difference of an error between two steps, which is what an error of a sensor
+//! leaves, to at most twice its largest value. So the limits are
+//!
+//! - twice the largest errors of the sensors, and what errors of the states do to the prediction;
+//! - a current that acts up to [`LATE_STEPS`] later than predicted;
+//! - torques of friction, cogging, dead zone and offset, of any course up to their size;
+//! - for the body: one push, of the size from which the pendulum can just come back.
+//!
+//! The widths grow with the states and the current by the shares by which the model's numbers may be off: three
+//! standard errors, or [`UNSTATED_SHARE`] where none is stated.
+
+use crate::helpers::motion::{MotionLimits, MotionRow};
+use crate::ir::IntegerLaw;
+use crate::refusal::Refusal;
+use crate::spec::ModuleSpec;
+
+/// The time over which differences add up, about (s): a body that falls with a time constant of a tenth of a second
+/// then shows what drives it, and noise has little time to add up.
+const MEMORY_S: f64 = 0.1;
+
+/// Standard deviations of a sensor's noise that count as its largest error: beyond eight lies one reading in 10¹⁵.
+const NOISE_STDS: f64 = 8.0;
+
+/// How far the attitude filter's angle may be from the true one, beside its noise (rad): a bias of the
+/// accelerometer of 20 mg, or the filter's start.
+const ANGLE_ERROR_RAD: f64 = 0.02;
+
+/// Share by which a parameter without a standard error may be off.
+const UNSTATED_SHARE: f64 = 0.1;
+
+/// Share of each row that sampling and rounding may be off.
+const ROW_SHARE: f64 = 0.01;
+
+/// Steps by which the current may act later, or the sensors show it later, than the model says.
+const LATE_STEPS: i32 = 2;
+
+/// Fraction bits of a sum.
+const SUM_BITS: i32 = 16;
+
+/// What the monitor is told beside the module.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MonitorSpec {
+    /// Standard deviations of the measured angle (rad), rate and wheel speed (rad/s).
+    pub noise_std: [f64; 3],
+}
+
+/// The monitor's numbers, in SI units and as words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MonitorNumbers {
+    /// Largest errors of angle (rad), rate and wheel speed (rad/s).
+    pub errors: [f64; 3],
+    /// Change of the body's rate by a push (rad/s).
+    pub push_rad_s: f64,
+    /// Limit of the wheel's sum (rad/s).
+    pub wheel_limit_rad_s: f64,
+    /// Limit of the body's sum (rad/s).
+    pub body_limit_rad_s: f64,
+    /// The same as words, with rows and widths.
+    pub words: MotionLimits,
+}
+
+/// A row in SI units: per rad, per rad/s, per rad/s, per A; each times the step.
+type Row = [f64; 4];
+
+/// The numbers for `spec`.
+///
+/// # Errors
+/// [`Refusal::Monitor`] with the parameter or the number that no bound is known for.
+pub fn derive(
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+    monitor: &MonitorSpec,
+) -> Result<MonitorNumbers, Refusal> {
+    let refuse = |reason: String| Refusal::Monitor { reason };
+    let torques = Torques::read(spec)?;
+    let shares = Shares::read(spec)?;
+    let leak = (MEMORY_S / spec.sample_time_s)
+        .log2()
+        .round()
+        .clamp(1.0, 12.0) as u32;
+    let memory = f64::from(1_u32 << leak);
+
+    let row = |pick: &dyn Fn(usize, usize) -> f64, input: f64| -> Row {
+        [pick(1, 0), pick(1, 1), pick(1, 2), input]
+    };
+    let change = |i: usize, j: usize| spec.ad[i][j] - f64::from(u8::from(i == j));
+    let body = row(&change, spec.bd[1]);
+    let wheel = row(
+        &|i, j| change(i, j) + change(i + 1, j),
+        spec.bd[1] + spec.bd[2],
+    );
+
+    // A current that acts late: its share of the sum that is remembered, and what is not there yet.
+    let late = (1.0 - 1.0 / memory).powi(-LATE_STEPS) - 1.0;
+    let late_a = f64::from(LATE_STEPS) * spec.current_limit_a;
+    let angle_trip = crate::supervisor::numbers(spec).angle_trip_rad;
+    let sine = angle_trip * angle_trip / 6.0;
+    let wheel_width = [
+        wheel[0].abs(),
+        wheel[1].abs(),
+        wheel[2].abs() * (shares.quotient(shares.wheel_friction, shares.wheel) + ROW_SHARE),
+        wheel[3].abs() * (shares.quotient(shares.torque, shares.wheel) + ROW_SHARE + late),
+    ];
+    let body_width = [
+        body[0].abs() * (shares.quotient(shares.gravity, shares.body) + ROW_SHARE + sine),
+        2.0 * body[1].abs(),
+        body[2].abs() * (shares.quotient(shares.wheel_friction, shares.body) + ROW_SHARE),
+        body[3].abs() * (shares.quotient(shares.torque, shares.body) + ROW_SHARE + late),
+    ];
+
+    let errors = errors(spec, monitor);
+    let of_errors =
+        |row: &Row| -> f64 { (0..3).map(|i| row[i].abs() * errors[i]).sum::<f64>() * memory };
+    let steps_s = memory * spec.sample_time_s;
+    let (fall, push) = (spec.a[1][0], spec.b[1].abs() * spec.current_limit_a);
+    if !(fall > 0.0) {
+        return Err(refuse(
+            "the body does not fall in the linear model".to_owned(),
+        ));
+    }
+    let push_rad_s = push / fall.sqrt();
+    let wheel_limit_rad_s = 2.0 * (errors[1] + errors[2])
+        + of_errors(&wheel)
+        + wheel[3].abs() * late_a
+        + torques.wheel_rad_s2 * steps_s
+        + ROW_SHARE;
+    let body_limit_rad_s = 2.0 * errors[1]
+        + of_errors(&body)
+        + body[3].abs() * late_a
+        + torques.body_rad_s2 * steps_s
+        + push_rad_s
+        + ROW_SHARE;
+
+    let bits = law
+        .terms
+        .each_ref()
+        .map(|term| term.input.format.fraction_bits as i32);
+    let mut scale = bits[1].min(bits[2]) + 25;
+    let units = |scale: i32| -> [f64; 4] {
+        let unit = |bits: i32| 2f64.powi(scale - bits);
+        [
+            unit(bits[0]),
+            unit(bits[1]),
+            unit(bits[2]),
+            2f64.powi(scale) * spec.drive.amperes_per_count,
+        ]
+    };
+    // Every weight fits its word with a bit to spare.
+    let fits = |scale: i32| {
+        let units = units(scale);
+        let rows = [&wheel, &body, &wheel_width, &body_width];
+        let weights = rows
+            .into_iter()
+            .flat_map(|row| (0..4).map(|i| row[i] * units[i]));
+        weights
+            .chain([units[1], units[2]])
+            .all(|weight| weight.abs() < 2f64.powi(30))
+    };
+    while scale > SUM_BITS + 1 && !fits(scale) {
+        scale -= 1;
+    }
+    let units = units(scale);
+    if !fits(scale) || units[1] < 1.0 || units[2] < 1.0 {
+        return Err(refuse(
+            "a step changes the motion by more than its words can hold".to_owned(),
+        ));
+    }
+    let nearest = |row: &Row| motion_row([0, 1, 2, 3].map(|i| (row[i] * units[i]).round()));
+    // One unit more covers the rounding of the row that it stands beside.
+    let outward =
+        |row: &Row| motion_row([0, 1, 2, 3].map(|i| (row[i] * units[i]).abs().ceil() + 1.0));
+    // What rounding and the leak's rounding leave in a sum.
+    let limit = |value: f64| (value * 2f64.powi(SUM_BITS)).ceil() + 2.0 * memory;
+    let limits = [wheel_limit_rad_s, body_limit_rad_s].map(limit);
+    if limits.iter().any(|limit| *limit > 2f64.powi(28)) {
+        return Err(refuse("a limit is beyond 4096 rad/s".to_owned()));
+    }
+    Ok(MonitorNumbers {
+        errors,
+        push_rad_s,
+        wheel_limit_rad_s,
+        body_limit_rad_s,
+        words: MotionLimits {
+            leak,
+            shift: (scale - SUM_BITS) as u32,
+            rate: units[1] as i32,
+            wheel_speed: units[2] as i32,
+            wheel: nearest(&wheel),
+            body: nearest(&body),
+            wheel_width: outward(&wheel_width),
+            body_width: outward(&body_width),
+            wheel_limit: limits[0] as i32,
+            body_limit: limits[1] as i32,
+        },
+    })
+}
+
+fn motion_row(weights: [f64; 4]) -> MotionRow {
+    let [angle, rate, wheel_speed, duty] = weights.map(|weight| weight as i32);
+    MotionRow {
+        angle,
+        rate,
+        wheel_speed,
+        duty,
+    }
+}
+
+/// Largest errors of the measured states: noise, half a count, and what the filter leaves.
+fn errors(spec: &ModuleSpec, monitor: &MonitorSpec) -> [f64; 3] {
+    let gyro = &spec.hardware.attitude.gyro.matrix;
+    let count = gyro.row(2).iter().map(|entry| entry.abs()).sum::<f64>();
+    let noise = monitor.noise_std.map(|std| NOISE_STDS * std);
+    [
+        noise[0] + ANGLE_ERROR_RAD,
+        noise[1] + 0.5 * count,
+        noise[2] + 0.5 * spec.hardware.wheel_speed_per_count.abs(),
+    ]
+}
+
+fn parameter<'a>(spec: &'a ModuleSpec, name: &str) -> Option<&'a crate::spec::ModelParameter> {
+    spec.parameters
+        .iter()
+        .find(|parameter| parameter.name == name)
+}
+
+/// By what share each quantity of the linear model may be off.
+struct Shares {
+    torque: f64,
+    gravity: f64,
+    wheel: f64,
+    wheel_friction: f64,
+    /// Of the inertia Θ − j_w.
+    body: f64,
+}
+
+impl Shares {
+    fn read(spec: &ModuleSpec) -> Result<Shares, Refusal> {
+        let share = |name: &str| match parameter(spec, name) {
+            Some(found) => match found.std {
+                Some(std) if found.value != 0.0 => 3.0 * std / found.value.abs(),
+                _ => UNSTATED_SHARE,
+            },
+            None => UNSTATED_SHARE,
+        };
+        let value = |name: &str| parameter(spec, name).map_or(0.0, |found| found.value);
+        let (whole, wheel) = (value("total_inertia"), value("wheel_inertia"));
+        let off = share("total_inertia") * whole + share("wheel_inertia") * wheel;
+        let shares = Shares {
+            torque: share("torque_constant"),
+            gravity: share("gravity_torque"),
+            wheel: share("wheel_inertia"),
+            wheel_friction: share("wheel_viscous_friction"),
+            body: off / (whole - wheel),
+        };
+        let divisors = [shares.wheel, shares.body];
+        if divisors.iter().all(|share| (0.0..0.5).contains(share)) {
+            Ok(shares)
+        } else {
+            Err(Refusal::Monitor {
+                reason: "an inertia is known to no better than half of its value".to_owned(),
+            })
+        }
+    }
+
+    /// By what share a quotient may be off.
+    fn quotient(&self, above: f64, below: f64) -> f64 {
+        (1.0 + above) / (1.0 - below) - 1.0
+    }
+}
+
+/// Torques of any course up to a size, as accelerations (rad/s²).
+struct Torques {
+    wheel_rad_s2: f64,
+    body_rad_s2: f64,
+}
+
+/// Parameters of the linear model, and those of the motions that [`Torques`] bounds.
+const KNOWN: [&str; 16] = [
+    "total_inertia",
+    "wheel_inertia",
+    "body_inertia",
+    "gravity_torque",
+    "torque_constant",
+    "body_viscous_friction",
+    "wheel_viscous_friction",
+    "body_coulomb_torque",
+    "body_breakaway_torque",
+    "body_stribeck_speed",
+    "body_presliding_stiffness",
+    "wheel_coulomb_torque",
+    "cogging_torque",
+    "cogging_order",
+    "cogging_phase",
+    "current_offset",
+];
+
+impl Torques {
+    fn read(spec: &ModuleSpec) -> Result<Torques, Refusal> {
+        let known = |name: &str| KNOWN.contains(&name) || name == "dead_zone";
+        if let Some(other) = spec.parameters.iter().find(|found| !known(&found.name)) {
+            return Err(Refusal::Monitor {
+                reason: format!(
+                    "no bound is known for the motion that `{}` adds",
+                    other.name
+                ),
+            });
+        }
+        let value = |name: &str| parameter(spec, name).map_or(0.0, |found| found.value.abs());
+        let (whole, wheel) = (value("total_inertia"), value("wheel_inertia"));
+        if !(wheel > 0.0 && whole > wheel) {
+            return Err(Refusal::Monitor {
+                reason: "the inertias of body and wheel are not both known".to_owned(),
+            });
+        }
+        let motor = value("torque_constant") * (value("dead_zone") + value("current_offset"));
+        let on_wheel = value("wheel_coulomb_torque") + value("cogging_torque") + motor;
+        let on_body = value("body_coulomb_torque").max(value("body_breakaway_torque"));
+        // Inertias may be half of what they are taken for, see `Shares`.
+        Ok(Torques {
+            wheel_rad_s2: 2.0 * on_wheel / wheel,
+            body_rad_s2: 2.0 * (on_wheel + on_body) / (whole - wheel),
+        })
+    }
+}
