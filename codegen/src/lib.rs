@@ -26,6 +26,7 @@ pub mod c99;
 pub mod claims;
 pub mod closed_loop;
 pub mod control;
+pub mod crate_name;
 pub mod emit;
 pub mod exact;
 pub mod file;
@@ -40,25 +41,34 @@ pub mod spec;
 pub mod stability;
 pub mod supervisor;
 
+pub use crate_name::CrateName;
 pub use file::{EmittedCrate, EmittedFile, FileError};
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
 
-/// Emits the crate for `spec`, or refuses with the claim that could not be kept.
+/// Emits the crate for `spec` under its usual name, or refuses with the claim that could not be kept.
 ///
-/// The result depends on `spec` alone: the same numbers give the same bytes.
+/// # Errors
+/// As for [`generate_named`].
+pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
+    generate_named(spec, &CrateName::default())
+}
+
+/// Emits the crate for `spec` under this name, or refuses with the claim that could not be kept.
+///
+/// The result depends on `spec` and `name` alone: the same numbers give the same bytes.
 ///
 /// # Errors
 /// A [`Refusal`] that names what is wrong and what would cure it.
-pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
+pub fn generate_named(spec: &ModuleSpec, name: &CrateName) -> Result<EmittedCrate, Refusal> {
     spec.validate()?;
     let law = control::derive(spec)?;
     stability::require_stable(spec, &law)?;
     let hardware = hardware_words::derive(spec, &law)?;
 
     let mut files = vec![
-        emit::cargo_toml::file(spec),
-        emit::lib_rs::file(spec),
+        emit::cargo_toml::file(spec, name),
+        emit::lib_rs::file(spec, name),
         emit::control_rs::file(spec, &law),
         emit::constants_rs::file(spec, &law, &hardware),
     ];
@@ -70,6 +80,8 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
         None if spec.hardware.bias_observer.is_some() => None,
         None => closed_loop::certify(spec, &law),
     };
-    files.push(emit::certificate::file(spec, &law, closed_loop, &files));
+    let certificate = emit::certificate::file(spec, &law, closed_loop, &files);
+    // Nothing is claimed of the README.
+    files.extend([emit::readme::file(spec, name), certificate]);
     Ok(EmittedCrate { files })
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use codegen::FileError;
+use codegen::{CrateName, FileError};
 use serde::Serialize;
 use workbench::numbers::significant;
 use workbench::{ControlDesign, GeneratedController, Preset};
@@ -25,6 +25,9 @@ pub struct Arguments {
     /// The language: a Rust crate, or a C99 library for Arduino and PlatformIO (`prove` reads the Rust)
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub language: Language,
+    /// Name of the emitted crate, or of the library in C
+    #[arg(long, value_name = "CRATE", default_value = "generated")]
+    pub name: CrateName,
     /// Compare instead of writing: exit code 1 where DIR is not what would be written
     #[arg(long)]
     pub check: bool,
@@ -73,7 +76,8 @@ struct Generated<'a> {
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let out = &arguments.out;
     let preset = arguments.preset.map(PresetName::preset);
-    let controller = ControlDesign::read(&arguments.model)?.generate(preset)?;
+    let controller =
+        ControlDesign::read(&arguments.model)?.generate_named(preset, &arguments.name)?;
     let controller = match arguments.language {
         Language::Rust => controller,
         Language::C => controller.in_c()?,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use checker::certificate::Certificate;
-use codegen::{EmittedCrate, FileError};
+use codegen::{CrateName, EmittedCrate, FileError};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +15,8 @@ use crate::error::Error;
 /// [`ControlDesign::generate`](crate::ControlDesign::generate).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GeneratedController {
+    /// Name of the crate.
+    pub name: String,
     /// The model.
     pub model: String,
     /// K in A/rad, A s/rad, A s/rad.
@@ -54,7 +56,19 @@ impl ControlDesign {
     /// [`Error::Refused`] if a claim could not be kept; [`Error::Design`] if the requested observer of
     /// the angle's bias does not work.
     pub fn generate(&self, preset: Option<Preset>) -> Result<GeneratedController, Error> {
-        self.generate_with(self.hardware(preset)?)
+        self.generate_named(preset, &CrateName::default())
+    }
+
+    /// As [`ControlDesign::generate`], with this name for the crate, or for the library in C.
+    ///
+    /// # Errors
+    /// As for [`ControlDesign::generate`].
+    pub fn generate_named(
+        &self,
+        preset: Option<Preset>,
+        name: &CrateName,
+    ) -> Result<GeneratedController, Error> {
+        self.emitted(self.hardware(preset)?, name)
     }
 
     /// As [`ControlDesign::generate`], for these sensors and this drive.
@@ -62,13 +76,22 @@ impl ControlDesign {
         &self,
         hardware: BenchHardware,
     ) -> Result<GeneratedController, Error> {
+        self.emitted(hardware, &CrateName::default())
+    }
+
+    fn emitted(
+        &self,
+        hardware: BenchHardware,
+        name: &CrateName,
+    ) -> Result<GeneratedController, Error> {
         let (assumed, warnings) = (hardware.assumed.clone(), hardware.warnings.clone());
         let spec = self.module_spec_with(hardware)?;
-        let emitted = codegen::generate(&spec).map_err(|source| Error::Refused {
+        let emitted = codegen::generate_named(&spec, name).map_err(|source| Error::Refused {
             model: self.path(),
             source: Box::new(source),
         })?;
         let controller = GeneratedController {
+            name: name.to_string(),
             model: spec.model_name.clone(),
             gains: spec.gains,
             current_limit_a: spec.current_limit_a,

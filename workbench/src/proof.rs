@@ -68,8 +68,14 @@ pub fn prove(
 fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
     let start = Instant::now();
     let certificate = Certificate::read(folder).map_err(ProveError::from)?;
+    // A crate without a plain name has failed another claim already.
+    let name = Emitted::read(folder)
+        .map_err(ProveError::from)?
+        .name()
+        .and_then(|name| name.parse().ok())
+        .unwrap_or_default();
     let preset = (!certificate.assumed.is_empty()).then_some(Preset::ThesisBench);
-    let outcome = match ControlDesign::read(model)?.generate(preset) {
+    let outcome = match ControlDesign::read(model)?.generate_named(preset, &name) {
         Err(error) => ClaimOutcome::Failed(error.to_string()),
         Ok(controller) => match controller.differing(folder)?.first() {
             None => ClaimOutcome::Proved("every byte of every file".to_owned()),

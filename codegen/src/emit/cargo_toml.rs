@@ -2,18 +2,19 @@
 //!
 //! It inherits nothing, so that the crate builds inside a workspace and alone.
 
+use crate::crate_name::CrateName;
 use crate::emit::header;
 use crate::file::EmittedFile;
 use crate::spec::ModuleSpec;
 
 /// Emits `Cargo.toml`.
-pub fn file(spec: &ModuleSpec) -> EmittedFile {
+pub fn file(spec: &ModuleSpec, name: &CrateName) -> EmittedFile {
     let header = header(spec);
     let contents = format!(
         r#"# {header}.
 
 [package]
-name = "generated"
+name = "{name}"
 version = "0.1.0"
 edition = "2024"
 description = "Fixed-point controller of a reaction-wheel pendulum"

@@ -2,36 +2,13 @@
 
 use quote::quote;
 
-use crate::emit::{inner_docs, print, single_line};
+use crate::crate_name::CrateName;
+use crate::emit::{example, inner_docs, print, single_line};
 use crate::file::EmittedFile;
 use crate::spec::ModuleSpec;
 
-/// How a firmware uses the crate; compiled and run as a test of its documentation.
-const EXAMPLE: [&str; 20] = [
-    "",
-    "# Use",
-    "",
-    "```",
-    "use generated::{Controller, Sample, Status, ZERO_CURRENT};",
-    "",
-    "let mut controller = Controller::new();",
-    "// Every SAMPLE_TIME_US: read the sensors, step, write the duty.",
-    "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };",
-    "let duty = controller.step(&sample);",
-    "assert_eq!(duty.0, ZERO_CURRENT);",
-    "// On the operator's wish; it drives the motor only near upright, at rest, with sound sensors.",
-    "assert!(!controller.arm());",
-    "assert_eq!(controller.status(), Status::NotAligned);",
-    "// A missed tick or a bus error: no current until `arm` succeeds again.",
-    "controller.fault();",
-    "assert_eq!(controller.step(&sample).0, ZERO_CURRENT);",
-    "```",
-    "",
-    "`status()` says why there is no current; a trip lasts until `arm()` succeeds.",
-];
-
 /// Emits `src/lib.rs`.
-pub fn file(spec: &ModuleSpec) -> EmittedFile {
+pub fn file(spec: &ModuleSpec, name: &CrateName) -> EmittedFile {
     let mut lines = vec![
         "Fixed-point controller of a reaction-wheel pendulum.".to_owned(),
         String::new(),
@@ -58,7 +35,10 @@ pub fn file(spec: &ModuleSpec) -> EmittedFile {
         lines.push("The model does not state these; they are those of another bench:".to_owned());
         list(&mut lines, &spec.assumed);
     }
-    lines.extend(EXAMPLE.iter().map(|line| (*line).to_owned()));
+    lines.extend(["", "# Use", "", "```"].map(str::to_owned));
+    lines.extend(example::lines(name));
+    let closing = "`status()` says why there is no current; a trip lasts until `arm()` succeeds.";
+    lines.extend(["```", "", closing].map(str::to_owned));
     let docs = inner_docs(&lines);
     let tokens = quote! {
         #docs

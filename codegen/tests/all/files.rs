@@ -34,7 +34,10 @@ fn writes_what_changed_and_nothing_else() {
         emitted.write(&out).unwrap(),
         Vec::<std::path::PathBuf>::new()
     );
-    assert_eq!(names(&out), ["Cargo.toml", "certificate.json", "src"]);
+    assert_eq!(
+        names(&out),
+        ["Cargo.toml", "README.md", "certificate.json", "src"]
+    );
     let mut sources: Vec<_> = emitted
         .files
         .iter()
