@@ -6,6 +6,7 @@
 //! benches is a constant of the emitted crate, or stands in `verify/src/modes.rs`. The crate `verify` of this workspace is compiled from
 //! the harnesses that were emitted for `generated`, so that its tests run the same texts.
 
+use crate::crate_name::CrateName;
 use crate::emit::{cargo_toml, modes_rs, with_header};
 use crate::file::EmittedFile;
 use crate::modes::Modes;
@@ -37,13 +38,16 @@ const HARNESSES: [(&str, &str); 11] = [
 ];
 
 /// The harness crate for `spec`, whose loop has these modes: its manifest and its sources.
-pub fn files(spec: &ModuleSpec, modes: Option<&Modes>) -> Vec<EmittedFile> {
+pub fn files(spec: &ModuleSpec, name: &CrateName, modes: Option<&Modes>) -> Vec<EmittedFile> {
     let sources = HARNESSES.iter().map(|(path, text)| EmittedFile {
         path: (*path).to_owned(),
         contents: with_header(spec, text),
     });
-    [cargo_toml::harness_file(spec), modes_rs::file(spec, modes)]
-        .into_iter()
-        .chain(sources)
-        .collect()
+    [
+        cargo_toml::harness_file(spec, name),
+        modes_rs::file(spec, modes),
+    ]
+    .into_iter()
+    .chain(sources)
+    .collect()
 }

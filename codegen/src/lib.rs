@@ -27,6 +27,7 @@ pub mod c99;
 pub mod claims;
 pub mod closed_loop;
 pub mod control;
+pub mod crate_name;
 pub mod emit;
 pub mod exact;
 pub mod file;
@@ -44,41 +45,51 @@ pub mod spec;
 pub mod stability;
 pub mod supervisor;
 
+pub use crate_name::CrateName;
 pub use file::{EmittedCrate, EmittedFile, FileError};
 pub use monitor::MonitorSpec;
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
 
+/// How a module is emitted, apart from its numbers.
+#[derive(Debug, Clone, Default)]
+pub struct EmissionOptions {
+    /// Name of the crate, or of the library in C.
+    pub name: CrateName,
+    /// The noise that a monitor must stay silent at; `None`: no monitor. A monitor is a function that says whether the
+    /// measured motion is one that the model allows.
+    pub monitor: Option<MonitorSpec>,
+}
+
+/// Emits the crate for `spec` under its usual name and without a monitor.
+///
+/// # Errors
+/// As for [`generate_with`].
+pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
+    generate_with(spec, &EmissionOptions::default())
+}
+
 /// Emits the crate for `spec`, or refuses with the claim that could not be kept.
 ///
-/// The result depends on `spec` alone: the same numbers give the same bytes.
+/// The result depends on `spec` and `options` alone: the same numbers give the same bytes.
 ///
 /// # Errors
-/// A [`Refusal`] that names what is wrong and what would cure it.
-pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
-    emitted(spec, None)
-}
-
-/// As [`generate`], with a monitor: a function that says whether the measured motion is one that the model allows.
-///
-/// # Errors
-/// As [`generate`]; [`Refusal::Monitor`] where no bound of the model's motion is known.
-pub fn generate_with_monitor(
+/// A [`Refusal`] that names what is wrong and what would cure it; [`Refusal::Monitor`] if no bound of the model's motion
+/// is known.
+pub fn generate_with(
     spec: &ModuleSpec,
-    monitor: &MonitorSpec,
+    options: &EmissionOptions,
 ) -> Result<EmittedCrate, Refusal> {
-    emitted(spec, Some(monitor))
-}
-
-fn emitted(spec: &ModuleSpec, monitor: Option<&MonitorSpec>) -> Result<EmittedCrate, Refusal> {
+    let EmissionOptions { name, monitor } = options;
+    let monitor = monitor.as_ref();
     spec.validate()?;
     let law = control::derive(spec)?;
     stability::require_stable(spec, &law)?;
     let hardware = hardware_words::derive(spec, &law)?;
 
     let mut files = vec![
-        emit::cargo_toml::file(spec),
-        emit::lib_rs::file(spec, monitor.is_some()),
+        emit::cargo_toml::file(spec, name),
+        emit::lib_rs::file(spec, name, monitor.is_some()),
         emit::control_rs::file(spec, &law),
         emit::constants_rs::file(spec, &law, &hardware),
     ];
@@ -104,7 +115,8 @@ fn emitted(spec: &ModuleSpec, monitor: Option<&MonitorSpec>) -> Result<EmittedCr
         closed_loop,
     };
     let certificate = emit::certificate::file(spec, &law, found, &files);
-    files.extend(harnesses::files(spec, modes.as_ref()));
-    files.push(certificate);
+    // Nothing is claimed of the harnesses and of the README.
+    files.extend(harnesses::files(spec, name, modes.as_ref()));
+    files.extend([emit::readme::file(spec, name), certificate]);
     Ok(EmittedCrate { files })
 }

@@ -20,16 +20,14 @@
 //! use generated::{Controller, Sample, Status, ZERO_CURRENT};
 //!
 //! let mut controller = Controller::new();
-//! // Every SAMPLE_TIME_US: read the sensors, step, write the duty.
+//! // Every SAMPLE_TIME_US: read the sensors, step, write the duty to the timer.
 //! let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };
 //! let duty = controller.step(&sample);
-//! assert_eq!(duty.0, ZERO_CURRENT);
-//! // On the operator's wish; it drives the motor only near upright, at rest, with sound sensors.
+//! assert_eq!(duty.0, ZERO_CURRENT); // nothing is driven before it is armed
+//! // When the user wants it: true once the attitude is known, near upright and at rest; here it is not.
 //! assert!(!controller.arm());
 //! assert_eq!(controller.status(), Status::NotAligned);
-//! // A missed tick or a bus error: no current until `arm` succeeds again.
-//! controller.fault();
-//! assert_eq!(controller.step(&sample).0, ZERO_CURRENT);
+//! controller.fault(); // a missed tick or a bus error: no current until `arm` succeeds again
 //! ```
 //!
 //! `status()` says why there is no current; a trip lasts until `arm()` succeeds.

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use codegen::FileError;
+use codegen::{CrateName, FileError};
 use serde::Serialize;
 use workbench::numbers::significant;
-use workbench::{ControlDesign, GeneratedController, Preset};
+use workbench::{ControlDesign, ControllerOptions, GeneratedController, Preset};
 
 use crate::arguments::JsonOutput;
 use crate::failure::Failure;
@@ -25,6 +25,9 @@ pub struct Arguments {
     /// The language: a Rust crate, or a C99 library for Arduino and PlatformIO (`prove` reads the Rust)
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub language: Language,
+    /// Name of the emitted crate, or of the library in C
+    #[arg(long, value_name = "CRATE", default_value = "generated")]
+    pub name: CrateName,
     /// Add a monitor: a function that says whether the motion is one that the model allows
     #[arg(long)]
     pub monitor: bool,
@@ -76,12 +79,12 @@ struct Generated<'a> {
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let out = &arguments.out;
     let preset = arguments.preset.map(PresetName::preset);
-    let design = ControlDesign::read(&arguments.model)?;
-    let controller = if arguments.monitor {
-        design.generate_with_monitor(preset)?
-    } else {
-        design.generate(preset)?
+    let options = ControllerOptions {
+        preset,
+        name: arguments.name.clone(),
+        has_monitor: arguments.monitor,
     };
+    let controller = ControlDesign::read(&arguments.model)?.generate_with(&options)?;
     let controller = match arguments.language {
         Language::Rust => controller,
         Language::C => controller.in_c()?,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use checker::certificate::Certificate;
-use codegen::{EmittedCrate, FileError, ModuleSpec, MonitorSpec, Refusal};
+use codegen::{CrateName, EmissionOptions, EmittedCrate, FileError, MonitorSpec};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +16,8 @@ use crate::module_spec::simulated_noise;
 /// [`ControlDesign::generate`](crate::ControlDesign::generate).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GeneratedController {
+    /// Name of the crate.
+    pub name: String,
     /// The model.
     pub model: String,
     /// K in A/rad, A s/rad, A s/rad.
@@ -33,6 +35,18 @@ pub struct GeneratedController {
     /// The files of the crate, by their paths in it; certificate.json is the last.
     #[serde(skip)]
     emitted: Files,
+}
+
+/// What a controller is emitted with, apart from its design.
+#[derive(Clone, Debug, Default)]
+pub struct ControllerOptions {
+    /// The bench that supplies what the model does not state; without one, this is an error.
+    pub preset: Option<Preset>,
+    /// Name of the crate, or of the library in C.
+    pub name: CrateName,
+    /// Whether a monitor is emitted: a function that says whether the measured motion is one that the model allows. It
+    /// is silent at the noise of the simulated sensors.
+    pub has_monitor: bool,
 }
 
 /// The emitted files; none in a result that was read from JSON.
@@ -55,44 +69,49 @@ impl ControlDesign {
     /// [`Error::Refused`] if a claim could not be kept; [`Error::Design`] if the requested observer of
     /// the angle's bias does not work.
     pub fn generate(&self, preset: Option<Preset>) -> Result<GeneratedController, Error> {
-        self.generate_with(self.hardware(preset)?)
-    }
-
-    /// As [`ControlDesign::generate`], with a monitor: a function that says whether the measured motion is one that
-    /// the model allows. The sensors' noise is that of the simulated sensors.
-    ///
-    /// # Errors
-    /// As [`ControlDesign::generate`]; [`Error::Refused`] too where no bound of the model's motion is known.
-    pub fn generate_with_monitor(
-        &self,
-        preset: Option<Preset>,
-    ) -> Result<GeneratedController, Error> {
-        self.emit(self.hardware(preset)?, |spec| {
-            let noise_std = simulated_noise();
-            codegen::generate_with_monitor(spec, &MonitorSpec { noise_std })
+        self.generate_with(&ControllerOptions {
+            preset,
+            ..ControllerOptions::default()
         })
     }
 
+    /// As [`ControlDesign::generate`], with a name of its own for the crate or a monitor.
+    ///
+    /// # Errors
+    /// As for [`ControlDesign::generate`]; [`Error::Refused`] too if a monitor is wanted and no bound of the model's
+    /// motion is known.
+    pub fn generate_with(&self, options: &ControllerOptions) -> Result<GeneratedController, Error> {
+        let noise_std = simulated_noise();
+        self.emitted(
+            self.hardware(options.preset)?,
+            &EmissionOptions {
+                name: options.name.clone(),
+                monitor: options.has_monitor.then_some(MonitorSpec { noise_std }),
+            },
+        )
+    }
+
     /// As [`ControlDesign::generate`], for these sensors and this drive.
-    pub(crate) fn generate_with(
+    pub(crate) fn generate_for(
         &self,
         hardware: BenchHardware,
     ) -> Result<GeneratedController, Error> {
-        self.emit(hardware, codegen::generate)
+        self.emitted(hardware, &EmissionOptions::default())
     }
 
-    fn emit(
+    fn emitted(
         &self,
         hardware: BenchHardware,
-        generate: impl Fn(&ModuleSpec) -> Result<EmittedCrate, Refusal>,
+        options: &EmissionOptions,
     ) -> Result<GeneratedController, Error> {
         let (assumed, warnings) = (hardware.assumed.clone(), hardware.warnings.clone());
         let spec = self.module_spec_with(hardware)?;
-        let emitted = generate(&spec).map_err(|source| Error::Refused {
+        let emitted = codegen::generate_with(&spec, options).map_err(|source| Error::Refused {
             model: self.path(),
             source: Box::new(source),
         })?;
         let controller = GeneratedController {
+            name: name.to_string(),
             model: spec.model_name.clone(),
             gains: spec.gains,
             current_limit_a: spec.current_limit_a,

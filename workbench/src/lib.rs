@@ -127,7 +127,7 @@ pub use comparison::{
     PushInLog,
 };
 pub use control_design::ControlDesign;
-pub use controller::GeneratedController;
+pub use controller::{ControllerOptions, GeneratedController};
 pub use data_check::{DataReport, NewBench, check_data, new_bench};
 pub use design_change::{DesignChange, DesignSummary};
 pub use design_report::{

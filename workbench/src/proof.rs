@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::bench_hardware::Preset;
 use crate::control_design::ControlDesign;
-use crate::controller::GeneratedController;
+use crate::controller::{ControllerOptions, GeneratedController};
 use crate::error::Error;
 use crate::output_file::OutputFile;
 
@@ -68,8 +68,18 @@ pub fn prove(
 fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
     let start = Instant::now();
     let certificate = Certificate::read(folder).map_err(ProveError::from)?;
-    let preset = (!certificate.assumed.is_empty()).then_some(Preset::ThesisBench);
-    let outcome = match ControlDesign::read(model)?.generate(preset) {
+    // A crate without a plain name has failed another claim already.
+    let name = Emitted::read(folder)
+        .map_err(ProveError::from)?
+        .name()
+        .and_then(|name| name.parse().ok())
+        .unwrap_or_default();
+    let options = ControllerOptions {
+        preset: (!certificate.assumed.is_empty()).then_some(Preset::ThesisBench),
+        name,
+        has_monitor: certificate.monitor.is_some(),
+    };
+    let outcome = match ControlDesign::read(model)?.generate_with(&options) {
         Err(error) => ClaimOutcome::Failed(error.to_string()),
         Ok(controller) => match controller.differing(folder)?.first() {
             None => ClaimOutcome::Proved("every byte of every file".to_owned()),

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::language::harness;
+use crate::language::manifest;
 use crate::language::module::{Module, ReadError, sources};
 use crate::program::place::SourceError;
 
@@ -91,7 +92,14 @@ impl Emitted {
         Module::parse(&borrowed)
     }
 
-    /// Names of all files but the certificate.
+    /// Name of the crate; `None` if its manifest is not one that an emitted crate may have.
+    pub fn name(&self) -> Option<String> {
+        manifest::read(&self.cargo)
+            .ok()
+            .map(|manifest| manifest.name)
+    }
+
+    /// Names of all files that something is claimed of.
     pub fn files(&self) -> Vec<String> {
         let sources = self.sources.iter().map(|(path, _)| path.clone());
         sources.chain(["Cargo.toml".to_owned()]).collect()

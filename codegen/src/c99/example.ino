@@ -16,6 +16,8 @@ const uint8_t WHEEL_SPEED = 0x48;
 #if defined(ARDUINO_ARCH_ESP32)
 const int DUTY_PIN = 25;
 
+// Version 3 of Arduino's ESP32 core names the pin where version 2, which PlatformIO has, names a channel.
+#if ESP_ARDUINO_VERSION_MAJOR >= 3
 void begin_duty() {
   ledcAttach(DUTY_PIN, 1000, 16);  // Hz, bits
 }
@@ -23,6 +25,19 @@ void begin_duty() {
 void write_duty(uint16_t duty) {
   ledcWrite(DUTY_PIN, duty);
 }
+#else
+const uint8_t DUTY_CHANNEL = 0;
+
+void begin_duty() {
+  ledcSetup(DUTY_CHANNEL, 1000, 16);  // Hz, bits
+  ledcWrite(DUTY_CHANNEL, FLYWHEEL_ZERO_CURRENT);
+  ledcAttachPin(DUTY_PIN, DUTY_CHANNEL);
+}
+
+void write_duty(uint16_t duty) {
+  ledcWrite(DUTY_CHANNEL, duty);
+}
+#endif
 #elif defined(ARDUINO_ARCH_AVR)
 // Timer 1 counts to 2^16: 244 Hz at 16 MHz. Its first output is pin 9 of an Uno, pin 11 of a Mega.
 #if defined(__AVR_ATmega2560__)

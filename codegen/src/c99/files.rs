@@ -1,4 +1,4 @@
-//! Header, source, and the library around them.
+//! Header and source, and the order of all files.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -6,8 +6,8 @@ use super::items::{Function, FunctionKey, Items, Passing};
 use super::scope::{Place, Scope};
 use super::statement::Target;
 use super::types::{Key, Type, type_name};
-use super::{Result, Untranslatable, comments, constants, place};
-use crate::file::{EmittedCrate, EmittedFile, MARK};
+use super::{Result, Untranslatable, comments, constants, library, place};
+use crate::file::{EmittedCrate, EmittedFile};
 
 /// The functions that a firmware calls: module, structure, name in Rust, name in C.
 const PUBLIC: [(&str, Option<&str>, &str, &str); 13] = [
@@ -168,19 +168,13 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
         path: path.to_string(),
         contents,
     };
-    Ok(EmittedCrate {
-        files: vec![
-            file("src/flywheel.h", header),
-            file("src/flywheel.c", source),
-            file("library.properties", library_properties()),
-            file("library.json", library_json()),
-            file(
-                "examples/flywheel/flywheel.ino",
-                format!("// {MARK}; do not edit.\n{}", include_str!("example.ino")),
-            ),
-            file("certificate.json", certificate(emitted)?),
-        ],
-    })
+    let mut files = vec![
+        file("src/flywheel.h", header),
+        file("src/flywheel.c", source),
+    ];
+    files.extend(library::files(&emitted.name(), &title));
+    files.push(file("certificate.json", certificate(emitted)?));
+    Ok(EmittedCrate { files })
 }
 
 /// The first line of the emitted source, which names the model.
@@ -507,29 +501,4 @@ fn source(parts: &Parts) -> String {
         }
     }
     text
-}
-
-fn library_properties() -> String {
-    format!(
-        "# {MARK}; do not edit.\n\
-         name=Flywheel\n\
-         version=0.1.0\n\
-         author=flywheel\n\
-         maintainer=flywheel\n\
-         sentence=Fixed-point controller of a reaction-wheel pendulum.\n\
-         paragraph=Raw sensor counts in, duty of the timer out. Emitted for one bench.\n\
-         category=Device Control\n\
-         url=https://example.invalid/flywheel\n\
-         architectures=*\n\
-         includes=flywheel.h\n"
-    )
-}
-
-fn library_json() -> String {
-    format!(
-        "{{\n  \"_comment\": \"{MARK}; do not edit.\",\n  \"name\": \"Flywheel\",\n  \"version\": \"0.1.0\",\n  \
-         \"description\": \"Fixed-point controller of a reaction-wheel pendulum\",\n  \
-         \"frameworks\": \"*\",\n  \"platforms\": \"*\",\n  \
-         \"build\": {{ \"flags\": [\"-std=c99\"] }}\n}}\n"
-    )
 }

@@ -20,7 +20,8 @@
 //! | `statement` | blocks, structures and arrays |
 //! | `constants` | constants and their initialisers |
 //! | `comments` | documentation |
-//! | `files` | header, source, and the library around them |
+//! | `files` | header and source, and the order of all files |
+//! | `library` | README, and the descriptions that Arduino and PlatformIO read |
 
 mod call;
 mod comments;
@@ -29,6 +30,7 @@ mod expression;
 mod files;
 mod infer;
 mod items;
+mod library;
 mod place;
 mod scope;
 mod statement;

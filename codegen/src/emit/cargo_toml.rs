@@ -2,18 +2,19 @@
 //!
 //! They inherit nothing, so that the crates build inside a workspace and alone.
 
+use crate::crate_name::CrateName;
 use crate::emit::header;
 use crate::file::EmittedFile;
 use crate::spec::ModuleSpec;
 
 /// Emits `Cargo.toml`.
-pub fn file(spec: &ModuleSpec) -> EmittedFile {
+pub fn file(spec: &ModuleSpec, name: &CrateName) -> EmittedFile {
     let header = header(spec);
     let contents = format!(
         r#"# {header}.
 
 [package]
-name = "generated"
+name = "{name}"
 version = "0.1.0"
 edition = "2024"
 description = "Fixed-point controller of a reaction-wheel pendulum"
@@ -38,14 +39,19 @@ unexpected_cfgs = {{ level = "warn", check-cfg = ['cfg(kani)'] }}
 /// Emits `verify/Cargo.toml`.
 ///
 /// The harness crate is a workspace of its own: Cargo then looks for none above it, to which the crate would have to
-/// belong.
-pub fn harness_file(spec: &ModuleSpec) -> EmittedFile {
+/// belong. The harnesses call the emitted crate `generated`, under whatever name it was emitted.
+pub fn harness_file(spec: &ModuleSpec, name: &CrateName) -> EmittedFile {
     let header = header(spec);
+    let dependency = if *name == CrateName::default() {
+        r#"{ path = ".." }"#.to_owned()
+    } else {
+        format!(r#"{{ package = "{name}", path = ".." }}"#)
+    };
     let contents = format!(
         r#"# {header}.
 
 [package]
-name = "generated-verify"
+name = "{name}-verify"
 version = "0.1.0"
 edition = "2024"
 description = "Properties of the controller beside it, and their Kani proofs: run `cargo kani` here"
@@ -58,7 +64,7 @@ function-contracts = true
 stubbing = true
 
 [dependencies]
-generated = {{ path = ".." }}
+generated = {dependency}
 
 [lints.rust]
 unsafe_code = "forbid"

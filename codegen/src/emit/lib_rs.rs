@@ -2,41 +2,18 @@
 
 use quote::quote;
 
-use crate::emit::{inner_docs, print, single_line};
+use crate::crate_name::CrateName;
+use crate::emit::{example, inner_docs, print, single_line};
 use crate::file::EmittedFile;
 use crate::spec::ModuleSpec;
 
-/// How a firmware uses the crate; compiled and run as a test of its documentation.
-const EXAMPLE: [&str; 20] = [
-    "",
-    "# Use",
-    "",
-    "```",
-    "use generated::{Controller, Sample, Status, ZERO_CURRENT};",
-    "",
-    "let mut controller = Controller::new();",
-    "// Every SAMPLE_TIME_US: read the sensors, step, write the duty.",
-    "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };",
-    "let duty = controller.step(&sample);",
-    "assert_eq!(duty.0, ZERO_CURRENT);",
-    "// On the operator's wish; it drives the motor only near upright, at rest, with sound sensors.",
-    "assert!(!controller.arm());",
-    "assert_eq!(controller.status(), Status::NotAligned);",
-    "// A missed tick or a bus error: no current until `arm` succeeds again.",
-    "controller.fault();",
-    "assert_eq!(controller.step(&sample).0, ZERO_CURRENT);",
-    "```",
-    "",
-    "`status()` says why there is no current; a trip lasts until `arm()` succeeds.",
-];
-
-/// What a firmware with a monitor adds after each step.
+/// What a firmware with a monitor adds after each step; `CRATE` is the name of the crate.
 const MONITOR_EXAMPLE: [&str; 19] = [
     "",
     "# Monitor",
     "",
     "```",
-    "use generated::{Controller, Monitor, Sample, Status, wheel_speed};",
+    "use CRATE::{Controller, Monitor, Sample, Status, wheel_speed};",
     "",
     "let (mut controller, mut monitor) = (Controller::new(), Monitor::new());",
     "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };",
@@ -54,7 +31,7 @@ const MONITOR_EXAMPLE: [&str; 19] = [
 ];
 
 /// Emits `src/lib.rs`.
-pub fn file(spec: &ModuleSpec, has_monitor: bool) -> EmittedFile {
+pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFile {
     let mut lines = vec![
         "Fixed-point controller of a reaction-wheel pendulum.".to_owned(),
         String::new(),
@@ -81,10 +58,17 @@ pub fn file(spec: &ModuleSpec, has_monitor: bool) -> EmittedFile {
         lines.push("The model does not state these; they are those of another bench:".to_owned());
         list(&mut lines, &spec.assumed);
     }
-    lines.extend(EXAMPLE.iter().map(|line| (*line).to_owned()));
+    lines.extend(["", "# Use", "", "```"].map(str::to_owned));
+    lines.extend(example::lines(name));
+    let closing = "`status()` says why there is no current; a trip lasts until `arm()` succeeds.";
+    lines.extend(["```", "", closing].map(str::to_owned));
     let (mut monitor_modules, mut monitor_use) = (quote!(), quote!());
     if has_monitor {
-        lines.extend(MONITOR_EXAMPLE.iter().map(|line| (*line).to_owned()));
+        lines.extend(
+            MONITOR_EXAMPLE
+                .iter()
+                .map(|line| line.replace("CRATE", &name.in_rust())),
+        );
         monitor_modules = quote! {
             pub mod monitor;
             pub mod monitor_words;

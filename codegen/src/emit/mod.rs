@@ -52,9 +52,11 @@ pub mod certificate;
 mod certificate_hardware;
 pub mod constants_rs;
 pub mod control_rs;
+mod example;
 pub mod lib_rs;
 pub mod modes_rs;
 pub mod monitor_rs;
+pub mod readme;
 
 /// The header line of an emitted file, without comment sign.
 fn header(spec: &ModuleSpec) -> String {

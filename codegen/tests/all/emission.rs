@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use codegen::claims::ClaimId;
-use codegen::generate;
+use codegen::{CrateName, EmissionOptions, EmittedCrate, generate, generate_with};
 use serde_json::Value;
 use syn::visit::Visit;
 
@@ -51,6 +51,7 @@ fn the_same_numbers_give_the_same_bytes() {
             "verify/src/properties/control.rs",
             "verify/src/properties/modes.rs",
             "verify/src/properties/supervisor.rs",
+            "README.md",
             "certificate.json"
         ]
     );
@@ -133,6 +134,9 @@ fn hostile_names_stay_text() {
         } else if hostile.path.ends_with("Cargo.toml") {
             let body = |text: &str| text.split_once('\n').unwrap().1.to_owned();
             assert_eq!(body(&plain.contents), body(&hostile.contents));
+        } else if hostile.path == "README.md" {
+            let count = |text: &str| text.lines().count();
+            assert_eq!(count(&plain.contents), count(&hostile.contents));
         } else {
             let json: Value = serde_json::from_str(&hostile.contents).unwrap();
             assert_eq!(json["model"], spec.model_name.as_str());
@@ -224,19 +228,30 @@ fn rustfmt_would_change_nothing() {
     );
 }
 
-/// Emitted outside any workspace, the crate builds on its own, without a warning.
+/// Outside any workspace, the crate builds on its own under a name of the user's, without a warning, and the
+/// example of its documentation, which is that of its README, runs.
 #[test]
-fn the_emitted_crate_builds_alone() {
+fn the_emitted_crate_builds_and_tests_itself_alone() {
     let directory = tempfile::tempdir().unwrap();
-    generate(&thesis::spec())
-        .unwrap()
-        .write(directory.path())
-        .unwrap();
+    let name: CrateName = "my-pendulum".parse().unwrap();
+    let emitted = named(&name);
+    emitted.write(directory.path()).unwrap();
+    let example = |path: &str, start: &str| {
+        let text = emitted.file(path).unwrap();
+        let lines = text
+            .lines()
+            .map(|line| line.trim_start_matches("//!").trim());
+        let after = lines.skip_while(|line| *line != start).skip(1);
+        after.take_while(|line| *line != "```").collect::<Vec<_>>()
+    };
+    let lines = example("README.md", "```rust");
+    assert!(lines.contains(&"use my_pendulum::{Controller, Sample, Status, ZERO_CURRENT};"));
+    assert_eq!(lines, example("src/lib.rs", "```"));
     // The versions that this workspace uses are at hand, `fixed` because the tests depend on it.
     let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../Cargo.lock");
     std::fs::copy(lock, directory.path().join("Cargo.lock")).unwrap();
     let output = Command::new(env!("CARGO"))
-        .args(["build", "--offline", "--target-dir"])
+        .args(["test", "--offline", "--target-dir"])
         .arg(scratch("emitted-alone"))
         .current_dir(directory.path())
         .env_remove("RUSTFLAGS")
@@ -245,4 +260,36 @@ fn the_emitted_crate_builds_alone() {
     let messages = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{messages}");
     assert!(!messages.contains("warning"), "{messages}");
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("test result: ok. 1 passed"), "{said}");
+}
+
+fn named(name: &CrateName) -> EmittedCrate {
+    let options = EmissionOptions {
+        name: name.clone(),
+        ..EmissionOptions::default()
+    };
+    generate_with(&thesis::spec(), &options).unwrap()
+}
+
+/// Nothing but the name and what calls the crate by it depends on the name.
+#[test]
+fn a_name_changes_the_manifest_and_the_example_alone() {
+    let name: CrateName = "my-pendulum".parse().unwrap();
+    let plain = generate(&thesis::spec()).unwrap();
+    let named = named(&name);
+    assert_eq!((plain.name(), named.name()), (CrateName::default(), name));
+    for (plain, named) in plain.files.iter().zip(&named.files) {
+        assert_eq!(plain.path, named.path);
+        let back = named
+            .contents
+            .replace(r#"{ package = "my-pendulum", path"#, "{ path")
+            .replace("my-pendulum", "generated")
+            .replace("my_pendulum", "generated");
+        assert_eq!(plain.contents, back, "{}", plain.path);
+        let is_named = plain.contents != named.contents;
+        let has_name = ["Cargo.toml", "README.md", "src/lib.rs", "verify/Cargo.toml"]
+            .contains(&plain.path.as_str());
+        assert_eq!(is_named, has_name, "{}", plain.path);
+    }
 }

@@ -36,7 +36,13 @@ fn writes_what_changed_and_nothing_else() {
     );
     assert_eq!(
         names(&out),
-        ["Cargo.toml", "certificate.json", "src", "verify"]
+        [
+            "Cargo.toml",
+            "README.md",
+            "certificate.json",
+            "src",
+            "verify"
+        ]
     );
     let mut sources: Vec<_> = emitted
         .files

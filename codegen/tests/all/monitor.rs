@@ -7,7 +7,9 @@ use std::process::{Command, Stdio};
 use codegen::helpers::motion::{Motion, MotionLimits, NO_DIFFERENCE, agrees, compared};
 use codegen::monitor::{MonitorNumbers, derive};
 use codegen::spec::{ModelParameter, ModuleSpec};
-use codegen::{MonitorSpec, Refusal, c99, control, generate, generate_with_monitor};
+use codegen::{
+    EmissionOptions, EmittedCrate, MonitorSpec, Refusal, c99, control, generate, generate_with,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,6 +18,14 @@ use crate::thesis;
 const NOISE: MonitorSpec = MonitorSpec {
     noise_std: [1e-3, 4e-3, 0.6],
 };
+
+fn monitored(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
+    let options = EmissionOptions {
+        monitor: Some(NOISE),
+        ..EmissionOptions::default()
+    };
+    generate_with(spec, &options)
+}
 
 fn numbers(spec: &ModuleSpec) -> MonitorNumbers {
     derive(spec, &control::derive(spec).unwrap(), &NOISE).unwrap()
@@ -147,7 +157,7 @@ fn a_model_without_bounds_is_refused() {
             std: None,
             unit: String::new(),
         });
-        generate_with_monitor(&spec, &NOISE)
+        monitored(&spec)
     };
     assert!(with("cogging_torque", 1e-4).is_ok());
     let Err(Refusal::Monitor { reason }) = with("motor_lag", 1e-3) else {
@@ -156,14 +166,14 @@ fn a_model_without_bounds_is_refused() {
     assert!(reason.contains("motor_lag"), "{reason}");
     let mut spec = thesis::spec();
     spec.parameters.retain(|p| p.name != "wheel_inertia");
-    assert!(generate_with_monitor(&spec, &NOISE).is_err());
+    assert!(monitored(&spec).is_err());
 }
 
 /// A monitor adds three files, a line in the list of modules and its part of the certificate, and changes no other file.
 #[test]
 fn only_asked_for() {
     let plain = generate(&thesis::spec()).unwrap();
-    let monitored = generate_with_monitor(&thesis::spec(), &NOISE).unwrap();
+    let monitored = monitored(&thesis::spec()).unwrap();
     let mut added = Vec::new();
     for file in &monitored.files {
         match plain.file(&file.path) {
@@ -229,7 +239,7 @@ int main(void) {
 #[cfg_attr(not(have_gcc), ignore = "needs gcc")]
 fn the_c_says_the_same() {
     let spec = thesis::spec();
-    let emitted = c99::emit(&generate_with_monitor(&spec, &NOISE).unwrap()).unwrap();
+    let emitted = c99::emit(&monitored(&spec).unwrap()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     emitted.write(folder.path()).unwrap();
     let source = folder.path().join("src");

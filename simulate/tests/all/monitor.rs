@@ -6,7 +6,7 @@ use checker::program::Type;
 use checker::{Machine, Module};
 use codegen::hardware::HardwareSpec;
 use codegen::spec::{ModelParameter, PhysicalRanges, PwmDrive};
-use codegen::{ModuleSpec, MonitorSpec};
+use codegen::{EmissionOptions, ModuleSpec, MonitorSpec};
 use design::{Design, Settings, Weights};
 use generated::{Controller, Sample, Status, ZERO_CURRENT, wheel_speed};
 use nalgebra::Vector3;
@@ -84,7 +84,14 @@ fn emitted() -> Module {
         sensors.rate.noise_std,
         sensors.wheel_speed.noise_std,
     ];
-    let emitted = codegen::generate_with_monitor(&spec, &MonitorSpec { noise_std }).unwrap();
+    let emitted = codegen::generate_with(
+        &spec,
+        &EmissionOptions {
+            monitor: Some(MonitorSpec { noise_std }),
+            ..EmissionOptions::default()
+        },
+    )
+    .unwrap();
     let sources: Vec<_> = emitted.sources().collect();
     Module::parse(&sources).unwrap()
 }

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::{flywheel, models, refused, stderr, stdout};
+use super::{done, flywheel, models, refused, stderr, stdout};
 
 /// A copy of the committed crate.
 fn copy(folder: &Path) -> PathBuf {
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("generated");
     let to = folder.join("controller");
     fs::create_dir_all(to.join("src")).unwrap();
-    for name in ["Cargo.toml", "certificate.json"] {
+    for name in ["Cargo.toml", "README.md", "certificate.json"] {
         fs::copy(from.join(name), to.join(name)).unwrap();
     }
     for entry in fs::read_dir(from.join("src")).unwrap() {
@@ -128,4 +128,46 @@ fn what_cargo_obeys_is_refused() {
         assert_eq!(results(&rows, "compiled-agrees"), ["not run"], "{name}");
     }
     refused(["prove", "no-such-folder"], &["no-such-folder"]);
+}
+
+/// A crate with a name of the user's: `generate --check` and `prove` take it as what the generator emits.
+#[test]
+fn a_crate_with_another_name_is_proved() {
+    let folder = tempfile::tempdir().unwrap();
+    let crate_ = folder.path().join("controller");
+    let model = models().join("thesis-4.4.toml");
+    let [place, model] = [&crate_, &model].map(|path| path.to_str().unwrap());
+    let generate = ["generate", model, "--out", place];
+    let named = [&generate[..], &["--name", "my-pendulum"]].concat();
+    done(&named);
+    let manifest = fs::read_to_string(crate_.join("Cargo.toml")).unwrap();
+    assert!(manifest.contains("name = \"my-pendulum\""), "{manifest}");
+    let (code, rows) = proof(&crate_, &["--model", model]);
+    assert_eq!(code, Some(0), "{rows:#?}");
+    assert_eq!(results(&rows, "texts-audited"), ["proved"]);
+    assert_eq!(results(&rows, "model-matches"), ["proved", "proved"]);
+
+    done([&named[..], &["--check"]].concat());
+    let other_name = flywheel([&generate[..], &["--check"]].concat());
+    assert_eq!(other_name.status.code(), Some(1));
+    // The README is one of the files that are compared.
+    let readme = crate_.join("README.md");
+    let text = fs::read_to_string(&readme).unwrap();
+    fs::write(&readme, text.replace("my_pendulum", "mine")).unwrap();
+    let changed = flywheel([&named[..], &["--check"]].concat());
+    assert_eq!(changed.status.code(), Some(1));
+    assert!(
+        stdout(&changed).contains("README.md"),
+        "{}",
+        stdout(&changed)
+    );
+
+    let bad = [&generate[..], &["--name", "My Pendulum"]].concat();
+    refused(
+        bad,
+        &[
+            "`My Pendulum` is no name for the emitted crate",
+            "my-pendulum",
+        ],
+    );
 }

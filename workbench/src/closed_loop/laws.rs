@@ -189,7 +189,7 @@ impl<'a> Laws<'a> {
         // The simulation always needs sensors and uses a preset for them; a controller for a real motor must not.
         let hardware = designed.hardware_for_simulation()?;
         let spec = designed.module_spec_with(hardware.clone())?;
-        let generated = designed.generate_with(hardware)?;
+        let generated = designed.generate_for(hardware)?;
         let module = generated.module(&designed.path())?;
         Ok(Laws {
             plant,

@@ -5,12 +5,17 @@ use std::path::Path;
 use checker::certificate::reader::Certificate;
 use checker::prove::{ClaimResult, Emitted, settle};
 use checker::{ClaimOutcome, ProofSettings};
-use workbench::ControlDesign;
+use workbench::{ControlDesign, ControllerOptions};
 
 fn emitted() -> Emitted {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/thesis-4.4.toml");
     let design = ControlDesign::read(&path).expect("the model of the thesis");
-    let controller = design.generate_with_monitor(None).expect("emitted");
+    let controller = design
+        .generate_with(&ControllerOptions {
+            has_monitor: true,
+            ..ControllerOptions::default()
+        })
+        .expect("emitted");
     let folder = tempfile::tempdir().expect("a folder");
     controller.write(folder.path()).expect("written");
     Emitted::read(folder.path()).expect("a crate")

@@ -1,0 +1,75 @@
+//! What makes header and source a library: its README, and the descriptions that Arduino and PlatformIO read.
+
+use crate::crate_name::CrateName;
+use crate::file::{EmittedFile, MARK};
+
+/// README, `library.properties` (Arduino), `library.json` (PlatformIO) and the example sketch.
+pub fn files(name: &CrateName, title: &str) -> Vec<EmittedFile> {
+    let library = name.of_library();
+    let file = |path: &str, contents: String| EmittedFile {
+        path: path.to_string(),
+        contents,
+    };
+    vec![
+        file("README.md", readme(library, title)),
+        file("library.properties", library_properties(library)),
+        file("library.json", library_json(library)),
+        file(
+            "examples/flywheel/flywheel.ino",
+            format!("// {MARK}; do not edit.\n{}", include_str!("example.ino")),
+        ),
+    ]
+}
+
+fn readme(library: &str, title: &str) -> String {
+    format!(
+        r#"<!-- {title} -->
+
+# {library}
+
+The controller of one reaction-wheel pendulum in C99: raw sensor counts in, duty of the motor's timer out. It is fixed point without floats, heap or loops, and needs nothing but `<stdint.h>`. The folder is a library for Arduino (copy it into `libraries/` of the sketchbook) and for PlatformIO (name it in `lib_deps`). Any other firmware compiles `src/flywheel.c` and includes `src/flywheel.h`.
+
+```c
+#include "flywheel.h"
+
+static flywheel_controller_t controller; /* flywheel_init(&controller) before the first step */
+
+/* Every FLYWHEEL_SAMPLE_TIME_US, with the sensors' words, or without where one did not answer. */
+uint16_t tick(const flywheel_sample_t *sample, uint8_t sensors_answer, uint8_t user_wants_it) {{
+    if (!sensors_answer) flywheel_fault(&controller); /* no current until flywheel_arm succeeds again */
+    if (user_wants_it && flywheel_status(&controller) == FLYWHEEL_READY) flywheel_arm(&controller);
+    return flywheel_step(&controller, sample); /* the duty; FLYWHEEL_ZERO_CURRENT unless it runs */
+}}
+```
+
+`examples/flywheel/flywheel.ino` is a whole sketch. `certificate.json` states what is claimed of the controller; `flywheel prove` checks it on the Rust that `flywheel generate` writes without `--language c`, of which this is a translation.
+
+Do not change a file here by hand. Change `model.toml` or `bench.toml` and run `flywheel generate` again.
+"#
+    )
+}
+
+fn library_properties(library: &str) -> String {
+    format!(
+        "# {MARK}; do not edit.\n\
+         name={library}\n\
+         version=0.1.0\n\
+         author=flywheel\n\
+         maintainer=flywheel\n\
+         sentence=Fixed-point controller of a reaction-wheel pendulum.\n\
+         paragraph=Raw sensor counts in, duty of the timer out. Emitted for one bench.\n\
+         category=Device Control\n\
+         url=https://example.invalid/flywheel\n\
+         architectures=*\n\
+         includes=flywheel.h\n"
+    )
+}
+
+fn library_json(library: &str) -> String {
+    format!(
+        "{{\n  \"_comment\": \"{MARK}; do not edit.\",\n  \"name\": \"{library}\",\n  \"version\": \"0.1.0\",\n  \
+         \"description\": \"Fixed-point controller of a reaction-wheel pendulum\",\n  \
+         \"frameworks\": \"*\",\n  \"platforms\": \"*\",\n  \
+         \"build\": {{ \"flags\": [\"-std=c99\"] }}\n}}\n"
+    )
+}

@@ -1,0 +1,45 @@
+//! `README.md` of the emitted crate: what it is, and how a firmware takes it in.
+
+use crate::crate_name::CrateName;
+use crate::emit::{example, header, single_line};
+use crate::file::EmittedFile;
+use crate::spec::ModuleSpec;
+
+/// Emits `README.md`.
+pub fn file(spec: &ModuleSpec, name: &CrateName) -> EmittedFile {
+    let header = header(spec);
+    let model = single_line(&spec.model_name);
+    let example = example::lines(name).join("\n");
+    let contents = format!(
+        r#"<!-- {header}. -->
+
+# {name}
+
+The controller of one reaction-wheel pendulum, from the model `{model}`: raw sensor counts in, duty of the motor's timer out. It is `no_std` Rust in fixed point, without floats, heap, loops or panics, and needs nothing but `core` and the crate `fixed`.
+
+In the `Cargo.toml` of the firmware:
+
+```toml
+[dependencies]
+{name} = {{ path = "path/to/this/folder" }}
+```
+
+In its loop:
+
+```rust
+{example}
+```
+
+- `cargo doc --open` in this folder shows what each word means, and which sensors and which drive it is for.
+- `cargo test` in this folder compiles and runs the example above.
+- The limits at which the controller lets the motor go stand in `src/constants.rs`, under "When the controller is armed and when it trips".
+- `certificate.json` states what is claimed of this crate; `flywheel prove` checks it from these files alone.
+
+Do not change a file here by hand. Change `model.toml` or `bench.toml` and run `flywheel generate` again.
+"#
+    );
+    EmittedFile {
+        path: "README.md".to_owned(),
+        contents,
+    }
+}
