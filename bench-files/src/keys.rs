@@ -684,6 +684,13 @@ pub const BENCH: &[KeySection] = &[
                 "window = 8",
                 "speed = difference over so many samples",
             ),
+            key(
+                "largest",
+                "rad/s",
+                "what the sensor shows, or where a voltage drive's supply ends",
+                "largest = 700.0",
+                "largest speed of the wheel; at 105 % of it the motor is switched off",
+            ),
         ],
     },
     KeySection {
@@ -704,6 +711,13 @@ pub const BENCH: &[KeySection] = &[
                 NEEDED,
                 "scale = 0.1047",
                 "what one unit means; negative where it counts backwards",
+            ),
+            key(
+                "largest",
+                "rad/s",
+                "what the sensor shows, or where a voltage drive's supply ends",
+                "largest = 700.0",
+                "largest speed of the wheel; at 105 % of it the motor is switched off",
             ),
         ],
     },

@@ -36,6 +36,7 @@ pub mod helpers;
 pub mod ir;
 pub mod refusal;
 pub mod runtime;
+pub mod runtime_parts;
 pub mod spec;
 pub mod stability;
 pub mod supervisor;
@@ -43,6 +44,12 @@ pub mod supervisor;
 pub use file::{EmittedCrate, EmittedFile, FileError};
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
+
+/// Whether sensors or drive add states to the loop.
+fn has_other_loop(spec: &ModuleSpec) -> bool {
+    let wheel = &spec.hardware.wheel;
+    spec.drive.voltage.is_some() || matches!(wheel, hardware::WheelSensor::Encoder(_))
+}
 
 /// Emits the crate for `spec`, or refuses with the claim that could not be kept.
 ///
@@ -65,9 +72,10 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
     files.extend(runtime::helpers(spec));
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
-        // The bound holds for `control` on the measured states. An observer that changes the angle
-        // makes another loop, for which nothing is claimed.
-        None if spec.hardware.bias_observer.is_some() => None,
+        // The bound holds for `control` on the measured states and a current that flows as it is asked for. An observer
+        // that changes the angle, an encoder's speed that is half a window old, and a voltage in place of the current
+        // make other loops, for which it is not claimed.
+        None if spec.hardware.bias_observer.is_some() || has_other_loop(spec) => None,
         None => closed_loop::certify(spec, &law),
     };
     files.push(emit::certificate::file(spec, &law, closed_loop, &files));

@@ -47,7 +47,8 @@ pub use motion::{LinearMotion, Motion};
 pub use overlay::{LoggedLoop, overlay};
 pub use push::Push;
 pub use raw_counts::{
-    Fault, Faulty, InterpretedController, RawController, RawLoop, RawSample, RawSensors,
+    CountsLine, EncoderOutput, Fault, Faulty, InterpretedController, RawController, RawLoop,
+    RawSample, RawSensors, VoltageOutput, WheelOutput,
 };
 pub use recovery::{Recovery, largest_recoverable_angle};
 pub use scenario::Scenario;

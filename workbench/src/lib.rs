@@ -96,6 +96,7 @@ mod recording;
 mod remains;
 mod sensor_noise;
 mod session;
+mod simulated_sensors;
 mod swing_decay;
 pub mod words;
 

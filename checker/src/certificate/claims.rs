@@ -23,7 +23,7 @@ pub struct ClaimStatement {
 }
 
 /// Every claim, in the order in which they are shown.
-pub const CLAIMS: [ClaimStatement; 25] = [
+pub const CLAIMS: [ClaimStatement; 27] = [
     ClaimStatement {
         id: "source-understood",
         statement: "The emitted source keeps to the documented language: no float, no heap, no loop, no panic but in constants, nothing but `fixed`.",
@@ -169,6 +169,14 @@ pub const CLAIMS: [ClaimStatement; 25] = [
         is_in_certificate: false,
     },
     ClaimStatement {
+        id: "encoder-exact",
+        statement: "The counts of an encoder become the turn over its window exactly, wrap included, and a count that no motion of its axis gives is noticed in the same step.",
+        domain: "every difference of two counts; axes that turn at random; every word of the encoders",
+        assumptions: "An axis turns by less than half a wrap in a step.",
+        engine: EXACT,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
         id: "closed-loop-stable",
         statement: "All eigenvalues of Ad - Bd K with the quantised gains lie inside the unit circle.",
         domain: "the linear model sampled at the stated time",
@@ -181,6 +189,14 @@ pub const CLAIMS: [ClaimStatement; 25] = [
         statement: "Plant, regulator and the emitted observer of the angle's bias are stable together, and leave less than a hundredth of a constant bias at rest.",
         domain: "the linear model sampled at the stated time",
         assumptions: "No saturation; a module without observer claims nothing here.",
+        engine: EXACT,
+        is_in_certificate: false,
+    },
+    ClaimStatement {
+        id: "encoder-loop-stable",
+        statement: "The sampled linear loop with speeds that are an encoder's turn over its window, and with a voltage in place of the current where the drive sets one, is stable.",
+        domain: "the linear model sampled at the stated time",
+        assumptions: "No saturation, and no end of the supply; a module without encoder and voltage drive claims nothing here.",
         engine: EXACT,
         is_in_certificate: false,
     },

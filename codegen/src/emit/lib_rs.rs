@@ -1,34 +1,46 @@
 //! `src/lib.rs` of the emitted crate: the list of its modules.
 
-use quote::quote;
+use quote::{format_ident, quote};
 
 use crate::emit::{inner_docs, print, single_line};
 use crate::file::EmittedFile;
+use crate::runtime;
+use crate::runtime_parts::{Parts, WheelPart};
 use crate::spec::ModuleSpec;
 
 /// How a firmware uses the crate; compiled and run as a test of its documentation.
-const EXAMPLE: [&str; 20] = [
-    "",
-    "# Use",
-    "",
-    "```",
-    "use generated::{Controller, Sample, Status, ZERO_CURRENT};",
-    "",
-    "let mut controller = Controller::new();",
-    "// Every SAMPLE_TIME_US: read the sensors, step, write the duty.",
-    "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };",
-    "let duty = controller.step(&sample);",
-    "assert_eq!(duty.0, ZERO_CURRENT);",
-    "// On the operator's wish; it drives the motor only near upright, at rest, with sound sensors.",
-    "assert!(!controller.arm());",
-    "assert_eq!(controller.status(), Status::NotAligned);",
-    "// A missed tick or a bus error: no current until `arm` succeeds again.",
-    "controller.fault();",
-    "assert_eq!(controller.step(&sample).0, ZERO_CURRENT);",
-    "```",
-    "",
-    "`status()` says why there is no current; a trip lasts until `arm()` succeeds.",
-];
+fn example(parts: &Parts) -> Vec<String> {
+    let wheel = match parts.wheel {
+        WheelPart::Converter => "wheel_adc: 0",
+        WheelPart::Driver => "wheel_speed: 0",
+        WheelPart::Encoder => "wheel_count: 0",
+    };
+    let sample =
+        format!("let sample = Sample {{ gyro: [0; 3], accel: [0; 3], mag: None, {wheel} }};");
+    let lines = [
+        "",
+        "# Use",
+        "",
+        "```",
+        "use generated::{Controller, Sample, Status, ZERO_CURRENT};",
+        "",
+        "let mut controller = Controller::new();",
+        "// Every SAMPLE_TIME_US: read the sensors, step, write the duty.",
+        &sample,
+        "let duty = controller.step(&sample);",
+        "assert_eq!(duty.0, ZERO_CURRENT);",
+        "// On the operator's wish; it drives the motor only near upright, at rest, with sound sensors.",
+        "assert!(!controller.arm());",
+        "assert_eq!(controller.status(), Status::NotAligned);",
+        "// A missed tick or a bus error: no current until `arm` succeeds again.",
+        "controller.fault();",
+        "assert_eq!(controller.step(&sample).0, ZERO_CURRENT);",
+        "```",
+        "",
+        "`status()` says why there is no current; a trip lasts until `arm()` succeeds.",
+    ];
+    lines.map(str::to_owned).to_vec()
+}
 
 /// Emits `src/lib.rs`.
 pub fn file(spec: &ModuleSpec) -> EmittedFile {
@@ -58,7 +70,14 @@ pub fn file(spec: &ModuleSpec) -> EmittedFile {
         lines.push("The model does not state these; they are those of another bench:".to_owned());
         list(&mut lines, &spec.assumed);
     }
-    lines.extend(EXAMPLE.iter().map(|line| (*line).to_owned()));
+    let parts = spec.parts();
+    lines.extend(example(&parts));
+    let mut modules: Vec<_> = runtime::of_parts(&parts)
+        .map(|helper| helper.module)
+        .chain(["constants", "control"])
+        .collect();
+    modules.sort_unstable();
+    let modules = modules.iter().map(|name| format_ident!("{name}"));
     let docs = inner_docs(&lines);
     let tokens = quote! {
         #docs
@@ -66,23 +85,7 @@ pub fn file(spec: &ModuleSpec) -> EmittedFile {
         #![forbid(unsafe_code)]
         #![warn(missing_docs)]
 
-        pub mod arc_tangent;
-        pub mod attitude;
-        pub mod bias_observer;
-        pub mod calibration;
-        pub mod constants;
-        pub mod control;
-        pub mod controller;
-        pub mod drift;
-        pub mod filter;
-        pub mod lever_arm;
-        pub mod line;
-        pub mod madgwick;
-        pub mod pivot_angle;
-        pub mod product;
-        pub mod root;
-        pub mod scaling;
-        pub mod supervisor;
+        #(pub mod #modules;)*
 
         pub use attitude::Attitude;
         pub use control::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed, control};

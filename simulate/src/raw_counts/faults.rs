@@ -51,7 +51,7 @@ pub struct Faulty<C> {
     /// The step of the controller at which the fault begins, counted from its reset.
     pub from_step: usize,
     /// Counts at the ends of the converter's range.
-    pub wheel_ends: [u16; 2],
+    pub wheel_ends: [i32; 2],
     steps: usize,
     last: Option<RawSample>,
     duties: Vec<u16>,
@@ -60,7 +60,7 @@ pub struct Faulty<C> {
 
 impl<C: RawController> Faulty<C> {
     /// `controller` with `fault` from its step `from_step` on.
-    pub fn new(controller: C, fault: Fault, from_step: usize, wheel_ends: [u16; 2]) -> Faulty<C> {
+    pub fn new(controller: C, fault: Fault, from_step: usize, wheel_ends: [i32; 2]) -> Faulty<C> {
         Faulty {
             controller,
             fault,
@@ -92,14 +92,14 @@ impl<C: RawController> Faulty<C> {
             Fault::GyroscopeClipped => damaged.gyro[2] = i16::MAX,
             Fault::AccelerometerClipped => damaged.accel[1] = i16::MIN,
             Fault::AccelerometerDead => damaged.accel = [0; 3],
-            Fault::WheelLow => damaged.wheel_adc = self.wheel_ends[0],
-            Fault::WheelHigh => damaged.wheel_adc = self.wheel_ends[1],
+            Fault::WheelLow => damaged.wheel = self.wheel_ends[0],
+            Fault::WheelHigh => damaged.wheel = self.wheel_ends[1],
             Fault::BusDead => {
                 damaged = RawSample {
                     gyro: [0; 3],
                     accel: [0; 3],
                     mag: None,
-                    wheel_adc: 0,
+                    wheel: 0,
                 };
             }
             Fault::MissedTick => {}

@@ -12,4 +12,4 @@ mod sensors;
 pub use bench::RawLoop;
 pub use controller::{InterpretedController, RawController, RawSample};
 pub use faults::{Fault, Faulty};
-pub use sensors::{CountsLine, RawSensors};
+pub use sensors::{CountsLine, EncoderOutput, RawSensors, VoltageOutput, WheelOutput};

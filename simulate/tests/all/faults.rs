@@ -12,7 +12,7 @@ use simulate::{Fault, Faulty, LawFailure, Push, RawController, RawLoop, RawSampl
 /// `Status::Running` and the first that is a trip.
 const RUNNING: u8 = 2;
 
-const WHEEL_ENDS: [u16; 2] = [LIMITS.wheel_low as u16, LIMITS.wheel_high as u16];
+const WHEEL_ENDS: [i32; 2] = [LIMITS.wheel_low, LIMITS.wheel_high];
 
 fn on_bench(plant: &Plant<f64>, seed: u64) -> RawLoop<'_> {
     RawLoop {
