@@ -85,7 +85,7 @@ pub fn claims(certificate: &Certificate, module: &Module, results: &[ClaimResult
 }
 
 /// The constants that hold a bench's numbers: file and name.
-const BENCH: [(&str, &str); 12] = [
+const BENCH: [(&str, &str); 14] = [
     ("constants", "FILTER"),
     ("constants", "MOUNTING_ANGLE"),
     ("constants", "ANGLE_FACTOR"),
@@ -93,7 +93,9 @@ const BENCH: [(&str, &str); 12] = [
     ("constants", "ANGLE_MAX"),
     ("constants", "RATE_LINE"),
     ("constants", "WHEEL_SPEED_LINE"),
+    ("constants", "WHEEL_ENCODER"),
     ("constants", "DUTY_LINE"),
+    ("constants", "DUTY_PLANE"),
     ("constants", "ZERO_CURRENT"),
     ("constants", "BIAS_OBSERVER"),
     ("constants", "LIMITS"),
@@ -109,7 +111,7 @@ const OF_LINES: &str = "hardware-words, step-total";
 const OF_SUPERVISOR: &str = "supervisor, step-total";
 
 /// The beginning of the word's name, the source of its number, its format, and the claims about it.
-const TRACES: [(&str, &str, &str, &str); 30] = [
+const TRACES: [(&str, &str, &str, &str); 31] = [
     (
         "FILTER.accel_clip",
         "accelerometer: counts where it clips",
@@ -267,6 +269,12 @@ const TRACES: [(&str, &str, &str, &str); 30] = [
         "`bias_observer` of the certificate; zero where it is null",
         "products of equal fraction bits",
         "hardware-words, step-total, bias-observer-stable",
+    ),
+    (
+        "WHEEL_ENCODER",
+        "wrap and window of the encoder; by how much a step may turn further than the one before",
+        "counts, steps",
+        "encoder-exact, step-total",
     ),
     (
         "ZERO_CURRENT",

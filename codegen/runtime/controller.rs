@@ -3,9 +3,18 @@
 use super::attitude::Attitude;
 use super::bias_observer::{advanced, estimated_bias, waiting};
 use super::calibration::is_saturated;
+#[cfg(wheel_encoder)]
+use super::constants::WHEEL_ENCODER;
+#[cfg(not(voltage_drive))]
 use super::constants::{BIAS_OBSERVER, DUTY_LINE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
+#[cfg(voltage_drive)]
+use super::constants::{BIAS_OBSERVER, DUTY_PLANE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
 use super::control::{Angle, CURRENT_LIMIT, Current, WheelSpeed, control};
+#[cfg(wheel_encoder)]
+use super::encoder::Encoder;
 use super::line::on_line;
+#[cfg(voltage_drive)]
+use super::plane::on_plane;
 use super::product::clamp;
 use super::supervisor::{
     Counters, EMPTY_WINDOW, NOTHING_COUNTED, Status, Window, counted, gathered, judged, may_arm,
@@ -23,10 +32,17 @@ pub struct Sample {
     /// shows the heading, not the pivot's angle.
     pub mag: Option<[i16; 3]>,
     /// The drive's speed output, raw counts of the converter.
+    #[cfg(wheel_converter)]
     pub wheel_adc: u16,
+    /// The wheel's speed as the motor's driver sends it.
+    #[cfg(wheel_driver)]
+    pub wheel_speed: i16,
+    /// The count of the wheel's encoder.
+    #[cfg(wheel_encoder)]
+    pub wheel_count: u16,
 }
 
-/// Duty of the timer that the current drive reads.
+/// Duty of the timer that the drive reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duty(pub u16);
 
@@ -43,6 +59,8 @@ struct Seen {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Controller {
     attitude: Attitude,
+    #[cfg(wheel_encoder)]
+    wheel: Encoder,
     status: Status,
     is_aligned: bool,
     window: Window,
@@ -55,6 +73,8 @@ impl Controller {
     pub const fn new() -> Self {
         Controller {
             attitude: Attitude::new(),
+            #[cfg(wheel_encoder)]
+            wheel: Encoder::new(),
             status: Status::NotAligned,
             is_aligned: false,
             window: EMPTY_WINDOW,
@@ -106,7 +126,14 @@ impl Controller {
 
     /// Takes one sample and returns the duty: that of zero current unless the controller runs.
     pub fn step(&mut self, sample: &Sample) -> Duty {
+        #[cfg(wheel_converter)]
         let speed = wheel_speed(sample.wheel_adc);
+        #[cfg(wheel_driver)]
+        let speed = wheel_speed(sample.wheel_speed);
+        #[cfg(wheel_encoder)]
+        self.wheel.update(sample.wheel_count, &WHEEL_ENCODER);
+        #[cfg(wheel_encoder)]
+        let speed = wheel_speed(self.wheel.turned(&WHEEL_ENCODER));
         let seen = self.seen(sample, speed);
         if seen.is_driven {
             let angle = seen.angle;
@@ -115,7 +142,10 @@ impl Controller {
             let bias = estimated_bias(self.bias_state, states, &BIAS_OBSERVER);
             let current = control(Angle::from_bits(angle - bias), rate, speed);
             self.bias_state = advanced(self.bias_state, states, current.to_bits(), &BIAS_OBSERVER);
+            #[cfg(not(voltage_drive))]
             self.sent(current)
+            #[cfg(voltage_drive)]
+            self.sent(current, speed)
         } else {
             Duty(ZERO_CURRENT)
         }
@@ -123,11 +153,23 @@ impl Controller {
 
     /// As [`Controller::step`], with a current in place of the law's, within its limit.
     pub fn step_with_current(&mut self, sample: &Sample, current: Current) -> Duty {
+        #[cfg(wheel_converter)]
         let speed = wheel_speed(sample.wheel_adc);
+        #[cfg(wheel_driver)]
+        let speed = wheel_speed(sample.wheel_speed);
+        #[cfg(wheel_encoder)]
+        self.wheel.update(sample.wheel_count, &WHEEL_ENCODER);
+        #[cfg(wheel_encoder)]
+        let speed = wheel_speed(self.wheel.turned(&WHEEL_ENCODER));
         let seen = self.seen(sample, speed);
         if seen.is_driven {
             let limit = CURRENT_LIMIT.to_bits();
+            #[cfg(not(voltage_drive))]
             self.sent(Current::from_bits(clamp(current.to_bits(), -limit, limit)))
+            #[cfg(voltage_drive)]
+            let current = Current::from_bits(clamp(current.to_bits(), -limit, limit));
+            #[cfg(voltage_drive)]
+            self.sent(current, speed)
         } else {
             Duty(ZERO_CURRENT)
         }
@@ -150,11 +192,25 @@ impl Controller {
             gyro,
             self.attitude.is_clipped(sample.gyro, sample.accel),
             self.attitude.shows_gravity(sample.accel),
+            #[cfg(wheel_converter)]
             sample.wheel_adc as i32,
+            #[cfg(wheel_driver)]
+            sample.wheel_speed as i32,
+            #[cfg(wheel_encoder)]
+            self.wheel.turned(&WHEEL_ENCODER),
             &LIMITS,
         );
         let angle = self.attitude.angle().to_bits();
         let judgement = judged(&self.counters, angle, &LIMITS);
+        // A count that is no motion: the encoder, its magnet or the bus has failed.
+        #[cfg(wheel_encoder)]
+        let has_jumped = self.wheel.has_jumped();
+        #[cfg(wheel_encoder)]
+        let judgement = if has_jumped {
+            Status::TrippedFault
+        } else {
+            judgement
+        };
         if self.status == Status::Running && judgement == Status::Running {
             return Seen {
                 is_driven: true,
@@ -165,6 +221,10 @@ impl Controller {
             self.trip(judgement);
         } else if !self.is_aligned {
             self.align(sample);
+        }
+        #[cfg(wheel_encoder)]
+        if has_jumped {
+            self.fault();
         }
         let states = [angle, self.attitude.rate().to_bits(), speed.to_bits()];
         self.bias_state = waiting(states, &BIAS_OBSERVER);
@@ -196,7 +256,22 @@ impl Controller {
         self.window = EMPTY_WINDOW;
     }
 
+    /// The duty of a current at a wheel speed; the current is counted where it is at its limit.
+    #[cfg(voltage_drive)]
+    fn sent(&mut self, current: Current, speed: WheelSpeed) -> Duty {
+        let word = current.to_bits();
+        let limit = CURRENT_LIMIT.to_bits();
+        let is_saturated = word <= -limit || word >= limit;
+        self.counters.saturated = counted(
+            self.counters.saturated,
+            is_saturated,
+            LIMITS.saturated_steps,
+        );
+        duty(current, speed)
+    }
+
     /// The duty of a current, which is counted where it is at its limit.
+    #[cfg(not(voltage_drive))]
     fn sent(&mut self, current: Current) -> Duty {
         let word = current.to_bits();
         let limit = CURRENT_LIMIT.to_bits();
@@ -217,11 +292,34 @@ impl Default for Controller {
 }
 
 /// The wheel's speed relative to the body from the converter's counts, within the stated range.
+#[cfg(wheel_converter)]
 pub fn wheel_speed(adc: u16) -> WheelSpeed {
     WheelSpeed::from_bits(on_line(adc as i32, &WHEEL_SPEED_LINE))
 }
 
+/// The wheel's speed relative to the body from the driver's word, within the stated range.
+#[cfg(wheel_driver)]
+pub fn wheel_speed(word: i16) -> WheelSpeed {
+    WheelSpeed::from_bits(on_line(word as i32, &WHEEL_SPEED_LINE))
+}
+
+/// The wheel's speed relative to the body from the counts that its encoder turned over the window,
+/// within the stated range. It is half a window old.
+#[cfg(wheel_encoder)]
+pub fn wheel_speed(turned: i32) -> WheelSpeed {
+    WheelSpeed::from_bits(on_line(turned, &WHEEL_SPEED_LINE))
+}
+
 /// The duty for a current, within the drive's limits.
+#[cfg(not(voltage_drive))]
 pub fn duty(current: Current) -> Duty {
     Duty(on_line(current.to_bits(), &DUTY_LINE) as u16)
+}
+
+/// The duty of the voltage that drives a current through the winding of a motor whose wheel turns at
+/// this speed: V = R u + k_e w, within the supply's. Where the supply is too low for it, less flows.
+#[cfg(voltage_drive)]
+pub fn duty(current: Current, wheel_speed: WheelSpeed) -> Duty {
+    let (word, speed) = (current.to_bits(), wheel_speed.to_bits());
+    Duty(on_plane(word, speed, &DUTY_PLANE) as u16)
 }

@@ -75,11 +75,11 @@ impl EmittedCrate {
     /// The crate's name, as its `Cargo.toml` states it; the usual one where there is none.
     pub fn name(&self) -> CrateName {
         let manifest = self.file("Cargo.toml").unwrap_or_default();
-        let names = manifest.lines().filter_map(|line| {
+        let mut names = manifest.lines().filter_map(|line| {
             let quoted = line.strip_prefix("name = \"")?;
             quoted.strip_suffix('"')?.parse().ok()
         });
-        names.last().unwrap_or_default()
+        names.next_back().unwrap_or_default()
     }
 
     /// The text of one file, by its path inside the crate.

@@ -1,18 +1,20 @@
 //! The words of the hardware around the control law, and of its straight lines.
 //!
-//! The inputs are raw counts (inertial sensor, converter of the wheel's speed), the output is a duty. Every
+//! The inputs are raw counts (inertial sensor or encoder, the wheel's sensor), the output is a duty. Every
 //! line is rounded once, to a slope of 30 bits.
 
 use attitude::AttitudeSpec;
 
 use crate::attitude::{self as attitude_words, AttitudeRefusal};
-use crate::hardware::BiasObserverSpec;
+use crate::hardware::{BiasObserverSpec, WheelSensor};
 use crate::helpers::bias_observer::BiasObserver;
+use crate::helpers::encoder::EncoderNumbers;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::line::Line;
+use crate::helpers::plane::Plane;
 use crate::helpers::supervisor::Limits;
 use crate::ir::IntegerLaw;
-use crate::spec::ModuleSpec;
+use crate::spec::{ModuleSpec, PwmDrive, VoltageDrive};
 use crate::supervisor;
 
 /// An observer without effect.
@@ -31,6 +33,18 @@ const NO_OBSERVER: BiasObserver = BiasObserver {
 /// 2¹⁶ counts of a duty.
 const SLOPE_BITS_MIN: f64 = 24.0;
 
+/// Smallest shift of the duty's plane. Half a unit of a slope is then 2⁻⁸ counts for the largest word.
+const PLANE_SHIFT_MIN: f64 = 38.0;
+
+/// The words from the current to the duty.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DutyWords {
+    /// Of a current drive: from the word of the current.
+    Line(Line),
+    /// Of a voltage drive: from the words of current and wheel speed.
+    Plane(Plane),
+}
+
 /// All words of the emitted constants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardwareWords {
@@ -46,10 +60,12 @@ pub struct HardwareWords {
     pub angle_shift: u32,
     /// From half-angles per step in Q32 to the word of the rate.
     pub rate: Line,
-    /// From the converter's counts to the word of the wheel speed.
+    /// From counts to the word of the wheel speed.
     pub wheel_speed: Line,
+    /// Of the wheel's encoder, where there is one.
+    pub wheel_encoder: Option<EncoderNumbers>,
     /// From the word of the current to the duty.
-    pub duty: Line,
+    pub duty: DutyWords,
     /// Duty at zero current.
     pub zero_current: u16,
     /// Observer of the angle's bias.
@@ -85,7 +101,22 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, Atti
     let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
     let wheel_max = word_at_most(spec.ranges.wheel_speed_rad_s * wheel_unit);
     let drive = &spec.drive;
-    let duty_per_current = 1.0 / drive.amperes_per_count / current_unit;
+    let duty = match &drive.voltage {
+        None => DutyWords::Line(line(
+            "the duty",
+            1.0 / drive.amperes_per_count / current_unit,
+            f64::from(drive.duty_zero),
+            drive.duty_low.into(),
+            drive.duty_high.into(),
+        )?),
+        Some(voltage) => DutyWords::Plane(plane(drive, voltage, current_unit, wheel_unit)?),
+    };
+    let wheel_encoder = match &hardware.wheel {
+        WheelSensor::Encoder(encoder) => {
+            Some(supervisor::encoder_numbers(encoder, spec.b[2], spec)?)
+        }
+        _ => None,
+    };
     let filter = attitude_words::derive(&filter_spec)?;
     Ok(HardwareWords {
         limits: supervisor::derive(spec, law, &filter)?,
@@ -109,13 +140,8 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, Atti
             -wheel_max,
             wheel_max,
         )?,
-        duty: line(
-            "the duty",
-            duty_per_current,
-            f64::from(drive.duty_zero),
-            drive.duty_low.into(),
-            drive.duty_high.into(),
-        )?,
+        wheel_encoder,
+        duty,
         zero_current: drive.duty_zero,
         bias_observer,
     })
@@ -156,6 +182,37 @@ fn line(
         shift: shift as u32,
         low,
         high,
+    })
+}
+
+/// The plane of a voltage drive, V = R u + k_e φ̇ over the volts of a count, with as many bits as the larger slope and
+/// the offset leave room for.
+fn plane(
+    drive: &PwmDrive,
+    voltage: &VoltageDrive,
+    current_unit: f64,
+    wheel_unit: f64,
+) -> Result<Plane, AttitudeRefusal> {
+    let of_current = voltage.winding_ohm / voltage.volts_per_count / current_unit;
+    let of_speed = voltage.back_emf_v_s / voltage.volts_per_count / wheel_unit;
+    let largest = of_current.abs().max(of_speed.abs());
+    let at_zero = f64::from(drive.duty_zero) + 0.5;
+    let room = (2f64.powi(61) / at_zero).log2().floor();
+    let shift = (29.0 - largest.log2().floor()).min(room).min(62.0);
+    if !(shift >= PLANE_SHIFT_MIN && largest > 0.0) {
+        return Err(AttitudeRefusal::NoLine {
+            what: "the duty",
+            value: largest,
+        });
+    }
+    let scale = 2f64.powf(shift);
+    Ok(Plane {
+        current: (of_current * scale).round() as i32,
+        speed: (of_speed * scale).round() as i32,
+        offset: (at_zero * scale).round() as i64,
+        shift: shift as u32,
+        low: drive.duty_low.into(),
+        high: drive.duty_high.into(),
     })
 }
 

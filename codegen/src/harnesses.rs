@@ -10,6 +10,7 @@ use crate::crate_name::CrateName;
 use crate::emit::{cargo_toml, modes_rs, with_header};
 use crate::file::EmittedFile;
 use crate::modes::Modes;
+use crate::runtime_parts::WheelPart;
 use crate::spec::ModuleSpec;
 
 /// A file of `codegen/harnesses/`: its path inside the emitted crate, and its text.
@@ -37,8 +38,18 @@ const HARNESSES: [(&str, &str); 11] = [
     harness!("properties/supervisor.rs"),
 ];
 
-/// The harness crate for `spec`, whose loop has these modes: its manifest and its sources.
+/// Whether a module for `spec` has a harness crate. The harnesses know a converter's counts and a current drive.
+pub fn exist_for(spec: &ModuleSpec) -> bool {
+    let parts = spec.parts();
+    parts.wheel == WheelPart::Converter && !parts.has_voltage_drive
+}
+
+/// The harness crate for `spec`, whose loop has these modes: its manifest and its sources; nothing if there is none for
+/// its sensors or its drive.
 pub fn files(spec: &ModuleSpec, name: &CrateName, modes: Option<&Modes>) -> Vec<EmittedFile> {
+    if !exist_for(spec) {
+        return Vec::new();
+    }
     let sources = HARNESSES.iter().map(|(path, text)| EmittedFile {
         path: (*path).to_owned(),
         contents: with_header(spec, text),

@@ -11,6 +11,8 @@ pub mod bias_observer;
 pub mod calibration;
 #[path = "../runtime/drift.rs"]
 pub mod drift;
+#[path = "../runtime/encoder.rs"]
+pub mod encoder;
 #[path = "../runtime/filter.rs"]
 pub mod filter;
 #[path = "../runtime/lever_arm.rs"]
@@ -23,6 +25,8 @@ pub mod madgwick;
 pub mod motion;
 #[path = "../runtime/pivot_angle.rs"]
 pub mod pivot_angle;
+#[path = "../runtime/plane.rs"]
+pub mod plane;
 #[path = "../runtime/product.rs"]
 pub mod product;
 #[path = "../runtime/root.rs"]

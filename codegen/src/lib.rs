@@ -41,6 +41,7 @@ pub mod modes;
 pub mod monitor;
 pub mod refusal;
 pub mod runtime;
+pub mod runtime_parts;
 pub mod spec;
 pub mod stability;
 pub mod supervisor;
@@ -50,6 +51,12 @@ pub use file::{EmittedCrate, EmittedFile, FileError};
 pub use monitor::MonitorSpec;
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
+
+/// Whether sensors or drive add states to the loop.
+fn has_other_loop(spec: &ModuleSpec) -> bool {
+    let wheel = &spec.hardware.wheel;
+    spec.drive.voltage.is_some() || matches!(wheel, hardware::WheelSensor::Encoder(_))
+}
 
 /// How a module is emitted, apart from its numbers.
 #[derive(Debug, Clone, Default)]
@@ -93,22 +100,27 @@ pub fn generate_with(
         emit::control_rs::file(spec, &law),
         emit::constants_rs::file(spec, &law, &hardware),
     ];
-    files.extend(runtime::emitted(&runtime::HELPERS, spec));
+    files.extend(runtime::emitted(runtime::of_parts(&spec.parts()), spec));
     let numbers = monitor
         .map(|told| monitor::derive(spec, &law, told))
         .transpose()?;
     if let Some(numbers) = &numbers {
         files.push(emit::monitor_rs::file(spec, numbers));
-        files.extend(runtime::emitted(&runtime::MONITOR_HELPERS, spec));
+        files.extend(runtime::emitted(runtime::MONITOR_HELPERS.iter(), spec));
     }
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
-        // The bound holds for `control` on the measured states. An observer that changes the angle
-        // makes another loop, for which nothing is claimed.
-        None if spec.hardware.bias_observer.is_some() => None,
+        // The bound holds for `control` on the measured states and a current that flows as it is asked for. An observer
+        // that changes the angle, an encoder's speed that is half a window old, and a voltage in place of the current
+        // make other loops, for which it is not claimed.
+        None if spec.hardware.bias_observer.is_some() || has_other_loop(spec) => None,
         None => closed_loop::certify(spec, &law),
     };
-    let modes = modes::derive(spec, &law);
+    // The claim about the modes is checked with the harnesses.
+    let modes = match harnesses::exist_for(spec) && !has_other_loop(spec) {
+        true => modes::derive(spec, &law),
+        false => None,
+    };
     let found = emit::certificate::Found {
         monitor: monitor.zip(numbers.as_ref()),
         modes: modes.as_ref(),

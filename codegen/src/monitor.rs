@@ -15,6 +15,7 @@
 use crate::helpers::motion::{MotionLimits, MotionRow};
 use crate::ir::IntegerLaw;
 use crate::refusal::Refusal;
+use crate::runtime_parts::WheelPart;
 use crate::spec::ModuleSpec;
 
 /// The time over which differences add up, about (s): a body that falls with a time constant of a tenth of a second
@@ -75,6 +76,13 @@ pub fn derive(
     monitor: &MonitorSpec,
 ) -> Result<MonitorNumbers, Refusal> {
     let refuse = |reason: String| Refusal::Monitor { reason };
+    if spec.parts().has_voltage_drive || spec.parts().wheel == WheelPart::Encoder {
+        return Err(refuse(
+            "the monitor takes the current from the duty and the wheel's speed without delay, which a voltage drive and \
+             an encoder on the wheel do not give"
+                .to_owned(),
+        ));
+    }
     let torques = Torques::read(spec)?;
     let shares = Shares::read(spec)?;
     let leak = (MEMORY_S / spec.sample_time_s)
@@ -116,7 +124,7 @@ pub fn derive(
         |row: &Row| -> f64 { (0..3).map(|i| row[i].abs() * errors[i]).sum::<f64>() * memory };
     let steps_s = memory * spec.sample_time_s;
     let (fall, push) = (spec.a[1][0], spec.b[1].abs() * spec.current_limit_a);
-    if !(fall > 0.0) {
+    if fall.is_nan() || fall <= 0.0 {
         return Err(refuse(
             "the body does not fall in the linear model".to_owned(),
         ));

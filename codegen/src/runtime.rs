@@ -2,163 +2,116 @@
 //!
 //! A helper is an ordinary Rust file in `codegen/runtime/`. It is compiled in [`crate::helpers`],
 //! so that `codegen/tests/` can test it. Its text is copied with comments and layout unchanged,
-//! but without its `#[cfg(test)]` items. To add one, append it to [`HELPERS`], to
-//! [`crate::helpers`] and to the list in [`crate::emit::lib_rs`].
-
-use syn::spanned::Spanned;
+//! but without its `#[cfg(test)]` items and without what the bench does not have
+//! ([`crate::runtime_parts`]). To add one, append it to [`HELPERS`] and to [`crate::helpers`].
 
 use crate::emit;
 use crate::file::EmittedFile;
+use crate::runtime_parts::{Parts, PartsError, WheelPart};
 use crate::spec::ModuleSpec;
 
 /// A hand-written file and its place in the emitted crate.
 #[derive(Debug, Clone, Copy)]
 pub struct Helper {
+    /// Name of its module in the emitted crate.
+    pub module: &'static str,
     /// Path inside the emitted crate.
     pub path: &'static str,
     /// Text of the file in `codegen/runtime/`.
     pub source: &'static str,
+    /// Whether a module with these parts has it.
+    pub is_part_of: fn(&Parts) -> bool,
 }
 
-/// The helper in a file of `codegen/runtime/`.
+/// The helper in a file of `codegen/runtime/`, as a module of this name, where the bench has this.
 macro_rules! helper {
-    ($name:literal) => {
+    ($module:literal) => {
+        helper!($module, |_| true)
+    };
+    ($module:literal, $is_part_of:expr) => {
         Helper {
-            path: concat!("src/", $name),
-            source: include_str!(concat!("../runtime/", $name)),
+            module: $module,
+            path: concat!("src/", $module, ".rs"),
+            source: include_str!(concat!("../runtime/", $module, ".rs")),
+            is_part_of: $is_part_of,
         }
     };
 }
 
 impl Helper {
-    /// The file as it is emitted: header, then the text without its tests.
+    /// The file as it is emitted: header, then the text that the bench has.
     ///
     /// # Errors
-    /// The error of `syn` if the text is not Rust. A test of this crate shows that every helper
-    /// parses.
-    pub fn file(&self, spec: &ModuleSpec) -> Result<EmittedFile, syn::Error> {
+    /// [`PartsError`]; a test of this crate excludes it for every helper and every bench.
+    pub fn file(&self, spec: &ModuleSpec, parts: &Parts) -> Result<EmittedFile, PartsError> {
         Ok(EmittedFile {
             path: self.path.to_owned(),
-            contents: emit::with_header(spec, &without_tests(self.source)?),
+            contents: emit::with_header(spec, &parts.of_text(self.source)?),
         })
     }
 }
 
-/// Every helper of each emitted crate.
-pub const HELPERS: [Helper; 15] = [
-    helper!("arc_tangent.rs"),
-    helper!("attitude.rs"),
-    helper!("bias_observer.rs"),
-    helper!("calibration.rs"),
-    helper!("controller.rs"),
-    helper!("drift.rs"),
-    helper!("filter.rs"),
-    helper!("lever_arm.rs"),
-    helper!("line.rs"),
-    helper!("madgwick.rs"),
-    helper!("pivot_angle.rs"),
-    helper!("product.rs"),
-    helper!("root.rs"),
-    helper!("scaling.rs"),
-    helper!("supervisor.rs"),
+/// Every helper that a module needs without a monitor, by the name of its module.
+pub const HELPERS: [Helper; 17] = [
+    helper!("arc_tangent"),
+    helper!("attitude"),
+    helper!("bias_observer"),
+    helper!("calibration"),
+    helper!("controller"),
+    helper!("drift"),
+    helper!("encoder", |parts| parts.wheel == WheelPart::Encoder),
+    helper!("filter"),
+    helper!("lever_arm"),
+    helper!("line"),
+    helper!("madgwick"),
+    helper!("pivot_angle"),
+    helper!("plane", |parts| parts.has_voltage_drive),
+    helper!("product"),
+    helper!("root"),
+    helper!("scaling"),
+    helper!("supervisor"),
 ];
 
-/// The helpers of a crate with a monitor, beside [`HELPERS`].
-pub const MONITOR_HELPERS: [Helper; 2] = [helper!("monitor.rs"), helper!("motion.rs")];
+/// The helpers of a monitor, beside [`HELPERS`].
+pub const MONITOR_HELPERS: [Helper; 2] = [helper!("monitor"), helper!("motion")];
 
-/// Helpers as they are emitted.
-pub fn emitted(helpers: &[Helper], spec: &ModuleSpec) -> Vec<EmittedFile> {
-    helpers
+/// The helpers of a module with these parts.
+pub fn of_parts(parts: &Parts) -> impl Iterator<Item = &'static Helper> {
+    HELPERS
         .iter()
+        .filter(move |helper| (helper.is_part_of)(parts))
+}
+
+/// Helpers as they are emitted for `spec`.
+pub fn emitted<'a>(
+    helpers: impl Iterator<Item = &'a Helper>,
+    spec: &ModuleSpec,
+) -> Vec<EmittedFile> {
+    let parts = spec.parts();
+    helpers
         .map(|helper| {
             helper
-                .file(spec)
+                .file(spec, &parts)
                 .expect("every helper parses; a test of this module says so")
         })
         .collect()
-}
-
-/// `source` without its items under `#[cfg(test)]`.
-fn without_tests(source: &str) -> Result<String, syn::Error> {
-    let file = syn::parse_file(source)?;
-    let mut dropped = vec![false; source.lines().count()];
-    for item in &file.items {
-        if attributes(item).iter().any(is_cfg_test) {
-            // Lines count from one; the end line belongs to the item.
-            let span = item.span();
-            dropped[span.start().line - 1..span.end().line].fill(true);
-        }
-    }
-    let kept = source.lines().zip(dropped).filter(|(_, dropped)| !dropped);
-    let mut text = String::with_capacity(source.len());
-    for (line, _) in kept {
-        text.push_str(line);
-        text.push('\n');
-    }
-    text.truncate(text.trim_end().len());
-    text.push('\n');
-    Ok(text)
-}
-
-fn attributes(item: &syn::Item) -> &[syn::Attribute] {
-    match item {
-        syn::Item::Mod(item) => &item.attrs,
-        syn::Item::Fn(item) => &item.attrs,
-        syn::Item::Use(item) => &item.attrs,
-        syn::Item::Const(item) => &item.attrs,
-        _ => &[],
-    }
-}
-
-fn is_cfg_test(attribute: &syn::Attribute) -> bool {
-    let mut found = false;
-    if attribute.path().is_ident("cfg") {
-        // `cfg(not(test))` and the like are not entered, so `found` stays false for them.
-        let _ = attribute.parse_nested_meta(|meta| {
-            found |= meta.path.is_ident("test");
-            Ok(())
-        });
-    }
-    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SOURCE: &str = "//! Rounding.
-
-use core::cmp::min;
-
-/// Smaller of two.
-pub fn smaller(a: i32, b: i32) -> i32 {
-    // Why: a comment stays.
-    min(a, b)
-}
-
-#[cfg(not(test))]
-const KEPT: i32 = 1;
-
-#[cfg(test)]
-mod tests {
     #[test]
-    fn left_behind() {}
-}
-";
-
-    #[test]
-    fn every_helper_parses_and_is_formatted() {
-        for helper in HELPERS.into_iter().chain(MONITOR_HELPERS) {
-            let carried = without_tests(helper.source).unwrap();
-            assert_eq!(carried, helper.source, "{}", helper.path);
+    fn every_helper_parses_for_every_bench() {
+        for parts in Parts::all() {
+            let mut modules: Vec<&str> = Vec::new();
+            for helper in of_parts(&parts) {
+                let text = parts.of_text(helper.source).unwrap();
+                assert!(!text.contains("#[cfg("), "{}: {parts:?}", helper.path);
+                syn::parse_file(&text).unwrap();
+                modules.push(helper.module);
+            }
+            assert!(modules.is_sorted_by(|a, b| a < b), "{modules:?}");
         }
-    }
-
-    #[test]
-    fn comments_stay_and_tests_do_not() {
-        let carried = without_tests(SOURCE).unwrap();
-        let (expected, _) = SOURCE.split_once("\n#[cfg(test)]").unwrap();
-        assert_eq!(carried, expected);
-        assert!(without_tests("fn {").is_err());
     }
 }

@@ -1,7 +1,8 @@
 //! What the generator is told: plain numbers in SI units, from identification and design.
 
-use crate::hardware::HardwareSpec;
+use crate::hardware::{HardwareSpec, WheelSensor};
 use crate::refusal::Refusal;
+use crate::runtime_parts::{Parts, WheelPart};
 
 /// Everything from which a module is emitted.
 ///
@@ -59,12 +60,12 @@ pub struct PhysicalRanges {
 
 impl PhysicalRanges {
     /// What the sensors can show: any angle up to half a turn, every count of the gyroscope, every
-    /// count of the converter. Rounded up in the fifth digit.
+    /// count of the wheel's sensor between its ends. Rounded up in the fifth digit.
     pub fn of(hardware: &HardwareSpec) -> Self {
         let gyro = &hardware.attitude.gyro;
         let counts = gyro.bias_counts.map(|bias| 32_768.0 + bias.abs());
         let rate = gyro.matrix.row(2).abs() * counts;
-        let speed = |count: u16| {
+        let speed = |count: i32| {
             hardware.wheel_speed_per_count * f64::from(count) + hardware.wheel_speed_at_zero
         };
         let wheel = speed(hardware.wheel_low)
@@ -89,7 +90,7 @@ fn rounded_up(value: f64) -> f64 {
     format!("{scaled:.0}e{}", -digits).parse().unwrap_or(value)
 }
 
-/// A current drive whose current is a straight line of the duty of a timer.
+/// A drive whose current, or voltage, is a straight line of the duty of a timer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwmDrive {
     /// Bits of the timer.
@@ -100,8 +101,23 @@ pub struct PwmDrive {
     pub duty_low: u16,
     /// Largest duty that the drive reads as a current.
     pub duty_high: u16,
-    /// A per count; negative where a larger duty drives backwards.
+    /// A per count; negative where a larger duty drives backwards. Of a voltage drive: at standstill.
     pub amperes_per_count: f64,
+    /// What a voltage drive is besides; `None` for a current drive.
+    pub voltage: Option<VoltageDrive>,
+}
+
+/// A drive that sets the voltage V = R u + k_e φ̇ across the winding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VoltageDrive {
+    /// V per count; negative where a larger duty drives backwards.
+    pub volts_per_count: f64,
+    /// Supply voltage: largest |V| (V).
+    pub supply_v: f64,
+    /// Winding resistance R (Ohm).
+    pub winding_ohm: f64,
+    /// Back-EMF k_e (V s/rad), the motor's torque constant.
+    pub back_emf_v_s: f64,
 }
 
 impl PwmDrive {
@@ -112,6 +128,7 @@ impl PwmDrive {
         duty_low: 6_554,
         duty_high: 58_982,
         amperes_per_count: 2.2 / 26_214.0,
+        voltage: None,
     };
 
     /// Counts of duty between zero and the largest current that the drive gives both ways.
@@ -140,6 +157,18 @@ pub struct ModelParameter {
 }
 
 impl ModuleSpec {
+    /// The parts of the runtime files that the module has.
+    pub fn parts(&self) -> Parts {
+        Parts {
+            wheel: match self.hardware.wheel {
+                WheelSensor::Converter => WheelPart::Converter,
+                WheelSensor::Driver => WheelPart::Driver,
+                WheelSensor::Encoder(_) => WheelPart::Encoder,
+            },
+            has_voltage_drive: self.drive.voltage.is_some(),
+        }
+    }
+
     /// Refuses numbers that are no numbers and quantities that must be positive and are not.
     ///
     /// # Errors
@@ -158,7 +187,14 @@ impl ModuleSpec {
             ("current range of the drive", self.drive.current_range_a()),
             ("current weight", self.current_weight),
         ];
-        for (what, value) in positive {
+        let of_voltage = self.drive.voltage.iter().flat_map(|drive| {
+            [
+                ("supply voltage", drive.supply_v),
+                ("winding resistance", drive.winding_ohm),
+                ("back-EMF of the motor", drive.back_emf_v_s),
+            ]
+        });
+        for (what, value) in positive.into_iter().chain(of_voltage) {
             finite(what.to_owned(), value)?;
             if value <= 0.0 {
                 return Err(Refusal::NotPositive {

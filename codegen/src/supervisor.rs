@@ -4,11 +4,13 @@
 //! at which the largest current just holds the body, √A₂₁ the rate of its fall, and B₂ + B₃ = τ/j_w
 //! what a current does to the wheel alone.
 
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 use attitude::AttitudeSpec;
 
 use crate::attitude::AttitudeRefusal;
+use crate::hardware::{EncoderSpec, WINDOW_MAX, WheelSensor};
+use crate::helpers::encoder::EncoderNumbers;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::supervisor::Limits;
 use crate::ir::IntegerLaw;
@@ -53,6 +55,14 @@ const REJECTED_S: f64 = 2.0;
 /// count on each axis two readings are alike with a probability of 0.18; twenty in a row come in
 /// 10¹⁵ readings, less than once in 10⁸ hours at 1 kHz.
 const FROZEN_REFRESHES: f64 = 20.0;
+
+/// How many times the largest current's acceleration an encoder may show.
+const PUSH_SHARE: f64 = 4.0;
+/// Share of a turn by which an encoder's count may be off between two steps: a magnet off its centre is off by 1° or
+/// two, a sixty-fourth is 5.6°.
+const ENCODER_SHARE: f64 = 1.0 / 64.0;
+/// Fewest counts by which it may be off.
+const JUMP_COUNTS_MIN: f64 = 4.0;
 
 /// The numbers in SI units, as documents state them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,13 +154,49 @@ pub fn derive(
             QUIET_RAD_S * 0.5 * period * 2f64.powi(32),
         )?,
         gyro_clip: attitude.gyro_clip,
-        wheel_low: spec.hardware.wheel_low.into(),
-        wheel_high: spec.hardware.wheel_high.into(),
+        wheel_low: spec.hardware.wheel_low,
+        wheel_high: spec.hardware.wheel_high,
         wheel_steps: steps("the time with an unknown wheel speed", WHEEL_S)?,
         clipped_steps: steps("the time at the end of a range", CLIPPED_S)?,
         frozen_steps: steps("the time with frozen words", numbers.frozen_s)?,
         rejected_steps: steps("the time without gravity", REJECTED_S)?,
         saturated_steps: steps("the time at the current's limit", numbers.saturated_s)?,
+    })
+}
+
+/// The numbers of an encoder whose axis the unit of current accelerates by `acceleration` (rad/s² per A).
+///
+/// A count that follows from a motion differs from the one expected by what the largest current does in a step,
+/// taken [`PUSH_SHARE`] times for what a hand adds, and by what a magnet off its centre and noise make of it.
+///
+/// # Errors
+/// [`AttitudeRefusal::NoLine`] for an encoder whose counts have no room for that.
+pub fn encoder_numbers(
+    encoder: &EncoderSpec,
+    acceleration: f64,
+    spec: &ModuleSpec,
+) -> Result<EncoderNumbers, AttitudeRefusal> {
+    let per_turn = encoder.counts_per_turn.abs();
+    let period = spec.sample_time_s;
+    let in_a_step = acceleration.abs() * spec.current_limit_a * period * period;
+    let jump = (PUSH_SHARE * in_a_step / TAU + ENCODER_SHARE) * per_turn;
+    let jump = jump.ceil().max(JUMP_COUNTS_MIN);
+    if !(jump < f64::from(encoder.wrap()) / 2.0 && (4..=16).contains(&encoder.bits)) {
+        return Err(AttitudeRefusal::NoLine {
+            what: "the counts by which an encoder may turn further in a step than in the one before",
+            value: jump,
+        });
+    }
+    if !(1..=WINDOW_MAX).contains(&encoder.window) {
+        return Err(AttitudeRefusal::NoLine {
+            what: "the window of an encoder, which is 1 to 16 steps",
+            value: f64::from(encoder.window),
+        });
+    }
+    Ok(EncoderNumbers {
+        wrap: encoder.wrap(),
+        window: encoder.window as i32,
+        jump: jump as i32,
     })
 }
 
@@ -186,7 +232,12 @@ pub fn sample_time_us(sample_time_s: f64) -> Result<u32, AttitudeRefusal> {
 pub fn documents(spec: &ModuleSpec) -> Vec<String> {
     let numbers = numbers(spec);
     let degrees = |rad: f64| format!("{:.2}°", rad.to_degrees());
-    vec![
+    let counts = match spec.hardware.wheel {
+        WheelSensor::Converter => "counts",
+        WheelSensor::Driver => "units of the driver's word",
+        WheelSensor::Encoder(_) => "counts over its window",
+    };
+    let mut lines = vec![
         "When the controller is armed and when it trips.".to_owned(),
         String::new(),
         "| condition | limit |".to_owned(),
@@ -210,7 +261,7 @@ pub fn documents(spec: &ModuleSpec) -> Vec<String> {
         format!("| gyroscope or accelerometer clipped | {CLIPPED_S} s |"),
         format!("| wheel speed at the ends of its sensor | {WHEEL_S} s |"),
         format!(
-            "| ends of the wheel's sensor | {}, {} counts |",
+            "| ends of the wheel's sensor | {}, {} {counts} |",
             spec.hardware.wheel_low, spec.hardware.wheel_high
         ),
         format!(
@@ -223,7 +274,11 @@ pub fn documents(spec: &ModuleSpec) -> Vec<String> {
         ),
         format!("| accelerometer shows no gravity | {REJECTED_S} s |"),
         format!("| current at its limit | {:.3} s |", numbers.saturated_s),
-    ]
+    ];
+    if matches!(spec.hardware.wheel, WheelSensor::Encoder(_)) {
+        lines.push("| a count of the wheel's encoder that is no motion | at once |".to_owned());
+    }
+    lines
 }
 
 #[cfg(test)]

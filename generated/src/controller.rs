@@ -28,7 +28,7 @@ pub struct Sample {
     pub wheel_adc: u16,
 }
 
-/// Duty of the timer that the current drive reads.
+/// Duty of the timer that the drive reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duty(pub u16);
 

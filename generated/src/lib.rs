@@ -11,8 +11,8 @@
 //! - gyroscope: FXAS21002, ±2000 °/s (CTRL_REG0 FS = 0), 800 Hz (NXP FXAS21002C data sheet rev. 2.1, mechanical characteristics: 62.5 m°/s per LSB); unknown from 32767, 32767, 32767 counts on
 //! - accelerometer: FXOS8700, ±8 g (XYZ_DATA_CFG FS = 2), 14 bits left-justified, 400 Hz hybrid mode (NXP FXOS8700CQ data sheet rev. 8, mechanical characteristics: 0.976 mg per LSB of 14 bits); unknown from 32764, 32764, 32764 counts on
 //! - magnetometer: FXOS8700, ±1200 µT, 400 Hz hybrid mode (NXP FXOS8700CQ data sheet rev. 8, magnetic characteristics: 0.1 µT per LSB); unknown from 12000, 12000, 12000 counts on
-//! - wheel speed: converter counts 0 to 1546, -690.574 to 690.58 rad/s
 //! - drive: duty 6554 to 58982 of a timer of 16 bits, 32768 without current, 8.39246e-5 A per count
+//! - wheel speed: converter counts 0 to 1546, -690.574 to 690.58 rad/s
 //!
 //! # Use
 //!

@@ -47,8 +47,8 @@ pub use motion::{LinearMotion, Motion};
 pub use overlay::{LoggedLoop, overlay};
 pub use push::Push;
 pub use raw_counts::{
-    Fault, Faulty, InterpretedController, Paced, RawController, RawLoop, RawSample, RawSensors,
-    SensorPace,
+    CountsLine, EncoderOutput, Fault, Faulty, InterpretedController, Paced, RawController, RawLoop,
+    RawSample, RawSensors, SensorPace, VoltageOutput, WheelOutput,
 };
 pub use recovery::{Recovery, largest_recoverable_angle};
 pub use scenario::Scenario;

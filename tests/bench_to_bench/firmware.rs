@@ -71,7 +71,7 @@ impl Firmware {
         message.push(u8::from(sample.is_some()));
         let none = [i16::MIN; 3];
         let (gyro, accel, wheel) = sample.map_or(([0; 3], [0; 3], 0), |sample| {
-            (sample.gyro, sample.accel, sample.wheel_adc)
+            (sample.gyro, sample.accel, sample.wheel as u16)
         });
         for word in [gyro, accel, none].as_flattened() {
             message.extend(word.to_le_bytes());

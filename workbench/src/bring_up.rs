@@ -330,7 +330,7 @@ impl BringUpReport {
             Some(WheelSpeedSensor::Encoder {
                 counts_per_turn, ..
             }) => Some(("counts_per_turn", *counts_per_turn)),
-            Some(WheelSpeedSensor::Driver { scale }) => Some(("scale", *scale)),
+            Some(WheelSpeedSensor::Driver { scale, .. }) => Some(("scale", *scale)),
             None => None,
         };
         if let (Some(found), Some((key, stated))) = (signs.wheel, stated)

@@ -111,7 +111,7 @@ impl ControlDesign {
             source: Box::new(source),
         })?;
         let controller = GeneratedController {
-            name: name.to_string(),
+            name: options.name.to_string(),
             model: spec.model_name.clone(),
             gains: spec.gains,
             current_limit_a: spec.current_limit_a,

@@ -102,6 +102,7 @@ mod refusal;
 mod remains;
 mod sensor_noise;
 mod session;
+mod simulated_sensors;
 mod swing_decay;
 pub mod words;
 

@@ -28,7 +28,8 @@ impl ControlDesign {
 
     /// The sensors and the drive of the model's bench.
     pub(crate) fn hardware(&self, preset: Option<Preset>) -> Result<BenchHardware, Error> {
-        bench_hardware(self.file(), preset).map_err(|source| Error::Hardware {
+        let sample_time_s = self.wishes().sample_time_s;
+        bench_hardware(self.file(), sample_time_s, preset).map_err(|source| Error::Hardware {
             model: self.path(),
             source,
         })
@@ -45,7 +46,7 @@ impl ControlDesign {
             }) => {
                 let mut file = self.file().clone();
                 file.hardware = None;
-                let mut found = bench_hardware(&file, preset)
+                let mut found = bench_hardware(&file, self.wishes().sample_time_s, preset)
                     .map_err(|source| Error::Hardware { model, source })?;
                 found.assumed.insert(0, reason);
                 Ok(found)

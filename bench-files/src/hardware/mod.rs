@@ -13,6 +13,7 @@
 //! [hardware.wheel_speed]             # kind = "converter": slope, offset (rad/s), low, high (counts)
 //!                                    # kind = "encoder": counts_per_turn, bits, window (samples)
 //!                                    # kind = "driver": scale (rad/s per unit)
+//!                                    # encoder and driver: largest (rad/s), where it is known
 //! [hardware.angle]                   # kind = "inertial" | "encoder": counts_per_turn, bits, zero
 //! [hardware.drive]                   # kind = "current" | "voltage": supply_voltage, winding_resistance
 //! bits = 16                          # duty_zero, duty_low, duty_high (counts)
@@ -104,11 +105,15 @@ pub enum WheelSpeedSensor {
         bits: u32,
         /// Number of samples over which the difference is taken.
         window: u32,
+        /// Largest speed of the wheel, rad/s; `None` if it is not stated.
+        largest_rad_s: Option<f64>,
     },
     /// A digital speed signal from the motor driver.
     Driver {
         /// rad/s per unit.
         scale: f64,
+        /// Largest speed of the wheel, rad/s; `None` if it is not stated.
+        largest_rad_s: Option<f64>,
     },
 }
 

@@ -298,6 +298,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
                         return Err(table.error(table.missing("window", "window = 8 (samples)")));
                     }
                 },
+                largest_rad_s: largest(table)?,
             })
         }
         "driver" => {
@@ -306,10 +307,19 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
             if scale == 0.0 {
                 return Err(out_of_range(table, "scale", 0.0, "other than zero"));
             }
-            Ok(WheelSpeedSensor::Driver { scale })
+            Ok(WheelSpeedSensor::Driver {
+                scale,
+                largest_rad_s: largest(table)?,
+            })
         }
         _ => Err(unknown(table, "kind", &kinds)?),
     }
+}
+
+/// The largest speed of the wheel, where it is stated.
+fn largest(table: &Section) -> Result<Option<f64>, Error> {
+    let stated = table.positive_number("largest")?;
+    Ok(stated.map(|largest| largest.value))
 }
 
 fn angle(table: &Section) -> Result<AngleSensor, Error> {

@@ -117,7 +117,7 @@ const DRIVE: [Key; 7] = [
         "A",
         "from `[calibration]`",
         "amperes_per_count = 8.39246e-5",
-        "current (voltage drive: of the full supply) a count; negative where the PWM is inverted",
+        "current a count (voltage drive: V a count); negative where the PWM is inverted",
     ),
 ];
 
@@ -167,16 +167,28 @@ const ENCODER: [Key; 3] = [
     ),
 ];
 
+/// The wheel's largest speed, where the sensor's range does not state it.
+const LARGEST: Key = key(
+    "largest",
+    "rad/s",
+    "the end of the sensor's words, or of a voltage drive's supply",
+    "largest = 700.0",
+    "largest speed of the wheel; at 105 % of it the motor is switched off",
+);
+
 /// Keys of an encoder on the wheel.
-const WHEEL_ENCODER: [Key; 5] = joined(
+const WHEEL_ENCODER: [Key; 6] = joined(
     &joined::<4>(&[speed_kind("kind = \"encoder\"")], &ENCODER),
-    &[key(
-        "window",
-        "samples",
-        NEEDED,
-        "window = 8",
-        "speed = difference over so many samples",
-    )],
+    &[
+        key(
+            "window",
+            "samples",
+            NEEDED,
+            "window = 8",
+            "speed = difference over so many samples",
+        ),
+        LARGEST,
+    ],
 );
 
 /// Keys of an encoder at the pivot.
@@ -326,6 +338,7 @@ pub(super) const WHEEL_SPEED_DRIVER: KeySection = KeySection {
             "scale = 0.1047",
             "what one unit means; negative where it counts backwards",
         ),
+        LARGEST,
     ],
 };
 

@@ -51,6 +51,7 @@ fn presets_are_filled_in_and_overridden() {
         counts_per_turn: 4096.0,
         bits: 12,
         window: 8,
+        largest_rad_s: None,
     };
     assert_eq!(hardware.wheel_speed, Some(encoder));
     assert_eq!(hardware.angle, Some(AngleSensor::Inertial));

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::certificate::reader::stated;
 use crate::certificate::stated_decimal::StatedDecimal;
 
 /// All of them.
@@ -49,12 +50,29 @@ pub struct CertifiedSensor {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedWheelSpeed {
+    /// `converter`, `driver` or `encoder`.
+    pub kind: String,
     /// rad/s per count.
     pub rad_s_per_count: StatedDecimal,
     /// rad/s at zero counts.
     pub rad_s_at_zero: StatedDecimal,
-    /// Lower end of the converter's range.
-    pub low_counts: u16,
-    /// Upper end of the converter's range.
-    pub high_counts: u16,
+    /// Lower end of the sensor's range; of an encoder, over its window.
+    pub low_counts: i32,
+    /// Upper end of it.
+    pub high_counts: i32,
+    /// The encoder; null if it is none.
+    #[serde(deserialize_with = "stated")]
+    pub encoder: Option<CertifiedEncoder>,
+}
+
+/// An absolute encoder.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedEncoder {
+    /// Counts per turn; negative if they fall while the angle rises.
+    pub counts_per_turn: StatedDecimal,
+    /// The count begins again at zero after 2^`bits`.
+    pub bits: u32,
+    /// Steps over which its turn is taken.
+    pub window: u32,
 }

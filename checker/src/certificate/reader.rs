@@ -12,7 +12,7 @@ use crate::exact::matrices::{Matrix, Vector};
 pub use crate::certificate::stated_decimal::StatedDecimal;
 
 /// A field that may be null but must not be missing.
-fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+pub(crate) fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
     Option::deserialize(deserializer)
@@ -142,11 +142,31 @@ pub struct CertifiedDrive {
     pub duty_low: u16,
     /// Largest duty that the drive reads as a current.
     pub duty_high: u16,
-    /// A per count; negative if a larger duty drives backwards.
+    /// A per count; negative if a larger duty drives backwards. Of a voltage drive: at standstill.
     pub amperes_per_count: StatedDecimal,
     /// The largest current that the drive gives in both directions (A).
     #[serde(rename = "current_range_A")]
     pub current_range_a: StatedDecimal,
+    /// What a voltage drive is besides; null for a current drive.
+    #[serde(deserialize_with = "stated")]
+    pub voltage: Option<CertifiedVoltage>,
+}
+
+/// A drive that sets the voltage V = R u + k_e φ̇.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedVoltage {
+    /// V per count; negative if a larger duty drives backwards.
+    pub volts_per_count: StatedDecimal,
+    /// Supply voltage (V).
+    #[serde(rename = "supply_V")]
+    pub supply_v: StatedDecimal,
+    /// Winding resistance R (Ohm).
+    #[serde(rename = "winding_Ohm")]
+    pub winding_ohm: StatedDecimal,
+    /// Back-EMF k_e (V s/rad).
+    #[serde(rename = "back_emf_V_s")]
+    pub back_emf_v_s: StatedDecimal,
 }
 
 /// An argument of `control`.

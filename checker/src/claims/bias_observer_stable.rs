@@ -157,7 +157,7 @@ fn times(a: &[Vec<BigRational>], b: &[Vec<BigRational>]) -> Vec<Vec<BigRational>
 
 /// Whether all roots of a polynomial in δ = (z − 1)/T lie where |z| < 1: δ = w/(1 − w T/2) takes
 /// the left half plane of w there, and Routh's table of the polynomial in w has one sign.
-fn is_stable(coefficients: &[BigRational], period: &BigRational) -> bool {
+pub(crate) fn is_stable(coefficients: &[BigRational], period: &BigRational) -> bool {
     let degree = coefficients.len() - 1;
     let t = period * half();
     // Σ c_k w^k (1 − t w)^(n − k)

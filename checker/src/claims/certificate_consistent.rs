@@ -4,7 +4,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed};
 
 use crate::certificate::claims::CLAIMS;
-use crate::certificate::reader::{Certificate, StatedDecimal};
+use crate::certificate::reader::{Certificate, CertifiedDrive, CertifiedVoltage, StatedDecimal};
 use crate::claims::bias_observer_numbers::check_numbers;
 use crate::claims::control_accurate_real_gains::derived;
 use crate::claims::control_law::{EmittedLaw, exponent};
@@ -87,7 +87,7 @@ pub fn check(
 
 fn check_header(certificate: &Certificate, module: &Module, files: &[String]) -> Check {
     equal("generator", certificate.generator.as_str(), MARK)?;
-    equal("format_version", certificate.format_version, 3)?;
+    equal("format_version", certificate.format_version, 4)?;
     let mut stated = certificate.files.clone();
     stated.sort();
     let mut found = files.to_vec();
@@ -431,9 +431,16 @@ fn check_drive(certificate: &Certificate, module: &Module) -> Check {
         _ => return Err("src/constants.rs has no ZERO_CURRENT".to_owned()),
     };
     equal("duty_zero", i128::from(drive.duty_zero), zero)?;
+    let name = match &drive.voltage {
+        None => "DUTY_LINE",
+        Some(voltage) => {
+            check_voltage(drive, voltage)?;
+            "DUTY_PLANE"
+        }
+    };
     let words = module
-        .constant_words("constants", "DUTY_LINE")
-        .ok_or("src/constants.rs has no DUTY_LINE")?;
+        .constant_words("constants", name)
+        .ok_or_else(|| format!("src/constants.rs has no {name}"))?;
     for (end, stated) in [("low", drive.duty_low), ("high", drive.duty_high)] {
         let word = words
             .iter()
@@ -441,8 +448,37 @@ fn check_drive(certificate: &Certificate, module: &Module) -> Check {
                 name.strip_suffix(end)
                     .is_some_and(|rest| rest.ends_with('.'))
             })
-            .ok_or_else(|| format!("DUTY_LINE has no `{end}`"))?;
+            .ok_or_else(|| format!("{name} has no `{end}`"))?;
         equal(&format!("duty_{end}"), i128::from(stated), word.1)?;
     }
     Ok(())
+}
+
+/// The numbers of a voltage drive belong together, and no duty asks for more than the supply.
+fn check_voltage(drive: &CertifiedDrive, voltage: &CertifiedVoltage) -> Check {
+    for (what, stated) in [
+        ("supply_V", &voltage.supply_v),
+        ("winding_Ohm", &voltage.winding_ohm),
+        ("back_emf_V_s", &voltage.back_emf_v_s),
+    ] {
+        holds(stated.value.is_positive(), || {
+            format!("{what} is {stated}; it is more than zero")
+        })?;
+    }
+    let per_count = &voltage.volts_per_count.value;
+    let at_rest = per_count / &voltage.winding_ohm.value;
+    let off = (&at_rest - &drive.amperes_per_count.value).abs();
+    holds(
+        off <= at_rest.abs() * crate::exact::rational::power(10, -14),
+        || "amperes_per_count is not that of the winding at standstill".to_owned(),
+    )?;
+    let reach = (drive.duty_high - drive.duty_zero).max(drive.duty_zero - drive.duty_low);
+    let most = per_count.abs() * integer(reach.into());
+    let allowed = &voltage.supply_v.value * (integer(1) + crate::exact::rational::power(10, -9));
+    holds(most <= allowed, || {
+        format!(
+            "the ends of the duty ask for more than the supply's {} V",
+            voltage.supply_v
+        )
+    })
 }

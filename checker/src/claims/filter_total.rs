@@ -19,6 +19,10 @@ pub(crate) struct Invariant {
     pub(crate) rate: i128,
     pub(crate) sum: i128,
     pub(crate) drift: i128,
+    /// Largest turn of an encoder in a step; `None` without an encoder.
+    pub(crate) turn: Option<i128>,
+    /// Largest count of an encoder.
+    pub(crate) count: Option<i128>,
 }
 
 impl Invariant {
@@ -34,6 +38,8 @@ impl Invariant {
             rate: limit("calibration", "CALIBRATED_MAX")?,
             sum: limit("supervisor", "SUM_MAX")?,
             drift: limit("drift", "DRIFT_MAX")?,
+            turn: limit("encoder", "TURN_MAX").ok(),
+            count: limit("encoder", "COUNT_MAX").ok(),
         })
     }
 
@@ -48,6 +54,24 @@ impl Invariant {
             Some(IntegerInterval::new(-self.sum, self.sum))
         } else if name.ends_with("state.rate") || name.ends_with("state.slow_rate") {
             Some(IntegerInterval::new(-self.rate, self.rate))
+        } else {
+            self.of_encoder(name)
+        }
+    }
+
+    /// Of the words of an encoder, by itself or in a controller.
+    fn of_encoder(&self, name: &str) -> Option<IntegerInterval> {
+        let (turn, count) = (self.turn?, self.count?);
+        if !name.starts_with("self.") {
+            return None;
+        }
+        let is_turn = [".newest[", ".newer[", ".older[", ".oldest["]
+            .iter()
+            .any(|part| name.contains(part));
+        if is_turn {
+            Some(IntegerInterval::new(-turn, turn))
+        } else if name.ends_with("wheel.count") {
+            Some(IntegerInterval::new(0, count))
         } else {
             None
         }

@@ -18,17 +18,21 @@ impl Functions<'_> {
             .map_err(|trap| format!("{name}: {trap}"))
     }
 
-    /// As [`Functions::call`], of a function that returns `COUNT` words.
-    pub(crate) fn call_for<const COUNT: usize>(
+    /// As [`Functions::call`], for a function that returns this many words.
+    ///
+    /// # Errors
+    /// As [`Functions::call`], or that it returns another number of words.
+    pub(crate) fn call_for_words(
         &self,
         name: &str,
         arguments: &[i128],
-    ) -> Result<[i128; COUNT], String> {
+        count: usize,
+    ) -> Result<Vec<i128>, String> {
         let words = self.call(name, arguments)?;
-        let count = words.len();
-        words
-            .try_into()
-            .map_err(|_| format!("{name} returns {count} words, not {COUNT}"))
+        if words.len() != count {
+            return Err(format!("{name} returns {} words, not {count}", words.len()));
+        }
+        Ok(words)
     }
 
     pub(crate) fn constant(&self, file: &str, name: &str) -> Result<&[i128], String> {

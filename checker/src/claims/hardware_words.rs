@@ -9,8 +9,8 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use crate::certificate::hardware::{CertifiedHardware, CertifiedSensor};
-use crate::certificate::reader::{Certificate, CertifiedLoop};
+use crate::certificate::hardware::{CertifiedHardware, CertifiedSensor, CertifiedWheelSpeed};
+use crate::certificate::reader::{Certificate, CertifiedLoop, CertifiedVoltage};
 use crate::claims::bias_observer_words::check_words;
 use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::named_words::{NamedWords, nearest};
@@ -18,6 +18,9 @@ use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 
 type Check = Result<(), String>;
+
+/// The smallest power of two of the duty's plane: half a unit of a slope is then 2⁻⁸ counts for the largest word.
+const PLANE_SHIFT_MIN: i32 = 38;
 
 /// The smallest power of two of a line's slope: with it the slope is off by 2⁻²⁴ of itself, a
 /// hundredth of a count over a duty of 16 bits.
@@ -62,12 +65,10 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
             }
         }
     }
-    let converter = &hardware.wheel_speed;
-    exactly(&limits, "LIMITS.wheel_low", converter.low_counts.into())?;
-    exactly(&limits, "LIMITS.wheel_high", converter.high_counts.into())?;
-    if converter.low_counts >= converter.high_counts {
-        return Err("the converter's range is empty".to_owned());
-    }
+    let wheel = &hardware.wheel_speed;
+    exactly(&limits, "LIMITS.wheel_low", wheel.low_counts.into())?;
+    exactly(&limits, "LIMITS.wheel_high", wheel.high_counts.into())?;
+    wheel_sensor(module, wheel, period)?;
 
     drift(&filter, hardware, period)?;
 
@@ -127,7 +128,75 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         &end,
     )?;
 
+    drive(certificate, module, law)?;
+    if let Some(closed_loop) = &certificate.closed_loop {
+        check_sensor_steps(hardware, closed_loop)?;
+    }
+    Ok(())
+}
+
+/// The range of the wheel's sensor is one of its kind, and an encoder's line that of its counts.
+fn wheel_sensor(module: &Module, wheel: &CertifiedWheelSpeed, period: &BigRational) -> Check {
+    let field = match wheel.kind.as_str() {
+        "converter" => "sample.wheel_adc",
+        "driver" => "sample.wheel_speed",
+        _ => "sample.wheel_count",
+    };
+    let step = module.function("Controller::step");
+    if step.is_none_or(|step| step.inputs.iter().all(|name| name != field)) {
+        return Err(format!(
+            "a step takes no `{field}`, as one with a {} of the wheel does",
+            wheel.kind
+        ));
+    }
+    let (low, high) = (wheel.low_counts, wheel.high_counts);
+    if low >= high {
+        return Err("the range of the wheel's sensor is empty".to_owned());
+    }
+    let is_line = wheel.rad_s_at_zero.value.is_zero() && low == -high;
+    let (is_possible, is_encoder) = match (wheel.kind.as_str(), &wheel.encoder) {
+        ("converter", None) => (low >= 0 && high <= 0xffff, false),
+        ("driver", None) => (is_line && high <= 0x7fff, false),
+        ("encoder", Some(encoder)) => {
+            let sizes = (4..=16).contains(&encoder.bits) && (1..=16).contains(&encoder.window);
+            let most = || (((1_i32 << encoder.bits) >> 1) - 1) * encoder.window as i32;
+            (is_line && sizes && high <= most(), true)
+        }
+        _ => (false, false),
+    };
+    if !is_possible {
+        return Err(format!(
+            "no {} of the wheel shows {low} to {high} counts like that",
+            wheel.kind
+        ));
+    }
+    if let (true, Some(encoder)) = (is_encoder, &wheel.encoder) {
+        let steps = integer(encoder.window.into());
+        let wanted = full_turn()? / (&encoder.counts_per_turn.value * steps * period);
+        let off = (&wanted - &wheel.rad_s_per_count.value).abs();
+        if off > wanted.abs() * crate::exact::rational::power(10, -14) {
+            return Err(format!(
+                "rad_s_per_count is {}, the encoder's counts over its window make it {}",
+                wheel.rad_s_per_count,
+                rounded_up(&wanted, 16)
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// 2π to 40 digits.
+pub(crate) fn full_turn() -> Result<BigRational, String> {
+    let pi = decimal("3.141592653589793238462643383279502884197").ok_or("pi")?;
+    Ok(pi * integer(2))
+}
+
+/// The words from the current to the duty.
+fn drive(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Check {
     let drive = &certificate.drive;
+    if let Some(voltage) = &drive.voltage {
+        return plane(certificate, module, law, voltage);
+    }
     if drive.amperes_per_count.value.is_zero() {
         return Err("the drive's amperes_per_count is zero".to_owned());
     }
@@ -138,9 +207,48 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         &integer(drive.duty_zero.into()),
         &integer(drive.duty_low.into()),
         &integer(drive.duty_high.into()),
-    )?;
-    if let Some(closed_loop) = &certificate.closed_loop {
-        check_sensor_steps(hardware, closed_loop)?;
+    )
+}
+
+/// The plane of a voltage drive: slopes and offset over one power of two, as large as they leave room for.
+fn plane(
+    certificate: &Certificate,
+    module: &Module,
+    law: &EmittedLaw,
+    voltage: &CertifiedVoltage,
+) -> Check {
+    let drive = &certificate.drive;
+    let per_count = &voltage.volts_per_count.value;
+    if per_count.is_zero() {
+        return Err("the drive's volts_per_count is zero".to_owned());
+    }
+    let words = NamedWords::read(module, "DUTY_PLANE")?;
+    let field = |field: &str| words.get(&format!("DUTY_PLANE.{field}"));
+    let shift = words.small("DUTY_PLANE.shift")?;
+    let scale = power_of_two(shift);
+    let wheel_unit = power_of_two(-exponent(law.state_bits[2]));
+    let of_current = &voltage.winding_ohm.value * law.unit() / per_count;
+    let of_speed = &voltage.back_emf_v_s.value * wheel_unit / per_count;
+    let largest = of_current.abs().max(of_speed.abs()) * &scale;
+    let real = (integer(drive.duty_zero.into()) + half()) * &scale;
+    let is_finest = largest >= power_of_two(29) || real.clone() * integer(2) > power_of_two(61);
+    let fits = largest <= power_of_two(30) && real <= power_of_two(61);
+    if !is_finest || !fits || !(PLANE_SHIFT_MIN..=62).contains(&shift) {
+        return Err("DUTY_PLANE has not the bits that fit".to_owned());
+    }
+    for (name, slope) in [("current", &of_current), ("speed", &of_speed)] {
+        let name = format!("DUTY_PLANE.{name}");
+        nearest(&name, &words.get(&name)?, &(slope * &scale))?;
+    }
+    let ends = [("low", drive.duty_low), ("high", drive.duty_high)];
+    // Half of 2^shift more than a whole number of counts: a whole number itself.
+    if field("offset")? != real {
+        return Err("DUTY_PLANE.offset is not half a count above the duty at 0 V".to_owned());
+    }
+    for (end, stated) in ends {
+        if field(end)? != integer(stated.into()) {
+            return Err(format!("DUTY_PLANE.{end} is not {stated}"));
+        }
     }
     Ok(())
 }
@@ -277,10 +385,10 @@ fn check_angle(
     let largest = (integer(i32::MAX.into()) - limit) * power_of_two(-up);
     exact("ANGLE_MAX", &largest.floor())?;
 
-    // Wrapped by whole turns, with π to 40 digits.
-    let pi = decimal("3.141592653589793238462643383279502884197").ok_or("π")?;
-    let turns = (mounting / (&pi * integer(2))).round();
-    let wrapped = mounting - turns * pi * integer(2);
+    // Wrapped by whole turns.
+    let turn = full_turn()?;
+    let turns = (mounting / &turn).round();
+    let wrapped = mounting - turns * turn;
     nearest(
         "MOUNTING_ANGLE",
         &single("MOUNTING_ANGLE")?,

@@ -8,6 +8,7 @@
 //! | [`control_total`], [`control_accurate`], [`control_accurate_real_gains`], [`control_monotone`] | of the control law |
 //! | [`primitives`], [`filter_total`], [`filter_length`], [`filter_accurate`], [`filter_exact`] | of the attitude filter |
 //! | [`step_total`], [`supervisor`] | of the full step |
+//! | [`encoder_exact`], [`encoder_loop_stable`] | of encoders, and of the loop with them or with a voltage drive |
 //! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`closed_loop_second`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
 //! | [`control_law`] | the law that the source implements |
 //! | [`sampling`] | the sampled model compared with the continuous one |
@@ -30,6 +31,8 @@ pub mod control_accurate_real_gains;
 pub mod control_law;
 pub mod control_monotone;
 pub mod control_total;
+pub mod encoder_exact;
+pub mod encoder_loop_stable;
 pub mod filter_accurate;
 pub mod filter_exact;
 pub mod filter_length;

@@ -194,6 +194,42 @@ fn lever_arm(certificate: &Certificate) -> Check {
     Ok(())
 }
 
+/// The duty of a command.
+fn duty(
+    certificate: &Certificate,
+    f: &Functions,
+    command: i128,
+    speed: i128,
+) -> Result<i128, String> {
+    let words = match certificate.drive.voltage {
+        Some(_) => f.call("duty", &[command, speed])?,
+        None => f.call("duty", &[command])?,
+    };
+    Ok(words[0])
+}
+
+/// At a wheel that turns, a voltage drive holds against the back-EMF: the voltage without a current has the sign of the
+/// speed. With the wrong one, the back-EMF would drive twice the current that it can.
+fn back_emf(certificate: &Certificate, f: &Functions) -> Check {
+    let wheel = &certificate.hardware.wheel_speed;
+    let zero = integer(certificate.drive.duty_zero.into());
+    for end in [wheel.low_counts, wheel.high_counts] {
+        let counts = integer(end.into());
+        let true_speed = &wheel.rad_s_per_count.value * counts + &wheel.rad_s_at_zero.value;
+        let speed = f.call("wheel_speed", &[end.into()])?;
+        let duty = duty(certificate, f, 0, speed[0])?;
+        let volts = (integer(duty) - &zero) * &certificate.drive.amperes_per_count.value;
+        if !(volts * true_speed).is_positive() {
+            return Err(
+                "a voltage drive would drive with the motor's back-EMF, not against it: the sign of the wheel's speed \
+                 or of the drive is wrong"
+                    .to_owned(),
+            );
+        }
+    }
+    Ok(())
+}
+
 /// Raw counts of a body that leans or falls, through every word, to the current.
 fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &Sensor) -> Check {
     let f = Functions(module);
@@ -207,14 +243,18 @@ fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &
     let at_rest = at_rest.round().to_integer().to_i128();
     let at_rest = at_rest.unwrap_or(0).clamp(0, 65_535);
     let speed = f.call("wheel_speed", &[at_rest])?;
+    if certificate.drive.voltage.is_some() {
+        back_emf(certificate, &f)?;
+    }
     let per_count = &certificate.drive.amperes_per_count.value;
     let zero = integer(certificate.drive.duty_zero.into());
     let current = |attitude: &[i128]| -> Result<f64, String> {
         let angle = f.call("Attitude::angle", attitude)?;
         let rate = f.call("Attitude::rate", attitude)?;
         let command = f.call("control", &[angle[0], rate[0], speed[0]])?;
-        let duty = f.call("duty", &command)?;
-        real(&((integer(duty[0]) - &zero) * per_count))
+        // At rest the duty of a voltage drive is that of the winding alone.
+        let duty = duty(certificate, &f, command[0], speed[0])?;
+        real(&((integer(duty) - &zero) * per_count))
     };
     let up = |lean: f64| {
         let (sin, cos) = (lean + mounting).sin_cos();

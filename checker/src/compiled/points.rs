@@ -5,6 +5,7 @@
 //! by halving, and both of its sides become points. A function of one short word is run on every value of the word.
 //! Objects are run near upright, as they are used, with odd and even counts, and occasionally with arbitrary counts.
 
+use crate::claims::encoder_exact::second::EncoderWords;
 use crate::claims::filter_exact::draw::Draw;
 use crate::claims::random::Random;
 use crate::claims::upright::Upright;
@@ -51,12 +52,15 @@ pub fn points(module: &Module, harness: &Harness, cases: usize, seed: u64) -> Ve
     objects.dedup();
     for object in objects {
         let upright = Upright::find(module);
+        let wheel = EncoderWords::read(module, "WHEEL_ENCODER");
+        let wheel_wrap = wheel.ok().flatten().map(|encoder| encoder.wrap);
         for run in 0..cases.div_ceil(RUN) {
             let run = Run {
                 module,
                 harness,
                 object,
                 upright,
+                wheel_wrap,
                 is_near: run % 4 != 3,
             };
             run.points(&mut draw.0, &mut points);
@@ -169,6 +173,8 @@ struct Run<'a> {
     harness: &'a Harness,
     object: usize,
     upright: Option<Upright>,
+    /// Where the count of the wheel's encoder begins again at zero.
+    wheel_wrap: Option<i128>,
     /// Whether the body stays near upright.
     is_near: bool,
 }
@@ -257,6 +263,11 @@ impl Run<'_> {
         } else if name.contains("adc") {
             // About the converter's middle, where the wheel is slow.
             Some(773 + random.count(300.0))
+        } else if name.contains("wheel_speed") && name.starts_with("sample") {
+            Some(random.count(300.0))
+        } else if name.contains("wheel_count") {
+            // A wheel that is slow, on both sides of the wrap.
+            Some(random.count(3.0).rem_euclid(self.wheel_wrap.unwrap_or(1)))
         } else {
             None
         }

@@ -10,10 +10,11 @@ use crate::claims::outcome::{
 use crate::claims::{
     bias_observer_stable, certificate_consistent, closed_loop_agreement, closed_loop_for_all_time,
     closed_loop_second, closed_loop_stable, compiled_agrees, control_accurate,
-    control_accurate_real_gains, control_monotone, control_total, filter_accurate, filter_exact,
-    filter_length, filter_total, hardware_words, loop_as_shipped, model_matches, monitor,
-    physical_signs, primitives, region_of_attraction, source_understood, stable_for_parameters,
-    step_total, supervisor, texts_audited,
+    control_accurate_real_gains, control_monotone, control_total, encoder_exact,
+    encoder_loop_stable, filter_accurate, filter_exact, filter_length, filter_total,
+    hardware_words, loop_as_shipped, model_matches, monitor, physical_signs, primitives,
+    region_of_attraction, source_understood, stable_for_parameters, step_total, supervisor,
+    texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -128,6 +129,7 @@ pub fn settle_telling(
         let cases = (settings.cases / 3).max(1);
         ClaimOutcome::tested(supervisor::runs::run(&module, cases, settings.seed))
     });
+    encoder_claims(&mut table, &module, certificate, settings);
     table.add("physical-signs", RANDOM, || {
         let checked = physical_signs::check(certificate, &module);
         // Six leans and four rates.
@@ -220,6 +222,29 @@ fn monitor_claims(
     });
 }
 
+/// Claim `encoder-exact`, where there is an encoder.
+fn encoder_claims(
+    table: &mut Table,
+    module: &Module,
+    certificate: &Certificate,
+    settings: &ProofSettings,
+) {
+    if encoder_exact::words::encoders(certificate).next().is_none() {
+        table.add("encoder-exact", EXACT, || {
+            ClaimOutcome::NotApplicable("the module has no encoder".to_owned())
+        });
+        return;
+    }
+    table.add("encoder-exact", EXACT, || {
+        let checked = encoder_exact::words::check(certificate, module);
+        ClaimOutcome::proved(checked.map(|()| "every word".to_owned()))
+    });
+    table.add("encoder-exact", RANDOM, || {
+        let (cases, seed) = (settings.cases, settings.seed);
+        ClaimOutcome::tested(encoder_exact::runs::run(certificate, module, cases, seed))
+    });
+}
+
 /// The claims about the filter that hold for every word.
 fn range_claims(
     table: &mut Table,
@@ -292,6 +317,9 @@ fn loop_claims(
     table.add("bias-observer-stable", EXACT, || {
         bias_observer_stable::by_exact_arithmetic(certificate, module, law)
     });
+    table.add("encoder-loop-stable", EXACT, || {
+        encoder_loop_stable::by_exact_arithmetic(certificate, law)
+    });
     let mut bounds = None;
     table.add("closed-loop-for-all-time", EXACT, || {
         if !settings.closed_loop {
@@ -326,7 +354,9 @@ fn loop_claims(
     let seconds = start.elapsed().as_secs_f64();
     table.row("loop-as-shipped", EXACT, shipped, seconds);
     let start = Instant::now();
-    let second = if settings.python {
+    let second = if let Some(why) = encoder_loop_stable::other_loop(certificate) {
+        ClaimOutcome::NotRun(why)
+    } else if settings.python {
         closed_loop_second::as_shipped_by_python(emitted)
     } else {
         ClaimOutcome::NotRun("switched off".to_owned())

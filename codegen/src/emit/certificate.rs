@@ -17,7 +17,7 @@ use crate::monitor::{MonitorNumbers, MonitorSpec};
 use crate::spec::ModuleSpec;
 
 /// Version of the layout below; raised when a field changes its meaning.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;
 
 /// Significant digits of a bound.
 const BOUND_DIGITS: u32 = 40;
@@ -93,6 +93,20 @@ struct Drive {
     /// What the drive gives both ways.
     #[serde(rename = "current_range_A")]
     current_range_a: String,
+    /// What a voltage drive is besides.
+    voltage: Option<Voltage>,
+}
+
+/// V = R u + k_e w, at most the supply's.
+#[derive(Debug, Serialize)]
+struct Voltage {
+    volts_per_count: String,
+    #[serde(rename = "supply_V")]
+    supply_v: String,
+    #[serde(rename = "winding_Ohm")]
+    winding_ohm: String,
+    #[serde(rename = "back_emf_V_s")]
+    back_emf_v_s: String,
 }
 
 /// An argument of `control`.
@@ -238,6 +252,12 @@ pub fn file(
             duty_high: spec.drive.duty_high,
             amperes_per_count: number(spec.drive.amperes_per_count),
             current_range_a: number(spec.drive.current_range_a()),
+            voltage: spec.drive.voltage.map(|drive| Voltage {
+                volts_per_count: number(drive.volts_per_count),
+                supply_v: number(drive.supply_v),
+                winding_ohm: number(drive.winding_ohm),
+                back_emf_v_s: number(drive.back_emf_v_s),
+            }),
         },
         hardware: Hardware::of(spec),
         accelerometer_m_s2_per_count: spec.hardware.accelerometer_m_s2_per_count.map(number),

@@ -4,6 +4,7 @@
 use serde::Serialize;
 
 use crate::exact::ShortestDecimal;
+use crate::hardware::{EncoderSpec, WheelSensor};
 use crate::spec::ModuleSpec;
 
 /// All of them.
@@ -41,11 +42,34 @@ struct Sensor {
 /// A straight line.
 #[derive(Debug, Serialize)]
 struct WheelSpeed {
+    /// `converter`, `driver` or `encoder`.
+    kind: &'static str,
     rad_s_per_count: String,
     rad_s_at_zero: String,
-    /// Ends of the converter's range.
-    low_counts: u16,
-    high_counts: u16,
+    /// Ends of the sensor's range; of an encoder, over its window.
+    low_counts: i32,
+    high_counts: i32,
+    /// The encoder, where it is one.
+    encoder: Option<Encoder>,
+}
+
+/// An absolute encoder.
+#[derive(Debug, Serialize)]
+struct Encoder {
+    counts_per_turn: String,
+    bits: u32,
+    /// Steps over which its turn is taken.
+    window: u32,
+}
+
+impl Encoder {
+    fn of(encoder: &EncoderSpec) -> Encoder {
+        Encoder {
+            counts_per_turn: ShortestDecimal::new(encoder.counts_per_turn).text,
+            bits: encoder.bits,
+            window: encoder.window,
+        }
+    }
 }
 
 impl Hardware {
@@ -57,6 +81,11 @@ impl Hardware {
             clip_counts,
             bias_counts: [0, 1, 2].map(|axis| number(line.bias_counts[axis])),
             matrix: [0, 1, 2].map(|row| [0, 1, 2].map(|column| number(line.matrix[(row, column)]))),
+        };
+        let (kind, encoder) = match &spec.hardware.wheel {
+            WheelSensor::Converter => ("converter", None),
+            WheelSensor::Driver => ("driver", None),
+            WheelSensor::Encoder(encoder) => ("encoder", Some(Encoder::of(encoder))),
         };
         Hardware {
             gyroscope: sensor(&attitude.gyro, attitude.gyro_clip),
@@ -70,6 +99,8 @@ impl Hardware {
             lever_arm_m: attitude.lever_arm_m.map(number),
             mounting_angle_rad: number(attitude.mounting_angle_rad),
             wheel_speed: WheelSpeed {
+                kind,
+                encoder,
                 rad_s_per_count: number(spec.hardware.wheel_speed_per_count),
                 rad_s_at_zero: number(spec.hardware.wheel_speed_at_zero),
                 low_counts: spec.hardware.wheel_low,

@@ -6,11 +6,14 @@ use quote::quote;
 use crate::emit::{inner_docs, integer, outer_docs, print};
 use crate::exact::ShortestDecimal;
 use crate::file::EmittedFile;
-use crate::hardware_words::HardwareWords;
+use crate::hardware::WheelSensor;
+use crate::hardware_words::{DutyWords, HardwareWords};
 use crate::helpers::bias_observer::BiasObserver;
 use crate::helpers::calibration::SensorLine;
+use crate::helpers::encoder::EncoderNumbers;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::line::Line;
+use crate::helpers::plane::Plane;
 use crate::helpers::supervisor::Limits;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
@@ -93,22 +96,37 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         rate.input.format.type_name()
     )]);
     let wheel_docs = outer_docs(&[format!(
-        "From counts to the word of the wheel speed ({}): {} count + {} rad/s, within ±{} rad/s.",
+        "From {} to the word of the wheel speed ({}): {} count + {} rad/s, within ±{} rad/s.",
+        match hardware.wheel {
+            WheelSensor::Converter => "counts",
+            WheelSensor::Driver => "the driver's word",
+            WheelSensor::Encoder(_) => "the counts that the encoder turned over its window",
+        },
         wheel_speed.input.format.type_name(),
         number(hardware.wheel_speed_per_count),
         number(hardware.wheel_speed_at_zero),
         number(spec.ranges.wheel_speed_rad_s)
     )]);
-    let duty_docs = outer_docs(&[format!(
-        "From the word of the current ({}) to the duty: {} A per count, duty {} at zero current.",
-        law.current.type_name(),
-        number(spec.drive.amperes_per_count),
-        spec.drive.duty_zero
-    )]);
     let rate_line = line(&words.rate);
     let wheel_line = line(&words.wheel_speed);
-    let duty_line = line(&words.duty);
+    let (duty_type, duty) = duty(spec, law, words);
+    let encoder_type = words
+        .wheel_encoder
+        .map(|_| quote!(encoder::EncoderNumbers,));
+    let wheel_encoder = words.wheel_encoder.map(|numbers| {
+        let docs = outer_docs(&encoder_documents(
+            &hardware.wheel,
+            spec.sample_time_s,
+            &numbers,
+        ));
+        let numbers = encoder(&numbers);
+        quote! {
+            #docs
+            pub const WHEEL_ENCODER: EncoderNumbers = #numbers;
+        }
+    });
     let zero = integer(words.zero_current.into());
+    let zero_docs = outer_docs(&zero_documents(spec));
     let observer_docs = outer_docs(&match &hardware.bias_observer {
         None => vec!["No observer of the angle's bias: the estimate is zero.".to_owned()],
         Some(observer) => vec![
@@ -131,9 +149,11 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         #docs
         use super::{
             bias_observer::BiasObserver, calibration::SensorLine, drift::DriftGain,
+            #encoder_type
             filter::FilterConstants,
             lever_arm::LeverArm, line::Line, supervisor::Limits,
         };
+        #duty_type
         /// Time between two steps in µs.
         pub const SAMPLE_TIME_US: u32 = #micros;
         #filter_docs
@@ -150,9 +170,9 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         pub const RATE_LINE: Line = #rate_line;
         #wheel_docs
         pub const WHEEL_SPEED_LINE: Line = #wheel_line;
-        #duty_docs
-        pub const DUTY_LINE: Line = #duty_line;
-        /// Duty at zero current.
+        #wheel_encoder
+        #duty
+        #zero_docs
         pub const ZERO_CURRENT: u16 = #zero;
         #observer_docs
         pub const BIAS_OBSERVER: BiasObserver = #observer;
@@ -163,6 +183,117 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         path: "src/constants.rs".to_owned(),
         contents: print(spec, tokens),
     }
+}
+
+/// The duty's words, and the import of their type where it is another than that of other lines.
+fn duty(
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+    words: &HardwareWords,
+) -> (Option<TokenStream>, TokenStream) {
+    let number = |value: f64| ShortestDecimal::new(value).text;
+    let current = law.current.type_name();
+    match (&words.duty, &spec.drive.voltage) {
+        (DutyWords::Plane(words), Some(voltage)) => {
+            let docs = outer_docs(&[
+                format!(
+                    "From the words of the current ({current}) and of the wheel speed ({}) to the duty of the voltage",
+                    law.terms[2].input.format.type_name()
+                ),
+                format!(
+                    "{} Ohm u + {} V s/rad w: {} V per count, duty {} at 0 V, within the supply's ±{} V.",
+                    number(voltage.winding_ohm),
+                    number(voltage.back_emf_v_s),
+                    number(voltage.volts_per_count),
+                    spec.drive.duty_zero,
+                    number(voltage.supply_v)
+                ),
+                "At its ends the supply is too low for the current, and less flows.".to_owned(),
+            ]);
+            let plane = plane(words);
+            let tokens = quote! {
+                #docs
+                pub const DUTY_PLANE: Plane = #plane;
+            };
+            let import = quote! { use super::plane::Plane; };
+            (Some(import), tokens)
+        }
+        (DutyWords::Line(words), _) => {
+            let docs = outer_docs(&[format!(
+                "From the word of the current ({current}) to the duty: {} A per count, duty {} at zero current.",
+                number(spec.drive.amperes_per_count),
+                spec.drive.duty_zero
+            )]);
+            let line = line(words);
+            let tokens = quote! {
+                #docs
+                pub const DUTY_LINE: Line = #line;
+            };
+            (None, tokens)
+        }
+        (DutyWords::Plane(_), None) => (None, quote!()),
+    }
+}
+
+/// The duty while the controller does not run.
+fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
+    let Some(voltage) = &spec.drive.voltage else {
+        return vec!["Duty at zero current.".to_owned()];
+    };
+    let speed = spec.ranges.wheel_speed_rad_s;
+    vec![
+        "Duty while the controller does not run: 0 V, whatever any sensor says, so that nothing is fed to the motor."
+            .to_owned(),
+        "A bridge that stays on then shorts the winding, and the wheel brakes itself; at".to_owned(),
+        format!(
+            "{speed} rad/s a current of {:.2} A would begin to flow. A firmware that is to let the wheel run out",
+            voltage.back_emf_v_s * speed / voltage.winding_ohm
+        ),
+        "switches the bridge off while `status()` is not `Running`.".to_owned(),
+    ]
+}
+
+/// What the words of an encoder mean.
+fn encoder_documents(
+    sensor: &WheelSensor,
+    sample_time_s: f64,
+    numbers: &EncoderNumbers,
+) -> Vec<String> {
+    let WheelSensor::Encoder(encoder) = sensor else {
+        return Vec::new();
+    };
+    vec![
+        format!(
+            "The wheel's encoder: {} counts a turn, wrapping at {}; its turn over {} steps is the speed,",
+            ShortestDecimal::new(encoder.counts_per_turn).text,
+            numbers.wrap,
+            numbers.window
+        ),
+        format!(
+            "which is {} s old. A step that turns by {} counts more than the one before is no motion.",
+            ShortestDecimal::new(0.5 * f64::from(encoder.window) * sample_time_s).text,
+            numbers.jump
+        ),
+    ]
+}
+
+fn encoder(words: &EncoderNumbers) -> TokenStream {
+    let wrap = integer(words.wrap.into());
+    let window = integer(words.window.into());
+    let jump = integer(words.jump.into());
+    quote!(EncoderNumbers { wrap: #wrap, window: #window, jump: #jump })
+}
+
+fn plane(words: &Plane) -> TokenStream {
+    let current = integer(words.current.into());
+    let speed = integer(words.speed.into());
+    let offset = integer(words.offset);
+    let shift = integer(words.shift.into());
+    let low = integer(words.low.into());
+    let high = integer(words.high.into());
+    quote!(Plane {
+        current: #current, speed: #speed, offset: #offset, shift: #shift, low: #low, high: #high,
+    })
 }
 
 fn stated(what: &str, value: Option<String>, unit: &str) -> String {

@@ -1,13 +1,15 @@
 //! `src/lib.rs` of the emitted crate: the list of its modules.
 
-use quote::quote;
+use quote::{format_ident, quote};
 
 use crate::crate_name::CrateName;
 use crate::emit::{example, inner_docs, print, single_line};
 use crate::file::EmittedFile;
+use crate::runtime;
 use crate::spec::ModuleSpec;
 
-/// What a firmware with a monitor adds after each step; `CRATE` is the name of the crate.
+/// What a firmware with a monitor adds after each step; `CRATE` is the name of the crate, `WHEEL` the
+/// field of the wheel's sensor.
 const MONITOR_EXAMPLE: [&str; 19] = [
     "",
     "# Monitor",
@@ -16,12 +18,12 @@ const MONITOR_EXAMPLE: [&str; 19] = [
     "use CRATE::{Controller, Monitor, Sample, Status, wheel_speed};",
     "",
     "let (mut controller, mut monitor) = (Controller::new(), Monitor::new());",
-    "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, wheel_adc: 0 };",
+    "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, WHEEL: 0 };",
     "let duty = controller.step(&sample);",
     "// Whether the wheel and the body move as the model allows after the duties that were sent.",
     "let is_running = controller.status() == Status::Running;",
     "let (angle, rate) = (controller.attitude().angle(), controller.attitude().rate());",
-    "if !monitor.allows(is_running, angle, rate, wheel_speed(sample.wheel_adc), duty) {",
+    "if !monitor.allows(is_running, angle, rate, wheel_speed(sample.WHEEL), duty) {",
     "    controller.fault();",
     "}",
     "```",
@@ -59,25 +61,30 @@ pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFi
         list(&mut lines, &spec.assumed);
     }
     lines.extend(["", "# Use", "", "```"].map(str::to_owned));
-    lines.extend(example::lines(name));
+    let parts = spec.parts();
+    lines.extend(example::lines(name, &parts));
     let closing = "`status()` says why there is no current; a trip lasts until `arm()` succeeds.";
     lines.extend(["```", "", closing].map(str::to_owned));
-    let (mut monitor_modules, mut monitor_use) = (quote!(), quote!());
+    let mut monitor_use = quote!();
     if has_monitor {
-        lines.extend(
-            MONITOR_EXAMPLE
-                .iter()
-                .map(|line| line.replace("CRATE", &name.in_rust())),
-        );
-        monitor_modules = quote! {
-            pub mod monitor;
-            pub mod monitor_words;
-            pub mod motion;
-        };
+        lines.extend(MONITOR_EXAMPLE.iter().map(|line| {
+            line.replace("CRATE", &name.in_rust())
+                .replace("WHEEL", example::wheel_field(&parts))
+        }));
         monitor_use = quote!(
             pub use monitor::Monitor;
         );
     }
+    let mut helpers: Vec<_> = runtime::of_parts(&parts)
+        .map(|helper| helper.module)
+        .collect();
+    if has_monitor {
+        helpers.extend(runtime::MONITOR_HELPERS.map(|helper| helper.module));
+        helpers.push("monitor_words");
+    }
+    helpers.extend(["constants", "control"]);
+    helpers.sort_unstable();
+    let modules = helpers.iter().map(|name| format_ident!("{name}"));
     let docs = inner_docs(&lines);
     let tokens = quote! {
         #docs
@@ -85,24 +92,7 @@ pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFi
         #![forbid(unsafe_code)]
         #![warn(missing_docs)]
 
-        pub mod arc_tangent;
-        pub mod attitude;
-        pub mod bias_observer;
-        pub mod calibration;
-        pub mod constants;
-        pub mod control;
-        pub mod controller;
-        pub mod drift;
-        pub mod filter;
-        pub mod lever_arm;
-        pub mod line;
-        pub mod madgwick;
-        #monitor_modules
-        pub mod pivot_angle;
-        pub mod product;
-        pub mod root;
-        pub mod scaling;
-        pub mod supervisor;
+        #(pub mod #modules;)*
 
         pub use attitude::Attitude;
         pub use control::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed, control};

@@ -9,7 +9,7 @@ use crate::spec::ModuleSpec;
 pub fn file(spec: &ModuleSpec, name: &CrateName) -> EmittedFile {
     let header = header(spec);
     let model = single_line(&spec.model_name);
-    let example = example::lines(name).join("\n");
+    let example = example::lines(name, &spec.parts()).join("\n");
     let contents = format!(
         r#"<!-- {header}. -->
 

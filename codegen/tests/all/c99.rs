@@ -16,7 +16,7 @@ use numbers::Expected;
 
 #[path = "c99/numbers.rs"]
 mod numbers;
-use crate::thesis;
+use crate::{benches, thesis};
 
 /// The committed crate, as files.
 fn committed() -> EmittedCrate {
@@ -58,11 +58,23 @@ fn with_everything() -> EmittedCrate {
     generate(&spec).expect("an emitted crate")
 }
 
+/// The field of the sample in which the wheel's sensor stands.
+fn wheel_field(emitted: &EmittedCrate) -> &'static str {
+    let controller = emitted.file("src/controller.rs").expect("a controller");
+    let fields = ["wheel_adc", "wheel_speed", "wheel_count"];
+    let is_own = |field: &&str| controller.contains(&format!("pub {field}:"));
+    fields
+        .into_iter()
+        .find(is_own)
+        .expect("a sensor of the wheel")
+}
+
 /// Writes the C of an emitted crate, and the harness beside it.
 fn written(emitted: &EmittedCrate, folder: &Path) -> EmittedCrate {
+    let wheel = wheel_field(emitted);
     let emitted = c99::emit(emitted).expect("a translation");
     emitted.write(folder).expect("written");
-    let harness = include_str!("c99/harness.c");
+    let harness = include_str!("c99/harness.c").replace("wheel_adc", wheel);
     fs::write(folder.join("src/harness.c"), harness).expect("written");
     emitted
 }
@@ -225,7 +237,8 @@ impl Calls {
             let (sin, cos) = self.lean_rad.sin_cos();
             let gravity = if self.is_weightless { 100.0 } else { 4096.0 };
             let accel = [gravity * cos, -gravity * sin, 0.0].map(|part| part + noise(8.0));
-            let wheel = 773.0 + noise(60.0);
+            // An encoder's count may change by that much, and from step to step.
+            let wheel = 773.0 + noise(14.0);
             // It sways, or falls.
             let stiffness = if self.falls { -20.0 } else { 9.0 };
             self.rate_rad_s += 0.001 * (noise(1.0) - stiffness * self.lean_rad);
@@ -311,7 +324,12 @@ fn rust_harness(emitted: &EmittedCrate, folder: &Path) -> Command {
     emitted.write(&folder.join("crate")).expect("written");
     let harness = folder.join("harness-in-rust");
     fs::create_dir_all(harness.join("src")).expect("a folder");
-    fs::write(harness.join("src/main.rs"), include_str!("c99/harness.rs")).expect("written");
+    let (wheel, source) = (wheel_field(emitted), include_str!("c99/harness.rs"));
+    let source = match wheel {
+        "wheel_speed" => source.replace("wheel_adc: word(13) as u16", "wheel_speed: word(13)"),
+        _ => source.replace("wheel_adc", wheel),
+    };
+    fs::write(harness.join("src/main.rs"), source).expect("written");
     let manifest = "[package]\nname = \"harness\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
                     [dependencies]\ngenerated = { path = \"../crate\" }\n\n[workspace]\n";
     fs::write(harness.join("Cargo.toml"), manifest).expect("written");
@@ -379,6 +397,26 @@ fn c_and_rust_answer_alike_on_a_bench_that_uses_everything() {
     assert_eq!(difference(&c, &rust), None, "seed {seed}");
 }
 
+/// The other sensors of the wheel, and a voltage drive.
+#[test]
+#[cfg_attr(not(have_gcc), ignore = "needs gcc")]
+fn c_and_rust_answer_alike_on_other_benches() {
+    for (seed, spec) in (20..).zip(benches::all().into_iter().skip(1)) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let emitted = generate(&spec).expect("an emitted crate");
+        written(&emitted, folder.path());
+        compile(folder.path(), "-O2").expect("no warning");
+        let calls = 150_000;
+        let rust = answers(&mut rust_harness(&emitted, folder.path()), seed, calls);
+        assert_eq!(rust.len(), calls, "the harness in Rust has ended");
+        let mut harness = Command::new(folder.path().join("harness"));
+        let c = answers(&mut harness, seed, calls);
+        assert_eq!(difference(&c, &rust), None, "seed {seed}");
+        let running = rust.iter().filter(|answer| answer[1] == 2).count();
+        assert!(running > 1000, "seed {seed}: it ran in {running} steps");
+    }
+}
+
 #[test]
 #[cfg_attr(not(have_cross_gcc), ignore = "needs the cross compilers")]
 fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
@@ -420,7 +458,8 @@ fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
 
 #[test]
 fn every_number_of_the_c_is_one_of_the_rust() {
-    for emitted in [committed(), with_everything()] {
+    let others = benches::all().map(|spec| generate(&spec).expect("an emitted crate"));
+    for emitted in [committed(), with_everything()].into_iter().chain(others) {
         let c = c99::emit(&emitted).expect("a translation");
         let file = |path| c.file(path).expect("a file");
         let (header, source) = (file("src/flywheel.h"), file("src/flywheel.c"));

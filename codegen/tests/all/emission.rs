@@ -1,6 +1,6 @@
 //! The text that is emitted.
 
-use crate::thesis;
+use crate::{benches, thesis};
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -107,7 +107,10 @@ impl<'ast> Visit<'ast> for Forbidden {
 
 #[test]
 fn no_float_no_heap_no_panic() {
-    for file in generate(&thesis::spec()).unwrap().files {
+    let files = benches::all()
+        .into_iter()
+        .flat_map(|spec| generate(&spec).unwrap().files);
+    for file in files {
         if !file.is_source() {
             continue;
         }
@@ -149,7 +152,7 @@ fn the_certificate_is_complete_and_points_into_the_source() {
     let spec = thesis::spec();
     let emitted = generate(&spec).unwrap();
     let json: Value = serde_json::from_str(emitted.file("certificate.json").unwrap()).unwrap();
-    assert_eq!(json["format_version"], 3);
+    assert_eq!(json["format_version"], 4);
     assert_eq!(json["gains"][0], "-24.2672423");
     assert_eq!(json["plant"]["Ad"][0][2], "4.038510074499915e-9");
     assert_eq!(
@@ -211,21 +214,20 @@ fn scratch(name: &str) -> PathBuf {
 #[test]
 #[cfg_attr(not(have_rustfmt), ignore = "needs rustfmt")]
 fn rustfmt_would_change_nothing() {
-    let directory = tempfile::tempdir().unwrap();
-    generate(&thesis::spec())
-        .unwrap()
-        .write(directory.path())
-        .unwrap();
-    let output = Command::new("rustfmt")
-        .args(["--edition", "2024", "--check"])
-        .arg(directory.path().join("src/lib.rs"))
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stdout)
-    );
+    for spec in benches::all() {
+        let directory = tempfile::tempdir().unwrap();
+        generate(&spec).unwrap().write(directory.path()).unwrap();
+        let output = Command::new("rustfmt")
+            .args(["--edition", "2024", "--check"])
+            .arg(directory.path().join("src/lib.rs"))
+            .output()
+            .unwrap();
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stdout)
+        );
+    }
 }
 
 /// Outside any workspace, the crate builds on its own under a name of the user's, without a warning, and the

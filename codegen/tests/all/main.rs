@@ -2,12 +2,14 @@
 
 mod arduino;
 mod arithmetic;
+mod benches;
 mod c99;
 mod emission;
 mod files;
 mod monitor;
 mod refusals;
 mod runtime_drift;
+mod runtime_encoder;
 mod runtime_filter;
 mod runtime_primitives;
 mod runtime_step;

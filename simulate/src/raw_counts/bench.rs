@@ -20,7 +20,7 @@ pub struct RawLoop<'a> {
     pub plant: &'a Plant<f64>,
     /// Sensors and drive.
     pub sensors: RawSensors,
-    /// Largest current of the drive, A.
+    /// Largest current of the drive, A; not of a voltage drive.
     pub drive_limit_a: f64,
     /// Time between samples, s.
     pub sample_time_s: f64,
@@ -53,8 +53,8 @@ impl<'a> RawLoop<'a> {
 
     /// Holds the body at `angle_rad` from upright while the filter aligns. Then arms `controller`
     /// and runs it for `duration_s`, or, if `until_fall` is set, until the body is horizontal. The measured
-    /// angle in the record is that of the filter, the measured wheel speed that of the converter's counts;
-    /// the rate is the true one.
+    /// angle in the record is that of the controller, the measured wheel speed that of the sensor's counts (with an
+    /// encoder the true one); the rate is the true one.
     ///
     /// # Errors
     /// Times that are not positive; emitted code that fails; a motion that is no longer finite.
@@ -70,7 +70,11 @@ impl<'a> RawLoop<'a> {
             motion: Motion::Nonlinear(self.plant),
             sensors: Sensors::PERFECT,
             actuator: Actuator {
-                limit_a: self.drive_limit_a,
+                // The supply limits the voltage, and so the duty, not the current.
+                limit_a: match self.sensors.voltage {
+                    Some(_) => f64::MAX,
+                    None => self.drive_limit_a,
+                },
                 step_a: 0.0,
             },
             sample_time_s: self.sample_time_s,
@@ -96,13 +100,23 @@ impl<'a> RawLoop<'a> {
                     .derivative(instant.state, instant.flowing_a, instant.push);
             let counts = self.sensors.sample(instant.state, acceleration, random);
             let duty = controller.step(&counts)?;
+            let speed = instant.state.wheel_speed_rad_s;
+            let of_wheel = |current_a: f64| {
+                self.plant
+                    .derivative(instant.state, current_a, instant.push)
+                    .1
+            };
+            let period_s = self.sample_time_s;
             Ok(Answer {
                 measured: Measured {
                     angle_rad: controller.angle_rad()?,
                     rate_rad_s: instant.state.rate_rad_s,
-                    wheel_speed_rad_s: self.sensors.wheel_speed_rad_s(counts.wheel_adc),
+                    wheel_speed_rad_s: self
+                        .sensors
+                        .wheel_speed_rad_s(counts.wheel)
+                        .unwrap_or(speed),
                 },
-                command_a: self.sensors.current_a(duty),
+                command_a: self.sensors.mean_current_a(duty, speed, period_s, of_wheel),
             })
         };
         on.run_sampled(&start, duration_s, sample, |trace| {

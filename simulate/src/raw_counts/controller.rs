@@ -14,8 +14,43 @@ pub struct RawSample {
     pub accel: [i16; 3],
     /// Magnetometer, if there is a new reading.
     pub mag: Option<[i16; 3]>,
-    /// The drive's speed output, counts of its converter.
-    pub wheel_adc: u16,
+    /// The wheel's sensor: counts of a converter or an encoder, or the word of the motor's driver.
+    pub wheel: i32,
+}
+
+/// A word of the sample that a step takes.
+#[derive(Clone, Copy, Debug)]
+enum SampleWord {
+    Gyro(usize),
+    Accel(usize),
+    HasMag,
+    Mag(usize),
+    Wheel,
+}
+
+impl SampleWord {
+    /// By its name among the inputs of `Controller::step`.
+    fn of(name: &str) -> Option<SampleWord> {
+        let axis = (0..3).find(|axis| name.ends_with(&format!("[{axis}]")));
+        match (name, axis) {
+            (name, Some(axis)) if name.contains(".gyro") => Some(SampleWord::Gyro(axis)),
+            (name, Some(axis)) if name.contains(".accel") => Some(SampleWord::Accel(axis)),
+            (name, Some(axis)) if name.contains(".mag") => Some(SampleWord::Mag(axis)),
+            (name, None) if name.contains(".mag") => Some(SampleWord::HasMag),
+            (name, None) if name.contains(".wheel_") => Some(SampleWord::Wheel),
+            _ => None,
+        }
+    }
+
+    fn in_sample(self, sample: &RawSample) -> i128 {
+        match self {
+            SampleWord::Gyro(axis) => sample.gyro[axis].into(),
+            SampleWord::Accel(axis) => sample.accel[axis].into(),
+            SampleWord::HasMag => sample.mag.is_some().into(),
+            SampleWord::Mag(axis) => sample.mag.unwrap_or_default()[axis].into(),
+            SampleWord::Wheel => sample.wheel.into(),
+        }
+    }
 }
 
 /// An emitted controller: one step from raw counts to the duty.
@@ -59,6 +94,8 @@ pub trait RawController {
 #[derive(Clone, Debug)]
 pub struct InterpretedController {
     step: Program,
+    /// The words of a sample, in the order in which a step takes them.
+    sample: Vec<SampleWord>,
     angle: Program,
     /// For each word of the attitude: its index among the words of the controller.
     attitude: Vec<usize>,
@@ -106,7 +143,13 @@ impl InterpretedController {
             [checker::program::Type::Fixed(bits)] => *bits,
             _ => return Err(failure("`Attitude::angle` returns no angle".to_owned())),
         };
+        let sample = step.inputs.iter().skip(start.len()).map(|name| {
+            SampleWord::of(name)
+                .ok_or_else(|| failure(format!("no sensor of the simulation shows `{name}`")))
+        });
+        let sample = sample.collect::<Result<Vec<_>, _>>()?;
         Ok(InterpretedController {
+            sample,
             angle,
             attitude,
             arm,
@@ -146,11 +189,7 @@ impl RawController for InterpretedController {
 
     fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure> {
         let mut arguments = self.words.clone();
-        arguments.extend(sample.gyro.map(i128::from));
-        arguments.extend(sample.accel.map(i128::from));
-        arguments.push(sample.mag.is_some().into());
-        arguments.extend(sample.mag.unwrap_or_default().map(i128::from));
-        arguments.push(sample.wheel_adc.into());
+        arguments.extend(self.sample.iter().map(|word| word.in_sample(sample)));
         let results = words_of(&self.step, &arguments)?;
         let (duty, state) = results.split_at(1);
         self.words.clear();

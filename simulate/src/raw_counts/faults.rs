@@ -55,7 +55,7 @@ const NOTHING_READ: RawSample = RawSample {
     gyro: [0; 3],
     accel: [0; 3],
     mag: None,
-    wheel_adc: 0,
+    wheel: 0,
 };
 
 /// A controller whose samples are faulty during some of its steps, with the record of its outputs.
@@ -70,7 +70,7 @@ pub struct Faulty<C> {
     /// The first step after the fault; `None` if the fault does not end.
     pub until_step: Option<usize>,
     /// Counts at the ends of the converter's range.
-    pub wheel_ends: [u16; 2],
+    pub wheel_ends: [i32; 2],
     steps: usize,
     last: Option<RawSample>,
     duties: Vec<u16>,
@@ -79,7 +79,7 @@ pub struct Faulty<C> {
 
 impl<C: RawController> Faulty<C> {
     /// `controller` with `fault` from its step `from_step` on.
-    pub fn new(controller: C, fault: Fault, from_step: usize, wheel_ends: [u16; 2]) -> Faulty<C> {
+    pub fn new(controller: C, fault: Fault, from_step: usize, wheel_ends: [i32; 2]) -> Faulty<C> {
         Faulty {
             controller,
             fault,
@@ -110,13 +110,13 @@ impl<C: RawController> Faulty<C> {
         match self.fault {
             Fault::GyroscopeFrozen => damaged.gyro = last.gyro,
             Fault::AccelerometerFrozen => damaged.accel = last.accel,
-            Fault::WheelFrozen => damaged.wheel_adc = last.wheel_adc,
+            Fault::WheelFrozen => damaged.wheel = last.wheel,
             Fault::AllFrozen => damaged = last,
             Fault::GyroscopeClipped => damaged.gyro[2] = i16::MAX,
             Fault::AccelerometerClipped => damaged.accel[1] = i16::MIN,
             Fault::AccelerometerDead => damaged.accel = [0; 3],
-            Fault::WheelLow => damaged.wheel_adc = self.wheel_ends[0],
-            Fault::WheelHigh => damaged.wheel_adc = self.wheel_ends[1],
+            Fault::WheelLow => damaged.wheel = self.wheel_ends[0],
+            Fault::WheelHigh => damaged.wheel = self.wheel_ends[1],
             Fault::BusDead => damaged = NOTHING_READ,
             Fault::MissedTick => {}
             Fault::GyroscopeReversed => {

@@ -14,4 +14,4 @@ pub use bench::RawLoop;
 pub use controller::{InterpretedController, RawController, RawSample};
 pub use faults::{Fault, Faulty};
 pub use paced::{Paced, SensorPace};
-pub use sensors::{CountsLine, RawSensors};
+pub use sensors::{CountsLine, EncoderOutput, RawSensors, VoltageOutput, WheelOutput};

@@ -62,18 +62,64 @@ pub struct RawSensors {
     pub lever_arm_m: [f64; 2],
     /// Angle about the pivot axis from the body's axis to the sensor's x axis, rad.
     pub mounting_angle_rad: f64,
-    /// Wheel speed per count of the converter, rad/s.
+    /// How the wheel's speed is read.
+    pub wheel: WheelOutput,
+    /// Wheel speed per count of converter or driver, rad/s.
     pub wheel_speed_per_count: f64,
     /// Wheel speed at zero counts, rad/s.
     pub wheel_speed_at_zero: f64,
     /// Standard deviation of its noise, rad/s a sample.
     pub wheel_noise_rad_s: f64,
-    /// Largest count of the converter.
-    pub wheel_adc_max: u16,
+    /// Standard deviation of the noise of encoders, counts a sample.
+    pub encoder_noise_counts: f64,
     /// Duty at zero current, counts.
     pub duty_zero: u16,
     /// Current per count of duty, A.
     pub current_per_count_a: f64,
+    /// The drive, where it sets a voltage and not a current.
+    pub voltage: Option<VoltageOutput>,
+}
+
+/// How the wheel's speed is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WheelOutput {
+    /// A converter's counts, from zero to this.
+    Converter(u16),
+    /// A driver's signed 16-bit word.
+    Driver,
+    /// An absolute encoder on the wheel.
+    Encoder(EncoderOutput),
+}
+
+/// An absolute encoder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EncoderOutput {
+    /// Counts per turn; negative if they fall while the angle rises.
+    pub counts_per_turn: f64,
+    /// The count begins again at zero after 2^`bits`.
+    pub bits: u32,
+    /// The count at the angle zero.
+    pub zero_count: f64,
+}
+
+impl EncoderOutput {
+    fn count(&self, angle_rad: f64, noise_counts: f64) -> u16 {
+        let wrap = f64::from(1_u32 << self.bits);
+        let counts = angle_rad / TAU * self.counts_per_turn + self.zero_count + noise_counts;
+        // A rounding up to a whole wrap is its beginning.
+        (counts.round().rem_euclid(wrap)) as u16
+    }
+}
+
+/// A drive that sets the voltage across the winding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoltageOutput {
+    /// V per count of duty.
+    pub volts_per_count: f64,
+    /// Winding resistance, Ω.
+    pub winding_ohm: f64,
+    /// Back-EMF, V s/rad.
+    pub back_emf_v_s: f64,
 }
 
 impl RawSensors {
@@ -98,12 +144,14 @@ impl RawSensors {
             gravity_m_s2: spec.gravity_m_s2,
             lever_arm_m: spec.lever_arm_m,
             mounting_angle_rad: spec.mounting_angle_rad,
+            wheel: WheelOutput::Converter(4095),
             wheel_speed_per_count: 8.53108 * rpm,
             wheel_speed_at_zero: -6594.5 * rpm,
             wheel_noise_rad_s: 0.6,
-            wheel_adc_max: 4095,
+            encoder_noise_counts: 0.5,
             duty_zero: 32_768,
             current_per_count_a: 2.2 / 26_214.0,
+            voltage: None,
         })
     }
 
@@ -143,21 +191,54 @@ impl RawSensors {
             0.0,
         ) + noises(self.accel_noise_m_s2);
         let speed = state.wheel_speed_rad_s + self.wheel_noise_rad_s * noise();
-        let adc = (speed - self.wheel_speed_at_zero) / self.wheel_speed_per_count;
+        let counts = (speed - self.wheel_speed_at_zero) / self.wheel_speed_per_count;
+        let wheel = match &self.wheel {
+            WheelOutput::Converter(most) => counts.round().clamp(0.0, f64::from(*most)) as i32,
+            WheelOutput::Driver => i32::from(counts.round() as i16),
+            WheelOutput::Encoder(encoder) => {
+                let noise = self.encoder_noise_counts * noise();
+                i32::from(encoder.count(state.wheel_angle_rad, noise))
+            }
+        };
         RawSample {
             gyro: self.gyro.read(rate),
             accel: self.accel.read(force),
             mag: None,
-            wheel_adc: adc.round().clamp(0.0, f64::from(self.wheel_adc_max)) as u16,
+            wheel,
         }
     }
 
-    /// The current that a duty commands, A.
+    /// The current that a duty commands, A; of a voltage drive, at standstill.
     pub fn current_a(&self, duty: u16) -> f64 {
         (f64::from(duty) - f64::from(self.duty_zero)) * self.current_per_count_a
     }
 
-    pub(super) fn wheel_speed_rad_s(&self, adc: u16) -> f64 {
-        f64::from(adc) * self.wheel_speed_per_count + self.wheel_speed_at_zero
+    /// The mean current over a sample of `period_s` that begins with the wheel at `speed_rad_s`, A. A current drive gives
+    /// what the duty commands. Behind a voltage drive the current falls as the wheel speeds up: `acceleration` is the
+    /// wheel's at a current (rad/s² for A), a straight line.
+    pub(super) fn mean_current_a(
+        &self,
+        duty: u16,
+        speed_rad_s: f64,
+        period_s: f64,
+        acceleration: impl Fn(f64) -> f64,
+    ) -> f64 {
+        let Some(drive) = &self.voltage else {
+            return self.current_a(duty);
+        };
+        let counts = f64::from(duty) - f64::from(self.duty_zero);
+        let (without, with_one) = (acceleration(0.0), acceleration(1.0));
+        let half_s = 0.5 * period_s;
+        let left_v =
+            counts * drive.volts_per_count - drive.back_emf_v_s * (speed_rad_s + half_s * without);
+        left_v / (drive.winding_ohm + drive.back_emf_v_s * half_s * (with_one - without))
+    }
+
+    /// The wheel's speed that the sample shows; `None` of an encoder, whose count by itself shows none.
+    pub(super) fn wheel_speed_rad_s(&self, wheel: i32) -> Option<f64> {
+        match self.wheel {
+            WheelOutput::Encoder(_) => None,
+            _ => Some(f64::from(wheel) * self.wheel_speed_per_count + self.wheel_speed_at_zero),
+        }
     }
 }

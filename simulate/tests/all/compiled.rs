@@ -81,7 +81,7 @@ impl RawController for CompiledController {
             gyro: sample.gyro,
             accel: sample.accel,
             mag: sample.mag,
-            wheel_adc: sample.wheel_adc,
+            wheel_adc: u16::try_from(sample.wheel).expect("counts of a converter"),
         };
         Ok(self.0.step(&sample).0)
     }

@@ -18,7 +18,7 @@ use std::ops::Range;
 /// `Status::Running` and the first that is a trip.
 const RUNNING: u8 = 2;
 
-const WHEEL_ENDS: [u16; 2] = [LIMITS.wheel_low as u16, LIMITS.wheel_high as u16];
+const WHEEL_ENDS: [i32; 2] = [LIMITS.wheel_low, LIMITS.wheel_high];
 
 /// Steps for which a hand holds the body before the release.
 const HELD_STEPS: usize = 500;

@@ -172,7 +172,7 @@ impl RawController for Watched<'_> {
             gyro: sample.gyro,
             accel: sample.accel,
             mag: sample.mag,
-            wheel_adc: sample.wheel_adc,
+            wheel_adc: wheel_counts(sample),
         });
         let attitude = self.controller.attitude();
         let mut arguments = self.words.clone();
@@ -180,7 +180,7 @@ impl RawController for Watched<'_> {
             i128::from(self.controller.status() == Status::Running),
             attitude.angle().to_bits().into(),
             attitude.rate().to_bits().into(),
-            wheel_speed(sample.wheel_adc).to_bits().into(),
+            wheel_speed(wheel_counts(sample)).to_bits().into(),
             duty.0.into(),
         ]);
         let found = self.monitor.call(&arguments).expect("total");
@@ -337,4 +337,9 @@ fn a_locked_wheel_is_noticed() {
         furthest = furthest.max(lean);
     }
     println!("within {longest} steps, body at most at {furthest:.2} degrees");
+}
+
+/// The converter's counts in a sample.
+fn wheel_counts(sample: &RawSample) -> u16 {
+    u16::try_from(sample.wheel).expect("a converter has no negative counts")
 }

@@ -57,15 +57,19 @@ pub enum HardwareError {
 /// settings: data sheets allow 5 % at most, ranges differ by factors of two.
 const DIFFER: f64 = 1.2;
 
-/// Evaluates the statements of `file`; missing ones are filled from `preset`, if there is one.
+/// Evaluates the statements of `file` for a controller with this sample time; missing ones are filled from `preset`, if
+/// there is one.
 pub(crate) fn bench_hardware(
     file: &ModelFile,
+    sample_time_s: f64,
     preset: Option<Preset>,
 ) -> Result<BenchHardware, HardwareError> {
     let calibration = file.calibration.unwrap_or_default();
     let mut work = Work {
         stated: file.hardware.as_ref(),
         calibration,
+        sample_time_s,
+        torque_constant: torque_constant(file),
         preset,
         missing: Vec::new(),
         assumed: Vec::new(),
@@ -74,8 +78,8 @@ pub(crate) fn bench_hardware(
     };
     work.angle()?;
     let attitude = work.attitude()?;
-    let wheel = work.wheel_speed()?;
     let drive = work.drive()?;
+    let wheel = work.wheel_speed(drive.as_ref())?;
     let (Some(attitude), Some(wheel), Some(drive)) = (attitude, wheel, drive) else {
         return Err(HardwareError::Missing {
             missing: work.missing,
@@ -95,6 +99,7 @@ pub(crate) fn bench_hardware(
     Ok(BenchHardware {
         sensors: HardwareSpec {
             attitude,
+            wheel: wheel.sensor,
             wheel_speed_per_count: wheel.slope,
             wheel_speed_at_zero: wheel.offset,
             wheel_low: wheel.low,
@@ -110,9 +115,19 @@ pub(crate) fn bench_hardware(
     })
 }
 
+/// The motor's torque constant in N m/A, which is its back-EMF in V s/rad; `None` where the model has torques per unit of
+/// inertia only.
+fn torque_constant(file: &ModelFile) -> Option<f64> {
+    let mut parameters = file.parameters.iter();
+    let found = parameters.find(|parameter| parameter.name == "torque_constant")?;
+    (!found.unit.contains("per kg")).then_some(found.value)
+}
+
 struct Work<'a> {
     stated: Option<&'a Hardware>,
     calibration: Calibration,
+    sample_time_s: f64,
+    torque_constant: Option<f64>,
     preset: Option<Preset>,
     missing: Vec<String>,
     assumed: Vec<String>,

@@ -15,7 +15,7 @@ fn file(more: &str) -> ModelFile {
 }
 
 fn of(more: &str, preset: bool) -> Result<BenchHardware, HardwareError> {
-    bench_hardware(&file(more), preset.then_some(Preset::ThesisBench))
+    bench_hardware(&file(more), 1e-3, preset.then_some(Preset::ThesisBench))
 }
 
 #[test]

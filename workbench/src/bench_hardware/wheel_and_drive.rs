@@ -1,8 +1,8 @@
 //! The wheel's speed and the drive.
 
 use bench_files::{Drive, DriveKind, LineCalibration, WheelSpeedSensor};
-use codegen::hardware::HardwareSpec;
-use codegen::spec::PwmDrive;
+use codegen::hardware::{EncoderSpec, HardwareSpec, WINDOW_MAX, WheelSensor};
+use codegen::spec::{PwmDrive, VoltageDrive};
 
 use super::{DIFFER, HardwareError, Work};
 use crate::numbers::significant;
@@ -11,32 +11,119 @@ use crate::numbers::significant;
 /// rotation.
 const ONE_WAY: f64 = 0.05;
 
-/// The line of a converter, with the ends of its range.
-pub(super) struct Converter {
+/// The line of the wheel's sensor, with the ends of its range.
+pub(super) struct WheelLine {
+    pub(super) sensor: WheelSensor,
     pub(super) slope: f64,
     pub(super) offset: f64,
-    pub(super) low: u16,
-    pub(super) high: u16,
+    pub(super) low: i32,
+    pub(super) high: i32,
 }
 
+/// Share of the stated largest speed at which the motor is switched off.
+const LARGEST_SHARE: f64 = 1.05;
+
 impl Work<'_> {
-    pub(super) fn wheel_speed(&mut self) -> Result<Option<Converter>, HardwareError> {
+    pub(super) fn wheel_speed(
+        &mut self,
+        drive: Option<&PwmDrive>,
+    ) -> Result<Option<WheelLine>, HardwareError> {
+        let stated = self.stated.and_then(|stated| stated.wheel_speed.as_ref());
+        let is_converter = matches!(stated, Some(WheelSpeedSensor::Converter { .. }) | None);
+        if !is_converter && self.calibration.wheel_speed.is_some() {
+            self.warnings.push(
+                "[calibration.wheel_speed] is a converter's line, and [hardware.wheel_speed] states another sensor: the \
+                 line is not used"
+                    .to_owned(),
+            );
+        }
+        match stated {
+            Some(WheelSpeedSensor::Driver {
+                scale,
+                largest_rad_s,
+            }) => self.driver(*scale, *largest_rad_s, drive).map(Some),
+            Some(WheelSpeedSensor::Encoder {
+                counts_per_turn,
+                bits,
+                window,
+                largest_rad_s,
+            }) => {
+                let encoder = EncoderSpec {
+                    counts_per_turn: *counts_per_turn,
+                    bits: *bits,
+                    window: *window,
+                };
+                self.wheel_encoder(encoder, *largest_rad_s, drive).map(Some)
+            }
+            Some(WheelSpeedSensor::Converter { .. }) | None => self.converter_line(),
+        }
+    }
+
+    fn driver(
+        &mut self,
+        scale: f64,
+        largest_rad_s: Option<f64>,
+        drive: Option<&PwmDrive>,
+    ) -> Result<WheelLine, HardwareError> {
+        let end = ends(scale, i16::MAX.into(), largest_rad_s, drive)?;
+        self.registers.push(format!(
+            "wheel speed: the driver's signed 16-bit word, {} rad/s per unit; unknown from {end} units on, {} rad/s",
+            significant(scale, 6),
+            significant(f64::from(end) * scale.abs(), 6)
+        ));
+        Ok(WheelLine {
+            sensor: WheelSensor::Driver,
+            slope: scale,
+            offset: 0.0,
+            low: -end,
+            high: end,
+        })
+    }
+
+    fn wheel_encoder(
+        &mut self,
+        encoder: EncoderSpec,
+        largest_rad_s: Option<f64>,
+        drive: Option<&PwmDrive>,
+    ) -> Result<WheelLine, HardwareError> {
+        let window = encoder.window;
+        if window > WINDOW_MAX {
+            return Err(HardwareError::NotEmitted(format!(
+                "[hardware.wheel_speed] window = {window}: the emitted module takes an encoder's difference over at most \
+                 {WINDOW_MAX} samples; a longer one makes the speed late, by half of it"
+            )));
+        }
+        let slope = encoder.rad_s_per_count(self.sample_time_s);
+        let end = ends(slope, encoder.most_counts(), largest_rad_s, drive)?;
+        self.registers.push(format!(
+            "wheel speed: encoder counts 0 to {}, {} a turn, turned over {window} samples: {} rad/s per count, {} s \
+             late; unknown from {} rad/s on",
+            encoder.wrap() - 1,
+            significant(encoder.counts_per_turn, 6),
+            significant(slope, 4),
+            significant(0.5 * f64::from(window) * self.sample_time_s, 4),
+            significant(f64::from(end) * slope.abs(), 6)
+        ));
+        Ok(WheelLine {
+            sensor: WheelSensor::Encoder(encoder),
+            slope,
+            offset: 0.0,
+            low: -end,
+            high: end,
+        })
+    }
+
+    fn converter_line(&mut self) -> Result<Option<WheelLine>, HardwareError> {
         let thesis = HardwareSpec::thesis_bench();
         let calibrated = self.calibration.wheel_speed;
         let stated = match self.stated.and_then(|stated| stated.wheel_speed.as_ref()) {
-            None => None,
             Some(WheelSpeedSensor::Converter {
                 slope,
                 offset,
                 low,
                 high,
-            }) => Some((slope.zip(*offset), *low, *high)),
-            Some(WheelSpeedSensor::Encoder { .. } | WheelSpeedSensor::Driver { .. }) => {
-                return Err(HardwareError::NotEmitted(
-                    "[hardware.wheel_speed]: this generator emits kind = \"converter\" only"
-                        .to_owned(),
-                ));
-            }
+            }) => Some((slope.zip(*offset), i32::from(*low), i32::from(*high))),
+            _ => None,
         };
         let what = "[hardware.wheel_speed]";
         let example = "kind = \"converter\" with slope, offset, low, high";
@@ -67,8 +154,8 @@ impl Work<'_> {
         Ok(Some(self.converter(slope, offset, low, high)))
     }
 
-    fn converter(&mut self, slope: f64, offset: f64, low: u16, high: u16) -> Converter {
-        let speed = |count: u16| slope * f64::from(count) + offset;
+    fn converter(&mut self, slope: f64, offset: f64, low: i32, high: i32) -> WheelLine {
+        let speed = |count: i32| slope * f64::from(count) + offset;
         let (first, last) = (speed(low), speed(high));
         let (least, most) = (first.min(last), first.max(last));
         if least > -ONE_WAY * most || most < -ONE_WAY * least {
@@ -85,7 +172,8 @@ impl Work<'_> {
             significant(first, 6),
             significant(last, 6)
         ));
-        Converter {
+        WheelLine {
+            sensor: WheelSensor::Converter,
             slope,
             offset,
             low,
@@ -152,11 +240,12 @@ impl Work<'_> {
             self.registers.push(drive_register(&drive));
             return Ok(Some(drive));
         };
-        if let DriveKind::Voltage { .. } = stated.kind {
-            return Err(HardwareError::NotEmitted(
-                "[hardware.drive] kind = \"voltage\": this generator emits current drives only"
-                    .to_owned(),
-            ));
+        if let DriveKind::Voltage {
+            supply_v,
+            winding_ohm,
+        } = stated.kind
+        {
+            return self.voltage_drive(stated, supply_v, winding_ohm);
         }
         let drive = self.stated_drive(stated, calibrated, &thesis)?;
         if let Some(drive) = &drive {
@@ -238,8 +327,112 @@ impl Work<'_> {
             duty_low: low,
             duty_high: high,
             amperes_per_count: slope,
+            voltage: None,
         }))
     }
+
+    /// A voltage drive. Its duty is a number that the firmware hands on as a voltage: where nothing else is stated, the
+    /// timer's whole range about its middle is the supply's voltage both ways.
+    fn voltage_drive(
+        &mut self,
+        stated: &Drive,
+        supply_v: f64,
+        winding_ohm: f64,
+    ) -> Result<Option<PwmDrive>, HardwareError> {
+        let Some(back_emf_v_s) = self.torque_constant else {
+            self.missing.push(
+                "torque_constant in N m/A, without which the back-EMF of a motor behind a voltage drive is unknown \
+                 (masses and lengths under [known])"
+                    .to_owned(),
+            );
+            return Ok(None);
+        };
+        let most = ((1_u32 << stated.bits) - 1) as u16;
+        let calibrated = self.calibration.duty;
+        let zero = match calibrated {
+            Some(line) => line.offset.round().clamp(0.0, f64::from(most)) as u16,
+            None => stated.duty_zero.unwrap_or(most / 2 + 1),
+        };
+        let reach = zero.min(most - zero);
+        let low = stated.duty_low.unwrap_or(zero - reach);
+        let high = stated.duty_high.unwrap_or(zero + reach);
+        if !(low < zero && zero < high) {
+            return Err(HardwareError::Contradiction(format!(
+                "the duty at 0 V, {zero}, does not lie between {low} and {high}"
+            )));
+        }
+        let counts = f64::from((zero - low).min(high - zero));
+        let volts_per_count = match (calibrated, stated.amperes_per_count) {
+            // A current at standstill: V = R i.
+            (Some(line), _) => winding_ohm / line.slope,
+            (None, Some(stated)) => stated,
+            (None, None) => supply_v / counts,
+        };
+        if !(volts_per_count.is_finite() && volts_per_count != 0.0) {
+            return Err(HardwareError::Contradiction(
+                "[calibration.current] has a slope of zero".to_owned(),
+            ));
+        }
+        // No more than the supply gives.
+        let within = (supply_v / volts_per_count.abs() * (1.0 + 1e-12)).floor();
+        let within = within.clamp(0.0, f64::from(u16::MAX)) as u16;
+        if within == 0 {
+            return Err(HardwareError::Contradiction(format!(
+                "one count of [hardware.drive], {} V, is more than its supply_voltage",
+                significant(volts_per_count.abs(), 4)
+            )));
+        }
+        let drive = PwmDrive {
+            bits: stated.bits,
+            duty_zero: zero,
+            duty_low: low.max(zero.saturating_sub(within)),
+            duty_high: high.min(zero.saturating_add(within)),
+            amperes_per_count: volts_per_count / winding_ohm,
+            voltage: Some(VoltageDrive {
+                volts_per_count,
+                supply_v,
+                winding_ohm,
+                back_emf_v_s,
+            }),
+        };
+        self.registers.push(format!(
+            "drive: voltage, duty {} to {} of {} bits, {} at 0 V, {} V per count; V = {} Ohm u + {} V s/rad w, at most \
+             {} V",
+            drive.duty_low,
+            drive.duty_high,
+            drive.bits,
+            drive.duty_zero,
+            significant(volts_per_count, 6),
+            significant(winding_ohm, 6),
+            significant(back_emf_v_s, 6),
+            significant(supply_v, 6)
+        ));
+        Ok(Some(drive))
+    }
+}
+
+/// The count at which the wheel's speed counts as unknown: at 105 % of the largest speed, which is the stated one or that
+/// at which a voltage drive has no voltage left, at most where the sensor ends.
+fn ends(
+    rad_s_per_count: f64,
+    sensor_end: i32,
+    largest_rad_s: Option<f64>,
+    drive: Option<&PwmDrive>,
+) -> Result<i32, HardwareError> {
+    let of_drive = drive.and_then(|drive| drive.voltage);
+    let of_drive = of_drive.map(|voltage| voltage.supply_v / voltage.back_emf_v_s);
+    let Some(largest) = largest_rad_s.or(of_drive) else {
+        return Ok(sensor_end);
+    };
+    let counts = (LARGEST_SHARE * largest / rad_s_per_count.abs()).floor();
+    if counts < 2.0 {
+        return Err(HardwareError::Contradiction(format!(
+            "[hardware.wheel_speed]: one count is {} rad/s, and the wheel turns at {} rad/s at most",
+            significant(rad_s_per_count.abs(), 4),
+            significant(largest, 4)
+        )));
+    }
+    Ok(counts.min(f64::from(sensor_end)) as i32)
 }
 
 /// `preset` with the calibrated line.

@@ -26,6 +26,7 @@ use crate::control_design::ControlDesign;
 use crate::error::Error;
 use crate::measured_linearity::{PERIODS, SpinUpLinearity, SwingLinearity};
 use crate::session::with_changes;
+use crate::simulated_sensors::sensors_of;
 
 /// Number of starts on each boundary in the search for the region of attraction.
 const STARTS: usize = 600;
@@ -155,18 +156,6 @@ struct Laws<'a> {
     spec: ModuleSpec,
     /// P of the set in which no command saturates, if the certificate states one.
     ellipsoid: Option<Matrix3<f64>>,
-}
-
-/// Sensors and drive that the module's constants describe correctly, except for the bias that remains after a
-/// calibration.
-fn sensors_of(spec: &ModuleSpec) -> Result<RawSensors, SimulateError> {
-    Ok(RawSensors {
-        wheel_speed_per_count: spec.hardware.wheel_speed_per_count,
-        wheel_speed_at_zero: spec.hardware.wheel_speed_at_zero,
-        duty_zero: spec.drive.duty_zero,
-        current_per_count_a: spec.drive.amperes_per_count,
-        ..RawSensors::calibrated_by(&spec.hardware.attitude)?
-    })
 }
 
 fn largest(values: &[f64]) -> f64 {

@@ -4,7 +4,8 @@ use bench_files::{BenchOutline, ModelFile, Problem};
 use checker::certificate::Certificate;
 use codegen::exact::ShortestDecimal;
 use codegen::format::Format;
-use codegen::spec::PhysicalRanges;
+use codegen::hardware::WheelSensor;
+use codegen::spec::{PhysicalRanges, PwmDrive};
 use serial_frame::Telemetry;
 
 use super::RecordSettings;
@@ -16,10 +17,11 @@ use crate::error::Error;
 pub(super) struct Words {
     /// rad, rad/s, rad/s per unit of the angle's, the rate's and the wheel speed's word.
     units: [f64; 3],
-    duty_zero: u16,
-    amperes_per_count: f64,
-    /// Counts at or beyond which the wheel's speed may be any.
-    wheel_ends: Option<(u16, u16)>,
+    drive: PwmDrive,
+    /// Whether the wheel's word has a sign.
+    is_wheel_signed: bool,
+    /// Counts at or beyond which the wheel's speed may be any; `None` for an encoder, of which one count says nothing.
+    wheel_ends: Option<(i32, i32)>,
     /// Largest current that the drive is asked for, A.
     pub current_limit_a: f64,
 }
@@ -41,7 +43,8 @@ impl Words {
             model: outline.file.clone(),
             source,
         };
-        let found = bench_hardware(&model, settings.preset).map_err(refused)?;
+        let sample_time_s = model.design.map_or(1e-3, |design| design.sample_time_s);
+        let found = bench_hardware(&model, sample_time_s, settings.preset).map_err(refused)?;
         let ranges = PhysicalRanges::of(&found.sensors);
         let unit = |range: f64, what: &str| {
             Format::for_range(&ShortestDecimal::new(range).value)
@@ -69,9 +72,12 @@ impl Words {
         let of_design = model.design.map(|design| design.current_limit_a);
         Ok(Words {
             units,
-            duty_zero: drive.duty_zero,
-            amperes_per_count: drive.amperes_per_count,
-            wheel_ends: Some((found.sensors.wheel_low, found.sensors.wheel_high)),
+            drive: *drive,
+            is_wheel_signed: found.sensors.wheel == WheelSensor::Driver,
+            wheel_ends: match found.sensors.wheel {
+                WheelSensor::Encoder(_) => None,
+                _ => Some((found.sensors.wheel_low, found.sensors.wheel_high)),
+            },
             current_limit_a: of_design.unwrap_or(of_drive).min(of_drive),
         })
     }
@@ -91,15 +97,25 @@ impl Words {
         f64::from(frame.wheel_speed) * self.units[2]
     }
 
-    /// The current that the duty asks the drive for, A.
+    /// The current that the duty asks the drive for, A; of a voltage drive, the current that its voltage drives through
+    /// the winding at the measured wheel speed.
     pub fn current_a(&self, frame: &Telemetry) -> f64 {
-        (f64::from(frame.duty) - f64::from(self.duty_zero)) * self.amperes_per_count
+        let counts = f64::from(frame.duty) - f64::from(self.drive.duty_zero);
+        let of_back_emf = self.drive.voltage.map_or(0.0, |voltage| {
+            voltage.back_emf_v_s * self.wheel_speed_rad_s(frame) / voltage.winding_ohm
+        });
+        counts * self.drive.amperes_per_count - of_back_emf
     }
 
     /// Whether the wheel may turn faster than its sensor shows.
     pub fn is_wheel_unknown(&self, frame: &Telemetry) -> bool {
+        let wheel = if self.is_wheel_signed {
+            i32::from(frame.wheel.cast_signed())
+        } else {
+            i32::from(frame.wheel)
+        };
         self.wheel_ends
-            .is_some_and(|(low, high)| frame.wheel <= low || frame.wheel >= high)
+            .is_some_and(|(low, high)| wheel <= low || wheel >= high)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The library from outside: a session on the bench of the demonstration.
 
 mod bench;
+mod benches;
 mod bring_up;
 mod calling_off;
 mod controller;

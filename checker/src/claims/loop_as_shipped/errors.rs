@@ -176,7 +176,7 @@ impl SensorErrors {
                 .collect(),
         );
         let wheel = &hardware.wheel_speed;
-        let end = |counts: u16| {
+        let end = |counts: i32| {
             &wheel.rad_s_per_count.value * integer(counts.into()) + &wheel.rad_s_at_zero.value
         };
         let (first, last) = (end(wheel.low_counts), end(wheel.high_counts));

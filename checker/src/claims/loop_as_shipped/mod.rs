@@ -38,6 +38,7 @@ use num_rational::BigRational;
 
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::encoder_loop_stable::other_loop;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::rational::{power, rounded_up};
 use bounds::{Bounds, kept_up, largest_start};
@@ -122,6 +123,9 @@ fn rounded_down(value: &BigRational) -> String {
 /// # Errors
 /// [`NoBounds`].
 pub fn check(certificate: &Certificate, law: &EmittedLaw) -> Result<ShippedLoop, NoBounds> {
+    if let Some(why) = other_loop(certificate) {
+        return Err(NoBounds::NotShown(why));
+    }
     let noisy = SensorErrors::of(certificate, law, true)?;
     let quiet = SensorErrors::of(certificate, law, false)?;
     let mut shown: Option<ShippedLoop> = None;

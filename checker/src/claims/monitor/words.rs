@@ -209,10 +209,11 @@ impl Wanted {
         let over = |above: f64, below: f64| (1.0 + above) / (1.0 - below) - 1.0;
         let is_known = |share: f64| (0.0..0.5).contains(&share);
         let wheel_share = share("wheel_inertia");
-        if !(wheel_inertia > 0.0 && body_inertia > 0.0)
-            || !is_known(body_share)
-            || !is_known(wheel_share)
-        {
+        let are_known = wheel_inertia > 0.0
+            && body_inertia > 0.0
+            && is_known(body_share)
+            && is_known(wheel_share);
+        if !are_known {
             return Err("the inertias are not known well enough".to_owned());
         }
         let torque = share("torque_constant");
@@ -232,7 +233,7 @@ impl Wanted {
         let limit = certificate.constant("CURRENT_LIMIT");
         let limit_a = real(&limit.ok_or("there is no limit")?.real);
         let (fall, push) = (real(&plant.a[1][0]), real(&plant.b[1]).abs() * limit_a);
-        if !(fall > 0.0) {
+        if fall.is_nan() || fall <= 0.0 {
             return Err("the body does not fall".to_owned());
         }
         // The supervisor's largest angle: twice the one that the current holds, at most 60 degrees.

@@ -1,9 +1,13 @@
 //! Claim `step-total` in random runs: the duty is that of the law at the filter's own angle, and the
 //! bias observer computes its equations.
 
-use crate::certificate::reader::Certificate;
+use std::ops::RangeInclusive;
+
+use crate::certificate::hardware::CertifiedWheelSpeed;
+use crate::certificate::reader::{Certificate, StatedDecimal};
+use crate::claims::encoder_exact::second::{EncoderWords, WORDS};
 use crate::claims::random::Random;
-use crate::claims::supervisor::second::{ALIGNED, READY, RUNNING, STATUS};
+use crate::claims::supervisor::second::{Layout, READY, RUNNING};
 use crate::domains::machine::Machine;
 use crate::language::module::Module;
 use crate::program::steps::Program;
@@ -39,18 +43,16 @@ pub fn step(
     let has_observer = module
         .constant("constants", "BIAS_OBSERVER")
         .is_some_and(|words| words.iter().take(9).any(|word| *word != 0));
-    let wheel = module
+    let layout = Layout::of(module)?;
+    let line = module
         .constant_words("constants", "WHEEL_SPEED_LINE")
         .ok_or("src/constants.rs has no WHEEL_SPEED_LINE")?;
-    let per_count: f64 = certificate
-        .drive
-        .amperes_per_count
-        .text
-        .parse()
-        .map_err(|_| "the drive's amperes_per_count is no number")?;
+    let drive = DriveNumbers::of(certificate)?;
     let current_unit = 2f64.powi(-(certificate.output.fraction_bits as i32));
+    let speed_unit = 2f64.powi(-(certificate.inputs[2].fraction_bits as i32));
+    let mut wheel = Wheel::of(certificate, module)?;
 
-    wheel_speeds(&mut speed, &wheel)?;
+    wheel_speeds(&mut speed, &line, &certificate.hardware.wheel_speed)?;
     let mut state = Machine::new(get("Controller::new")?)
         .call(&[])
         .map_err(trapped)?
@@ -58,8 +60,8 @@ pub fn step(
     let mut random = Random::new(seed);
     for case in 0..cases {
         let is_armed = case % 4 != 0;
-        state[STATUS] = if is_armed { RUNNING } else { READY };
-        state[ALIGNED] = 1;
+        state[layout.status()] = if is_armed { RUNNING } else { READY };
+        state[layout.aligned()] = 1;
         let mut arguments = state.clone();
         // The body leans a little about the pivot axis (the sensor's z): gravity along x.
         let lean = random.real() * 0.2;
@@ -74,13 +76,13 @@ pub fn step(
         let has_field = case % 2 == 0;
         arguments.push(i128::from(has_field));
         arguments.extend([0; 3].map(|_| random.count(500.0)));
-        let adc = random.count(4095.0).abs();
-        arguments.push(adc);
+        let (reading, counts) = wheel.next(&mut random);
+        arguments.push(reading);
         let result = machine.call(&arguments).map_err(trapped)?.to_vec();
         state = result[1..=own].to_vec();
-        let is_armed = state[STATUS] == RUNNING;
+        let is_armed = state[layout.status()] == RUNNING;
 
-        let found_speed = speed.call(&[adc]).map_err(trapped)?[0];
+        let found_speed = speed.call(&[counts]).map_err(trapped)?[0];
         if has_observer {
             continue;
         }
@@ -97,15 +99,15 @@ pub fn step(
             found_speed,
         ];
         let command = control.call(&words).map_err(trapped)?[0];
-        let current = if is_armed {
-            command as f64 * current_unit
+        let wanted = if is_armed {
+            let current = command as f64 * current_unit;
+            drive.duty(current, found_speed as f64 * speed_unit)
         } else {
-            0.0
+            drive.zero
         };
-        let wanted = f64::from(certificate.drive.duty_zero) + current / per_count;
-        if (result[0] as f64 - wanted).abs() > 0.501 {
+        if (result[0] as f64 - wanted).abs() > 0.51 {
             return Err(format!(
-                "Controller::step: duty {} for a current of {current} A, not {wanted}",
+                "Controller::step: duty {}, not {wanted}, for a command of {command}",
                 result[0]
             ));
         }
@@ -113,8 +115,99 @@ pub fn step(
     Ok(cases)
 }
 
-/// Every count of the converter gives the word of its line, rounded down once and clamped.
-fn wheel_speeds(speed: &mut Machine, wheel: &[(String, i128)]) -> Result<(), String> {
+/// The drive in floating point.
+struct DriveNumbers {
+    zero: f64,
+    ends: [f64; 2],
+    per_count: f64,
+    /// Winding resistance and back-EMF of a voltage drive.
+    voltage: Option<[f64; 2]>,
+}
+
+impl DriveNumbers {
+    fn of(certificate: &Certificate) -> Result<DriveNumbers, String> {
+        let number = |stated: &StatedDecimal| -> Result<f64, String> {
+            let number = stated.text.parse();
+            number.map_err(|_| format!("`{stated}` of the drive is no number"))
+        };
+        let drive = &certificate.drive;
+        let (per_count, voltage) = match &drive.voltage {
+            None => (number(&drive.amperes_per_count)?, None),
+            Some(voltage) => {
+                let numbers = [
+                    number(&voltage.winding_ohm)?,
+                    number(&voltage.back_emf_v_s)?,
+                ];
+                (number(&voltage.volts_per_count)?, Some(numbers))
+            }
+        };
+        Ok(DriveNumbers {
+            zero: drive.duty_zero.into(),
+            ends: [drive.duty_low.into(), drive.duty_high.into()],
+            per_count,
+            voltage,
+        })
+    }
+
+    /// The duty for a current (A) at a wheel speed (rad/s).
+    fn duty(&self, current: f64, speed: f64) -> f64 {
+        let asked = match self.voltage {
+            None => current,
+            Some([winding, back_emf]) => winding * current + back_emf * speed,
+        };
+        (self.zero + asked / self.per_count).clamp(self.ends[0], self.ends[1])
+    }
+}
+
+/// The wheel's sensor in random runs.
+struct Wheel {
+    /// Largest reading, either way of zero where it has a sign.
+    most: f64,
+    has_sign: bool,
+    /// Of an encoder: its words, and its state by the second statement.
+    encoder: Option<(EncoderWords, Vec<i128>)>,
+    count: i128,
+}
+
+impl Wheel {
+    fn of(certificate: &Certificate, module: &Module) -> Result<Wheel, String> {
+        let stated = &certificate.hardware.wheel_speed;
+        let words = EncoderWords::read(module, "WHEEL_ENCODER")?;
+        Ok(Wheel {
+            most: match stated.kind.as_str() {
+                "converter" => 4095.0,
+                _ => f64::from(stated.high_counts),
+            },
+            has_sign: stated.kind == "driver",
+            encoder: words.map(|words| (words, vec![0; WORDS])),
+            count: 0,
+        })
+    }
+
+    /// What the sensor says, and the counts that stand for the speed.
+    fn next(&mut self, random: &mut Random) -> (i128, i128) {
+        let Some((words, state)) = &mut self.encoder else {
+            let reading = random.count(self.most);
+            let reading = if self.has_sign {
+                reading
+            } else {
+                reading.abs()
+            };
+            return (reading, reading);
+        };
+        let turn = random.count(words.jump as f64 / 2.0);
+        self.count = (self.count + turn).rem_euclid(words.wrap);
+        (*state, _) = words.update(state, self.count);
+        (self.count, words.turned(state))
+    }
+}
+
+/// Every count of the wheel's sensor gives the word of its line, rounded down once and clamped.
+fn wheel_speeds(
+    speed: &mut Machine,
+    wheel: &[(String, i128)],
+    sensor: &CertifiedWheelSpeed,
+) -> Result<(), String> {
     let word = |end: &str| {
         let found = wheel.iter().find(|(name, _)| name.ends_with(end));
         found
@@ -126,7 +219,12 @@ fn wheel_speeds(speed: &mut Machine, wheel: &[(String, i128)]) -> Result<(), Str
     if !(0..63).contains(&shift) || low > high {
         return Err("WHEEL_SPEED_LINE is no line".to_owned());
     }
-    for counts in 0..=i128::from(u16::MAX) {
+    let counts: RangeInclusive<i128> = match sensor.kind.as_str() {
+        "converter" => 0..=i128::from(u16::MAX),
+        "driver" => i128::from(i16::MIN)..=i128::from(i16::MAX),
+        _ => 2 * i128::from(sensor.low_counts)..=2 * i128::from(sensor.high_counts),
+    };
+    for counts in counts {
         let wanted = ((scale * counts + offset) >> shift).clamp(low, high);
         let found = speed.call(&[counts]).map_err(|trap| trap.to_string())?[0];
         if found != wanted {

@@ -1,11 +1,10 @@
 //! Claim `supervisor` in random runs: sequences of samples with faults are compared word by word with the
 //! second implementation, and each condition alone must end the current within its number of steps.
 
+use crate::claims::encoder_exact::second::EncoderWords;
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
-use crate::claims::supervisor::second::{
-    ALIGNED, ATTITUDE, COUNTS, GYRO, RUNNING, STATUS, Sample, Supervisor, TRIPPED_FAULT, WORDS,
-};
+use crate::claims::supervisor::second::{RUNNING, Sample, Supervisor, TRIPPED_FAULT};
 use crate::language::module::Module;
 
 /// What a run of samples is like for a while.
@@ -36,7 +35,10 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     let (low, high) = (second.limit("wheel_low")?, second.limit("wheel_high")?);
     let window = second.limit("window")?;
     let mut random = Random::new(seed);
-    let mut words = f.call_for::<WORDS>("Controller::new", &[])?.to_vec();
+    let layout = second.layout;
+    let (status, aligned) = (layout.status(), layout.aligned());
+    let mut words = f.call_for_words("Controller::new", &[], layout.words())?;
+    let mut wheel = WheelReadings::of(module, low, high)?;
     same(
         "Controller::default",
         &[],
@@ -72,7 +74,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
         };
         let length = 1 + random.choice(most) as usize;
         for _ in 0..length.min(cases - done) {
-            let sample = drawn(&mut random, phase, &rest, &mut gyro, low, high);
+            let sample = drawn(&mut random, phase, &rest, &mut gyro, &mut wheel);
             let current = (random.choice(16) == 0).then(|| random.word());
             let (duty, wanted) = second.step(&words, &sample, current)?;
             let mut arguments = [&words[..], &sample.words()].concat();
@@ -85,7 +87,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             };
             let found = f.call(name, &arguments)?;
             same(name, &arguments, &found, &[&[duty], &wanted[..]].concat())?;
-            if wanted[STATUS] != RUNNING && duty != zero {
+            if wanted[status] != RUNNING && duty != zero {
                 return Err(format!("{name}: duty {duty} while it does not run"));
             }
             words = wanted;
@@ -95,7 +97,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             "Controller::status",
             &words,
             &f.call("Controller::status", &words)?,
-            &words[STATUS..=STATUS],
+            &words[status..=status],
         )?;
         let (may, next) = second.armed(&words)?;
         let found = f.call("Controller::arm", &words)?;
@@ -108,8 +110,8 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
         armed += usize::from(may);
         if random.choice(4) == 0 {
             let mut wanted = words.clone();
-            if wanted[STATUS] == RUNNING {
-                wanted[STATUS] = 1;
+            if wanted[status] == RUNNING {
+                wanted[status] = 1;
             }
             same(
                 "disarm",
@@ -130,9 +132,9 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             _ if may => next,
             // The attitude as if a window had filled: windows of random runs rarely do.
             1..=6 => {
-                let mut aligned = words.clone();
-                aligned[ALIGNED] = 1;
-                aligned
+                let mut aligned_words = words.clone();
+                aligned_words[aligned] = 1;
+                aligned_words
             }
             _ => words,
         };
@@ -233,8 +235,7 @@ fn drawn(
     phase: Phase,
     rest: &AtRest,
     gyro: &mut [i128; 3],
-    low: i128,
-    high: i128,
+    wheel: &mut WheelReadings,
 ) -> Sample {
     if !phase.frozen {
         let most = if phase.quiet { 40.0 } else { 2_000.0 };
@@ -255,11 +256,54 @@ fn drawn(
         gyro,
         accel,
         mag: (random.choice(5) == 0).then(|| [0; 3].map(|_| random.count(500.0))),
-        wheel: if phase.wheel_stuck {
-            if random.choice(2) == 0 { low } else { high }
+        wheel: wheel.next(random, phase.wheel_stuck),
+    }
+}
+
+/// What the wheel's sensor says in random runs.
+struct WheelReadings {
+    low: i128,
+    high: i128,
+    /// Of an encoder: its words, its count, and how far it turns in a step.
+    encoder: Option<(EncoderWords, i128, i128)>,
+}
+
+impl WheelReadings {
+    fn of(module: &Module, low: i128, high: i128) -> Result<WheelReadings, String> {
+        let encoder = EncoderWords::read(module, "WHEEL_ENCODER")?;
+        Ok(WheelReadings {
+            low,
+            high,
+            encoder: encoder.map(|words| (words, 0, 0)),
+        })
+    }
+
+    /// The next reading: any that the sensor may give; one of those at its ends where it is `stuck`.
+    fn next(&mut self, random: &mut Random, stuck: bool) -> i128 {
+        let (low, high) = (self.low, self.high);
+        let Some((words, count, turn)) = &mut self.encoder else {
+            return if stuck {
+                if random.choice(2) == 0 { low } else { high }
+            } else {
+                low + 1 + random.choice((high - low - 1).max(1) as u64) as i128
+            };
+        };
+        // A wheel that runs up and down, at its largest speed where it is stuck, and now and then a count that is no
+        // motion.
+        let most = high / words.window + 1;
+        let towards = if stuck {
+            most
         } else {
-            low + 1 + random.choice((high - low - 1).max(1) as u64) as i128
-        },
+            random.count(most as f64)
+        };
+        *turn += (towards - *turn).clamp(-words.jump / 2, words.jump / 2);
+        let jump = if random.choice(400) == 0 {
+            words.wrap / 3
+        } else {
+            0
+        };
+        *count = (*count + *turn + jump).rem_euclid(words.wrap);
+        *count
     }
 }
 
@@ -285,6 +329,8 @@ fn each_condition(
     rest: &AtRest,
     zero: i128,
 ) -> Result<(), String> {
+    let layout = second.layout;
+    let status = layout.status();
     let middle = (second.limit("wheel_low")? + second.limit("wheel_high")?) / 2;
     let upright = |turn: i128| Sample {
         gyro: [
@@ -297,14 +343,15 @@ fn each_condition(
         wheel: middle,
     };
     // The attitude by one reading stands for the window that sets it.
-    let mut start = f.call_for::<WORDS>("Controller::new", &[])?;
-    let [_, attitude @ ..] = f.call_for::<{ 1 + ATTITUDE }>(
+    let mut start = f.call_for_words("Controller::new", &[], layout.words())?;
+    let attitude = f.call_for_words(
         "Attitude::align",
-        &[&start[..ATTITUDE], &upright(0).accel].concat(),
+        &[&start[..layout.attitude], &upright(0).accel].concat(),
+        1 + layout.attitude,
     )?;
-    start[..ATTITUDE].copy_from_slice(&attitude);
-    start[ALIGNED] = 1;
-    start[STATUS] = RUNNING;
+    start[..layout.attitude].copy_from_slice(&attitude[1..]);
+    start[layout.aligned()] = 1;
+    start[status] = RUNNING;
     // With the lower end of the wheel's range, and the axis of a clipped reading.
     type Fault = fn(Sample, i128, usize) -> Sample;
     let clips: Fault = |sample, _, axis| {
@@ -334,18 +381,34 @@ fn each_condition(
     for (index, limit, axis, fault) in conditions {
         let steps = second.limit(limit)?;
         let low = second.limit("wheel_low")?;
+        let turn = second
+            .wheel_encoder()
+            .map(|encoder| (encoder.wrap, -low / encoder.window + 1));
         // The condition has lasted for all but the last of its steps; that each counts by one, the
         // runs above show.
-        let mut words = start;
-        words[COUNTS + index] = (steps - 3).max(0);
-        words[GYRO..GYRO + 3].fill(5);
+        let mut words = start.clone();
+        words[layout.counts() + index] = (steps - 3).max(0);
+        words[layout.gyro()..layout.gyro() + 3].fill(5);
+        if let (Some(encoder), "wheel_steps") = (second.wheel_encoder(), limit) {
+            // It turns at the end of its range, and goes on to.
+            let turn = -low / encoder.window + 1;
+            words[layout.attitude..status].copy_from_slice(&encoder.turning(turn));
+        }
         let mut has_ended = false;
         for step in 0..3 {
-            let sample = fault(upright(step), low, axis);
+            let mut sample = fault(upright(step), low, axis);
+            match turn {
+                Some((wrap, turn)) if limit == "wheel_steps" => {
+                    sample.wheel = ((step + 1) * turn).rem_euclid(wrap);
+                }
+                Some(_) => sample.wheel = 0,
+                None => {}
+            }
             let arguments = [&words[..], &sample.words()].concat();
-            let found = f.call_for::<{ 1 + WORDS }>("Controller::step", &arguments)?;
+            let count = 1 + layout.words();
+            let found = f.call_for_words("Controller::step", &arguments, count)?;
             words.copy_from_slice(&found[1..]);
-            if words[STATUS] != RUNNING {
+            if words[status] != RUNNING {
                 if found[0] != zero {
                     return Err(format!("{limit}: duty {} after a trip", found[0]));
                 }

@@ -8,7 +8,7 @@
 //! arithmetic, and [`step_keeps_length`] is tested on random states.
 
 use generated::constants::{DUTY_LINE, FILTER, MOUNTING_ANGLE, ZERO_CURRENT};
-use generated::filter::{FilterState, step_imu, step_marg, step_tracked};
+use generated::filter::{FilterState, headed, step_imu, step_tracked};
 use generated::madgwick::COMPONENT_MAX;
 use generated::pivot_angle::pivot_angle;
 use generated::{Attitude, Controller, Duty, Sample, Status};
@@ -52,9 +52,9 @@ pub fn has_unit_length(state: &FilterState) -> bool {
 /// If the claim does not hold for these words.
 pub fn step_keeps_ranges(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
     six_axes_keep_ranges(state, gyro, accel);
-    nine_axes_keep_ranges(state, gyro, accel, mag);
-    let next = step_marg(state, gyro, accel, mag, &FILTER);
-    angle_is_within_half_a_turn(next.quaternion);
+    let next = step_imu(state, gyro, accel, &FILTER);
+    heading_keeps_ranges(&next, mag);
+    angle_is_within_half_a_turn(headed(&next, mag, &FILTER).quaternion);
 }
 
 /// The part of [`step_keeps_ranges`] that speaks of six axes.
@@ -66,12 +66,12 @@ pub fn six_axes_keep_ranges(state: &FilterState, gyro: [i16; 3], accel: [i16; 3]
     assert!(in_ranges(&next), "a word is out of its range");
 }
 
-/// The part of [`step_keeps_ranges`] that speaks of nine axes.
+/// The part of [`step_keeps_ranges`] that speaks of the magnetometer.
 ///
 /// # Panics
 /// If it does not hold for these words.
-pub fn nine_axes_keep_ranges(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
-    let next = step_marg(state, gyro, accel, mag, &FILTER);
+pub fn heading_keeps_ranges(state: &FilterState, mag: [i16; 3]) {
+    let next = headed(state, mag, &FILTER);
     assert!(in_ranges(&next), "a word is out of its range");
 }
 
@@ -117,7 +117,7 @@ pub fn angle_is_within_half_a_turn(quaternion: [i32; 4]) {
 pub fn step_keeps_length(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
     for next in [
         step_imu(state, gyro, accel, &FILTER),
-        step_marg(state, gyro, accel, mag, &FILTER),
+        headed(state, mag, &FILTER),
     ] {
         assert!(has_unit_length(&next), "the length is wrong");
     }

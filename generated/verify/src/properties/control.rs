@@ -58,8 +58,8 @@ pub fn accurate(angle_bits: i32, rate_bits: i32, wheel_speed_bits: i32) {
     assert!(error >= -half_unit, "the command is too small");
 }
 
-/// As [`accurate`], with the exact law in 64 bits: Kani shows beside it that no operation overflows, so that
-/// this is the same integer, and compares 64 bits in a fraction of the time.
+/// As [`accurate`], with the exact law in 64 bits. Kani also shows that no operation overflows, so the result is the
+/// exact integer; comparing 64 bits takes it a fraction of the time.
 ///
 /// # Panics
 /// If the claim does not hold for these words, or the exact law needs more than 64 bits.

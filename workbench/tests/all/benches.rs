@@ -1,0 +1,156 @@
+//! Benches with the sensors and drives that people have: each is emitted, proved, and balances in the simulation.
+
+use std::path::Path;
+
+use bench_files::ModelFile;
+use workbench::{ControlDesign, GeneratedController, ProofSettings, SimulationSettings};
+
+use crate::bench::silent;
+
+/// Gyroscope and accelerometer in one housing.
+const INERTIAL: &str = "[hardware.gyroscope]\npart = \"MPU-6050\"\naxes = [\"x\", \"y\", \"z\"]\n\
+     [hardware.accelerometer]\npart = \"MPU-6050\"\naxes = [\"x\", \"y\", \"z\"]\n";
+const CONVERTER: &str = "[hardware.wheel_speed]\nkind = \"converter\"\nslope = 0.4\noffset = -819.2\nlow = 0\n\
+     high = 4095\n";
+const DRIVER: &str =
+    "[hardware.wheel_speed]\nkind = \"driver\"\nscale = 0.1047198\nlargest = 700.0\n";
+const WHEEL_ENCODER: &str =
+    "[hardware.wheel_speed]\nkind = \"encoder\"\npart = \"AS5600\"\nwindow = 8\n";
+/// It counts backwards.
+const REVERSED_ENCODER: &str = "[hardware.wheel_speed]\nkind = \"encoder\"\npart = \"AS5600\"\n\
+     counts_per_turn = -4096\nwindow = 5\nlargest = 600.0\n";
+const CURRENT: &str = "[hardware.drive]\npart = \"ESCON 24/2\"\namperes_per_count = 8.39246e-5\n";
+const VOLTAGE: &str = "[hardware.drive]\npart = \"SimpleFOC voltage\"\nsupply_voltage = 24.0\n\
+     winding_resistance = 2.3\n";
+
+/// The bodies and weights of the thesis with this hardware.
+fn designed(hardware: &[&str]) -> ControlDesign {
+    let parameters = [
+        ("total_inertia", "2.30344e-3", "kg m2"),
+        ("wheel_inertia", "1.36125e-4", "kg m2"),
+        ("gravity_torque", "0.245158", "N m"),
+        ("torque_constant", "0.0335", "N m/A"),
+        ("body_viscous_friction", "5.31781e-3", "N m s/rad"),
+        ("wheel_viscous_friction", "1.75204e-5", "N m s/rad"),
+    ];
+    let parameters = parameters.map(|(name, value, unit)| {
+        format!("[parameters.{name}]\nvalue = {value}\nunit = \"{unit}\"\n")
+    });
+    let text = format!(
+        "{}{}[effects]\npresent = [\"body-viscous-friction\", \"wheel-viscous-friction\"]\n\
+         [design]\nsample_time = 0.001\nstate_weights = [25.0, 0.5, 5e-4]\ncurrent_weight = 1.0\n\
+         current_limit = 2.0\n",
+        parameters.concat(),
+        hardware.concat()
+    );
+    let file = ModelFile::parse(&text, Path::new("model.toml")).expect("a model");
+    ControlDesign::of(file).expect("a design")
+}
+
+fn text<'a>(controller: &'a GeneratedController, path: &str) -> &'a str {
+    let mut files = controller.files();
+    let found = files.find(|(found, _)| *found == path);
+    found.map_or("", |(_, text)| text)
+}
+
+/// Emits the bench (into the folder that `FLYWHEEL_WRITE_BENCHES` names, if it does), proves it with nothing that fails, and lets it balance for half a minute with pushes. The claims that
+/// are not run are these, each with its reason.
+fn holds(name: &str, hardware: &[&str], not_run: &[&str]) -> GeneratedController {
+    let design = designed(hardware);
+    let controller = design.generate(None).expect("emitted");
+    assert_eq!(controller.assumed, Vec::<String>::new(), "{name}");
+    if let Ok(folder) = std::env::var("FLYWHEEL_WRITE_BENCHES") {
+        let folder = Path::new(&folder).join(name.replace(' ', "-"));
+        controller.write(&folder).expect("written");
+    }
+    let settings = ProofSettings {
+        cases: 3_000,
+        seed: 7,
+        // That is the work of the audit, which is given what this test writes.
+        audited_texts: false,
+        compiled: false,
+        smt: false,
+        kani: false,
+        python: false,
+        ..ProofSettings::default()
+    };
+    let proof = controller.prove(&settings, &silent()).expect("a proof");
+    let mut left: Vec<&str> = Vec::new();
+    for claim in &proof.claims {
+        let (word, why) = (claim.outcome.word(), claim.outcome.detail());
+        assert_ne!(
+            word, "failed",
+            "{name}: {} by {}: {why}",
+            claim.id, claim.engine
+        );
+        let is_settled = || {
+            let mut rows = proof.claims.iter();
+            rows.any(|row| row.id == claim.id && row.outcome.word() != "not run")
+        };
+        if !why.contains("switched off") && !is_settled() && !left.contains(&claim.id.as_str()) {
+            println!("{name}: {} is not run: {why}", claim.id);
+            left.push(&claim.id);
+        }
+        if claim.id.starts_with("encoder") {
+            println!("{name}: {} {word}: {why}", claim.id);
+        }
+    }
+    assert_eq!(left, not_run, "{name}");
+    let report = design
+        .simulate(&SimulationSettings::default(), &silent())
+        .expect("a simulation");
+    let run = &report.raw_counts;
+    println!(
+        "{name}: within {:.2}°, {:.0} rad/s, {:.2} A; the angle off by {:.3}° RMS",
+        run.largest_angle_rad.to_degrees(),
+        run.largest_wheel_speed_rad_s,
+        run.largest_current_a,
+        run.angle_error_rad.to_degrees()
+    );
+    assert!(!run.fell, "{name}");
+    controller
+}
+
+/// Claims about a loop without encoder whose drive sets the current.
+const OTHER_LOOP: [&str; 4] = [
+    "closed-loop-for-all-time",
+    "region-of-attraction",
+    "loop-as-shipped",
+    "motion-kept-up",
+];
+
+#[test]
+fn a_speed_from_the_driver() {
+    let controller = holds("driver", &[INERTIAL, DRIVER, CURRENT], &[]);
+    let source = text(&controller, "src/controller.rs");
+    assert!(source.contains("pub wheel_speed: i16,"));
+    // 105 % of 700 rad/s, in tenths of a revolution a minute.
+    let constants = text(&controller, "src/constants.rs");
+    let end = (1.05_f64 * 700.0 / 0.1047198).floor();
+    assert!(constants.contains(&format!("wheel_high: 7_{:03},", end as i32 - 7000)));
+}
+
+#[test]
+fn a_voltage_drive() {
+    let controller = holds("voltage", &[INERTIAL, CONVERTER, VOLTAGE], &OTHER_LOOP);
+    let source = text(&controller, "src/controller.rs");
+    assert!(source.contains("pub fn duty(current: Current, wheel_speed: WheelSpeed) -> Duty {"));
+    assert!(!text(&controller, "src/constants.rs").contains("DUTY_LINE"));
+}
+
+#[test]
+fn an_encoder_on_the_wheel() {
+    let controller = holds("encoder", &[INERTIAL, WHEEL_ENCODER, CURRENT], &OTHER_LOOP);
+    assert!(text(&controller, "src/controller.rs").contains("pub wheel_count: u16,"));
+    holds(
+        "reversed encoder",
+        &[INERTIAL, REVERSED_ENCODER, CURRENT],
+        &OTHER_LOOP,
+    );
+}
+
+/// An MPU-6050, an AS5600 on the wheel and a driver of SimpleFOC in voltage mode.
+#[test]
+fn everything_that_a_hobby_bench_has() {
+    holds("hobby", &[INERTIAL, WHEEL_ENCODER, VOLTAGE], &OTHER_LOOP);
+}
