@@ -371,7 +371,7 @@ fn no_field_tilts_the_pivot_angle() {
     let worst_rad = f64::from(worst) / f64::from(1 << 28);
     println!("pivot angle apart by {worst_rad:.1e} rad, heading by {turned:.1}°");
     // The field has turned the heading far. Both angles ripple by the relay of the correction, 2 β T, each at its own time.
-    assert!(turned > 90.0, "{turned}°");
+    assert!(turned > 45.0, "{turned}°");
     let spec = AttitudeSpec::thesis();
     let relay_rad = 2.0 * spec.beta_rad_s * spec.sample_time_s;
     assert!(worst_rad <= 2.0 * relay_rad, "{worst_rad} rad");
