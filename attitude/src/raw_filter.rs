@@ -73,6 +73,12 @@ impl RawFilter {
     /// As [`RawFilter::update_imu_tracked`], then turned about the vertical towards magnetic north.
     pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
         self.update_imu_tracked(gyro, accel);
+        self.turn_to_north(mag);
+    }
+
+    /// The part of [`RawFilter::update_marg`] that the magnetometer does: a turn about the vertical towards north, by at
+    /// most 2 β T; none if the reading cannot be used.
+    pub fn turn_to_north(&mut self, mag: [i16; 3]) {
         if let Some(field) = self.field(mag) {
             self.filter.turn_to_north(&field);
         }

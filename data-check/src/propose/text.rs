@@ -54,8 +54,8 @@ const TAIL: &str = r#"
 # rotation  = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]   # sensor to body
 # lever_arm = [0.0, 0.0]       # m, accelerometer, along body x and y
 # [hardware.wheel_speed]
-# kind      = "converter"      # slope, offset (rad/s), low, high (counts); "encoder": counts_per_turn, bits, window;
-#                              # "driver": scale (rad/s per unit)
+# kind      = "converter"      # slope, offset (rad/s), low, high (counts); "encoder": counts_per_turn, bits, window, largest;
+#                              # "driver": scale (rad/s per unit), largest (rad/s)
 # [hardware.angle]
 # kind      = "inertial"       # "encoder": counts_per_turn, bits, zero (the count upright)
 # [hardware.drive]

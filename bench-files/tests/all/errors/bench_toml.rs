@@ -174,7 +174,7 @@ fn bench_toml() {
         (
             "held angle",
             swing("constants = { angle = 0.1 }"),
-            &["bench.toml:5:23", "\"angle\" cannot be held", "current = 0.6"],
+            &["bench.toml:5:23", "\"angle\" cannot stand under constants", "current = 0.6"],
         ),
         (
             "held current in a free swing",
