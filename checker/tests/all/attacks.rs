@@ -207,7 +207,11 @@ fn the_compiled_crate_is_compared_where_the_pendulum_operates() {
             "        self.drift = drift;\n        let angle = pivot_angle(state.quaternion, MOUNTING_ANGLE);\n        if angle > 0x10_0000 || angle < -0x10_0000 {\n            self.state = state;\n        }",
         ),
         // One unit beyond one of the branches of a root.
-        ("src/root.rs", "if n < 0x100_0000 {", "if n < 0x100_0001 {"),
+        (
+            "src/root.rs",
+            "if n < 0x2000_0000 {",
+            "if n < 0x2000_0001 {",
+        ),
         ("src/root.rs", "    y + mul_high", "    y - mul_high"),
     ];
     for (file, from, to) in attacks {
