@@ -66,12 +66,14 @@ impl Emitted {
                 EmittedError::Io { path, source }
             })
         };
+        // Before the folders: a folder without these is no emitted crate, whatever else it has.
+        let (certificate, cargo) = (text("certificate.json")?, text("Cargo.toml")?);
         let harness = harness::read(directory)?;
         let mut strays = strays(directory)?;
         strays.extend(harness.strays);
         Ok(Emitted {
-            certificate: text("certificate.json")?,
-            cargo: text("Cargo.toml")?,
+            certificate,
+            cargo,
             sources: sources(directory).map_err(EmittedError::Read)?,
             harnesses: harness.sources,
             harness_cargo: harness.cargo,

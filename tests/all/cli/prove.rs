@@ -7,19 +7,29 @@ use serde_json::Value;
 
 use super::{done, flywheel, models, refused, stderr, stdout};
 
-/// A copy of the committed crate.
+/// A copy of the committed crate, with its harness crate.
 fn copy(folder: &Path) -> PathBuf {
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("generated");
     let to = folder.join("controller");
-    fs::create_dir_all(to.join("src")).unwrap();
-    for name in ["Cargo.toml", "README.md", "certificate.json"] {
-        fs::copy(from.join(name), to.join(name)).unwrap();
-    }
-    for entry in fs::read_dir(from.join("src")).unwrap() {
-        let path = entry.unwrap().path();
-        fs::copy(&path, to.join("src").join(path.file_name().unwrap())).unwrap();
-    }
+    copy_folder(&from, &to);
     to
+}
+
+/// Copies a folder but for what Cargo writes into it.
+fn copy_folder(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let (path, name) = (entry.path(), entry.file_name());
+        if name == "target" || name == "Cargo.lock" {
+            continue;
+        }
+        if path.is_dir() {
+            copy_folder(&path, &to.join(name));
+        } else {
+            fs::copy(&path, to.join(name)).unwrap();
+        }
+    }
 }
 
 /// Exit code and rows.
