@@ -144,7 +144,7 @@ impl GeneratedController {
         // Kani needs minutes, and runs on what was written.
         let settings = &ProofSettings {
             kani: false,
-            ..settings.clone()
+            ..*settings
         };
         let certificate = Certificate::parse(&emitted.certificate).map_err(ProveError::from)?;
         Ok(Proof {
