@@ -127,7 +127,8 @@ pub fn generate_with(
         closed_loop,
     };
     let certificate = emit::certificate::file(spec, &law, found, &files);
-    // Nothing is claimed of the harnesses and of the README.
+    // Of these the certificate lists none: the README states nothing, the harnesses are compared with audited texts, and
+    // `closed-loop-agreement` reads the words of the modes.
     files.extend(harnesses::files(spec, name, modes.as_ref()));
     files.extend([emit::readme::file(spec, name), certificate]);
     Ok(EmittedCrate { files })

@@ -2,8 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::certificate::reader::stated;
-use crate::certificate::stated_decimal::StatedDecimal;
+use crate::certificate::stated_decimal::{StatedDecimal, stated};
 
 /// All of them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -4,19 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use serde::de::Deserializer;
 
 use crate::certificate::hardware::CertifiedHardware;
+use crate::certificate::stated_decimal::stated;
 use crate::exact::matrices::{Matrix, Vector};
 
 pub use crate::certificate::stated_decimal::StatedDecimal;
-
-/// A field that may be null but must not be missing.
-pub(crate) fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
-    deserializer: D,
-) -> Result<Option<T>, D::Error> {
-    Option::deserialize(deserializer)
-}
 
 /// The whole certificate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -1,4 +1,4 @@
-//! The decimal numbers of a certificate.
+//! The decimal numbers of a certificate, and its fields that may be null.
 
 use std::fmt;
 
@@ -7,6 +7,13 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error as _};
 
 use crate::exact::rational::decimal;
+
+/// A field that may be null but must not be missing.
+pub(crate) fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    Option::deserialize(deserializer)
+}
 
 /// A decimal number as written, with its exact value.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,36 +1,13 @@
 //! An emitted crate as text: all of its files.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::language::emitted_error::EmittedError;
 use crate::language::harness;
 use crate::language::manifest;
-use crate::language::module::{Module, ReadError, sources};
+use crate::language::module::{Module, sources};
 use crate::program::place::SourceError;
-
-/// The reason why a folder could not be read as an emitted crate.
-#[derive(Debug, thiserror::Error)]
-pub enum EmittedError {
-    /// The folder cannot be read.
-    #[error("{0}")]
-    Read(ReadError),
-    /// A file that every emitted crate has is missing.
-    #[error("{} is no emitted crate: there is no {missing} in it; flywheel generate writes one", folder.display())]
-    NoCrate {
-        /// The folder.
-        folder: PathBuf,
-        /// What is missing.
-        missing: &'static str,
-    },
-    /// A file cannot be read.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-}
 
 /// An emitted crate as text: all of its files.
 #[derive(Clone, Debug, PartialEq, Eq)]

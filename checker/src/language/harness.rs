@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::language::emitted::EmittedError;
+use crate::language::emitted_error::EmittedError;
 
 /// The folder of the harness crate.
 const FOLDER: &str = "verify";

@@ -5,6 +5,7 @@ pub mod attributes;
 pub mod contracts;
 pub mod declarations;
 pub mod emitted;
+pub mod emitted_error;
 pub(crate) mod harness;
 mod imports;
 pub mod lower;

@@ -7,7 +7,8 @@ pub mod settings;
 pub mod settle;
 
 pub use crate::claims::outcome::ClaimOutcome;
-pub use crate::language::emitted::{Emitted, EmittedError};
+pub use crate::language::emitted::Emitted;
+pub use crate::language::emitted_error::EmittedError;
 pub use results::{ClaimResult, ProofVerdict, passed, verdict};
 pub use run::{ProveError, prove};
 pub use settings::ProofSettings;

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::certificate::reader::{Certificate, CertificateError};
-use crate::language::emitted::{Emitted, EmittedError};
+use crate::language::emitted::Emitted;
+use crate::language::emitted_error::EmittedError;
 use crate::prove::kani::kani;
 use crate::prove::results::{ClaimResult, complete};
 use crate::prove::settings::ProofSettings;
