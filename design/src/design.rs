@@ -275,6 +275,8 @@ fn regulator_with_margins(
                 sample_time_s: settings.sample_time_s,
                 delay_margin_s,
                 longest_s: shorter_s,
+                current_weight: settings.weights.current,
+                larger_weight: larger_current_weight(model, settings),
             });
         }
     }
@@ -283,6 +285,16 @@ fn regulator_with_margins(
         spectral_radius: 1.0,
             cure: "no sample time gives enough delay margin with these weights; raise the current weight",
     }))
+}
+
+/// A larger current weight of two digits with which the design passes every check at its own sample time: the first that
+/// does while the weight is doubled. `None` if none does.
+fn larger_current_weight(model: &LinearModel, settings: &Settings) -> Option<f64> {
+    let mut slower = settings.clone();
+    (0..80).find_map(|_| {
+        slower.weights.current = two_digits(2.0 * slower.weights.current);
+        is_accepted(model, &slower, settings.sample_time_s).then_some(slower.weights.current)
+    })
 }
 
 /// Whether a design at this sample time passes every check.
@@ -388,6 +400,29 @@ mod tests {
                 other => panic!("{sample_time_s}: {other:?}"),
             }
         }
+    }
+
+    /// Weights so unequal that only a sample time of nanoseconds would do: what can be built is a larger weight of
+    /// the current.
+    #[test]
+    fn a_sample_time_that_no_controller_has_is_not_advised() {
+        let mut settings = settings();
+        settings.sample_time_s = 0.01;
+        settings.weights.state = Vector3::new(1e-5, 1e4, 10.0);
+        settings.weights.current = 1e-6;
+        let error = Design::new(&thesis::model(), &settings).unwrap_err();
+        let DesignError::SampleTimeTooLong { larger_weight, .. } = error else {
+            panic!("{error:?}");
+        };
+        let said = error.to_string();
+        let weight = larger_weight.unwrap();
+        assert!(
+            said.contains(&format!("a current weight of at least {weight}")),
+            "{said}"
+        );
+        assert!(!said.contains("a sample time of at most"), "{said}");
+        settings.weights.current = weight;
+        assert!(Design::new(&thesis::model(), &settings).is_ok());
     }
 
     /// The wheel of a bench without wheel friction keeps its speed where no weight asks for rest; a

@@ -134,8 +134,8 @@ pub enum DesignError {
     /// The loop has less delay margin than sampling at this rate requires.
     #[error(
         "a sample time of {sample_time_s} s is too long: the loop tolerates {delay_margin_s:.2e} s \
-         of delay, less than the one sample that the computation may take; use a sample time of at most \
-         {longest_s} s, or raise the current weight, which makes the loop slower"
+         of delay, less than the one sample that the computation may take; {}",
+        shorter_or_slower(*longest_s, *current_weight, *larger_weight)
     )]
     SampleTimeTooLong {
         /// The required sample time, s.
@@ -144,6 +144,10 @@ pub enum DesignError {
         delay_margin_s: f64,
         /// A sample time of two digits that works, in s.
         longest_s: f64,
+        /// The weight of the current in this design, in 1/s per A².
+        current_weight: f64,
+        /// A larger weight of two digits that works at the required sample time; `None` if none is known.
+        larger_weight: Option<f64>,
     },
     /// The model is not an inverted pendulum, so the requested quantity has no meaning.
     #[error("{what} needs an upright pendulum: {why}")]
@@ -159,4 +163,23 @@ pub enum DesignError {
         /// The message of the model.
         message: String,
     },
+}
+
+/// The shortest sample time that is advised, in s: what the 2,400 instructions of the emitted step's longest path
+/// (docs/cost.md) take at 120 MHz.
+const SHORTEST_ADVISED_S: f64 = 20e-6;
+
+/// What cures a sample time that is too long: a shorter one, where a controller can have it, or a slower loop.
+fn shorter_or_slower(longest_s: f64, current_weight: f64, larger_weight: Option<f64>) -> String {
+    let slower = match larger_weight {
+        Some(weight) => format!(
+            "a current weight of at least {weight} (now {current_weight}), which makes the loop slower"
+        ),
+        None => "other weights: a larger one of the current makes the loop slower".to_owned(),
+    };
+    if longest_s < SHORTEST_ADVISED_S {
+        format!("use {slower}")
+    } else {
+        format!("use a sample time of at most {longest_s} s, or {slower}")
+    }
 }

@@ -25,7 +25,7 @@ export async function setBench(state) {
       el("p", {}, "The controller is emitted as readable no_std Rust in fixed point, from raw sensor counts to the duty of the drive, with a certificate that is checked from the emitted files alone."),
       el("label", { class: "row small" },
         el("input", { type: "checkbox", id: "preset", checked: preset, onchange: (event) => { preset = event.target.checked; } }),
-        "what the bench does not state of sensors and drive is that of the thesis bench"),
+        "where this bench states no sensor or drive, take those of the thesis bench"),
       el("button", { type: "button", class: "main", onclick: () => generate(design) }, "Generate"));
     return;
   }
