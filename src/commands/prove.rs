@@ -49,9 +49,43 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     })?;
     let verdict = proof.verdict();
     let report = Report::new(views::proof::text(&proof, &verdict), &proof)?;
-    Ok(match verdict {
-        ProofVerdict::Fails(_) => report.failed(),
-        ProofVerdict::Unsettled(_) if !arguments.allow_not_run => report.unsettled(),
-        ProofVerdict::Holds | ProofVerdict::Unsettled(_) => report,
+    Ok(match ending(&verdict, arguments.allow_not_run) {
+        Ending::Failed => report.failed(),
+        Ending::Unsettled => report.unsettled(),
+        Ending::Good => report,
     })
+}
+
+/// How the command ends.
+#[derive(Debug, PartialEq, Eq)]
+enum Ending {
+    /// Exit code 0.
+    Good,
+    /// Exit code 1.
+    Failed,
+    /// Exit code 3.
+    Unsettled,
+}
+
+fn ending(verdict: &ProofVerdict, allow_not_run: bool) -> Ending {
+    match verdict {
+        ProofVerdict::Fails(_) => Ending::Failed,
+        ProofVerdict::Unsettled(_) if !allow_not_run => Ending::Unsettled,
+        ProofVerdict::Holds | ProofVerdict::Unsettled(_) => Ending::Good,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_run_may_be_allowed_and_what_failed_may_not() {
+        let some = || vec!["closed-loop-for-all-time".to_owned()];
+        let unsettled = ProofVerdict::Unsettled(some());
+        assert_eq!(ending(&unsettled, false), Ending::Unsettled);
+        assert_eq!(ending(&unsettled, true), Ending::Good);
+        assert_eq!(ending(&ProofVerdict::Fails(some()), true), Ending::Failed);
+        assert_eq!(ending(&ProofVerdict::Holds, false), Ending::Good);
+    }
 }

@@ -95,6 +95,10 @@ pub fn settle_telling(
         let cases = (settings.cases / 10).clamp(1, MOST_COMPILED);
         compiled_agrees::by_running(emitted, &module, cases, settings.seed)
     });
+    if !is_understood {
+        // What is proved of a source that is read wrongly says nothing of the program.
+        return complete(table.0, "the source is not understood");
+    }
 
     let start = Instant::now();
     let law = EmittedLaw::read(&module);

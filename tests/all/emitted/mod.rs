@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use checker::prove::{ClaimResult, ProofSettings};
 use tempfile::TempDir;
 
 /// The model of the thesis with `more` put at its end (its last section is `[design]`), as text.
@@ -28,4 +29,19 @@ pub fn generated(model: &str) -> (TempDir, PathBuf) {
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{message}");
     (folder, out)
+}
+
+/// The rows of a proof by the engines that take a second: nothing is compiled, and the bounds of the closed loop are not
+/// computed. Whole proofs take a minute; `cli::prove` makes them.
+pub fn quick_proof(folder: &Path, model: Option<&Path>) -> Vec<ClaimResult> {
+    let settings = ProofSettings {
+        cases: 100,
+        compiled: false,
+        kani: false,
+        closed_loop: false,
+        python: false,
+        filter_length: false,
+        ..ProofSettings::default()
+    };
+    checker::prove::prove(folder, model, &settings, &|_| ()).expect("an emitted crate")
 }
