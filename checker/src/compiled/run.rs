@@ -48,8 +48,8 @@ pub fn compare(
             root.display()
         )));
     }
-    write_crate(root, emitted, fixed_version, harness).map_err(not_run("writing the crate"))?;
-    build(root)?;
+    write_crate(root, emitted, harness).map_err(not_run("writing the crate"))?;
+    build(root, fixed_version)?;
 
     let mut input = String::new();
     for point in points {
@@ -90,20 +90,7 @@ pub fn compare(
     Ok(points.len())
 }
 
-fn write_crate(
-    root: &Path,
-    emitted: &Emitted,
-    fixed_version: &str,
-    harness: &Harness,
-) -> io::Result<()> {
-    let manifest = format!(
-        "[package]\nname = \"{CRATE}\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\
-         autobins = false\nautoexamples = false\nautotests = false\nautobenches = false\nbuild = false\n\n\
-         [lib]\npath = \"src/lib.rs\"\n\n[[bin]]\nname = \"run\"\npath = \"run.rs\"\n\n\
-         [dependencies]\nfixed = {{ version = \"{fixed_version}\", default-features = false }}\n\n\
-         [profile.dev]\noverflow-checks = true\ndebug = false\nincremental = false\n\n[workspace]\n"
-    );
-    fs::write(root.join("Cargo.toml"), manifest)?;
+fn write_crate(root: &Path, emitted: &Emitted, harness: &Harness) -> io::Result<()> {
     fs::write(root.join("run.rs"), &harness.text)?;
     fs::create_dir(root.join("src"))?;
     for (path, text) in &emitted.sources {
@@ -112,8 +99,26 @@ fn write_crate(
     Ok(())
 }
 
+/// The manifest. From version 2.7 on, `half` needs a procedural macro and `syn`, which take more time to build than all
+/// the rest; `fixed` is content with an older version, which need not be on this machine.
+fn write_manifest(root: &Path, fixed_version: &str, with_older_half: bool) -> io::Result<()> {
+    let half = if with_older_half {
+        "half = { version = \">=2.4, <2.7\", default-features = false }\n"
+    } else {
+        ""
+    };
+    let manifest = format!(
+        "[package]\nname = \"{CRATE}\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\
+         autobins = false\nautoexamples = false\nautotests = false\nautobenches = false\nbuild = false\n\n\
+         [lib]\npath = \"src/lib.rs\"\n\n[[bin]]\nname = \"run\"\npath = \"run.rs\"\n\n\
+         [dependencies]\nfixed = {{ version = \"{fixed_version}\", default-features = false }}\n{half}\n\
+         [profile.dev]\noverflow-checks = true\ndebug = false\nincremental = false\n\n[workspace]\n"
+    );
+    fs::write(root.join("Cargo.toml"), manifest)
+}
+
 /// Builds `fixed` alone first: if it is missing, that is not a fault of the emitted crate.
-fn build(root: &Path) -> Result<(), RunFailure> {
+fn build(root: &Path, fixed_version: &str) -> Result<(), RunFailure> {
     let log = root.join("log");
     let run = |arguments: &[&str]| -> Result<bool, RunFailure> {
         let missing =
@@ -133,7 +138,17 @@ fn build(root: &Path) -> Result<(), RunFailure> {
         let first = text.lines().find(|line| line.starts_with("error"));
         first.unwrap_or("no reason given").to_owned()
     };
-    if !run(&["build", "--package", "fixed"])? {
+    let mut is_built = false;
+    for with_older_half in [true, false] {
+        write_manifest(root, fixed_version, with_older_half).map_err(|error| {
+            RunFailure::NotRun(format!("writing the crate's manifest: {error}"))
+        })?;
+        is_built = run(&["build", "--package", "fixed"])?;
+        if is_built {
+            break;
+        }
+    }
+    if !is_built {
         return Err(RunFailure::NotRun(format!(
             "the crate `fixed` does not build offline: {}",
             said()

@@ -137,13 +137,25 @@ fn copy_with(name: &str, steps: &[Step], keep: &dyn Fn(&Path) -> bool) -> PathBu
     copy
 }
 
+/// Settings that leave the crates of this workspace unoptimised, and others as they have been built already. The examples
+/// run in no time; what takes time is their compilation.
+fn unoptimised() -> Vec<String> {
+    let workspace = text(&root().join("Cargo.toml"));
+    let (_, members) = workspace.split_once("members = [").expect("members");
+    let (members, _) = members.split_once(']').expect("the end of the members");
+    let names = members.split('"').skip(1).step_by(2);
+    names
+        .map(|name| if name == "." { "flywheel" } else { name })
+        .map(|name| format!("--config=profile.dev.package.{name}.opt-level=0"))
+        .collect()
+}
+
 fn cargo(folder: &Path, target: &Path, arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO"))
         .args(arguments)
+        .args(unoptimised())
         .current_dir(folder)
         .env("CARGO_TARGET_DIR", target)
-        // The examples run in no time; what takes time is their compilation.
-        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
         .env("CARGO_PROFILE_DEV_DEBUG", "false")
         .env_remove("CARGO_MANIFEST_DIR")
         .output()
