@@ -25,6 +25,10 @@ Shown, for the set E = {x: x P x <= 1} and its norm |x|^2 = x P x:
     steps; later ones add at most |C|* |Bd| gamma^n/(1 - gamma) to the sum, and the second part is at most
     2 |C|* gamma^n.
 
+A voltage drive holds V = R u + k_e (wheel speed) over a step, and the current that flows is (V - k_e (wheel speed))/R: with
+w = V/R and c = k_e/R the loop is the same with A - c B (0, 0, 1) for A, sampled as it is stated, and N + c (0, 0, 1) for N. Then
+E must also lie where |w| is at most what the duty and the supply give.
+
 Exit code 0 and one line: it holds. 1: a sentence says what does not. 2: no such certificate.
 """
 
@@ -190,9 +194,18 @@ def check(certificate):
 
     holds(p == transposed(p) and is_positive_definite(p), "P is not positive definite")
     holds(0 < gamma < 1, "the contraction is not between 0 and 1")
+    voltage, supply, w_gains = certificate["drive"]["voltage"], None, [[-x for x in k], n[:]]
+    if voltage is not None:
+        drive, ohm = certificate["drive"], number(voltage["winding_Ohm"])
+        holds(ohm > 0, "the winding has no resistance")
+        c = number(voltage["back_emf_V_s"]) / ohm
+        ad, bd = matrix(voltage["Ad"]), vector(voltage["Bd"])
+        check_sampling([row[:2] + [row[2] - c * y] for row, y in zip(a, b)], b, ad, bd, period)
+        w_gains = [gains[:2] + [gains[2] + c] for gains in w_gains]
+        counts = min(drive["duty_high"] - drive["duty_zero"], drive["duty_zero"] - drive["duty_low"])
+        supply = min(abs(number(drive["amperes_per_count"])) * counts, number(voltage["supply_V"]) / ohm)
     loops = [
-        [[ad[i][j] + bd[i] * gains[j] for j in range(3)] for i in range(3)]
-        for gains in ([-x for x in k], n)
+        [[ad[i][j] + bd[i] * gains[j] for j in range(3)] for i in range(3)] for gains in w_gains
     ]
     for name, m in zip(("real", "emitted"), loops):
         image = product(transposed(m), product(p, m))
@@ -209,18 +222,21 @@ def check(certificate):
     holds(reach(k) <= number(words[3]["real"]), "the real law reaches its limit in the set")
 
     bd_norm = root(quadratic(p, bd))
+    holds(supply is None or reach(w_gains[0]) <= supply, "the supply clips the real law in the set")
     counts = [h + abs(number(step)) / 2 for h, step in zip(half_words, loop["sensor_steps"])]
     names = [case["name"] for case in loop["cases"]]
     holds(names == ["words", "sensors"], "the cases are not words and sensors")
     levels = []
     for case, steps in zip(loop["cases"], (half_words, counts)):
-        noise = half_unit + sum(abs(gain) * step for gain, step in zip(n, steps))
+        of_current = half_unit + sum(abs(gain) * step for gain, step in zip(n, steps))
+        noise = half_unit + sum(abs(gain) * step for gain, step in zip(w_gains[1], steps))
         name = case["name"]
         holds(noise <= number(case["perturbation_A"]), f"{name} perturb more than is stated")
         share = bd_norm * noise / (1 - gamma)
         holds(share <= 1, f"{name} may lead out of the set")
         holds(share <= number(loop["perturbation_share"]), f"{name} need more of the set than is stated")
-        holds(reach(n) + noise <= limit, f"the emitted law may reach its limit ({name})")
+        holds(reach(n) + of_current <= limit, f"the emitted law may reach its limit ({name})")
+        holds(supply is None or reach(w_gains[1]) + noise <= supply, f"the supply may clip ({name})")
         for entry, extent, step in zip(inputs, extents, steps):
             largest = min(Fraction(2**31 - 1, 2 ** entry["fraction_bits"]), number(entry["range"]))
             holds(extent + step <= largest, f"the set reaches beyond {entry['argument']} ({name})")

@@ -14,6 +14,10 @@ torque on the wheel. The command of a sample is N x plus errors, and flows after
 sample before), z+ = F z for a delay of 1, 3, 5 or 7 eighths of a sample; what the delay is off by, at most
 1/8 of a sample, is an input as large as the command's change.
 
+A voltage drive holds V = R u + k_e (wheel speed), and the current that flows is (V - k_e (wheel speed))/R: the same loop for
+V/R, with A - (k_e/R) B (0, 0, 1) and N + (k_e/R) (0, 0, 1), and the end of the supply as one limit more. The speed of an
+encoder on the wheel is its turn over the last n steps: this turn and those of the last n - 1 steps are states of z.
+
 For a row C and an input v, T (|C v| + |C F v| + |C F^2 v| + ...) bounds what the input does. Later terms than
 those added up are bounded by a power of F whose weighted norm is at most 1/2.
 
@@ -79,16 +83,16 @@ def short(value):
 
 
 def exponential(a, b, t):
-    """exp(A t) and what a current of 1 A does in t, from the series of the matrix (A B; 0 0)."""
-    m = [[grid(x * t) for x in row] + [grid(y * t)] for row, y in zip(a, b)] + [[0] * 4]
+    """exp(A t) and what a current of 1 A does in t, from the series of the matrix (A B; 0 0); the wheel's angle is last."""
+    m = [[grid(x * t) for x in row] + [grid(y * t)] for row, y in zip(a, b)] + [[0] * 5]
     if max(sum(abs(x) for x in row) for row in m) > 8 * ONE:
         raise NotShown("the sample time is too long for the series")
-    term = [[ONE * (i == j) for j in range(4)] for i in range(4)]
+    term = [[ONE * (i == j) for j in range(5)] for i in range(5)]
     total = [row[:] for row in term]
     for k in range(1, 100):
         term = [[x // k for x in row] for row in times(term, m)]
         total = [[x + y for x, y in zip(*rows)] for rows in zip(total, term)]
-    return [row[:3] for row in total[:3]], [row[3] for row in total[:3]]
+    return [row[:4] for row in total[:4]], [row[4] for row in total[:4]]
 
 
 class Plant:
@@ -112,68 +116,128 @@ class Plant:
         self.lever = theta / (wheel * d)
         spin = of("wheel_viscous_friction") * self.lever
         zero, one = Fraction(0), Fraction(1)
-        self.a = [[zero, one, zero], [self.g, -body, drag], [-self.g, body, -spin]]
-        self.b = [zero, -p["torque_constant"] / d, p["torque_constant"] * self.lever]
+        self.a = [[zero, one, zero, zero], [self.g, -body, drag, zero], [-self.g, body, -spin, zero]]
+        self.a.append([zero, zero, one, zero])  # the wheel's angle
+        self.b = [zero, -p["torque_constant"] / d, p["torque_constant"] * self.lever, zero]
         if abs(Fraction(certificate["plant"]["A"][1][0]) - self.g) > self.g / 10**5:
             raise Contradiction("A[1][0] is not the gravity of the parameters")
         words = certificate["constants"]
         self.n = [Fraction(word["raw"], 2 ** word["fraction_bits"]) for word in words[:3]]
-        self.limit = Fraction(words[3]["raw"], 2 ** words[3]["fraction_bits"])
+        self.limit = self.reach = Fraction(words[3]["raw"], 2 ** words[3]["fraction_bits"])
         self.t = Fraction(certificate["sample_time_s"])
+        self.held, drive = self.n[:], certificate["drive"]
+        voltage = self.voltage = drive["voltage"]
+        if voltage is not None:
+            ohm, back_emf = Fraction(voltage["winding_Ohm"]), Fraction(voltage["back_emf_V_s"])
+            if ohm <= 0 or back_emf != p["torque_constant"]:
+                raise Contradiction("the back-EMF is not that of the motor, or the winding has no resistance")
+            for row, push in zip(self.a, self.b):
+                row[2] -= push * back_emf / ohm
+            self.held[2] += back_emf / ohm
+            counts = min(drive["duty_high"] - drive["duty_zero"], drive["duty_zero"] - drive["duty_low"])
+            self.reach = abs(Fraction(drive["amperes_per_count"])) * counts
+            self.reach = min(self.reach, Fraction(voltage["supply_V"]) / ohm)
+        encoder = certificate["hardware"]["wheel_speed"]["encoder"]
+        self.window = None if encoder is None else encoder["window"]
+        if self.window is not None and not 1 <= self.window <= 16:
+            raise Contradiction("the encoder's window is not 1 to 16 steps")
         self.dry = max(of("body_coulomb_torque"), of("body_breakaway_torque")) / d
         self.wheel_dry = of("wheel_coulomb_torque") + of("cogging_torque")
         self.current_off = of("dead_zone") + of("current_offset")
-        self.inputs = [self.b, [zero, one, -one], [zero, 1 / d, -self.lever]]
+        self.inputs = [self.b, [zero, one, -one, zero], [zero, 1 / d, -self.lever, zero]]
+
+    def row(self, gains):
+        """Gains of the states as a row of z."""
+        if self.window is None:
+            return gains + [Fraction(0)]
+        turn = gains[2] / (self.window * self.t)
+        return gains[:2] + [Fraction(0)] * 2 + [turn] + [Fraction(0)] * (self.window - 1)
+
+    def column(self, change):
+        """A change of the plant's states as one of z: the turn counts in the window and as the newest."""
+        window = self.window or 0
+        return change[:3] + [0] + ([change[3]] * 2 + [0] * window)[:window]
 
 
 class Responses:
     """The worst that start and inputs do to each row."""
 
     def __init__(self, plant, eighths):
-        t, n = plant.t, plant.n
+        t, n, order = plant.t, plant.held, 4 + (plant.window or 0)
         ad, whole = exponential(plant.a, plant.b, t)
         _, new = exponential(plant.a, plant.b, t * (8 - eighths) / 8)
-        row = [grid(x) for x in n]
-        f = [[ad[i][j] + (new[i] * row[j] >> BITS) for j in range(3)] + [whole[i] - new[i]] for i in range(3)]
-        f.append(row + [0])
-        weights = [abs(x) or Fraction(1) for x in n] + [Fraction(1)]
-        norm = lambda m: max(
-            sum(real(abs(m[i][j])) * weights[i] / weights[j] for j in range(4)) for i in range(4)
+        exact = plant.row(n)
+        row = [grid(x) for x in exact]
+
+        def moved(i):
+            found = [new[i] * x >> BITS for x in row]
+            for j in range(3):
+                found[j] += ad[i][j]
+            found[3] += whole[i] - new[i]
+            return found
+
+        unit = lambda place: [ONE * (j == place) for j in range(order)]
+        f = [moved(0), moved(1), moved(2), row]
+        if plant.window is not None:
+            f.append([x + ONE * (j > 4) for j, x in enumerate(moved(3))])
+            f += [moved(3) if place == 5 else unit(place - 1) for place in range(5, order)]
+        turn = abs(exact[4]) if plant.window else Fraction(0)
+        speed = turn * t * plant.window if plant.window else abs(n[2])
+        weights = [abs(n[0]), abs(n[1]), speed, Fraction(1)] + [turn] * (order - 4)
+        weights = [weight or Fraction(1) for weight in weights]
+        ratios = [[-(-x.numerator * y.denominator * ONE // (x.denominator * y.numerator)) for y in weights] for x in weights]
+        norm = lambda m: real(
+            max(sum(abs(x) * y >> BITS for x, y in zip(*lines) if x) for lines in zip(m, ratios))
         ) * (1 + Fraction(1, 1 << 40)) + Fraction(1, 1 << 60)
         power, m = f, 1
         while (q := norm(power)) > Fraction(1, 2):
             if m > 1 << 17:
                 raise NotShown("with viscous friction alone the loop is not stable, or too slow")
             power, m = times(power, power), 2 * m
-        power, total = [[ONE * (i == j) for j in range(4)] for i in range(4)], Fraction(0)
+        # power f as rows times the places of f that are not zero
+        lines = [[(j, x) for j, x in enumerate(line) if x] for line in f]
+        power, total = [unit(i) for i in range(order)], Fraction(0)
         for _ in range(m):
-            total, power = total + short(norm(power)), times(power, f)
+            total += short(norm(power))
+            found = [[0] * order for _ in range(order)]
+            for sums, line in zip(found, power):
+                for x, places in zip(line, lines):
+                    if x:
+                        for j, y in places:
+                            sums[j] += x * y >> BITS
+            power = found
         total /= 1 - q
 
         fall, push = plant.a[1], plant.b[1]
-        rows = [[ONE * (i == j) for j in range(4)] for i in range(3)]
-        rows += [row + [0], row + [-ONE]]
-        rows += [[grid(x) for x in fall] + [grid(push)]]
-        rows += [[grid(x + push * y) for x, y in zip(fall, n)] + [0]]
-        columns, later = [[ONE, 0, 0, 0]], []
+        fall = fall[:3] + [Fraction(0)] * (order - 3)
+        rows = [unit(0), unit(1), unit(2), row, [x - ONE * (j == 3) for j, x in enumerate(row)]]
+        rows += [[grid(x) for x in fall[:3] + [push] + fall[4:]]]
+        rows += [[grid(x + push * y) for x, y in zip(fall, exact)], [grid(x) for x in plant.row(plant.n)]]
+        columns, later = [unit(0)], []
         for v in plant.inputs:
             size = Fraction(0)
             for k in range(LATER):
                 if k < PARTS:
-                    columns.append([grid(x) for x in v] + [0])
+                    columns.append(plant.column([grid(x) for x in v]))
                 else:
-                    size += max(w * abs(x) for w, x in zip(weights, v))
+                    size += max(abs(x) for x in v) * max(weights)
                 v = [sum(x * y for x, y in zip(line, v)) * t / (k + 1) for line in plant.a]
             later.append(size)
         reach = max(sum(abs(x) for x in line) for line in plant.a) * t
         if reach >= 1:
             raise NotShown("the sample time is too long: |A| T is above 1")
         beyond = reach**LATER / factorial(LATER) / (1 - reach)
-        peak, kick, sums = [0] * 7, [0] * 7, [[0] * 7 for _ in range(3)]
+        peak, kick, sums = [0] * 8, [0] * 8, [[0] * 8 for _ in range(3)]
         first, steps = 0, 16 * m
+        places = [[(j, x) for j, x in enumerate(c) if x] for c in rows]
+        # A line with a single one moves an entry on.
+        moves = [(line[0][0], None) if len(line) == 1 and line[0][1] == ONE else (0, line) for line in lines]
+        after = lambda column: [
+            column[place] if line is None else sum(x * column[j] for j, x in line) >> BITS for place, line in moves
+        ]
         for step in range(steps):
-            for index, c in enumerate(rows):
-                seen = [abs(sum(x * y for x, y in zip(c, column)) >> BITS) for column in columns]
+            for index, c in enumerate(places):
+                seen = [abs(sum(x * column[j] for j, x in c) >> BITS) for column in columns]
                 if index == 4 and step == 0:
                     first = seen[0]
                 else:
@@ -182,7 +246,7 @@ class Responses:
                 kick[index] = max(kick[index], terms[0])
                 for i in range(3):
                     sums[i][index] += terms[i]
-            columns = [[sum(x * y for x, y in zip(line, column)) >> BITS for line in f] for column in columns]
+            columns = [after(column) for column in columns]
         largest = max(weights)
         # Each step is off by less than this in an entry: products of numbers below 2^30, and a unit of F's entries.
         drift = Fraction(1, 1 << (BITS - 40)) * largest * total
@@ -197,10 +261,10 @@ class Responses:
                 found += (later[group - 1] + rest) * norms[index] * total
             return short(found)
 
-        self.peak = [settled(i, 0, peak[i]) for i in range(7)]
+        self.peak = [settled(i, 0, peak[i]) for i in range(8)]
         self.first = settled(4, 0, first)
-        self.sums = [[t * settled(i, j + 1, sums[j][i]) for i in range(7)] for j in range(3)]
-        self.kick = [t * settled(i, 1, kick[i]) for i in range(7)]
+        self.sums = [[t * settled(i, j + 1, sums[j][i]) for i in range(8)] for j in range(3)]
+        self.kick = [t * settled(i, 1, kick[i]) for i in range(8)]
 
 
 class Errors:
@@ -252,14 +316,19 @@ class Errors:
         self.turn, self.t = 2 * beta * plant.t, plant.t
         self.drift = beta / 10 if noisy else Fraction(0)
         self.age = 1 / Fraction(rate) if rate is not None and Fraction(rate) > 0 else Fraction(0)
-        self.wheel = abs(Fraction(hardware["wheel_speed"]["rad_s_per_count"])) * steps
+        # An encoder's turn is the difference of two readings.
+        readings = 1 if plant.window is None else 2
+        self.wheel = abs(Fraction(hardware["wheel_speed"]["rad_s_per_count"])) * steps * readings
         self.lever = root(sum(Fraction(x) ** 2 for x in hardware["lever_arm_m"]), True)
-        self.g, self.n = Fraction(hardware["gravity_m_s2"]), plant.n
+        self.g = Fraction(hardware["gravity_m_s2"])
         words = [Fraction(1, 2 ** entry["fraction_bits"]) for entry in certificate["inputs"]]
         self.rate_word = words[1]
-        self.rounding = sum(abs(x) * y for x, y in zip(self.n, words))
-        self.rounding += Fraction(1, 2 ** certificate["output"]["fraction_bits"])
-        self.rounding += abs(Fraction(certificate["drive"]["amperes_per_count"])) * Fraction(51, 100)
+        unit = Fraction(1, 2 ** certificate["output"]["fraction_bits"])
+        duty = abs(Fraction(certificate["drive"]["amperes_per_count"])) * Fraction(51, 100)
+        self.rounding, self.asked_rounding = (
+            sum(abs(x) * y for x, y in zip(gains, words)) + unit for gains in (plant.held, plant.n)
+        )
+        self.rounding += duty
 
     def filter(self, acceleration, rate):
         moved = 2 * self.lever * (2 * acceleration + rate * rate) + self.lever * self.gyro / self.t
@@ -279,17 +348,16 @@ class Errors:
             square = max(square, 1 - other * other)
         return max(eta / root(square, False), 2 * self.turn) + self.turn + delta + Fraction(1, 10**6)
 
-    def current(self, acceleration, rate):
+    def weighted(self, gains, acceleration, rate):
         angle = self.filter(acceleration, rate)
         speed = self.gyro_axis + self.drift + self.age * acceleration + self.rate_word
-        return sum(abs(x) * y for x, y in zip(self.n, (angle, speed, self.wheel))) + self.rounding
+        return sum(abs(x) * y for x, y in zip(gains, (angle, speed, self.wheel)))
 
 
-def following(plant, responses, errors, rows, start):
-    """What bounds follow at the next sample from those that held until now; states between, noise, filter."""
-    sine = lambda angle: plant.g * angle**3 / 6
-    current = plant.limit + plant.current_off + errors.rounding
+def settled(plant, errors, rows, current):
+    """The motion between samples while the drive holds at most this: states, acceleration, error of what it holds."""
     strength = max(abs(x) for x in plant.inputs[2])
+    sine = lambda angle: plant.g * angle**3 / 6
     b = rows[:3]
     for _ in range(200):
         reached = []
@@ -308,12 +376,20 @@ def following(plant, responses, errors, rows, start):
     noise = Fraction(0)
     for _ in range(200):
         acceleration = plain + abs(plant.b[1]) * noise
-        more = errors.current(acceleration, b[1]) + plant.current_off
+        more = errors.weighted(plant.held, acceleration, b[1]) + errors.rounding + plant.current_off
         if more <= noise:
-            break
+            return b, acceleration, noise
         noise = short(more * (1 + Fraction(1, 1 << 30)))
-    else:
-        raise NotShown("the age of the gyroscope's readings feeds on itself")
+    raise NotShown("the age of the gyroscope's readings feeds on itself")
+
+
+def following(plant, responses, errors, rows, start):
+    """What bounds follow at the next sample from those that held until now; states between, current, what is within."""
+    sine = lambda angle: plant.g * angle**3 / 6
+    # Nothing above the end of the drive; and by that, nothing above what is to be held and its error.
+    end = plant.reach + plant.current_off + errors.rounding
+    _, _, noise = settled(plant, errors, rows, end)
+    b, acceleration, noise = settled(plant, errors, rows, min(end, rows[3] + noise))
     body, late = plant.dry + sine(b[0]), rows[4] / 8
     sums = responses.sums
     found = [
@@ -321,10 +397,12 @@ def following(plant, responses, errors, rows, start):
             start * responses.peak[i] + sums[0][i] * (noise + late) + sums[1][i] * body
             + sums[2][i] * plant.wheel_dry + responses.kick[i] * responses.first * start / 8
         )
-        for i in range(7)
+        for i in range(8)
     ]  # fmt: skip
+    asked = found[7] + errors.weighted(plant.n, acceleration, b[1]) + errors.asked_rounding
     inside = b[1] + errors.gyro_axis + errors.drift + errors.age * acceleration + errors.rate_word < errors.rate_range
-    return found, b, noise, inside and b[2] + errors.wheel < errors.wheel_range
+    inside = inside and (plant.voltage is None or found[3] + noise < plant.reach)
+    return found, b, asked, inside and b[2] + errors.wheel < errors.wheel_range
 
 
 def closing(plant, responses, errors, start):
@@ -332,13 +410,13 @@ def closing(plant, responses, errors, start):
     rows = [short(start * x) for x in responses.peak]
     for _ in range(200):
         try:
-            found, b, noise, inside = following(plant, responses, errors, rows, start)
+            found, b, asked, inside = following(plant, responses, errors, rows, start)
         except NotShown:
             return None
-        if not inside or found[3] + noise >= plant.limit or b[0] * plant.g >= abs(plant.b[1]) * plant.limit:
+        if not inside or asked >= plant.limit or b[0] * plant.g >= abs(plant.b[1]) * plant.limit:
             return None
         if all(new <= old for new, old in zip(found, rows)):
-            return rows, b, found[3] + noise
+            return rows, b, asked
         rows = [short(max(x, y) * (1 + Fraction(1, 1 << 12))) for x, y in zip(found, rows)]
     return None
 
@@ -360,12 +438,12 @@ def check(certificate):
         rows, b, command = closing(plant, responses, noisy, start)
         bounds = [max(x, y) for x, y in zip(bounds, b + [command])]
         for _ in range(200):
-            found, b, noise, _ = following(plant, responses, quiet, rows, Fraction(0))
+            found, b, asked, _ = following(plant, responses, quiet, rows, Fraction(0))
             done = all(new * (1 + Fraction(1, 1 << 12)) >= old for new, old in zip(found, rows))
             rows = [min(x, y) for x, y in zip(found, rows)]
             if done:
                 break
-        kept = [max(x, y) for x, y in zip(kept, b + [found[3] + noise])]
+        kept = [max(x, y) for x, y in zip(kept, b + [asked])]
     three = lambda values: ", ".join(f"{float(value):.4g}" for value in values)
     return f"from rest up to {float(start):.5f} rad: within {three(bounds)} (rad, rad/s, rad/s, A); kept up: {three(kept)}"
 

@@ -10,13 +10,15 @@
 //! that F maps into γ times itself. The weight Kᵀ K shapes it along the strip |K x| ≤ limit. The set is
 //! scaled until a command or a state reaches its limit. The limit of the angle is the one at which the largest
 //! current just holds the body against gravity, |B₂| L/A₂₁, because no loop returns from beyond it.
-//! γ and ε are chosen for the largest volume that the perturbations cannot leave.
+//! With a voltage drive the loop is that of the held voltage ([`crate::held_voltage`]), and the set also stays where the
+//! supply does not clip. γ and ε are chosen for the largest volume that the perturbations cannot leave.
 
 use nalgebra::{DMatrix, DVector, Matrix3, RowVector3, Vector3};
 use num_traits::ToPrimitive;
 use serde::Serialize;
 
 use crate::exact::{ShortestDecimal, outward, parse};
+use crate::held_voltage::HeldInput;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
@@ -59,9 +61,13 @@ struct Loop {
     gains: RowVector3<f64>,
     /// N, the emitted gains, about −K.
     emitted: RowVector3<f64>,
+    /// κ e₃ᵀ, which a voltage drive adds to the gains; zero for a current drive.
+    back_emf: RowVector3<f64>,
     /// N + K.
     gain_error: RowVector3<f64>,
     limit: f64,
+    /// Largest input that the supply gives.
+    reach: f64,
     half_unit: f64,
     ranges: Vector3<f64>,
     half_words: Vector3<f64>,
@@ -69,9 +75,20 @@ struct Loop {
 }
 
 impl Loop {
-    /// Largest perturbation of the command for errors `steps` of the states.
+    /// Largest perturbation of what the drive holds, for errors `steps` of the states.
     fn noise(&self, steps: &Vector3<f64>) -> f64 {
-        (self.emitted.abs() * steps)[0] + self.half_unit
+        ((self.emitted + self.back_emf).abs() * steps)[0] + self.half_unit
+    }
+
+    /// The factor by which the set xᵀ P x ≤ 1 may be enlarged until a command or the supply is at its limit.
+    fn room(&self, p: &Matrix3<f64>) -> f64 {
+        let reach = |row: RowVector3<f64>| dual_norm(p, &row);
+        let steps = &self.half_sensors;
+        let of_current = (self.emitted.abs() * steps)[0] + self.half_unit;
+        let largest = reach(self.gains).max(reach(self.emitted));
+        let held = reach(self.gains - self.back_emf).max(reach(self.emitted + self.back_emf));
+        let of_supply = (self.reach - self.noise(steps)) / held;
+        ((self.limit - of_current) / largest).min(of_supply)
     }
 }
 
@@ -82,10 +99,14 @@ pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value>
     let unit = |bits: u32| 2f64.powi(-(bits as i32));
     let half_words = Vector3::from_fn(|i, _| 0.5 * unit(law.terms[i].input.format.fraction_bits));
     let gains = RowVector3::from_row_slice(&spec.gains);
-    let input = Vector3::from_column_slice(&spec.bd);
-    let ad = Matrix3::from_fn(|i, j| spec.ad[i][j]);
+    let held = HeldInput::of(spec);
+    let input = Vector3::from_column_slice(&held.bd);
+    let ad = Matrix3::from_fn(|i, j| held.ad[i][j]);
+    let back_emf = RowVector3::new(0.0, 0.0, held.back_emf);
     let problem = Loop {
-        f: ad - input * gains,
+        f: ad - input * (gains - back_emf),
+        back_emf,
+        reach: held.reach_a,
         input,
         gains,
         emitted: RowVector3::from_fn(|_, i| {
@@ -171,8 +192,7 @@ fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
     let p = lyapunov(&(problem.f / gamma), &(weight / (gamma * gamma)))?;
     let reach = |row: &RowVector3<f64>| dual_norm(&p, row);
     let noise = problem.noise(&problem.half_sensors);
-    // The factor by which the set xᵀ P x ≤ 1 may be enlarged.
-    let mut growth = (problem.limit - noise) / reach(&problem.gains).max(reach(&problem.emitted));
+    let mut growth = problem.room(&p);
     for i in 0..3 {
         let mut row = RowVector3::zeros();
         row[i] = 1.0;

@@ -35,6 +35,7 @@ pub mod format;
 pub mod hardware;
 pub mod hardware_words;
 pub mod harnesses;
+pub mod held_voltage;
 pub mod helpers;
 pub mod ir;
 pub mod modes;
@@ -52,10 +53,9 @@ pub use monitor::MonitorSpec;
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
 
-/// Whether sensors or drive add states to the loop.
-fn has_other_loop(spec: &ModuleSpec) -> bool {
-    let wheel = &spec.hardware.wheel;
-    spec.drive.voltage.is_some() || matches!(wheel, hardware::WheelSensor::Encoder(_))
+/// Whether the wheel's speed is a turn over a window, which adds states to the loop.
+fn has_wheel_encoder(spec: &ModuleSpec) -> bool {
+    matches!(spec.hardware.wheel, hardware::WheelSensor::Encoder(_))
 }
 
 /// How a module is emitted, apart from its numbers.
@@ -110,14 +110,13 @@ pub fn generate_with(
     }
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
-        // The bound holds for `control` on the measured states and a current that flows as it is asked for. An observer
-        // that changes the angle, an encoder's speed that is half a window old, and a voltage in place of the current
-        // make other loops, for which it is not claimed.
-        None if spec.hardware.bias_observer.is_some() || has_other_loop(spec) => None,
+        // The bound holds for `control` on the measured states. An observer that changes the angle, and an encoder's
+        // speed that is half a window old, make other loops, for which it is not claimed.
+        None if spec.hardware.bias_observer.is_some() || has_wheel_encoder(spec) => None,
         None => closed_loop::certify(spec, &law),
     };
     // The claim about the modes is checked with the harnesses.
-    let modes = match harnesses::exist_for(spec) && !has_other_loop(spec) {
+    let modes = match harnesses::exist_for(spec) {
         true => modes::derive(spec, &law),
         false => None,
     };

@@ -30,6 +30,8 @@ pub struct ModuleSpec {
     pub assumed: Vec<String>,
     /// Identified parameters of the model behind the gains.
     pub parameters: Vec<ModelParameter>,
+    /// Correlations of the errors of these parameters, where they are known.
+    pub correlation: Option<ParameterCorrelation>,
     /// Diagonal of the state weight Q.
     pub state_weights: [f64; 3],
     /// Weight R of the current.
@@ -143,6 +145,15 @@ impl PwmDrive {
     }
 }
 
+/// Correlations of the errors of parameters, dimensionless.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterCorrelation {
+    /// Names of the parameters, each with a standard error.
+    pub parameters: Vec<String>,
+    /// Row by row in that order: symmetric, ones on the diagonal, no negative eigenvalue.
+    pub matrix: Vec<Vec<f64>>,
+}
+
 /// One identified parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelParameter {
@@ -216,6 +227,13 @@ impl ModuleSpec {
         }
         for value in self.state_weights {
             finite("a state weight".to_owned(), value)?;
+        }
+        let correlations = self
+            .correlation
+            .iter()
+            .flat_map(|found| found.matrix.iter());
+        for value in correlations.flatten() {
+            finite("a correlation of parameters".to_owned(), *value)?;
         }
         for parameter in &self.parameters {
             finite(format!("parameter {}", parameter.name), parameter.value)?;

@@ -2,7 +2,7 @@
 //! [`ModuleSpec`].
 
 use codegen::hardware::{BiasObserverSpec, HardwareSpec};
-use codegen::spec::{ModelParameter, ModuleSpec, PhysicalRanges};
+use codegen::spec::{ModelParameter, ModuleSpec, ParameterCorrelation, PhysicalRanges};
 use design::BiasObserver;
 use nalgebra::Vector3;
 use simulate::Sensors;
@@ -86,6 +86,14 @@ impl ControlDesign {
                     unit: parameter.unit.clone(),
                 })
                 .collect(),
+            correlation: self
+                .file()
+                .correlation
+                .as_ref()
+                .map(|known| ParameterCorrelation {
+                    parameters: known.parameters.clone(),
+                    matrix: known.matrix.clone(),
+                }),
             state_weights: wishes.state_weights,
             current_weight: wishes.current_weight,
             a: rows(&|row, column| design.model.state[(row, column)]),

@@ -27,6 +27,9 @@ pub struct Certificate {
     pub sample_time_s: StatedDecimal,
     /// Identified parameters.
     pub parameters: Vec<CertifiedParameter>,
+    /// Correlations of their errors; null if none are known.
+    #[serde(deserialize_with = "stated")]
+    pub correlation: Option<CertifiedCorrelation>,
     /// Weights of the design.
     pub weights: CertifiedWeights,
     /// Linear model.
@@ -99,6 +102,16 @@ pub struct CertifiedParameter {
     pub unit: String,
 }
 
+/// Correlations of the errors of parameters.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedCorrelation {
+    /// Names; parameters that are not among them are independent.
+    pub parameters: Vec<String>,
+    /// Row by row in that order, dimensionless.
+    pub matrix: Vec<Vec<StatedDecimal>>,
+}
+
 /// Diagonal of Q, and R.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -160,6 +173,12 @@ pub struct CertifiedVoltage {
     /// Back-EMF k_e (V s/rad).
     #[serde(rename = "back_emf_V_s")]
     pub back_emf_v_s: StatedDecimal,
+    /// The linear model sampled with V/R held: see [`crate::claims::held_loop`].
+    #[serde(rename = "Ad")]
+    pub ad: [[StatedDecimal; 3]; 3],
+    /// The sampled B, per ampere at standstill.
+    #[serde(rename = "Bd")]
+    pub bd: [StatedDecimal; 3],
 }
 
 /// An argument of `control`.

@@ -9,6 +9,7 @@ use crate::claims::bias_observer_numbers::check_numbers;
 use crate::claims::control_accurate_real_gains::derived;
 use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::gains_optimal;
+use crate::claims::held_loop::check_back_emf;
 use crate::claims::sampling::check_sampling;
 use crate::exact::rational::{half, integer, power_of_two, rounded_up};
 use crate::language::declarations::Named;
@@ -87,7 +88,7 @@ pub fn check(
 
 fn check_header(certificate: &Certificate, module: &Module, files: &[String]) -> Check {
     equal("generator", certificate.generator.as_str(), MARK)?;
-    equal("format_version", certificate.format_version, 4)?;
+    equal("format_version", certificate.format_version, 5)?;
     let mut stated = certificate.files.clone();
     stated.sort();
     let mut found = files.to_vec();
@@ -435,6 +436,7 @@ fn check_drive(certificate: &Certificate, module: &Module) -> Check {
         None => "DUTY_LINE",
         Some(voltage) => {
             check_voltage(drive, voltage)?;
+            check_back_emf(certificate)?;
             "DUTY_PLANE"
         }
     };

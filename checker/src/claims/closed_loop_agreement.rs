@@ -44,6 +44,12 @@ pub fn by_exact_arithmetic(
     if certificate.modes.is_none() {
         return ClaimOutcome::NotApplicable(NO_MODES.to_owned());
     }
+    if certificate.drive.voltage.is_some() {
+        return ClaimOutcome::Failed(
+            "modes are stated, but the harness knows the difference of a current alone, not that of a voltage"
+                .to_owned(),
+        );
+    }
     ClaimOutcome::proved(check(certificate, emitted, module, law))
 }
 

@@ -12,6 +12,11 @@
 //! and V stay below the limit, no command saturates, and if √(P⁻¹)ᵢᵢ + hᵢ stays within the range of
 //! the words, no input does.
 //!
+//! **Voltage drive.** The same with the numbers of [`crate::claims::held_loop`]: Bd and Ad are those of a held voltage,
+//! N and K those of w = V/R, and V includes what the wheel speed's error does to w. The set then also respects the half
+//! spaces |w| ≤ V_max/R in which the supply does not clip; the limit of the current is still that of N x, with the gains
+//! of the current. R and k_e are the stated ones, and the winding's inductance is neglected.
+//!
 //! **Difference.** While both stay in E, x_k = F̂ᵏ x₀ + Σ F̂ʲ Bd v and x̄_k = Fᵏ x₀. For a row C the
 //! difference e = x − x̄ obeys, with ‖r‖* = √(r P⁻¹ rᵀ),
 //!
@@ -35,6 +40,7 @@ use num_traits::{One, Signed, Zero};
 use crate::certificate::reader::{Certificate, CertifiedLoop, matrix, vector};
 use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::encoder_loop_stable::other_loop;
+use crate::claims::held_loop::HeldLoop;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{
     Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
@@ -82,16 +88,9 @@ pub struct CaseBounds {
     pub command: BigRational,
 }
 
-/// The linear loop with real gains, F, and the one with the emitted gains, F̂.
+/// The linear loop with real gains, F, and the one with the emitted gains, F̂, with what the drive holds.
 pub fn loops(certificate: &Certificate, law: &EmittedLaw) -> (Matrix, Matrix) {
-    let ad = matrix(&certificate.plant.ad);
-    let bd = vector(&certificate.plant.bd);
-    let k = vector(&certificate.gains);
-    let with = |gains: &Vector| -> Matrix {
-        [0, 1, 2].map(|i| [0, 1, 2].map(|j| &ad[i][j] + &bd[i] * &gains[j]))
-    };
-    let minus_k = k.map(|gain| -gain);
-    (with(&minus_k), with(&law.gains))
+    HeldLoop::of(certificate).loops(certificate, law)
 }
 
 /// The outcome of the claim, and the bounds if it holds.
@@ -186,8 +185,9 @@ fn bounds(
     stated: &CertifiedLoop,
     law: &EmittedLaw,
 ) -> Result<ClosedLoopBounds, String> {
-    let (exact, quantised) = loops(certificate, law);
-    let bd = vector(&certificate.plant.bd);
+    let held = HeldLoop::of(certificate);
+    let (exact, quantised) = held.loops(certificate, law);
+    let bd = held.bd.clone();
     let k = vector(&certificate.gains);
     let p = matrix(&stated.ellipsoid);
     let gamma = &stated.contraction.value;
@@ -237,6 +237,14 @@ fn bounds(
     let half_unit = law.unit() * half();
     let command = reach(&k)?;
     let emitted_command = reach(&law.gains)?;
+    let held_gains = held.gains(&law.gains);
+    let held_real = held.gains(&k.each_ref().map(|gain| -gain));
+    let (held_command, held_real) = (reach(&held_gains)?, reach(&held_real)?);
+    if held.reach.as_ref().is_some_and(|most| held_real > *most) {
+        return Err(
+            "the real law asks for more than the supply within the invariant set".to_owned(),
+        );
+    }
     if command > certificate.constants[3].real.value {
         return Err("the real law saturates within the invariant set".to_owned());
     }
@@ -267,10 +275,14 @@ fn bounds(
     let mut noises = Vec::new();
     let mut largest_share = BigRational::zero();
     for (name, half_steps) in names.iter().zip([words, sensors]) {
-        let mut noise = half_unit.clone();
-        for (gain, step) in law.gains.iter().zip(&half_steps) {
-            noise += gain.abs() * step;
-        }
+        let with = |gains: &Vector| -> BigRational {
+            let steps = gains.iter().zip(&half_steps);
+            &half_unit
+                + steps
+                    .map(|(gain, step)| gain.abs() * step)
+                    .sum::<BigRational>()
+        };
+        let (noise, of_current) = (with(&held_gains), with(&law.gains));
         let share = &input_norm * &noise / (&one - gamma);
         if share > one {
             return Err(format!(
@@ -279,9 +291,18 @@ fn bounds(
             ));
         }
         largest_share = largest_share.max(share);
-        if &emitted_command + &noise > law.limit {
+        if &emitted_command + &of_current > law.limit {
             return Err(format!(
                 "the emitted law may saturate within the invariant set ({name})"
+            ));
+        }
+        if held
+            .reach
+            .as_ref()
+            .is_some_and(|most| &held_command + &noise > *most)
+        {
+            return Err(format!(
+                "the supply may clip within the invariant set ({name})"
             ));
         }
         for index in 0..3 {

@@ -11,8 +11,7 @@
 
 use num_rational::BigRational;
 
-use crate::certificate::reader::Certificate;
-use crate::claims::closed_loop_for_all_time::loops;
+use crate::certificate::reader::{Certificate, matrix, vector};
 use crate::claims::control_law::EmittedLaw;
 use crate::exact::enclosure::Enclosure;
 use crate::exact::rational::{half, integer};
@@ -24,11 +23,13 @@ use crate::exact::slopes::Number;
 /// A sentence.
 pub fn check_stable(certificate: &Certificate, law: &EmittedLaw) -> Result<(), String> {
     let t = &certificate.sample_time_s.value;
-    let (_, quantised) = loops(certificate, law);
+    // The loop of the design, with the current held; `encoder-loop-stable` speaks of a voltage drive.
+    let (ad, bd) = (matrix(&certificate.plant.ad), vector(&certificate.plant.bd));
     let delta = [0, 1, 2].map(|i| {
         [0, 1, 2].map(|j| {
             let identity = integer(i128::from(i == j));
-            Enclosure::point(&((&quantised[i][j] - identity) / t))
+            let entry = &ad[i][j] + &bd[i] * &law.gains[j];
+            Enclosure::point(&((entry - identity) / t))
         })
     });
     match judged(&delta, t) {

@@ -42,6 +42,7 @@ fn check(certificate: &Certificate, model: &str) -> Result<String, String> {
     if let Some((name, _)) = missing {
         return Err(format!("the certificate does not state {name}"));
     }
+    same_correlations(certificate, &document)?;
     let mut wishes = 0;
     if let Some(design) = document.get("design").and_then(Item::as_table_like) {
         let mut wish = |key: &str, stated: &StatedDecimal| match design.get(key) {
@@ -74,6 +75,48 @@ fn check(certificate: &Certificate, model: &str) -> Result<String, String> {
         "{} parameters, {wishes} wishes of the design",
         certificate.parameters.len()
     ))
+}
+
+/// [correlation] is stated as it stands in the file.
+fn same_correlations(certificate: &Certificate, document: &DocumentMut) -> Result<(), String> {
+    let own = document.get("correlation").and_then(Item::as_table_like);
+    let (own, stated) = match (own, &certificate.correlation) {
+        (None, None) => return Ok(()),
+        (Some(own), Some(stated)) => (own, stated),
+        (Some(_), None) => {
+            return Err("the certificate does not state the model's [correlation]".to_owned());
+        }
+        (None, Some(_)) => {
+            return Err("the certificate states correlations, the model has none".to_owned());
+        }
+    };
+    let list = |key: &str| own.get(key).and_then(Item::as_array);
+    let names = list("parameters").into_iter().flatten();
+    let names: Vec<&str> = names
+        .map(|name| name.as_str().unwrap_or_default())
+        .collect();
+    let rows = list("matrix").into_iter().flatten();
+    let matrix: Vec<Vec<Option<f64>>> = rows
+        .map(|row| {
+            let entries = row.as_array().into_iter().flatten();
+            let number = |entry: &toml_edit::Value| {
+                entry
+                    .as_float()
+                    .or(entry.as_integer().map(|whole| whole as f64))
+            };
+            entries.map(number).collect()
+        })
+        .collect();
+    let wanted: Vec<Vec<Option<f64>>> = stated
+        .matrix
+        .iter()
+        .map(|row| row.iter().map(value_of).collect())
+        .collect();
+    if names == stated.parameters && matrix == wanted {
+        Ok(())
+    } else {
+        Err("the certificate states other correlations than the model".to_owned())
+    }
 }
 
 fn table<'a>(within: &'a dyn TableLike, key: &str) -> Result<&'a dyn TableLike, String> {

@@ -8,6 +8,8 @@
 //!
 //! x⁺ = F̂ x + Bd v + d,   d = ∫₀ᵀ exp(A (T − s)) e g (sin α(s) − α(s)) ds,   |sin α − α| ≤ |α|³/6.
 //!
+//! With a voltage drive, A, F̂, N and u are those of the held voltage ([`crate::claims::held_loop`]); no supply clips in E.
+//!
 //! **Between samples.** Let ‖x‖ = r at the sample, r₀ ≤ r ≤ 1. As long as |α| ≤ r a, |α̇| ≤ r b and
 //! |φ̇| ≤ r c, the speeds change by at most what the model's rows allow, with |u| ≤ r (√(N P⁻¹ Nᵀ) + V/r₀). If
 //! a, b, c are such that these limits then cannot be reached within one sample, they never are.
@@ -23,9 +25,10 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-use crate::certificate::reader::{Certificate, CertifiedLoop, matrix, vector};
+use crate::certificate::reader::{Certificate, CertifiedLoop, matrix};
 use crate::claims::closed_loop_for_all_time::ClosedLoopBounds;
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::held_loop::HeldLoop;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{Matrix, Vector, dot, inverse, quadratic};
 use crate::exact::rational::{integer, power, root_above, rounded_up};
@@ -141,7 +144,8 @@ pub fn check(
     let not_shown = |why: &str| NoRegion::NotShown(why.to_owned());
     let root = |value: &BigRational| root_above(value).ok_or(not_shown("a negative square"));
     let t = certificate.sample_time_s.value.clone();
-    let a = matrix(&certificate.plant.a);
+    let held = HeldLoop::of(certificate);
+    let a = held.a.clone();
     // The sine and the linear model have one gravity; a spring would need another argument.
     if !is_gravity_of(&a[1][0], &gravity) {
         let why = format!(
@@ -164,9 +168,9 @@ pub fn check(
     let all = Loop {
         q: largest_response(&a, &t, &p).map_err(NoRegion::NotShown)?,
         gravity,
-        b: vector(&certificate.plant.b),
+        b: held.b.clone(),
         extents: bounds.extents.clone(),
-        command: root(&quadratic(&inverse, &law.gains))?,
+        command: root(&quadratic(&inverse, &held.gains(&law.gains)))?,
         perturbation: bounds
             .cases
             .iter()

@@ -4,13 +4,15 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::certificate::reader::{Certificate, matrix, vector};
+use crate::claims::held_loop::HeldLoop;
 use crate::exact::matrices::{Matrix, Vector, apply, product};
 use crate::exact::rational::{integer, power, rounded_up};
 
 /// Terms of the series of the matrix exponential.
 const TERMS: u32 = 80;
 
-/// Checks that Ad and Bd are A and B, sampled with a zero-order hold at the stated time.
+/// Checks that Ad and Bd are A and B, sampled with a zero-order hold at the stated time; and likewise those of a voltage
+/// that is held, where the drive sets one.
 ///
 /// # Errors
 /// A sentence that names the entry.
@@ -19,8 +21,25 @@ pub fn check_sampling(certificate: &Certificate) -> Result<(), String> {
     if !t.is_positive() {
         return Err("the sample time is not positive".to_owned());
     }
-    let a = matrix(&certificate.plant.a);
-    let b = vector(&certificate.plant.b);
+    let plant = &certificate.plant;
+    let (ad, bd) = (matrix(&plant.ad), vector(&plant.bd));
+    is_sampled("", t, &matrix(&plant.a), &vector(&plant.b), &ad, &bd)?;
+    if certificate.drive.voltage.is_some() {
+        let held = HeldLoop::of(certificate);
+        is_sampled("drive.voltage.", t, &held.a, &held.b, &held.ad, &held.bd)?;
+    }
+    Ok(())
+}
+
+/// Checks `stated_ad` and `stated_bd`; `place` is the start of their names.
+fn is_sampled(
+    place: &str,
+    t: &BigRational,
+    a: &Matrix,
+    b: &Vector,
+    stated_ad: &Matrix,
+    stated_bd: &Vector,
+) -> Result<(), String> {
     let scaled: Matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| &a[i][j] * t));
     let norm = scaled
         .iter()
@@ -44,7 +63,7 @@ pub fn check_sampling(certificate: &Certificate) -> Result<(), String> {
     let mut ad: Matrix = [0, 1, 2].map(|_| [0, 1, 2].map(|_| zero()));
     let mut bd: Vector = [0, 1, 2].map(|_| zero());
     for k in 0..TERMS {
-        let input = apply(&term, &b);
+        let input = apply(&term, b);
         let order = integer(i128::from(k) + 1);
         for i in 0..3 {
             for (sum, entry) in ad[i].iter_mut().zip(&term[i]) {
@@ -71,12 +90,11 @@ pub fn check_sampling(certificate: &Certificate) -> Result<(), String> {
             ))
         }
     };
-    let stated = &certificate.plant;
     for i in 0..3 {
-        for (j, (entry, exact)) in stated.ad[i].iter().zip(&ad[i]).enumerate() {
-            close(format!("Ad[{i}][{j}]"), &entry.value, exact)?;
+        for (j, (entry, exact)) in stated_ad[i].iter().zip(&ad[i]).enumerate() {
+            close(format!("{place}Ad[{i}][{j}]"), entry, exact)?;
         }
-        close(format!("Bd[{i}]"), &stated.bd[i].value, &bd[i])?;
+        close(format!("{place}Bd[{i}]"), &stated_bd[i], &bd[i])?;
     }
     Ok(())
 }

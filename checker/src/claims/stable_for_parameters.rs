@@ -1,16 +1,18 @@
 //! Claim `stable-for-parameters`: the loop with the emitted gains is stable for every parameter vector
 //! that identification allows, by the criterion of [`crate::claims::closed_loop_stable`].
 //!
-//! **Region.** Each parameter that the loop depends on lies within ±√χ² standard errors, χ² the 95 %
-//! quantile for as many degrees of freedom as there are uncertain ones among them. This box contains
-//! their 95 % ellipsoid whatever the correlations are (the ellipsoid's projection on an axis is that interval). It is halved until
+//! **Region.** The 95 % ellipsoid of the stated standard errors and correlations, or, where no correlations are stated, the box
+//! around it ([`crate::claims::parameter_region`]). In its own coordinates it is halved until
 //! the criterion holds on every part in outward-rounded intervals, by the slopes over the part ([`crate::exact::slopes`]), and along
-//! the parameter that moves the number in doubt the most. If the largest number of halvings is reached first, the claim
-//! is neither proved nor refuted.
+//! the coordinate that moves the number in doubt the most. Parts beyond the ellipsoid are left out. If the largest number of
+//! halvings is reached first, the claim is neither proved nor refuted.
 //!
 //! **Model.** In coordinates (angle, rate, absolute wheel speed ψ = α̇ + φ̇), D = Θ − j_w,
 //!
 //! D α̈ = G α − d α̇ − τ u + r_w (ψ − α̇),   j_w ψ̇ = τ u − r_w (ψ − α̇).
+//!
+//! A voltage drive holds w = V/R = N x + κ φ̇ with the κ of the certificate, and the motor brakes its wheel with τ²/R: then
+//! r_w + τ²/R stands for r_w. R is exact, and the motor's back-EMF is its torque constant, whatever that is.
 //!
 //! Terms of the stated A that do not follow from the parameters (linearised dry friction, springs) are taken
 //! from A itself: the part of G as a constant, the part of d in proportion to the Coulomb torque.
@@ -21,16 +23,13 @@ use num_traits::{Signed, Zero};
 use crate::certificate::reader::{Certificate, matrix, vector};
 use crate::claims::closed_loop_stable::{Stability, criterion, judged, verdict_of};
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::outcome::ClaimOutcome;
+use crate::claims::parameter_region::{Part, Region};
 use crate::exact::enclosure::Enclosure;
 use crate::exact::matrices::Vector;
-use crate::exact::rational::{half, integer, power, root_above, rounded_up};
+use crate::exact::rational::{half, integer, power, rounded_up};
 use crate::exact::slopes::{Number, Slopes};
-
-/// 95 % quantiles of χ² for 1 to 7 degrees of freedom, rounded up in the third decimal.
-const CHI_SQUARED_95: [&str; 7] = [
-    "3.842", "5.992", "7.815", "9.488", "11.071", "12.592", "14.068",
-];
 
 /// Largest number of halvings; after them the claim is left open.
 const BOXES: usize = 4_000;
@@ -54,6 +53,8 @@ const NAMES: [&str; COUNT] = [
 pub struct ParameterRegion {
     /// Parameters that are uncertain, and by how much (± in their units), as text.
     pub uncertain: Vec<(String, String)>,
+    /// Whether their correlations are stated, so that the region is the ellipsoid and not the box around it.
+    pub is_correlated: bool,
     /// Boxes that were looked at.
     pub boxes: usize,
 }
@@ -81,7 +82,15 @@ pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> Claim
                 .iter()
                 .map(|(name, radius)| format!("{name} ± {radius}"))
                 .collect();
-            ClaimOutcome::Proved(format!("{} in {} boxes", list.join(", "), region.boxes))
+            let correlated = match region.is_correlated {
+                true => ", correlated as stated,",
+                false => "",
+            };
+            ClaimOutcome::Proved(format!(
+                "{}{correlated} in {} boxes",
+                list.join(", "),
+                region.boxes
+            ))
         }
         Err(RegionFailure::NotStated(why) | RegionFailure::Undecided(why)) => {
             ClaimOutcome::NotRun(why)
@@ -120,79 +129,48 @@ pub fn check_region(
             }
         }
     }
-    // The ellipsoid of the parameters on which the loop depends. The loop does not depend on the others, so the χ²
-    // quantile is the one for as many degrees of freedom as there are uncertain parameters here.
-    let count = errors.iter().filter(|error| !error.is_zero()).count();
-    let quantile = CHI_SQUARED_95
-        .get(count.saturating_sub(1))
-        .and_then(|text| crate::exact::rational::decimal(text))
-        .ok_or_else(|| RegionFailure::Fails(format!("no quantile for {count} parameters")))?;
-    let factor = root_above(&quantile)
-        .ok_or_else(|| RegionFailure::Fails("a negative quantile".to_owned()))?;
-    let radii: Vec<BigRational> = errors.iter().map(|error| error * &factor).collect();
-
     let model = Model::new(certificate, law, &values).map_err(RegionFailure::Fails)?;
+    // The ellipsoid of the parameters on which the loop depends; it does not depend on the others.
+    let region = Region::of(certificate, &NAMES, values, &errors).map_err(RegionFailure::Fails)?;
     let uncertain = NAMES
         .iter()
-        .zip(&radii)
+        .zip(&region.radii)
         .filter(|(_, radius)| !radius.is_zero())
         .map(|(name, radius)| ((*name).to_owned(), rounded_up(radius, 3)))
         .collect();
 
-    let whole: Vec<(BigRational, BigRational)> = values
-        .iter()
-        .zip(&radii)
-        .map(|(value, radius)| (value - radius, value + radius))
-        .collect();
-    // Where the loop is unstable at all, it mostly is so in a corner.
-    let named = |vector: &[(BigRational, BigRational)]| {
+    let named = |z: &[BigRational]| {
         let list: Vec<_> = NAMES
             .iter()
-            .zip(vector)
-            .map(|(name, (value, _))| format!("{name} = {}", rounded_up(value, 6)))
+            .zip(region.at(z))
+            .map(|(name, value)| format!("{name} = {}", rounded_up(&value, 6)))
             .collect();
         list.join(", ")
     };
-    for corner in 0..1_usize << NAMES.len() {
-        let is_new = radii
-            .iter()
-            .enumerate()
-            .all(|(index, radius)| !radius.is_zero() || corner >> index & 1 == 0);
-        let vector: Vec<_> = whole
-            .iter()
-            .enumerate()
-            .map(|(index, (low, high))| {
-                let end = if corner >> index & 1 == 0 { low } else { high };
-                (end.clone(), end.clone())
-            })
-            .collect();
-        if is_new && model.judge(&vector) == Stability::Unstable {
-            return Err(RegionFailure::Fails(format!(
-                "the loop is unstable for {}",
-                named(&vector)
-            )));
-        }
+    let unstable_at =
+        |z: &[BigRational]| RegionFailure::Fails(format!("the loop is unstable for {}", named(z)));
+    let is_unstable = |z: &[BigRational]| model.judge(&region.at(z)) == Stability::Unstable;
+    // Where the loop is unstable at all, it mostly is so in a corner.
+    if let Some(corner) = region.corners().iter().find(|z| is_unstable(z)) {
+        return Err(unstable_at(corner));
     }
-    let mut pending = std::collections::VecDeque::from([whole]);
+    let mut pending = std::collections::VecDeque::from([region.whole()]);
     let mut boxes = 0;
     while let Some(part) = pending.pop_front() {
+        if region.is_outside(&part) {
+            continue;
+        }
         boxes += 1;
-        let (stability, widest) = model.judge_part(&part);
+        let (stability, widest) = model.judge_part(&region, &part);
         if stability == Stability::Stable {
             continue;
         }
-        let middle: Vec<(BigRational, BigRational)> = part
+        let middle: Vec<BigRational> = part
             .iter()
-            .map(|(low, high)| {
-                let middle = (low + high) * half();
-                (middle.clone(), middle)
-            })
+            .map(|(low, high)| (low + high) * half())
             .collect();
-        if stability == Stability::Unstable || model.judge(&middle) == Stability::Unstable {
-            return Err(RegionFailure::Fails(format!(
-                "the loop is unstable for {}",
-                named(&middle)
-            )));
+        if region.holds(&middle) && is_unstable(&middle) {
+            return Err(unstable_at(&middle));
         }
         let (Some(index), true) = (widest, boxes < BOXES) else {
             return Err(RegionFailure::Undecided(format!(
@@ -201,19 +179,26 @@ pub fn check_region(
             )));
         };
         let mut lower = part.clone();
-        lower[index].1 = middle[index].0.clone();
+        lower[index].1.clone_from(&middle[index]);
         let mut upper = part;
-        upper[index].0 = middle[index].0.clone();
+        upper[index].0.clone_from(&middle[index]);
         pending.push_back(lower);
         pending.push_back(upper);
     }
-    Ok(ParameterRegion { uncertain, boxes })
+    Ok(ParameterRegion {
+        uncertain,
+        is_correlated: region.is_ball,
+        boxes,
+    })
 }
 
 /// The linear model as a function of its parameters.
 struct Model {
     sample_time: BigRational,
+    /// Of what the drive holds.
     gains: Vector,
+    /// 1/R of a voltage drive (1/Ohm); zero for a current drive.
+    conductance: BigRational,
     /// Part of G α that no parameter states (springs).
     extra_gravity: BigRational,
     /// Part of d that no parameter states.
@@ -273,42 +258,52 @@ impl Model {
         };
         Ok(Model {
             sample_time: certificate.sample_time_s.value.clone(),
-            gains: law.gains.clone(),
+            gains: held_gains(&law.gains, &back_emf(certificate)),
+            conductance: match &certificate.drive.voltage {
+                Some(voltage) if voltage.winding_ohm.value.is_positive() => {
+                    voltage.winding_ohm.value.recip()
+                }
+                _ => BigRational::zero(),
+            },
             extra_gravity: &a[1][0] * &d - gravity,
             extra_friction,
             dry_slope,
         })
     }
 
-    /// By intervals alone: right for a point.
-    fn judge(&self, part: &[(BigRational, BigRational)]) -> Stability {
-        let p: Vec<Enclosure> = part
-            .iter()
-            .map(|(low, high)| Enclosure::new(low, high))
-            .collect();
+    /// At one vector.
+    fn judge(&self, p: &[BigRational]) -> Stability {
+        let p: Vec<Enclosure> = p.iter().map(Enclosure::point).collect();
         self.closed(&p).map_or(Stability::Undecided, |closed| {
             judged(&closed, &self.sample_time)
         })
     }
 
-    /// By slopes over the part; and the parameter whose interval moves the number in doubt the most.
-    fn judge_part(&self, part: &[(BigRational, BigRational)]) -> (Stability, Option<usize>) {
-        let by_width = (0..part.len())
-            .filter(|i| part[*i].0 != part[*i].1)
-            .max_by_key(|i| {
-                let (low, high) = &part[*i];
-                (high - low) / (high.abs() + low.abs())
-            });
-        let over: Vec<Slopes<COUNT>> = part
+    /// By slopes over the part of a region; and the coordinate whose interval moves the number in doubt the most.
+    fn judge_part(&self, region: &Region, part: &Part) -> (Stability, Option<usize>) {
+        let wide = || (0..part.len()).filter(|i| part[*i].0 != part[*i].1);
+        let by_width = wide().max_by_key(|i| &part[*i].1 - &part[*i].0);
+        let z: Vec<Slopes<COUNT>> = part
             .iter()
             .enumerate()
             .map(|(index, (low, high))| Slopes::parameter(index, Enclosure::new(low, high)))
+            .collect();
+        let over: Vec<Slopes<COUNT>> = region
+            .values
+            .iter()
+            .zip(&region.directions)
+            .map(|(value, row)| {
+                let moves = row.iter().zip(&z).filter(|(entry, _)| !entry.is_zero());
+                moves.fold(Slopes::constant(value), |sum, (entry, z)| {
+                    sum.plus(&Slopes::constant(entry).times(z))
+                })
+            })
             .collect();
         let middles: Vec<BigRational> = part
             .iter()
             .map(|(low, high)| (low + high) * half())
             .collect();
-        let middle: Vec<Enclosure> = middles.iter().map(Enclosure::point).collect();
+        let middle: Vec<Enclosure> = region.at(&middles).iter().map(Enclosure::point).collect();
         let (Some(closed), Some(at_middle)) = (self.closed(&over), self.closed(&middle)) else {
             return (Stability::Undecided, by_width);
         };
@@ -331,12 +326,11 @@ impl Model {
                 value.common(&over.value).unwrap_or(value)
             })
             .collect();
+        // A part may reach beyond the region: what is unstable all over it is shown at a point of the region alone.
         let stability = verdict_of(&found.iter().collect::<Vec<_>>());
         let doubtful = found.iter().position(|value| !value.is_positive());
         let moved = doubtful.and_then(|index| {
-            (0..part.len())
-                .filter(|i| part[*i].0 != part[*i].1)
-                .max_by_key(|i| (&over[index].slopes[*i] * &steps[*i]).largest())
+            wide().max_by_key(|i| (&over[index].slopes[*i] * &steps[*i]).largest())
         });
         (stability, moved.or(by_width))
     }
@@ -351,7 +345,10 @@ impl Model {
             .plus(&point(&self.extra_friction))
             .plus(&p[6].times(&point(&self.dry_slope)))
             .times(&over_d);
-        let (drag, wheel_drag) = (p[5].times(&over_d), p[5].times(&over_wheel));
+        // The back-EMF brakes the wheel against the body, as friction between them does.
+        let braking = p[3].times(&p[3]).times(&point(&self.conductance));
+        let between = p[5].plus(&braking);
+        let (drag, wheel_drag) = (between.times(&over_d), between.times(&over_wheel));
         let (push, wheel_push) = (p[3].times(&over_d), p[3].times(&over_wheel));
         let a = [
             [R::nothing(), R::one(), R::nothing()],

@@ -8,6 +8,7 @@ mod closed_loop;
 mod document;
 mod folders;
 mod harnesses;
+mod held_input;
 mod interpreter;
 mod intervals;
 mod length;

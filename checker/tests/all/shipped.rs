@@ -31,7 +31,7 @@ fn shown() -> &'static ShippedLoop {
     })
 }
 
-fn real(value: &BigRational) -> f64 {
+pub(crate) fn real(value: &BigRational) -> f64 {
     value.to_f64().unwrap()
 }
 
@@ -42,7 +42,7 @@ fn parameter(certificate: &Certificate, name: &str) -> f64 {
 
 /// How the sensors err.
 #[derive(Clone, Copy)]
-enum Sensors {
+pub(crate) enum Sensors {
     /// Each sensor reads its nearest count.
     Round,
     /// Anywhere within what the claim allows, drawn anew at each sample.
@@ -64,7 +64,7 @@ impl Draws {
     }
 }
 
-struct Pendulum {
+pub(crate) struct Pendulum {
     d: f64,
     wheel: f64,
     gravity: f64,
@@ -81,21 +81,33 @@ struct Pendulum {
     wheel_count: f64,
     gyro_count: f64,
     duty_count: f64,
+    /// k_e/R of a voltage drive, whose held input is V/R; zero for a current drive.
+    back_emf: f64,
+    /// Largest held input.
+    reach: f64,
+    /// Steps of an encoder on the wheel.
+    window: Option<usize>,
 }
 
 /// Largest |angle|, |rate|, |wheel speed| and |command| of a run, and of its last quarter.
-struct Seen {
-    whole: [f64; 4],
-    late: [f64; 4],
+pub(crate) struct Seen {
+    pub(crate) whole: [f64; 4],
+    pub(crate) late: [f64; 4],
 }
 
 impl Pendulum {
     fn new() -> Pendulum {
         let (certificate, law) = emitted();
-        let p = |name: &str| parameter(&certificate, name);
+        Pendulum::of(&certificate, &law, shown())
+    }
+
+    pub(crate) fn of(certificate: &Certificate, law: &EmittedLaw, shown: &ShippedLoop) -> Pendulum {
+        let p = |name: &str| parameter(certificate, name);
         let (theta, wheel) = (p("total_inertia"), p("wheel_inertia"));
         let t = real(&certificate.sample_time_s.value);
-        let errors = &shown().errors;
+        let errors = &shown.errors;
+        let voltage = certificate.drive.voltage.as_ref();
+        let encoder = certificate.hardware.wheel_speed.encoder.as_ref();
         Pendulum {
             d: theta - wheel,
             wheel,
@@ -118,10 +130,18 @@ impl Pendulum {
             wheel_count: real(&certificate.hardware.wheel_speed.rad_s_per_count.value),
             gyro_count: real(&certificate.hardware.gyroscope.matrix[2][2].value),
             duty_count: real(&certificate.drive.amperes_per_count.value),
+            back_emf: voltage.map_or(0.0, |drive| {
+                real(&drive.back_emf_v_s.value) / real(&drive.winding_ohm.value)
+            }),
+            reach: voltage.map_or(f64::INFINITY, |_| {
+                real(&certificate.drive.current_range_a.value)
+            }),
+            window: encoder.map(|encoder| encoder.window as usize),
         }
     }
 
-    fn accelerations(&self, [angle, rate, speed]: [f64; 3], current: f64) -> [f64; 2] {
+    fn accelerations(&self, [angle, rate, speed]: [f64; 3], held: f64) -> [f64; 2] {
+        let current = held - self.back_emf * speed;
         let dry = self.dry * (rate / 1e-3).tanh();
         let torque = self.torque * current - self.spin * speed;
         let lean = self.gravity * angle.sin();
@@ -130,12 +150,21 @@ impl Pendulum {
     }
 
     /// From rest at `start`, with a current that is late by the share `delay` of a sample.
-    fn run(&self, start: f64, delay: f64, sensors: Sensors, steps: usize, seed: u64) -> Seen {
+    pub(crate) fn run(
+        &self,
+        start: f64,
+        delay: f64,
+        sensors: Sensors,
+        steps: usize,
+        seed: u64,
+    ) -> Seen {
         const PARTS: usize = 20;
         let mut random = Draws(seed);
         let mut x = [start, 0.0, 0.0];
         let mut believed = start;
         let mut flowing = 0.0;
+        let mut turned = 0.0;
+        let mut turns = std::collections::VecDeque::from(vec![0.0; self.window.unwrap_or(0) + 1]);
         let mut rates = std::collections::VecDeque::from(vec![0.0; 200]);
         let mut seen = Seen {
             whole: [0.0; 4],
@@ -159,7 +188,14 @@ impl Pendulum {
             };
             let seen_direction = x[0] + error(direction);
             let mut seen_rate = rate + error(gyro) + error(drift);
-            let mut seen_speed = x[2] + error(wheel);
+            // An encoder's speed is the turn over its window.
+            turns.pop_front();
+            turns.push_back(turned);
+            let true_speed = match self.window {
+                Some(window) => (turned - turns[0]) / (window as f64 * self.t),
+                None => x[2],
+            };
+            let mut seen_speed = true_speed + error(wheel);
             if matches!(sensors, Sensors::Round) {
                 seen_rate = (seen_rate / self.gyro_count).round() * self.gyro_count;
                 seen_speed = (seen_speed / self.wheel_count).round() * self.wheel_count;
@@ -169,7 +205,8 @@ impl Pendulum {
             let [n1, n2, n3] = self.gains;
             let wished = n1 * believed + n2 * seen_rate + n3 * seen_speed;
             let command = wished.clamp(-self.limit, self.limit);
-            let sent = (command / self.duty_count).round() * self.duty_count;
+            let held = (command + self.back_emf * seen_speed).clamp(-self.reach, self.reach);
+            let sent = (held / self.duty_count).round() * self.duty_count;
             let quantities = [x[0], x[1], x[2], wished];
             for (index, value) in quantities.into_iter().enumerate() {
                 seen.whole[index] = seen.whole[index].max(value.abs());
@@ -192,6 +229,7 @@ impl Pendulum {
                     x[2] + h / 2.0 * b,
                 ];
                 let [a, b] = self.accelerations(middle, current);
+                turned += h * middle[2];
                 x = [x[0] + h * middle[1], x[1] + h * a, x[2] + h * b];
                 rates.pop_front();
                 rates.push_back(x[1]);
@@ -289,7 +327,12 @@ fn the_proved_start_is_part_of_the_true_one() {
 #[test]
 fn the_second_checker_agrees() {
     let emitted = Emitted::read(Path::new("../generated")).unwrap();
-    let said = match closed_loop_second::as_shipped_by_python(&emitted) {
+    both_agree(&emitted, shown());
+}
+
+/// Start and bounds of the second checker against those of the first, where Python is.
+pub(crate) fn both_agree(emitted: &Emitted, shown: &ShippedLoop) {
+    let said = match closed_loop_second::as_shipped_by_python(emitted) {
         ClaimOutcome::Proved(said) => said,
         ClaimOutcome::NotRun(why) => {
             eprintln!("not run: {why}");
@@ -301,7 +344,6 @@ fn the_second_checker_agrees() {
         .split(|c: char| !(c.is_ascii_digit() || c == '.'))
         .filter_map(|word| word.parse().ok())
         .collect();
-    let shown = shown();
     let own = [&shown.start]
         .into_iter()
         .chain(&shown.bounds.states)

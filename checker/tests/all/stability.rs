@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use checker::Module;
-use checker::certificate::reader::{Certificate, StatedDecimal};
+use checker::certificate::reader::{Certificate, CertifiedCorrelation, StatedDecimal};
 use checker::claims::closed_loop_stable::check_stable;
 use checker::claims::control_law::EmittedLaw;
 use checker::claims::sampling::check_sampling;
@@ -135,6 +135,61 @@ fn an_unstable_vector_is_named() {
         value("wheel_viscous_friction"),
     ];
     assert!(!is_stable(&law, parameters, 0.001), "{why}");
+}
+
+/// A free swing knows G/Θ far better than G and Θ. Over the box of such errors the loop is not stable; over their ellipsoid
+/// it is, and every vector drawn from the ellipsoid's surface says so.
+#[test]
+fn correlations_take_the_corners_away() {
+    let (mut certificate, law) = uncertain(0.0);
+    let share = 0.06;
+    for parameter in &mut certificate.parameters {
+        let is_swung = ["total_inertia", "gravity_torque"].contains(&parameter.name.as_str());
+        let std = parameter.value.value.to_f64().unwrap() * share;
+        parameter.std = is_swung.then(|| number(&format!("{std:e}")));
+    }
+    assert!(check_region(&certificate, &law).is_err(), "the box");
+    let rho = 0.9999;
+    certificate.correlation = Some(CertifiedCorrelation {
+        parameters: vec!["gravity_torque".to_owned(), "total_inertia".to_owned()],
+        matrix: vec![
+            vec![number("1"), number("0.9999")],
+            vec![number("0.9999"), number("1")],
+        ],
+    });
+    let region = check_region(&certificate, &law).unwrap();
+    assert!(region.is_correlated);
+    println!("{} parts", region.boxes);
+    let middle = nominal(&certificate);
+    for part in 0..32 {
+        let turn = f64::from(part) / 32.0 * std::f64::consts::TAU;
+        let (first, second) = (turn.cos() * 2.44, turn.sin() * 2.44);
+        let mut parameters = middle;
+        parameters[0] *= 1.0 + share * first;
+        parameters[2] *= 1.0 + share * (rho * first + (1.0_f64 - rho * rho).sqrt() * second);
+        assert!(is_stable(&law, parameters, 0.001), "{parameters:?}");
+    }
+}
+
+/// Correlations of no errors are refused.
+#[test]
+fn impossible_correlations_are_refused() {
+    let (mut certificate, law) = uncertain(0.001);
+    let names = ["total_inertia", "wheel_inertia", "gravity_torque"];
+    let row = |texts: [&str; 3]| texts.map(number).to_vec();
+    certificate.correlation = Some(CertifiedCorrelation {
+        parameters: names.map(str::to_owned).to_vec(),
+        matrix: vec![
+            row(["1", "0.9", "-0.9"]),
+            row(["0.9", "1", "0.9"]),
+            row(["-0.9", "0.9", "1"]),
+        ],
+    });
+    let outcome = check_region(&certificate, &law);
+    assert!(
+        matches!(&outcome, Err(RegionFailure::Fails(why)) if why.contains("variance")),
+        "{outcome:?}"
+    );
 }
 
 #[test]

@@ -11,13 +11,14 @@ use crate::emit::certificate_hardware::Hardware;
 use crate::emit::{control_rs, single_line};
 use crate::exact::{ShortestDecimal, outward};
 use crate::file::{EmittedFile, MARK};
+use crate::held_voltage::HeldInput;
 use crate::ir::IntegerLaw;
 use crate::modes::Modes;
 use crate::monitor::{MonitorNumbers, MonitorSpec};
 use crate::spec::ModuleSpec;
 
 /// Version of the layout below; raised when a field changes its meaning.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;
 
 /// Significant digits of a bound.
 const BOUND_DIGITS: u32 = 40;
@@ -32,6 +33,8 @@ struct Certificate<'a> {
     files: Vec<&'a str>,
     sample_time_s: String,
     parameters: Vec<Parameter<'a>>,
+    /// Correlations of their errors, where they are known.
+    correlation: Option<Correlation<'a>>,
     weights: Weights,
     plant: Plant,
     /// K of u = −K x.
@@ -66,6 +69,12 @@ struct Parameter<'a> {
     value: String,
     std: Option<String>,
     unit: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct Correlation<'a> {
+    parameters: &'a [String],
+    matrix: Vec<Vec<String>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -107,6 +116,11 @@ struct Voltage {
     winding_ohm: String,
     #[serde(rename = "back_emf_V_s")]
     back_emf_v_s: String,
+    /// The linear model sampled with V/R held.
+    #[serde(rename = "Ad")]
+    ad: [[String; 3]; 3],
+    #[serde(rename = "Bd")]
+    bd: [String; 3],
 }
 
 /// An argument of `control`.
@@ -218,6 +232,7 @@ pub fn file(
     sources: &[EmittedFile],
 ) -> EmittedFile {
     let number = |value: f64| ShortestDecimal::new(value).text;
+    let held = HeldInput::of(spec);
     let certificate = Certificate {
         generator: MARK,
         format_version: FORMAT_VERSION,
@@ -234,6 +249,14 @@ pub fn file(
                 unit: &parameter.unit,
             })
             .collect(),
+        correlation: spec.correlation.as_ref().map(|known| Correlation {
+            parameters: &known.parameters,
+            matrix: known
+                .matrix
+                .iter()
+                .map(|row| row.iter().map(|entry| number(*entry)).collect())
+                .collect(),
+        }),
         weights: Weights {
             state: spec.state_weights.map(number),
             current: number(spec.current_weight),
@@ -253,6 +276,8 @@ pub fn file(
             amperes_per_count: number(spec.drive.amperes_per_count),
             current_range_a: number(spec.drive.current_range_a()),
             voltage: spec.drive.voltage.map(|drive| Voltage {
+                ad: held.ad.map(|row| row.map(number)),
+                bd: held.bd.map(number),
                 volts_per_count: number(drive.volts_per_count),
                 supply_v: number(drive.supply_v),
                 winding_ohm: number(drive.winding_ohm),

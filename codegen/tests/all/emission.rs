@@ -152,7 +152,7 @@ fn the_certificate_is_complete_and_points_into_the_source() {
     let spec = thesis::spec();
     let emitted = generate(&spec).unwrap();
     let json: Value = serde_json::from_str(emitted.file("certificate.json").unwrap()).unwrap();
-    assert_eq!(json["format_version"], 4);
+    assert_eq!(json["format_version"], 5);
     assert_eq!(json["gains"][0], "-24.2672423");
     assert_eq!(json["plant"]["Ad"][0][2], "4.038510074499915e-9");
     assert_eq!(

@@ -85,6 +85,7 @@ fn a_law_emitted_for_another_bench_balances_it() {
         hardware: HardwareSpec::thesis_bench(),
         assumed: Vec::new(),
         parameters: vec![],
+        correlation: None,
         state_weights: weights.state.into(),
         current_weight: weights.current,
         a: [row(0), row(1), row(2)],

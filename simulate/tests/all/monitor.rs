@@ -70,6 +70,7 @@ fn emitted() -> Module {
         hardware: HardwareSpec::thesis_bench(),
         assumed: Vec::new(),
         parameters: names.into_iter().zip(values).map(parameter).collect(),
+        correlation: None,
         state_weights: settings.weights.state.into(),
         current_weight: 1.0,
         a: [0, 1, 2].map(|row| [0, 1, 2].map(|column| linear.state[(row, column)])),

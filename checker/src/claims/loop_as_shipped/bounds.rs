@@ -6,7 +6,9 @@ use num_traits::{Signed, Zero};
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::errors::{Motion, SensorErrors};
 use crate::claims::loop_as_shipped::plant::{Loop, delay_off};
-use crate::claims::loop_as_shipped::responses::{ACCELERATIONS, CHANGE, COMMAND, ROWS, Responses};
+use crate::claims::loop_as_shipped::responses::{
+    ACCELERATIONS, ASKED, CHANGE, HELD, ROWS, Responses,
+};
 use crate::exact::rational::{half, integer, power_of_two};
 
 /// Rounds in which bounds are enlarged until they keep themselves.
@@ -106,7 +108,38 @@ fn between(model: &Loop, rows: &[BigRational; ROWS], current: &BigRational) -> O
 struct Following {
     rows: [BigRational; ROWS],
     between: Between,
+    /// Errors of what the drive holds (A).
     noise: BigRational,
+    /// The current that the law asks for, errors included (A).
+    asked: BigRational,
+}
+
+/// The motion between samples while the drive holds at most `current`, and the error of what it holds.
+fn settled(
+    model: &Loop,
+    errors: &SensorErrors,
+    rows: &[BigRational; ROWS],
+    current: &BigRational,
+) -> Result<(Between, BigRational), Open> {
+    let mut between = between(model, rows, current)
+        .ok_or_else(|| Open::Grows("the motion between two samples does not settle".to_owned()))?;
+    // The acceleration depends on the noise of the current, which depends on the acceleration.
+    let plain = between.motion.acceleration.clone();
+    let mut noise = BigRational::zero();
+    for _ in 0..ROUNDS {
+        between.motion.acceleration = &plain + model.b[1].abs() * &noise;
+        let next = errors
+            .held(&between.motion)
+            .map_err(|open| Open::TooLarge(open.to_string()))?
+            + &model.current_off;
+        if next <= noise {
+            return Ok((between, noise));
+        }
+        noise = up(next * (integer(1) + power_of_two(-30)));
+    }
+    Err(Open::TooLarge(
+        "the age of the gyroscope's readings feeds on itself".to_owned(),
+    ))
 }
 
 fn following(
@@ -116,42 +149,27 @@ fn following(
     rows: &[BigRational; ROWS],
     start: &BigRational,
 ) -> Result<Following, Open> {
-    // Nothing flows above the limit but what the drive is off.
-    let current = &model.limit + &model.current_off + &errors.rounding;
-    let mut between = between(model, rows, &current)
-        .ok_or_else(|| Open::Grows("the motion between two samples does not settle".to_owned()))?;
-    // The acceleration depends on the noise of the current, which depends on the acceleration.
-    let plain = between.motion.acceleration.clone();
-    let mut noise = BigRational::zero();
-    let mut settled = false;
-    for _ in 0..ROUNDS {
-        between.motion.acceleration = &plain + model.b[1].abs() * &noise;
-        let next = errors
-            .current(&between.motion)
-            .map_err(|open| Open::TooLarge(open.to_string()))?
-            + &model.current_off;
-        if next <= noise {
-            settled = true;
-            break;
-        }
-        noise = up(next * (integer(1) + power_of_two(-30)));
-    }
-    if !settled {
-        return Err(Open::TooLarge(
-            "the age of the gyroscope's readings feeds on itself".to_owned(),
-        ));
-    }
+    // The drive holds nothing above its end but what it is off; and by that, nothing above what it is to hold and its
+    // error.
+    let end = &model.reach + &model.current_off + &errors.rounding;
+    let (_, noise) = settled(model, errors, rows, &end)?;
+    let held = &rows[HELD] + noise;
+    let (between, noise) = settled(model, errors, rows, &end.min(held))?;
     let body = &model.dry + &between.sine;
     let late = delay_off() * &rows[CHANGE];
     let first = delay_off() * &responses.first_change * start;
-    let rows = std::array::from_fn(|row| {
+    let rows: [BigRational; ROWS] = std::array::from_fn(|row| {
         up(start * &responses.start[row]
             + &responses.sums[0][row] * (&noise + &late)
             + &responses.sums[1][row] * &body
             + &responses.sums[2][row] * &model.wheel_dry
             + &responses.kick[row] * &first)
     });
+    let of_law = errors
+        .asked(&between.motion)
+        .map_err(|open| Open::TooLarge(open.to_string()))?;
     Ok(Following {
+        asked: &rows[ASKED] + of_law,
         rows,
         between,
         noise,
@@ -198,9 +216,14 @@ fn closing(
         std::array::from_fn(|row| up(start * &responses.start[row]));
     for _ in 0..ROUNDS {
         let next = following(model, responses, errors, &rows, start)?;
-        let command = &next.rows[COMMAND] + &next.noise;
+        let command = next.asked.clone();
         if command >= model.limit {
             return Err(Open::TooLarge("the command may reach its limit".to_owned()));
+        }
+        if model.has_supply && &next.rows[HELD] + &next.noise >= model.reach {
+            return Err(Open::TooLarge(
+                "the voltage may reach the end of the supply".to_owned(),
+            ));
         }
         let leans = &next.between.states[0] * model.gravity.clone();
         if leans >= model.b[1].abs() * &model.limit {
@@ -284,7 +307,7 @@ pub fn kept_up(
             .all(|(new, old)| new * (integer(1) + power_of_two(-12)) >= *old);
         let rows = std::array::from_fn(|row| next.rows[row].clone().min(kept.rows[row].clone()));
         kept = Bounds {
-            command: &next.rows[COMMAND] + &next.noise,
+            command: next.asked,
             filter: errors.filter(&next.between.motion)?,
             states: next.between.states,
             rows,

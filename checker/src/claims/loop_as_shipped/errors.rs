@@ -35,6 +35,7 @@ use num_traits::{One, Signed, Zero};
 use crate::certificate::hardware::CertifiedSensor;
 use crate::certificate::reader::{Certificate, matrix};
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::exact::matrices::inverse;
 use crate::exact::rational::{half, integer, power, root_above, root_below};
@@ -76,8 +77,10 @@ pub struct SensorErrors {
     pub drift: BigRational,
     /// Age of a reading of the gyroscope (s).
     pub age: BigRational,
-    /// Rounding of words, sum and duty (A).
+    /// Rounding of words, sum and duty in what the drive holds (A).
     pub rounding: BigRational,
+    /// Rounding of words and sum in the current that the law asks for (A).
+    pub asked_rounding: BigRational,
     /// Half-words of the rate (rad/s).
     pub rate_word: BigRational,
     /// Largest rate about the pivot that no axis of the gyroscope clips (rad/s).
@@ -89,7 +92,10 @@ pub struct SensorErrors {
     lever: BigRational,
     t: BigRational,
     turn: BigRational,
-    gains: [BigRational; 3],
+    /// Of what the drive holds.
+    held: [BigRational; 3],
+    /// Of the current that the law asks for.
+    asked: [BigRational; 3],
 }
 
 /// Bounds of a motion that enter the errors: the body's acceleration and rate, between samples too.
@@ -199,26 +205,30 @@ impl SensorErrors {
         let count = certificate.drive.amperes_per_count.value.abs();
         // Half a count, and a hundredth for the words of the duty's line.
         let duty = count * BigRational::new(51.into(), 100.into());
-        let gains = law.gains.clone();
+        let asked = law.gains.clone();
+        let held = held_gains(&asked, &back_emf(certificate));
         // The words of angle, rate and wheel speed are rounded down or to the nearest: a whole one.
-        let in_words: BigRational = gains
-            .iter()
-            .zip(&words)
-            .map(|(gain, word)| gain.abs() * word * integer(2))
-            .sum();
+        let in_words = |gains: &[BigRational; 3]| -> BigRational {
+            let both = gains.iter().zip(&words);
+            both.map(|(gain, word)| gain.abs() * word * integer(2))
+                .sum()
+        };
+        // A reading is off by half a count and the noise; an encoder's turn is the difference of two readings.
+        let readings = integer(if wheel.encoder.is_some() { 2 } else { 1 });
         Ok(SensorErrors {
             gyro_axis,
             gyro,
             accel_axis,
             accel,
-            wheel_speed: hardware.wheel_speed.rad_s_per_count.value.abs() * &steps,
+            wheel_speed: wheel.rad_s_per_count.value.abs() * &steps * readings,
             drift: if with_noise {
                 integer(2) * beta * drift_share()
             } else {
                 BigRational::zero()
             },
             age,
-            rounding: in_words + law.unit() + duty,
+            rounding: in_words(&held) + law.unit() + duty,
+            asked_rounding: in_words(&asked) + law.unit(),
             rate_word: &words[1] * integer(2),
             rate_range,
             wheel_range,
@@ -227,7 +237,8 @@ impl SensorErrors {
             lever: root_above(&squares).unwrap_or_default(),
             turn: integer(2) * beta * &t,
             t,
-            gains,
+            held,
+            asked,
         })
     }
 
@@ -286,16 +297,26 @@ impl SensorErrors {
         Ok(settled + &self.turn + step + angle_arithmetic())
     }
 
-    /// ν: the error of the current (A) for such a motion, from all causes except the drive itself.
+    /// ν: the error of what the drive holds (A) for such a motion, from all causes except the drive itself.
     ///
     /// # Errors
     /// As [`SensorErrors::filter`].
-    pub fn current(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
-        let angle = self.filter(motion)?;
-        let rate =
-            &self.gyro_axis + &self.drift + &self.age * &motion.acceleration + &self.rate_word;
-        let [n1, n2, n3] = &self.gains;
-        Ok(n1.abs() * angle + n2.abs() * rate + n3.abs() * &self.wheel_speed + &self.rounding)
+    pub fn held(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
+        Ok(self.weighted(&self.held, motion)? + &self.rounding)
+    }
+
+    /// The error of the current that the law asks for (A).
+    ///
+    /// # Errors
+    /// As [`SensorErrors::filter`].
+    pub fn asked(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
+        Ok(self.weighted(&self.asked, motion)? + &self.asked_rounding)
+    }
+
+    fn weighted(&self, gains: &[BigRational; 3], motion: &Motion) -> Result<BigRational, NoBounds> {
+        let [n1, n2, n3] = gains;
+        let (angle, rate) = (self.filter(motion)?, self.rate(motion));
+        Ok(n1.abs() * angle + n2.abs() * rate + n3.abs() * &self.wheel_speed)
     }
 
     /// The error of the rate (rad/s).

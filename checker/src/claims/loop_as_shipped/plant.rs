@@ -1,4 +1,8 @@
 //! The pendulum with viscous friction, sampled, under the emitted gains, for one delay.
+//!
+//! States of z: angle, rate, wheel speed, what the drive held one step before; and with an encoder on the wheel, whose
+//! speed is m/(N T), the turn m of the wheel over the last N steps and its turns in each of the last N − 1 steps,
+//! the newest first. A step's turn is that of the wheel's angle as a fourth state of the plant.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -6,6 +10,7 @@ use num_traits::{Signed, Zero};
 
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::held_loop::{back_emf, braked, check_back_emf, held_gains, reach};
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{integer, power};
@@ -18,8 +23,11 @@ pub fn delay_off() -> BigRational {
     BigRational::new(1.into(), 8.into())
 }
 
-/// States of the loop: angle, rate, wheel speed, and the current that was commanded one step before.
-pub const ORDER: usize = 4;
+/// States without an encoder: angle, rate, wheel speed, and what the drive held one step before.
+const PLAIN: usize = 4;
+
+/// States of the plant: angle, rate, wheel speed, wheel angle.
+const PLANT: usize = 4;
 
 /// Terms of the exponential series; |A| T ≤ 8 leaves less than 2⁻¹⁴⁴ after so many.
 const TERMS: i128 = 120;
@@ -29,6 +37,9 @@ pub const PARTS: usize = 3;
 
 /// Terms after the first [`PARTS`] that are bounded by their size; all later terms together are far smaller.
 const LATER: usize = 12;
+
+/// Longest window of an encoder, in steps.
+const WINDOW_MAX: u32 = 16;
 
 /// Parameters that enter A and B.
 const OF_THE_MODEL: [&str; 6] = [
@@ -57,6 +68,9 @@ const SHAPES: [&str; 4] = [
     "cogging_phase",
 ];
 
+/// A square matrix on the grid, row by row.
+pub type SquareGrid = Vec<Vec<Grid>>;
+
 /// One loop.
 #[derive(Clone, Debug)]
 pub struct Loop {
@@ -64,14 +78,20 @@ pub struct Loop {
     pub t: BigRational,
     /// g = G/D (1/s²).
     pub gravity: BigRational,
-    /// A, viscous friction alone.
+    /// A, viscous friction alone; with a voltage drive, that of the held voltage ([`crate::claims::held_loop`]).
     pub a: [[BigRational; 3]; 3],
     /// B.
     pub b: [BigRational; 3],
-    /// N.
-    pub gains: [BigRational; 3],
+    /// What the drive holds for z: N of z, and the back-EMF's share where the drive sets a voltage.
+    pub held: Vec<BigRational>,
+    /// The current that the law asks for: N of z.
+    pub asked: Vec<BigRational>,
     /// Largest command (A).
     pub limit: BigRational,
+    /// Largest input that the drive holds (A): the limit, or the end of the supply over the winding's resistance.
+    pub reach: BigRational,
+    /// Whether the end of the supply is a condition of its own.
+    pub has_supply: bool,
     /// Largest dry friction of the body over D (rad/s²).
     pub dry: BigRational,
     /// Largest dry torque between body and wheel (N m).
@@ -79,11 +99,11 @@ pub struct Loop {
     /// The largest error of the current from the drive's dead zone and offset (A).
     pub current_off: BigRational,
     /// F on the grid.
-    pub f: [[BigInt; ORDER]; ORDER],
-    /// Terms A^k v T^k/k! on the grid, of B, e and e_w.
-    pub inputs: [[[BigInt; 3]; PARTS]; 3],
-    /// A bound on each entry of all later terms together, for B, e and e_w.
-    pub later: [[BigRational; 3]; 3],
+    pub f: SquareGrid,
+    /// Terms A^k v T^k/k! on the grid, of B, e and e_w, as columns of z.
+    pub inputs: [[Vec<Grid>; PARTS]; 3],
+    /// A bound on every entry of all later terms together, for B, e and e_w.
+    pub later: [BigRational; 3],
     /// The largest entry of e_w.
     pub on_wheel: BigRational,
 }
@@ -170,6 +190,9 @@ impl Loop {
         let lever = &theta / (&wheel * &d);
         let b = [zero(), -&torque / &d, &torque * &lever];
         is_gravity_of_the_model(certificate, &gravity)?;
+        check_back_emf(certificate).map_err(NoBounds::Unphysical)?;
+        let back_emf = back_emf(certificate);
+        let a = braked(&a, &b, &back_emf);
 
         let t = certificate.sample_time_s.value.clone();
         if !t.is_positive() {
@@ -181,27 +204,20 @@ impl Loop {
         let (ad, whole) = sampled(&a, &b, &t)?;
         // The effect of the new command in the rest of the sample, after the delay.
         let (_, new) = sampled(&a, &b, &(&t - late))?;
-        let gains = law.gains.clone();
-        let row = gains.each_ref().map(on_grid);
-        let mut f: [[BigInt; ORDER]; ORDER] = Default::default();
-        for i in 0..3 {
-            for j in 0..3 {
-                f[i][j] = &ad[i][j] + times(&new[i], &row[j]);
-            }
-            f[i][3] = &whole[i] - &new[i];
-        }
-        f[3][..3].clone_from_slice(&row);
+        let window = window(certificate)?;
+        let of_states = |gains: &[BigRational; 3]| of_states(gains, window, &t);
+        let held = of_states(&held_gains(&law.gains, &back_emf));
+        let asked = of_states(&law.gains);
+        let f = closed(&ad, &whole, &new, &held, window);
 
         let directions = [
             b.clone(),
             [zero(), integer(1), integer(-1)],
             [zero(), integer(1) / &d, -lever],
         ];
-        let norm = a
-            .iter()
-            .map(|row| row.iter().map(Signed::abs).sum::<BigRational>() * &t)
-            .max()
-            .unwrap_or_default();
+        // With the wheel's angle, whose rate is the wheel's speed.
+        let sums = a.iter().map(|row| row.iter().map(Signed::abs).sum());
+        let norm = sums.chain([integer(1)]).max().unwrap_or_default() * &t;
         if norm >= integer(1) {
             return Err(NoBounds::NotShown(
                 "the sample time is too long for the argument: |A| T is above 1".to_owned(),
@@ -212,28 +228,28 @@ impl Loop {
         for k in 1..=LATER {
             rest = rest * &norm / integer(k as i128);
         }
-        let mut inputs: [[[BigInt; 3]; PARTS]; 3] = Default::default();
-        let mut later: [[BigRational; 3]; 3] = Default::default();
+        let mut inputs: [[Vec<Grid>; PARTS]; 3] = Default::default();
+        let mut later: [BigRational; 3] = Default::default();
         for (index, v) in directions.iter().enumerate() {
-            let largest = v.iter().map(Signed::abs).max().unwrap_or_default();
-            later[index] = [0, 1, 2].map(|_| &rest * &largest);
-            let mut term = v.clone();
+            let largest = |v: &[BigRational]| v.iter().map(Signed::abs).max().unwrap_or_default();
+            later[index] = &rest * largest(v);
+            let [angle, rate, speed] = v.clone();
+            let mut term = [angle, rate, speed, zero()];
             for k in 0..LATER {
                 match inputs[index].get_mut(k) {
-                    Some(part) => *part = term.each_ref().map(on_grid),
-                    None => {
-                        for (sum, entry) in later[index].iter_mut().zip(&term) {
-                            *sum += entry.abs();
-                        }
-                    }
+                    Some(part) => *part = column(&term.each_ref().map(on_grid), window),
+                    None => later[index] += largest(&term),
                 }
-                term = [0, 1, 2].map(|i| {
-                    let sum: BigRational = (0..3).map(|j| &a[i][j] * &term[j]).sum();
+                term = [0, 1, 2, 3].map(|i| {
+                    let sum: BigRational = match a.get(i) {
+                        Some(row) => row.iter().zip(&term).map(|(x, y)| x * y).sum(),
+                        None => term[2].clone(),
+                    };
                     sum * &t / integer(k as i128 + 1)
                 });
             }
         }
-        let later = later.map(|sums| sums.map(|sum| exactly(&above(&sum))));
+        let later = later.map(|sum| exactly(&above(&sum)));
         let [_, _, wheel_direction] = &directions;
         let on_wheel = wheel_direction
             .iter()
@@ -245,12 +261,15 @@ impl Loop {
             dry: body_dry / &d,
             wheel_dry: sum(&ON_THE_WHEEL),
             current_off: sum(&OF_THE_CURRENT),
+            reach: reach(certificate).unwrap_or_else(|| law.limit.clone()),
+            has_supply: certificate.drive.voltage.is_some(),
             limit: law.limit.clone(),
             t,
             gravity,
             a,
             b,
-            gains,
+            held,
+            asked,
             f,
             inputs,
             later,
@@ -276,20 +295,104 @@ fn is_gravity_of_the_model(
     }
 }
 
-/// exp(A t) and ∫ exp(A s) B ds over 0 ≤ s ≤ t, on the grid.
+/// Steps of the encoder's window; none without an encoder on the wheel.
+fn window(certificate: &Certificate) -> Result<Option<usize>, NoBounds> {
+    match &certificate.hardware.wheel_speed.encoder {
+        None => Ok(None),
+        Some(encoder) if (1..=WINDOW_MAX).contains(&encoder.window) => {
+            Ok(Some(encoder.window as usize))
+        }
+        Some(encoder) => Err(NoBounds::Unphysical(format!(
+            "the encoder's window is {} steps; it is 1 to {WINDOW_MAX}",
+            encoder.window
+        ))),
+    }
+}
+
+/// A row of gains as a row of z: the wheel's speed is that of the sample, or the turn over the window.
+fn of_states(gains: &[BigRational; 3], window: Option<usize>, t: &BigRational) -> Vec<BigRational> {
+    let [angle, rate, speed] = gains.clone();
+    let zero = BigRational::zero;
+    match window {
+        None => vec![angle, rate, speed, zero()],
+        Some(window) => {
+            let of_turn = speed / (integer(window as i128) * t);
+            let mut row = vec![angle, rate, zero(), zero(), of_turn];
+            row.resize_with(PLAIN + window, zero);
+            row
+        }
+    }
+}
+
+/// What a change of the plant's states is as a change of z: the turn of the wheel counts in the window and as the newest.
+fn column(plant: &[Grid; PLANT], window: Option<usize>) -> Vec<Grid> {
+    let [angle, rate, speed, turn] = plant.clone();
+    let mut found = vec![angle, rate, speed, Grid::zero()];
+    if let Some(window) = window {
+        found.resize_with(PLAIN + window, Grid::zero);
+        // The window, and the newest of the single turns where there are any.
+        for entry in found.iter_mut().skip(PLAIN).take(2) {
+            entry.clone_from(&turn);
+        }
+    }
+    found
+}
+
+/// F: the plant with the old input until the delay is over, and with `held` of z from then on.
+fn closed(
+    ad: &[[Grid; PLANT]; PLANT],
+    whole: &[Grid; PLANT],
+    new: &[Grid; PLANT],
+    held: &[BigRational],
+    window: Option<usize>,
+) -> SquareGrid {
+    let row: Vec<Grid> = held.iter().map(on_grid).collect();
+    let order = row.len();
+    let of_plant = |i: usize| -> Vec<Grid> {
+        let mut found: Vec<Grid> = row.iter().map(|gain| times(&new[i], gain)).collect();
+        for (entry, own) in found.iter_mut().zip(&ad[i][..3]) {
+            *entry += own;
+        }
+        found[3] += &whole[i] - &new[i];
+        found
+    };
+    let mut f = vec![of_plant(0), of_plant(1), of_plant(2), row.clone()];
+    if window.is_some() {
+        let one = BigInt::from(1) << BITS;
+        // The new turn, and all turns that stay in the window.
+        let mut sum = of_plant(3);
+        for entry in sum.iter_mut().skip(PLAIN + 1) {
+            *entry += &one;
+        }
+        f.push(sum);
+        for place in PLAIN + 1..order {
+            let mut next = vec![Grid::zero(); order];
+            match place == PLAIN + 1 {
+                true => next = of_plant(3),
+                false => next[place - 1].clone_from(&one),
+            }
+            f.push(next);
+        }
+    }
+    f
+}
+
+/// exp(A t) and ∫ exp(A s) B ds over 0 ≤ s ≤ t, on the grid, with the wheel's angle as the last state.
 fn sampled(
     a: &[[BigRational; 3]; 3],
     b: &[BigRational; 3],
     t: &BigRational,
-) -> Result<([[Grid; 3]; 3], [Grid; 3]), NoBounds> {
-    // Columns of (A B; 0 0) t.
-    let mut m: [[BigInt; 4]; 4] = Default::default();
+) -> Result<([[Grid; PLANT]; PLANT], [Grid; PLANT]), NoBounds> {
+    const SIZE: usize = PLANT + 1;
+    // Columns of (A 0 B; e₃ᵀ 0 0; 0 0 0) t.
+    let mut m = vec![vec![Grid::zero(); SIZE]; SIZE];
     for i in 0..3 {
         for j in 0..3 {
             m[i][j] = on_grid(&(&a[i][j] * t));
         }
-        m[i][3] = on_grid(&(&b[i] * t));
+        m[i][PLANT] = on_grid(&(&b[i] * t));
     }
+    m[3][2] = on_grid(t);
     let too_long = m.iter().any(|row| {
         let sum: BigInt = row.iter().map(Signed::abs).sum();
         sum > BigInt::from(8) << BITS
@@ -300,24 +403,36 @@ fn sampled(
         ));
     }
     let one = BigInt::from(1) << BITS;
-    let mut term: [[BigInt; 4]; 4] = Default::default();
+    let mut term = vec![vec![Grid::zero(); SIZE]; SIZE];
     for (i, row) in term.iter_mut().enumerate() {
         row[i].clone_from(&one);
     }
     let mut total = term.clone();
     for k in 1..=TERMS {
-        term = product(&term, &m).map(|row| row.map(|entry| entry / k));
+        term = product(&term, &m);
+        for entry in term.iter_mut().flatten() {
+            *entry = &*entry / k;
+        }
         for (sum, entry) in total.iter_mut().flatten().zip(term.iter().flatten()) {
             *sum += entry;
         }
     }
-    let ad = [0, 1, 2].map(|i| [0, 1, 2].map(|j| total[i][j].clone()));
-    let bd = [0, 1, 2].map(|i| total[i][3].clone());
+    let ad = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| total[i][j].clone()));
+    let bd = [0, 1, 2, 3].map(|i| total[i][PLANT].clone());
     Ok((ad, bd))
 }
 
 /// a · b on the grid.
-pub fn product(a: &[[Grid; ORDER]; ORDER], b: &[[Grid; ORDER]; ORDER]) -> [[Grid; ORDER]; ORDER] {
-    let entry = |i: usize, j: usize| (0..ORDER).map(|k| times(&a[i][k], &b[k][j])).sum();
-    [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| entry(i, j)))
+pub fn product(a: &SquareGrid, b: &SquareGrid) -> SquareGrid {
+    a.iter()
+        .map(|row| {
+            let mut found = vec![Grid::zero(); b.len()];
+            for (entry, other) in row.iter().zip(b).filter(|(entry, _)| !entry.is_zero()) {
+                for (sum, x) in found.iter_mut().zip(other).filter(|(_, x)| !x.is_zero()) {
+                    *sum += times(entry, x);
+                }
+            }
+            found
+        })
+        .collect()
 }

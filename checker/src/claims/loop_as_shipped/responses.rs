@@ -12,19 +12,21 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::plant::{Loop, ORDER, PARTS, product};
+use crate::claims::loop_as_shipped::plant::{Loop, PARTS, SquareGrid, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{half, integer, power_of_two};
 
-/// The quantities: the three states, the command, its change since the last step, and the body's acceleration with the
-/// current before and after the command.
-pub const ROWS: usize = 7;
-/// Place of the command.
-pub const COMMAND: usize = 3;
+/// The quantities: the three states, what the drive holds, its change since the last step, the body's acceleration with
+/// what was held before and after the command, and the current that the law asks for.
+pub const ROWS: usize = 8;
+/// Place of what the drive holds.
+pub const HELD: usize = 3;
 /// Place of its change.
 pub const CHANGE: usize = 4;
 /// Places of the accelerations.
 pub const ACCELERATIONS: [usize; 2] = [5, 6];
+/// Place of the current that the law asks for.
+pub const ASKED: usize = 7;
 
 /// Longest m that is tried, as a power of two.
 const DOUBLINGS: usize = 17;
@@ -35,9 +37,9 @@ const LENGTHS: usize = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
     /// Largest |C Fʲ e₁|: the largest value of each quantity after a start at rest at 1 rad. The same for the change of
-    /// the command, from the second step on.
+    /// what the drive holds, from the second step on.
     pub start: [BigRational; ROWS],
-    /// The change of the command in the first step, for a start at 1 rad.
+    /// The change of what the drive holds in the first step, for a start at 1 rad.
     pub first_change: BigRational,
     /// Σ of what a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on the wheel do.
     pub sums: [[BigRational; ROWS]; 3],
@@ -53,15 +55,11 @@ impl Responses {
     pub fn of(model: &Loop) -> Result<Responses, NoBounds> {
         let decay = Decay::of(model)?;
         let rows = rows(model);
-        let mut columns: Vec<[Grid; ORDER]> = Vec::new();
-        let one = BigInt::one() << BITS;
-        columns.push([one, Grid::zero(), Grid::zero(), Grid::zero()]);
-        for input in &model.inputs {
-            for part in input {
-                let [a, b, c] = part.clone();
-                columns.push([a, b, c, Grid::zero()]);
-            }
-        }
+        let order = model.f.len();
+        let mut tilted = vec![Grid::zero(); order];
+        tilted[0] = BigInt::one() << BITS;
+        let mut columns: Vec<Vec<Grid>> = vec![tilted];
+        columns.extend(model.inputs.iter().flatten().cloned());
         let mut start: [Grid; ROWS] = Default::default();
         let mut first_change = Grid::zero();
         let mut sums: [[Grid; ROWS]; 3] = Default::default();
@@ -72,25 +70,11 @@ impl Responses {
         if !is_acting[2] {
             columns.truncate(1 + 2 * PARTS);
         }
-        let one = BigInt::one() << BITS;
-        let entries = rows.each_ref().map(|row| {
-            let of_row = row.iter().enumerate();
-            let nonzero = of_row.filter(|(_, entry)| !entry.is_zero());
-            let entries = nonzero.map(|(i, entry)| (i, (*entry != one).then_some(entry)));
-            entries.collect::<Vec<_>>()
-        });
+        let entries = rows.each_ref().map(|row| Sparse::of(row));
+        let next: Vec<Sparse> = model.f.iter().map(|row| Sparse::of(row)).collect();
         for step in 0..steps {
             for (index, row) in entries.iter().enumerate() {
-                let of = |column: &[Grid; ORDER]| -> Grid {
-                    let mut sum = Grid::zero();
-                    for (i, entry) in row {
-                        match entry {
-                            Some(entry) => sum += times(entry, &column[*i]),
-                            None => sum += &column[*i],
-                        }
-                    }
-                    sum.abs()
-                };
+                let of = |column: &Vec<Grid>| -> Grid { row.times(column).abs() };
                 let from_start = of(&columns[0]);
                 if index == CHANGE && step == 0 {
                     first_change = from_start;
@@ -107,19 +91,18 @@ impl Responses {
                 }
             }
             for column in &mut columns {
-                let next: [Grid; ORDER] = [0, 1, 2, 3]
-                    .map(|i| (0..ORDER).map(|j| times(&model.f[i][j], &column[j])).sum());
-                *column = next;
+                *column = next.iter().map(|row| row.times(column)).collect();
             }
         }
-        let size = |column: &[Grid; ORDER]| -> BigRational {
-            let weighted = (0..ORDER).map(|i| &decay.weights[i] * exactly(&column[i].abs()));
-            weighted.max().unwrap_or_default()
+        let size = |column: &Vec<Grid>| -> BigRational {
+            let weighted = decay.weights.iter().zip(column);
+            let sizes = weighted.map(|(weight, entry)| weight * exactly(&entry.abs()));
+            sizes.max().unwrap_or_default()
         };
-        // One step rounds a sum of four products of numbers below 2³⁰, with entries of F off by a unit.
+        // One step rounds a sum of at most twenty products of numbers below 2³⁰, with entries of F off by a unit.
         let off = power_of_two(40 - 144);
         let weight = decay.weights.iter().max().cloned().unwrap_or_default();
-        let drift = &off * weight * &decay.total;
+        let drift = &off * &weight * &decay.total;
         let norms: Vec<BigRational> = rows.iter().map(|row| decay.row_norm(row)).collect();
         let late: Vec<BigRational> = (0..4)
             .map(|group| {
@@ -139,9 +122,7 @@ impl Responses {
             let beyond = if group == 0 {
                 BigRational::zero()
             } else {
-                let sizes = model.later[group - 1].iter().zip(&decay.weights);
-                let size = sizes.map(|(entry, weight)| entry * weight).max();
-                size.unwrap_or_default() * norm * &decay.total
+                &model.later[group - 1] * &weight * norm * &decay.total
             };
             exactly(sum)
                 + norm * &late[group] * &decay.total
@@ -165,32 +146,69 @@ impl Responses {
 }
 
 /// The rows on the grid.
-fn rows(model: &Loop) -> [[Grid; ORDER]; ROWS] {
-    let zero = Grid::zero;
-    let one = || BigInt::one() << BITS;
-    let gains = model.gains.each_ref().map(on_grid);
-    let [_, fall, _] = &model.a;
+fn rows(model: &Loop) -> [Vec<Grid>; ROWS] {
+    let order = model.f.len();
+    let on_the_grid = |row: &[BigRational]| -> Vec<Grid> { row.iter().map(on_grid).collect() };
+    let state = |place: usize| -> Vec<Grid> {
+        let mut row = vec![Grid::zero(); order];
+        row[place] = BigInt::one() << BITS;
+        row
+    };
     let push = &model.b[1];
-    let [n1, n2, n3] = gains;
-    let before = fall.each_ref().map(on_grid);
-    let after: [Grid; 3] = [0, 1, 2].map(|i| on_grid(&(&fall[i] + push * &model.gains[i])));
-    let [b1, b2, b3] = before;
-    let [a1, a2, a3] = after;
+    let mut before = model.a[1].to_vec();
+    before.resize_with(order, BigRational::zero);
+    let after: Vec<BigRational> = before
+        .iter()
+        .zip(&model.held)
+        .map(|(fall, held)| fall + push * held)
+        .collect();
+    before[3] = push.clone();
+    let held = on_the_grid(&model.held);
+    let mut change = held.clone();
+    change[3] -= BigInt::one() << BITS;
     [
-        [one(), zero(), zero(), zero()],
-        [zero(), one(), zero(), zero()],
-        [zero(), zero(), one(), zero()],
-        [n1.clone(), n2.clone(), n3.clone(), zero()],
-        [n1, n2, n3, -one()],
-        [b1, b2, b3, on_grid(push)],
-        [a1, a2, a3, zero()],
+        state(0),
+        state(1),
+        state(2),
+        held,
+        change,
+        on_the_grid(&before),
+        on_the_grid(&after),
+        on_the_grid(&model.asked),
     ]
+}
+
+/// The entries of a row that are not zero, with their places; `None` for a one.
+struct Sparse(Vec<(usize, Option<Grid>)>);
+
+impl Sparse {
+    fn of(row: &[Grid]) -> Sparse {
+        let one = BigInt::one() << BITS;
+        let entries = row.iter().enumerate();
+        let entries = entries.filter(|(_, entry)| !entry.is_zero());
+        Sparse(
+            entries
+                .map(|(place, entry)| (place, (*entry != one).then(|| entry.clone())))
+                .collect(),
+        )
+    }
+
+    fn times(&self, column: &[Grid]) -> Grid {
+        let mut sum = Grid::zero();
+        for (place, entry) in &self.0 {
+            match entry {
+                Some(entry) => sum += times(entry, &column[*place]),
+                None => sum += &column[*place],
+            }
+        }
+        sum
+    }
 }
 
 /// How fast everything dies away.
 struct Decay {
     /// W.
-    weights: [BigRational; ORDER],
+    weights: Vec<BigRational>,
     m: usize,
     /// K/(1 − q).
     total: BigRational,
@@ -199,21 +217,21 @@ struct Decay {
 impl Decay {
     fn of(model: &Loop) -> Result<Decay, NoBounds> {
         // A state's share of the command makes the states comparable.
-        let mut weights: [BigRational; ORDER] = std::array::from_fn(|_| BigRational::one());
-        for (weight, gain) in weights.iter_mut().zip(&model.gains) {
-            if !gain.is_zero() {
-                *weight = gain.abs();
-            }
-        }
-        let norm = |matrix: &[[Grid; ORDER]; ORDER]| -> BigRational {
-            let row = |i: usize| -> BigRational {
-                (0..ORDER)
-                    .map(|j| exactly(&matrix[i][j].abs()) * &weights[i] / &weights[j])
+        let weights = weights(model);
+        let ratios: SquareGrid = weights
+            .iter()
+            .map(|own| weights.iter().map(|other| above(&(own / other))).collect())
+            .collect();
+        let norm = |matrix: &SquareGrid| -> BigRational {
+            let rows = matrix.iter().zip(&ratios).map(|(row, ratios)| -> Grid {
+                let entries = row.iter().zip(ratios);
+                entries
+                    .map(|(entry, ratio)| times(&entry.abs(), ratio))
                     .sum()
-            };
+            });
             // Far above what the grid rounds.
             let slack = BigRational::one() + power_of_two(-40);
-            (0..ORDER).map(row).max().unwrap_or_default() * slack + power_of_two(-60)
+            exactly(&rows.max().unwrap_or_default()) * slack + power_of_two(-60)
         };
         let mut matrix = model.f.clone();
         let mut m = 1;
@@ -228,11 +246,11 @@ impl Decay {
         }
         if q > half() {
             return Err(NoBounds::NotShown(
-                "with viscous friction alone and a delayed current the loop is not stable, or too slow"
+                "with viscous friction alone and a delayed drive the loop is not stable, or too slow"
                     .to_owned(),
             ));
         }
-        let mut power: [[Grid; ORDER]; ORDER] = Default::default();
+        let mut power: SquareGrid = vec![vec![Grid::zero(); model.f.len()]; model.f.len()];
         for (i, row) in power.iter_mut().enumerate() {
             row[i] = BigInt::one() << BITS;
         }
@@ -250,8 +268,28 @@ impl Decay {
     }
 
     /// ‖C W⁻¹‖₁.
-    fn row_norm(&self, row: &[Grid; ORDER]) -> BigRational {
-        let shares = (0..ORDER).map(|i| exactly(&row[i].abs()) / &self.weights[i]);
-        shares.sum()
+    fn row_norm(&self, row: &[Grid]) -> BigRational {
+        let entries = row.iter().zip(&self.weights);
+        entries
+            .map(|(entry, weight)| exactly(&entry.abs()) / weight)
+            .sum()
     }
+}
+
+/// A state's share of what the drive holds makes the states comparable. The wheel's speed counts as much as the speed that
+/// an encoder shows, and each turn as the turn over the window.
+fn weights(model: &Loop) -> Vec<BigRational> {
+    let share = |place: usize| model.held.get(place).map(Signed::abs).unwrap_or_default();
+    let order = model.f.len();
+    let of_turn = share(4);
+    let speed = match order > 4 {
+        true => &of_turn * &model.t * integer(order as i128 - 4),
+        false => share(2),
+    };
+    let mut weights = vec![share(0), share(1), speed, BigRational::one()];
+    weights.resize(order, of_turn);
+    for weight in weights.iter_mut().filter(|weight| weight.is_zero()) {
+        *weight = BigRational::one();
+    }
+    weights
 }

@@ -25,6 +25,7 @@ pub fn spec() -> ModuleSpec {
             parameter("wheel_viscous_friction", 1.75204e-5, None, "N m s/rad"),
             parameter("body_coulomb_torque", 4.485e-4, None, "N m"),
         ],
+        correlation: None,
         state_weights: [25.0, 0.5, 5e-4],
         current_weight: 1.0,
         a: [
