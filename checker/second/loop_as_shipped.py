@@ -229,23 +229,34 @@ class Responses:
         beyond = reach**LATER / factorial(LATER) / (1 - reach)
         peak, kick, sums = [0] * 8, [0] * 8, [[0] * 8 for _ in range(3)]
         first, steps = 0, 16 * m
+        # What does not act on the wheel is not carried along.
+        acting = 3 if plant.wheel_dry else 2
+        columns = columns[: 1 + PARTS * acting]
         places = [[(j, x) for j, x in enumerate(c) if x] for c in rows]
+        twins = [next(k for k in range(8) if rows[k] == c) for c in rows]
         # A line with a single one moves an entry on.
         moves = [(line[0][0], None) if len(line) == 1 and line[0][1] == ONE else (0, line) for line in lines]
         after = lambda column: [
-            column[place] if line is None else sum(x * column[j] for j, x in line) >> BITS for place, line in moves
+            column[place] if line is None else sum([x * column[j] for j, x in line]) >> BITS for place, line in moves
         ]
         for step in range(steps):
+            seen = []
             for index, c in enumerate(places):
-                seen = [abs(sum(x * column[j] for j, x in c) >> BITS) for column in columns]
-                if index == 4 and step == 0:
-                    first = seen[0]
+                if twins[index] < index:
+                    seen.append(seen[twins[index]])
+                elif index < 3:
+                    seen.append([abs(column[index]) for column in columns])
                 else:
-                    peak[index] = max(peak[index], seen[0])
-                terms = [sum(seen[1 + PARTS * i : 1 + PARTS * (i + 1)]) for i in range(3)]
-                kick[index] = max(kick[index], terms[0])
-                for i in range(3):
-                    sums[i][index] += terms[i]
+                    seen.append([abs(sum([x * column[j] for j, x in c]) >> BITS) for column in columns])
+                if index == 4 and step == 0:
+                    first = seen[index][0]
+                else:
+                    peak[index] = max(peak[index], seen[index][0])
+                for i in range(acting):
+                    term = sum(seen[index][1 + PARTS * i : 1 + PARTS * (i + 1)])
+                    sums[i][index] += term
+                    if i == 0 and term > kick[index]:
+                        kick[index] = term
             columns = [after(column) for column in columns]
         largest = max(weights)
         # Each step is off by less than this in an entry: products of numbers below 2^30, and a unit of F's entries.

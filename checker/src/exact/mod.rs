@@ -4,4 +4,5 @@ pub mod enclosure;
 pub mod grid;
 pub mod matrices;
 pub mod rational;
+pub mod short;
 pub mod slopes;

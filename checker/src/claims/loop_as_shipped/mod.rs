@@ -37,6 +37,7 @@
 //! `motion-kept-up`, with rounding and dry friction alone.
 
 pub mod bounds;
+mod carried;
 pub mod errors;
 pub mod plant;
 pub mod responses;

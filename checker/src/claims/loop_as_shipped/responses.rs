@@ -1,6 +1,6 @@
 //! The largest effect of starts and inputs on each quantity of the loop, over all time.
 //!
-//! Inputs and start are carried forward as columns, v, F v, F² v, …, in units of 2⁻¹⁴⁴. With weights W and ‖·‖ the
+//! Inputs and start are carried forward as columns, v, F v, F² v, …. With weights W and ‖·‖ the
 //! largest sum of a row's magnitudes, q = ‖W Fᵐ W⁻¹‖ < 1 for some m, and K = Σ_{i<m} ‖W Fⁱ W⁻¹‖. Then
 //! Σ_j ‖W Fʲ W⁻¹‖ ≤ K/(1 − q), so that
 //!
@@ -12,9 +12,11 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::plant::{Loop, PARTS, SquareGrid, product};
+use crate::claims::loop_as_shipped::carried::{Carried, ShortLoop};
+use crate::claims::loop_as_shipped::plant::{Loop, SquareGrid, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{half, integer, power_of_two};
+use crate::exact::short::TooLarge;
 
 /// The quantities: the three states, what the drive holds, its change since the last step, the body's acceleration with
 /// what was held before and after the command, and the current that the law asks for.
@@ -58,90 +60,62 @@ impl Responses {
         let order = model.f.len();
         let mut tilted = vec![Grid::zero(); order];
         tilted[0] = BigInt::one() << BITS;
-        let mut columns: Vec<Vec<Grid>> = vec![tilted];
-        columns.extend(model.inputs.iter().flatten().cloned());
-        let mut start: [Grid; ROWS] = Default::default();
-        let mut first_change = Grid::zero();
-        let mut sums: [[Grid; ROWS]; 3] = Default::default();
-        let mut kick: [Grid; ROWS] = Default::default();
         let steps = decay.m * LENGTHS;
-        // Nothing acts on the wheel in most models: then nothing of it is carried along.
-        let is_acting = [true, true, !model.wheel_dry.is_zero()];
-        if !is_acting[2] {
-            columns.truncate(1 + 2 * PARTS);
-        }
-        let entries = rows.each_ref().map(|row| Sparse::of(row));
-        let next: Vec<Sparse> = model.f.iter().map(|row| Sparse::of(row)).collect();
-        for step in 0..steps {
-            for (index, row) in entries.iter().enumerate() {
-                let of = |column: &Vec<Grid>| -> Grid { row.times(column).abs() };
-                let from_start = of(&columns[0]);
-                if index == CHANGE && step == 0 {
-                    first_change = from_start;
-                } else if from_start > start[index] {
-                    start[index] = from_start;
-                }
-                for input in (0..3).filter(|input| is_acting[*input]) {
-                    let parts = &columns[1 + input * PARTS..1 + (input + 1) * PARTS];
-                    let term: Grid = parts.iter().map(of).sum();
-                    if input == 0 && term > kick[index] {
-                        kick[index].clone_from(&term);
-                    }
-                    sums[input][index] += term;
-                }
-            }
-            for column in &mut columns {
-                *column = next.iter().map(|row| row.times(column)).collect();
-            }
-        }
-        let size = |column: &Vec<Grid>| -> BigRational {
-            let weighted = decay.weights.iter().zip(column);
-            let sizes = weighted.map(|(weight, entry)| weight * exactly(&entry.abs()));
-            sizes.max().unwrap_or_default()
+        let too_large = |_: TooLarge| {
+            NoBounds::NotShown("a response of the loop is too large for the argument".to_owned())
         };
-        // One step rounds a sum of at most twenty products of numbers below 2³⁰, with entries of F off by a unit.
-        let off = power_of_two(40 - 144);
+        let short = ShortLoop::of(&model.f, &rows).map_err(too_large)?;
+        let from_start = short.carry(&[tilted], steps).map_err(too_large)?;
+        let mut from_inputs: [Carried; 3] = Default::default();
+        for (carried, columns) in from_inputs.iter_mut().zip(&model.inputs) {
+            *carried = short.carry(columns, steps).map_err(too_large)?;
+        }
+
         let weight = decay.weights.iter().max().cloned().unwrap_or_default();
-        let drift = &off * &weight * &decay.total;
         let norms: Vec<BigRational> = rows.iter().map(|row| decay.row_norm(row)).collect();
-        let late: Vec<BigRational> = (0..4)
-            .map(|group| {
-                let own = match group {
-                    0 => &columns[..1],
-                    _ if !is_acting[group - 1] => &columns[..0],
-                    _ => &columns[1 + (group - 1) * PARTS..1 + group * PARTS],
-                };
-                own.iter().map(size).sum::<BigRational>() + &drift
-            })
-            .collect();
         let count = integer(steps as i128);
-        let parts = integer(PARTS as i128);
-        let settled = |index: usize, group: usize, sum: &Grid| -> BigRational {
+        // `value` as computed for this row, and what it may lack: later steps, and rounding.
+        let settled = |index: usize, carried: &Carried, value: &BigRational| -> BigRational {
             let norm = &norms[index];
-            // The terms of the exponential that are not kept apart.
-            let beyond = if group == 0 {
-                BigRational::zero()
-            } else {
-                &model.later[group - 1] * &weight * norm * &decay.total
-            };
-            exactly(sum)
-                + norm * &late[group] * &decay.total
-                + norm * &drift * &count * &parts
-                + beyond
+            let drift = &carried.off * &weight * &decay.total;
+            let columns = integer(carried.last.len() as i128);
+            let late: BigRational = carried.last.iter().map(|column| decay.size(column)).sum();
+            value
+                + norm * (late + &drift * &columns) * &decay.total
+                + (norm * drift + &carried.off) * &count * columns
         };
-        let peak = |index: usize, group: usize, value: &Grid| -> BigRational {
-            settled(index, group, value)
+        // The terms of the exponential that are not kept apart.
+        let beyond = |index: usize, input: usize| -> BigRational {
+            &model.later[input] * &weight * &norms[index] * &decay.total
+        };
+        let most = |carried: &Carried, index: usize| -> BigRational {
+            carried.first[index]
+                .clone()
+                .max(carried.peak[index].clone())
+        };
+        let start = |index: usize| -> BigRational {
+            let value = match index {
+                CHANGE => from_start.peak[CHANGE].clone(),
+                _ => most(&from_start, index),
+            };
+            settled(index, &from_start, &value)
         };
         let t = &model.t;
-        let result = Responses {
-            start: std::array::from_fn(|index| peak(index, 0, &start[index])),
-            first_change: peak(CHANGE, 0, &first_change),
+        Ok(Responses {
+            start: std::array::from_fn(start),
+            first_change: settled(CHANGE, &from_start, &from_start.first[CHANGE]),
             sums: [0, 1, 2].map(|input| {
-                std::array::from_fn(|index| t * settled(index, input + 1, &sums[input][index]))
+                let carried = &from_inputs[input];
+                std::array::from_fn(|index| {
+                    let sum = settled(index, carried, &carried.sum[index]);
+                    t * (sum + beyond(index, input))
+                })
             }),
-            kick: std::array::from_fn(|index| t * peak(index, 1, &kick[index])),
-        };
-        Ok(result)
+            kick: std::array::from_fn(|index| {
+                let carried = &from_inputs[0];
+                t * (settled(index, carried, &most(carried, index)) + beyond(index, 0))
+            }),
+        })
     }
 }
 
@@ -176,33 +150,6 @@ fn rows(model: &Loop) -> [Vec<Grid>; ROWS] {
         on_the_grid(&after),
         on_the_grid(&model.asked),
     ]
-}
-
-/// The entries of a row that are not zero, with their places; `None` for a one.
-struct Sparse(Vec<(usize, Option<Grid>)>);
-
-impl Sparse {
-    fn of(row: &[Grid]) -> Sparse {
-        let one = BigInt::one() << BITS;
-        let entries = row.iter().enumerate();
-        let entries = entries.filter(|(_, entry)| !entry.is_zero());
-        Sparse(
-            entries
-                .map(|(place, entry)| (place, (*entry != one).then(|| entry.clone())))
-                .collect(),
-        )
-    }
-
-    fn times(&self, column: &[Grid]) -> Grid {
-        let mut sum = Grid::zero();
-        for (place, entry) in &self.0 {
-            match entry {
-                Some(entry) => sum += times(entry, &column[*place]),
-                None => sum += &column[*place],
-            }
-        }
-        sum
-    }
 }
 
 /// How fast everything dies away.
@@ -265,6 +212,13 @@ impl Decay {
             weights,
             m,
         })
+    }
+
+    /// ‖W v‖.
+    fn size(&self, column: &[BigRational]) -> BigRational {
+        let weighted = self.weights.iter().zip(column);
+        let sizes = weighted.map(|(weight, entry)| weight * entry.abs());
+        sizes.max().unwrap_or_default()
     }
 
     /// ‖C W⁻¹‖₁.
