@@ -166,7 +166,11 @@ fn correlations_take_the_corners_away() {
         let each = 3.75 / 7_f64.sqrt();
         let mut parameters = middle;
         for (index, value) in parameters.iter_mut().enumerate() {
-            let own = if index == 5 { 1.0 } else { sign(index as u32 + 1) };
+            let own = if index == 5 {
+                1.0
+            } else {
+                sign(index as u32 + 1)
+            };
             let error = f64::sqrt(rho) * sign(0) * each + f64::sqrt(1.0 - rho) * own * each;
             *value *= 1.0 + SCALE_ERROR * error;
         }
