@@ -29,6 +29,10 @@ A voltage drive holds V = R u + k_e (wheel speed) over a step, and the current t
 w = V/R and c = k_e/R the loop is the same with A - c B (0, 0, 1) for A, sampled as it is stated, and N + c (0, 0, 1) for N. Then
 E must also lie where |w| is at most what the duty and the supply give.
 
+An encoder on the wheel shows the mean speed over the last n steps. While the wheel accelerates with at most f, that is off by
+f n T/2, and by the errors of two counts instead of one. f is stated; in E, and until the next sample, no more can follow from it:
+at a sample the wheel accelerates with (A3 + B3 N) x + B3 v, and until the next one the states move as the rows of A let them.
+
 Exit code 0 and one line: it holds. 1: a sentence says what does not. 2: no such certificate.
 """
 
@@ -171,6 +175,23 @@ def worst_difference(row, f, g, bd, p_inverse, bd_norm, gamma, levels, terms):
     return [max(Fraction(w, 1 << BITS), v * whole + late) for w, v in zip(worst, levels)]
 
 
+def wheel_acceleration(a, b, gains, reach, extents, noise, period):
+    """A bound of the wheel's acceleration in the set, at samples and between them, with gravity as a sine."""
+    held, bounds = reach(gains) + noise, extents[:]
+    sine = lambda angle: abs(a[1][0]) * angle**3 / 6
+    for _ in range(40):
+        moved = [
+            extent + period * (dot([abs(x) for x in row], bounds) + abs(push) * held + (sine(bounds[0]) if i else 0))
+            for i, (extent, row, push) in enumerate(zip(extents, a, b))
+        ]
+        if all(new < old for new, old in zip(moved, bounds)):
+            drift = sum(abs(x) * (y - z) for x, y, z in zip(a[2], bounds, extents))
+            at_sample = reach([x + b[2] * gain for x, gain in zip(a[2], gains)])
+            return at_sample + abs(b[2]) * noise + drift + sine(bounds[0])
+        bounds = [Fraction(int(x * (1 + Fraction(1, 10**9)) * 10**12) + 1, 10**12) for x in moved]
+    raise Fails("the motion between two samples does not settle")
+
+
 def check(certificate):
     number = Fraction
     loop = certificate["closed_loop"]
@@ -194,13 +215,15 @@ def check(certificate):
 
     holds(p == transposed(p) and is_positive_definite(p), "P is not positive definite")
     holds(0 < gamma < 1, "the contraction is not between 0 and 1")
+    held_a = a
     voltage, supply, w_gains = certificate["drive"]["voltage"], None, [[-x for x in k], n[:]]
     if voltage is not None:
         drive, ohm = certificate["drive"], number(voltage["winding_Ohm"])
         holds(ohm > 0, "the winding has no resistance")
         c = number(voltage["back_emf_V_s"]) / ohm
         ad, bd = matrix(voltage["Ad"]), vector(voltage["Bd"])
-        check_sampling([row[:2] + [row[2] - c * y] for row, y in zip(a, b)], b, ad, bd, period)
+        held_a = [row[:2] + [row[2] - c * y] for row, y in zip(a, b)]
+        check_sampling(held_a, b, ad, bd, period)
         w_gains = [gains[:2] + [gains[2] + c] for gains in w_gains]
         counts = min(drive["duty_high"] - drive["duty_zero"], drive["duty_zero"] - drive["duty_low"])
         supply = min(abs(number(drive["amperes_per_count"])) * counts, number(voltage["supply_V"]) / ohm)
@@ -223,7 +246,14 @@ def check(certificate):
 
     bd_norm = root(quadratic(p, bd))
     holds(supply is None or reach(w_gains[0]) <= supply, "the supply clips the real law in the set")
+    encoder, acceleration = certificate["hardware"]["wheel_speed"]["encoder"], loop["wheel_acceleration_rad_s2"]
+    holds((encoder is None) == (acceleration is None), "the wheel's acceleration belongs to an encoder")
+    if encoder is not None:
+        acceleration = number(acceleration)
+        half_words[2] += encoder["window"] * period / 2 * acceleration
     counts = [h + abs(number(step)) / 2 for h, step in zip(half_words, loop["sensor_steps"])]
+    if encoder is not None:
+        counts[2] += abs(number(loop["sensor_steps"][2])) / 2
     names = [case["name"] for case in loop["cases"]]
     holds(names == ["words", "sensors"], "the cases are not words and sensors")
     levels = []
@@ -237,6 +267,9 @@ def check(certificate):
         holds(share <= number(loop["perturbation_share"]), f"{name} need more of the set than is stated")
         holds(reach(n) + of_current <= limit, f"the emitted law may reach its limit ({name})")
         holds(supply is None or reach(w_gains[1]) + noise <= supply, f"the supply may clip ({name})")
+        if encoder is not None:
+            most = wheel_acceleration(held_a, b, w_gains[1], reach, extents, noise, period)
+            holds(most <= acceleration, f"the wheel may accelerate more than is stated ({name})")
         for entry, extent, step in zip(inputs, extents, steps):
             largest = min(Fraction(2**31 - 1, 2 ** entry["fraction_bits"]), number(entry["range"]))
             holds(extent + step <= largest, f"the set reaches beyond {entry['argument']} ({name})")

@@ -11,19 +11,23 @@
 //! scaled until a command or a state reaches its limit. The limit of the angle is the one at which the largest
 //! current just holds the body against gravity, |B₂| L/A₂₁, because no loop returns from beyond it.
 //! With a voltage drive the loop is that of the held voltage ([`crate::held_voltage`]), and the set also stays where the
-//! supply does not clip. γ and ε are chosen for the largest volume that the perturbations cannot leave.
+//! supply does not clip. With an encoder on the wheel the shown speed is half a window old, which is one perturbation more. γ and ε are chosen for the largest volume that the perturbations cannot leave.
 
 use nalgebra::{DMatrix, DVector, Matrix3, RowVector3, Vector3};
 use num_traits::ToPrimitive;
 use serde::Serialize;
 
 use crate::exact::{ShortestDecimal, outward, parse};
+use crate::hardware::WheelSensor;
 use crate::held_voltage::HeldInput;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
 /// Rounding up by this share covers the floating-point error.
 const MARGIN: f64 = 1e-10;
+
+/// Rounds in which bounds that depend on each other settle.
+const ROUNDS: usize = 40;
 
 /// Significant digits of a bound.
 const DIGITS: u32 = 12;
@@ -36,6 +40,8 @@ struct Certificate {
     #[serde(rename = "command_A")]
     command: String,
     sensor_steps: [String; 3],
+    #[serde(rename = "wheel_acceleration_rad_s2")]
+    wheel_acceleration: Option<String>,
     perturbation_share: String,
     terms: u32,
     #[serde(rename = "rest_A")]
@@ -68,6 +74,12 @@ struct Loop {
     limit: f64,
     /// Largest input that the supply gives.
     reach: f64,
+    /// A and B of what the drive holds.
+    a: Matrix3<f64>,
+    b: Vector3<f64>,
+    sample_time_s: f64,
+    /// Half the window of an encoder on the wheel (s); zero without one.
+    half_window_s: f64,
     half_unit: f64,
     ranges: Vector3<f64>,
     half_words: Vector3<f64>,
@@ -80,10 +92,49 @@ impl Loop {
         ((self.emitted + self.back_emf).abs() * steps)[0] + self.half_unit
     }
 
-    /// The factor by which the set xᵀ P x ≤ 1 may be enlarged until a command or the supply is at its limit.
-    fn room(&self, p: &Matrix3<f64>) -> f64 {
+    /// How far the speed over the window of an encoder may be off while the wheel accelerates so (rad/s).
+    fn lag(&self, acceleration: f64) -> Vector3<f64> {
+        Vector3::new(0.0, 0.0, self.half_window_s * acceleration)
+    }
+
+    /// A bound of the wheel's acceleration in the set, for perturbations by it and by `steps` (rad/s²); `None` where there
+    /// is none. Zero without an encoder, where it is not asked for. The checker's `window_lag` says why.
+    fn wheel_acceleration(&self, p: &Matrix3<f64>, steps: &Vector3<f64>) -> Option<f64> {
+        if self.half_window_s == 0.0 {
+            return Some(0.0);
+        }
+        let held = self.emitted + self.back_emf;
+        let extents = Vector3::from_fn(|i, _| {
+            let mut row = RowVector3::zeros();
+            row[i] = 1.0;
+            dual_norm(p, &row)
+        });
+        let at_sample = dual_norm(p, &(self.a.row(2) + held * self.b[2]));
+        let sine = |angle: f64| self.a[(1, 0)].abs() * angle.powi(3) / 6.0;
+        let mut found = at_sample;
+        for _ in 0..ROUNDS {
+            let noise = self.noise(&(steps + self.lag(found)));
+            let current = dual_norm(p, &held) + noise;
+            let mut b = extents;
+            for _ in 0..ROUNDS {
+                let sines = Vector3::new(0.0, 1.0, 1.0) * sine(b[0]);
+                let change = self.a.abs() * b + self.b.abs() * current + sines;
+                b = extents + change * self.sample_time_s;
+            }
+            let drift = (self.a.row(2).abs() * (b - extents))[0] + sine(b[0]);
+            let next = (at_sample + self.b[2].abs() * noise + drift) * (1.0 + 1e-6);
+            if next <= found {
+                return Some(found);
+            }
+            found = next * (1.0 + 1e-9);
+        }
+        None
+    }
+
+    /// The factor by which the set xᵀ P x ≤ 1 may be enlarged until a command or the supply is at its limit, for errors
+    /// `steps` of the states.
+    fn room(&self, p: &Matrix3<f64>, steps: &Vector3<f64>) -> f64 {
         let reach = |row: RowVector3<f64>| dual_norm(p, &row);
-        let steps = &self.half_sensors;
         let of_current = (self.emitted.abs() * steps)[0] + self.half_unit;
         let largest = reach(self.gains).max(reach(self.emitted));
         let held = reach(self.gains - self.back_emf).max(reach(self.emitted + self.back_emf));
@@ -100,6 +151,12 @@ pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value>
     let half_words = Vector3::from_fn(|i, _| 0.5 * unit(law.terms[i].input.format.fraction_bits));
     let gains = RowVector3::from_row_slice(&spec.gains);
     let held = HeldInput::of(spec);
+    let encoder = match &spec.hardware.wheel {
+        WheelSensor::Encoder(encoder) => Some(encoder),
+        _ => None,
+    };
+    // An encoder's turn is the difference of two counts.
+    let shares = Vector3::new(0.5, 0.5, if encoder.is_some() { 1.0 } else { 0.5 });
     let input = Vector3::from_column_slice(&held.bd);
     let ad = Matrix3::from_fn(|i, j| held.ad[i][j]);
     let back_emf = RowVector3::new(0.0, 0.0, held.back_emf);
@@ -107,6 +164,19 @@ pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value>
         f: ad - input * (gains - back_emf),
         back_emf,
         reach: held.reach_a,
+        a: Matrix3::from_fn(|i, j| {
+            let braked = if j == 2 {
+                spec.b[i] * held.back_emf
+            } else {
+                0.0
+            };
+            spec.a[i][j] - braked
+        }),
+        b: Vector3::from_column_slice(&spec.b),
+        sample_time_s: spec.sample_time_s,
+        half_window_s: encoder.map_or(0.0, |encoder| {
+            0.5 * f64::from(encoder.window) * spec.sample_time_s
+        }),
         input,
         gains,
         emitted: RowVector3::from_fn(|_, i| {
@@ -124,10 +194,11 @@ pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value>
             spec.ranges.wheel_speed_rad_s,
         ),
         half_words,
-        half_sensors: half_words + 0.5 * Vector3::from_column_slice(&sensor_steps),
+        half_sensors: half_words + Vector3::from_column_slice(&sensor_steps).component_mul(&shares),
     };
     let (p, gamma) = largest_ellipsoid(&problem)?;
-    Some(stated(&problem, &p, gamma, sensor_steps))
+    let acceleration = problem.wheel_acceleration(&p, &problem.half_sensors)?;
+    Some(stated(&problem, &p, gamma, sensor_steps, acceleration))
 }
 
 /// The angle at which the largest current just holds the body in the linear model; infinite if the body does
@@ -191,14 +262,33 @@ fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
         problem.gains.transpose() * problem.gains + Matrix3::from_diagonal(&scale) * epsilon;
     let p = lyapunov(&(problem.f / gamma), &(weight / (gamma * gamma)))?;
     let reach = |row: &RowVector3<f64>| dual_norm(&p, row);
-    let noise = problem.noise(&problem.half_sensors);
-    let mut growth = problem.room(&p);
-    for i in 0..3 {
-        let mut row = RowVector3::zeros();
-        row[i] = 1.0;
-        growth = growth.min((problem.ranges[i] - problem.half_sensors[i]) / reach(&row));
+    let growth = |steps: &Vector3<f64>| {
+        let mut growth = problem.room(&p, steps);
+        for i in 0..3 {
+            let mut row = RowVector3::zeros();
+            row[i] = 1.0;
+            growth = growth.min((problem.ranges[i] - steps[i]) / reach(&row));
+        }
+        growth * (1.0 - 1e-6)
+    };
+    let mut steps = problem.half_sensors;
+    let mut found = growth(&steps);
+    if problem.half_window_s > 0.0 {
+        // The larger the set, the more the wheel accelerates in it, and the more room its shown speed needs.
+        for _ in 0..ROUNDS {
+            let scaled = p / (found * found);
+            let acceleration = problem.wheel_acceleration(&scaled, &problem.half_sensors)?;
+            steps = problem.half_sensors + problem.lag(acceleration);
+            let next = growth(&steps);
+            let is_settled = (next - found).abs() <= 1e-9 * found;
+            found = next;
+            if is_settled {
+                break;
+            }
+        }
+        found *= 1.0 - 1e-6;
     }
-    let growth = growth * (1.0 - 1e-6);
+    let (growth, noise) = (found, problem.noise(&steps));
     let p = p / (growth * growth);
     let input_norm = (problem.input.transpose() * p * problem.input)[0].sqrt();
     let is_invariant = input_norm * noise <= (1.0 - gamma) * (1.0 - 1e-6);
@@ -222,6 +312,7 @@ fn stated(
     p: &Matrix3<f64>,
     gamma: f64,
     sensor_steps: [f64; 3],
+    acceleration: f64,
 ) -> serde_json::Value {
     // From here on, the printed matrix is used; its decimals are exactly these doubles.
     let reach = |row: &RowVector3<f64>| dual_norm(p, row);
@@ -247,18 +338,22 @@ fn stated(
         }
     };
     let number = |value: f64| ShortestDecimal::new(value).text;
+    let lag = problem.lag(acceleration);
     let certificate = Certificate {
         ellipsoid: [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(p[(i, j)]))),
         contraction: number(gamma),
         extents: [0, 1, 2].map(|i| up(reach(&rows[i]))),
         command: up(reach(&rows[3])),
         sensor_steps: sensor_steps.map(number),
-        perturbation_share: up(input_norm * problem.noise(&problem.half_sensors) / (1.0 - gamma)),
+        wheel_acceleration: (acceleration > 0.0).then(|| number(acceleration)),
+        perturbation_share: up(
+            input_norm * problem.noise(&(problem.half_sensors + lag)) / (1.0 - gamma)
+        ),
         terms,
         rest: up(reach(&rows[3]) * geometric),
         cases: vec![
-            case("words", &problem.half_words),
-            case("sensors", &problem.half_sensors),
+            case("words", &(problem.half_words + lag)),
+            case("sensors", &(problem.half_sensors + lag)),
         ],
     };
     serde_json::to_value(certificate).expect("strings and integers serialise")

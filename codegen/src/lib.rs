@@ -53,11 +53,6 @@ pub use monitor::MonitorSpec;
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
 
-/// Whether the wheel's speed is a turn over a window, which adds states to the loop.
-fn has_wheel_encoder(spec: &ModuleSpec) -> bool {
-    matches!(spec.hardware.wheel, hardware::WheelSensor::Encoder(_))
-}
-
 /// How a module is emitted, apart from its numbers.
 #[derive(Debug, Clone, Default)]
 pub struct EmissionOptions {
@@ -110,9 +105,9 @@ pub fn generate_with(
     }
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
-        // The bound holds for `control` on the measured states. An observer that changes the angle, and an encoder's
-        // speed that is half a window old, make other loops, for which it is not claimed.
-        None if spec.hardware.bias_observer.is_some() || has_wheel_encoder(spec) => None,
+        // The bound holds for `control` on the measured states. An observer that changes the angle makes another loop,
+        // for which it is not claimed.
+        None if spec.hardware.bias_observer.is_some() => None,
         None => closed_loop::certify(spec, &law),
     };
     // The claim about the modes is checked with the harnesses.

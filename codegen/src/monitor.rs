@@ -9,9 +9,13 @@
 //! - torques of friction, cogging, dead zone and offset, of any course up to their size;
 //! - for the body: one push, of the size from which the pendulum can just come back.
 //!
+//! With a voltage drive the model is that of the held voltage ([`crate::held_voltage`]), and the duty is the voltage over the
+//! winding's resistance, which changes with its temperature: no error of it is stated.
+//!
 //! The widths grow with the states and the current by the shares by which the model's numbers may be off: three
 //! standard errors, or [`UNSTATED_SHARE`] where none is stated.
 
+use crate::held_voltage::HeldInput;
 use crate::helpers::motion::{MotionLimits, MotionRow};
 use crate::ir::IntegerLaw;
 use crate::refusal::Refusal;
@@ -76,11 +80,9 @@ pub fn derive(
     monitor: &MonitorSpec,
 ) -> Result<MonitorNumbers, Refusal> {
     let refuse = |reason: String| Refusal::Monitor { reason };
-    if spec.parts().has_voltage_drive || spec.parts().wheel == WheelPart::Encoder {
+    if spec.parts().wheel == WheelPart::Encoder {
         return Err(refuse(
-            "the monitor takes the current from the duty and the wheel's speed without delay, which a voltage drive and \
-             an encoder on the wheel do not give"
-                .to_owned(),
+            "the monitor takes the wheel's speed without delay, which an encoder on the wheel does not give".to_owned(),
         ));
     }
     let torques = Torques::read(spec)?;
@@ -94,16 +96,22 @@ pub fn derive(
     let row = |pick: &dyn Fn(usize, usize) -> f64, input: f64| -> Row {
         [pick(1, 0), pick(1, 1), pick(1, 2), input]
     };
-    let change = |i: usize, j: usize| spec.ad[i][j] - f64::from(u8::from(i == j));
-    let body = row(&change, spec.bd[1]);
+    let held = HeldInput::of(spec);
+    let change = |i: usize, j: usize| held.ad[i][j] - f64::from(u8::from(i == j));
+    let body = row(&change, held.bd[1]);
     let wheel = row(
         &|i, j| change(i, j) + change(i + 1, j),
-        spec.bd[1] + spec.bd[2],
+        held.bd[1] + held.bd[2],
     );
 
     // A current that acts late: its share of the sum that is remembered, and what is not there yet.
     let late = (1.0 - 1.0 / memory).powi(-LATE_STEPS) - 1.0;
-    let late_a = f64::from(LATE_STEPS) * spec.current_limit_a;
+    // What the drive holds is at most the limit, or the end of the supply.
+    let most_a = match spec.drive.voltage {
+        None => spec.current_limit_a,
+        Some(_) => held.reach_a,
+    };
+    let late_a = f64::from(LATE_STEPS) * most_a;
     let angle_trip = crate::supervisor::numbers(spec).angle_trip_rad;
     let sine = angle_trip * angle_trip / 6.0;
     let wheel_width = [
@@ -256,11 +264,21 @@ impl Shares {
         let value = |name: &str| parameter(spec, name).map_or(0.0, |found| found.value);
         let (whole, wheel) = (value("total_inertia"), value("wheel_inertia"));
         let off = share("total_inertia") * whole + share("wheel_inertia") * wheel;
+        // A voltage drive gives a current by the winding's resistance, and the motor brakes its wheel with τ²/R.
+        let (torque, friction) = (share("torque_constant"), share("wheel_viscous_friction"));
+        let (torque, wheel_friction) = match spec.drive.voltage {
+            None => (torque, friction),
+            Some(_) => {
+                let less = 1.0 - UNSTATED_SHARE;
+                let braking = (1.0 + torque).powi(2) / less - 1.0;
+                ((1.0 + torque) / less - 1.0, braking.max(friction))
+            }
+        };
         let shares = Shares {
-            torque: share("torque_constant"),
+            torque,
             gravity: share("gravity_torque"),
             wheel: share("wheel_inertia"),
-            wheel_friction: share("wheel_viscous_friction"),
+            wheel_friction,
             body: off / (whole - wheel),
         };
         let divisors = [shares.wheel, shares.body];

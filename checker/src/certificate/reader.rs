@@ -304,6 +304,10 @@ pub struct CertifiedLoop {
     pub command: StatedDecimal,
     /// Size of one count of the sensors: rad, rad/s, rad/s.
     pub sensor_steps: [StatedDecimal; 3],
+    /// Largest acceleration of the wheel in the set (rad/s²), where an encoder shows its speed over a window; null where
+    /// none does.
+    #[serde(rename = "wheel_acceleration_rad_s2", deserialize_with = "stated")]
+    pub wheel_acceleration: Option<StatedDecimal>,
     /// Share of the set that the perturbations need, at most 1, rounded up.
     pub perturbation_share: StatedDecimal,
     /// Number of terms in the sum; the rest is bounded by a geometric series.

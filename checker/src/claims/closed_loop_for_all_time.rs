@@ -17,6 +17,9 @@
 //! spaces |w| ≤ V_max/R in which the supply does not clip; the limit of the current is still that of N x, with the gains
 //! of the current. R and k_e are the stated ones, and the winding's inductance is neglected.
 //!
+//! **Encoder on the wheel.** The second loop sees the mean speed over a window, and as rounding the difference of two
+//! counts ([`crate::claims::window_lag`]). The first sees the wheel's speed itself.
+//!
 //! **Difference.** While both stay in E, x_k = F̂ᵏ x₀ + Σ F̂ʲ Bd v and x̄_k = Fᵏ x₀. For a row C the
 //! difference e = x − x̄ obeys, with ‖r‖* = √(r P⁻¹ rᵀ),
 //!
@@ -26,29 +29,21 @@
 //! x₀ at which E touches the plane with normal C (F̂ᵏ − Fᵏ) gives G_k. The largest value over k is therefore not
 //! only a bound, but the worst case. From k = n on, S and G are bounded by
 //! S_n + ‖C‖* ‖Bd‖ γⁿ/(1 − γ) and 2 ‖C‖* γⁿ.
-//!
-//! **Rounding of this computation.** C F̂ᵏ and C Fᵏ are kept in units of 2⁻¹⁹² and rounded down in
-//! every step. Such an error of at most one unit per entry has ‖·‖* ≤ 2⁻¹⁹² √(Σ|P⁻¹ᵢⱼ|), and shrinks
-//! by γ in each later step. All errors together are therefore bounded by a geometric series, which
-//! is added.
+//! [`crate::claims::closed_loop_response`] adds it up.
 
-use num_bigint::BigInt;
-use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::certificate::reader::{Certificate, CertifiedLoop, matrix, vector};
+use crate::claims::closed_loop_response::Response;
 use crate::claims::control_law::{EmittedLaw, exponent};
-use crate::claims::encoder_loop_stable::other_loop;
 use crate::claims::held_loop::HeldLoop;
 use crate::claims::outcome::ClaimOutcome;
+use crate::claims::window_lag::WindowLag;
 use crate::exact::matrices::{
     Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
 };
 use crate::exact::rational::{half, integer, power_of_two, root_above, rounded_up};
-
-/// Bits after the point of the powers of F.
-const BITS: usize = 192;
 
 /// The names of the states.
 const STATES: [&str; 3] = ["angle", "rate", "wheel speed"];
@@ -100,12 +95,8 @@ pub fn by_exact_arithmetic(
 ) -> (ClaimOutcome, Option<ClosedLoopBounds>) {
     let Some(stated) = &certificate.closed_loop else {
         let why = "the certificate states none: no set was found that the perturbations cannot leave, or the module has an observer of the angle's bias, which the bound does not include";
-        let why = other_loop(certificate).unwrap_or_else(|| why.to_owned());
-        return (ClaimOutcome::NotRun(why), None);
+        return (ClaimOutcome::NotRun(why.to_owned()), None);
     };
-    if let Some(why) = other_loop(certificate) {
-        return (ClaimOutcome::Failed(why), None);
-    }
     match check(certificate, stated, law) {
         Ok(bounds) => {
             let parts: Vec<_> = bounds
@@ -268,9 +259,12 @@ fn bounds(
             "the cases are {names:?}; they are to be words and sensors"
         ));
     }
-    let words = law.half_words();
+    let lag = WindowLag::of(certificate, stated)?;
+    let mut words = law.half_words();
+    words[2] += &lag.speed;
+    let readings = [1, 1, lag.readings].map(integer);
     let sensors: Vector =
-        [0, 1, 2].map(|i| &words[i] + stated.sensor_steps[i].value.abs() * half());
+        [0, 1, 2].map(|i| &words[i] + stated.sensor_steps[i].value.abs() * half() * &readings[i]);
 
     let mut noises = Vec::new();
     let mut largest_share = BigRational::zero();
@@ -283,6 +277,7 @@ fn bounds(
                     .sum::<BigRational>()
         };
         let (noise, of_current) = (with(&held_gains), with(&law.gains));
+        lag.check(certificate, &held, &extents, &held_gains, &noise, &reach)?;
         let share = &input_norm * &noise / (&one - gamma);
         if share > one {
             return Err(format!(
@@ -367,142 +362,4 @@ fn bounds(
         rest,
         cases,
     })
-}
-
-/// The data of the two loops for the worst difference of one row.
-struct Response<'a> {
-    exact: &'a Matrix,
-    quantised: &'a Matrix,
-    bd: &'a Vector,
-    inverse: &'a Matrix,
-    input_norm: BigRational,
-    gamma: &'a BigRational,
-    terms: u32,
-}
-
-/// Entries as integers over one denominator.
-fn over_one(entries: &[BigRational]) -> (Vec<BigInt>, BigInt) {
-    let mut common = BigInt::one();
-    for entry in entries {
-        common = common.lcm(entry.denom());
-    }
-    let whole = entries
-        .iter()
-        .map(|entry| entry.numer() * (&common / entry.denom()))
-        .collect();
-    (whole, common)
-}
-
-/// A matrix as integers over one denominator.
-struct Scaled {
-    /// Row by row.
-    entries: Vec<BigInt>,
-    denominator: BigInt,
-}
-
-impl Scaled {
-    fn new(matrix: &Matrix) -> Self {
-        let entries: Vec<BigRational> = matrix.iter().flatten().cloned().collect();
-        let (entries, denominator) = over_one(&entries);
-        Scaled {
-            entries,
-            denominator,
-        }
-    }
-
-    /// row · matrix, rounded down.
-    fn left(&self, row: &[BigInt; 3]) -> [BigInt; 3] {
-        [0, 1, 2].map(|j| {
-            let sum: BigInt = (0..3).map(|i| &row[i] * &self.entries[3 * i + j]).sum();
-            sum.div_floor(&self.denominator)
-        })
-    }
-
-    /// row · matrix · rowᵀ times the denominator.
-    fn quadratic(&self, row: &[BigInt; 3]) -> BigInt {
-        let mut sum = BigInt::zero();
-        for i in 0..3 {
-            for j in 0..3 {
-                sum += &row[i] * &self.entries[3 * i + j] * &row[j];
-            }
-        }
-        sum
-    }
-}
-
-impl Response<'_> {
-    /// The largest of V S_k + G_k over all k, for each V; and the bound of what S has beyond the
-    /// terms that are added up.
-    fn worst(
-        &self,
-        row: &Vector,
-        noises: &[BigRational],
-    ) -> Result<(Vec<BigRational>, BigRational), String> {
-        if self.terms == 0 || self.terms > 1_000_000 {
-            return Err(format!(
-                "{} terms; between 1 and 1000000 are added up",
-                self.terms
-            ));
-        }
-        let unit = power_of_two(-(i32::try_from(BITS).unwrap_or(0)));
-        let one = BigRational::one();
-        let root =
-            |value: &BigRational| root_above(value).ok_or_else(|| "a negative square".to_owned());
-        let scaled_unit = |value: &BigRational| (value / &unit).ceil().to_integer();
-
-        // ‖·‖* of what rounding has done to a row, at any time.
-        let entries: BigRational = self.inverse.iter().flatten().map(Signed::abs).sum();
-        let row_error = &unit * root(&entries)? * (&one + &one / (&one - self.gamma));
-        let sum_error = scaled_unit(&(&row_error * &self.input_norm)) + 1;
-        let difference_error = scaled_unit(&(&row_error * integer(2))) + 1;
-
-        let (exact, quantised) = (Scaled::new(self.exact), Scaled::new(self.quantised));
-        let inverse = Scaled::new(self.inverse);
-        let (input, input_denominator) = over_one(self.bd);
-        let levels: Vec<BigInt> = noises.iter().map(scaled_unit).collect();
-
-        let start: [BigInt; 3] = [0, 1, 2].map(|i| (&row[i] / &unit).floor().to_integer());
-        let (mut with_exact, mut with_quantised) = (start.clone(), start);
-        let mut sum = BigInt::zero();
-        let mut worst = vec![BigInt::zero(); levels.len()];
-        let mut power = BigInt::one() << BITS;
-        let gamma = scaled_unit(self.gamma);
-        for _ in 0..self.terms {
-            let response: BigInt = (0..3).map(|i| &with_quantised[i] * &input[i]).sum();
-            sum += response.abs().div_ceil(&input_denominator) + &sum_error;
-            with_exact = exact.left(&with_exact);
-            with_quantised = quantised.left(&with_quantised);
-            let difference = [0, 1, 2].map(|i| &with_quantised[i] - &with_exact[i]);
-            let square = inverse
-                .quadratic(&difference)
-                .div_ceil(&inverse.denominator);
-            let gain = square.sqrt() + 1 + &difference_error;
-            for (level, worst) in levels.iter().zip(&mut worst) {
-                let total = ((level * &sum) >> BITS) + 1 + &gain;
-                if total > *worst {
-                    *worst = total;
-                }
-            }
-            power = ((power * &gamma) >> BITS) + 1;
-        }
-        let power = BigRational::from(power) * &unit;
-        let reach = root(&quadratic(self.inverse, row))?;
-        let rest = &reach * &self.input_norm * &power / (&one - self.gamma);
-        let sum = BigRational::from(sum) * &unit + &rest;
-        if &rest * integer(1000) > sum {
-            return Err(format!(
-                "{} terms leave {} of {} open; add up more",
-                self.terms,
-                rounded_up(&rest, 3),
-                rounded_up(&sum, 3)
-            ));
-        }
-        let late_gain = reach * integer(2) * power;
-        let worst = worst
-            .into_iter()
-            .zip(noises)
-            .map(|(worst, noise)| (BigRational::from(worst) * &unit).max(noise * &sum + &late_gain))
-            .collect();
-        Ok((worst, rest))
-    }
 }

@@ -35,18 +35,10 @@ type Matrix = Vec<Vec<BigRational>>;
 /// Coefficients of z⁰, z¹, …
 type Polynomial = Vec<BigRational>;
 
-/// Why a loop that other claims speak of is not that of this module; `None` where it is.
-pub(crate) fn other_loop(certificate: &Certificate) -> Option<String> {
-    certificate.hardware.wheel_speed.encoder.is_some().then(|| {
-        "the wheel's speed is an encoder's, half a window old: the argument does not cover that; \
-         `encoder-loop-stable` speaks of the linear loop with it"
-            .to_owned()
-    })
-}
-
 /// What comes of the claim.
 pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
-    if other_loop(certificate).is_none() && certificate.drive.voltage.is_none() {
+    let has_encoder = certificate.hardware.wheel_speed.encoder.is_some();
+    if !has_encoder && certificate.drive.voltage.is_none() {
         return ClaimOutcome::NotApplicable("no encoder, and a current drive".to_owned());
     }
     if certificate.bias_observer.is_some() {

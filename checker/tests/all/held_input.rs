@@ -49,7 +49,8 @@ fn certificate(supply_v: f64) -> Value {
         x
     };
     let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|x| moved(x, 0.0));
-    let bd = moved([0.0; 3], 1.0);
+    let sampled = [0, 1, 2].map(|i| [0, 1, 2].map(|j| text(columns[j][i])));
+    let input = moved([0.0; 3], 1.0).map(text);
     let drive = &mut found["drive"];
     let counts = f64::from(26_214);
     drive["amperes_per_count"] = text(supply_v / counts / OHM).into();
@@ -59,8 +60,8 @@ fn certificate(supply_v: f64) -> Value {
         "supply_V": text(supply_v),
         "winding_Ohm": text(OHM),
         "back_emf_V_s": "0.0335",
-        "Ad": [0, 1, 2].map(|i| [0, 1, 2].map(|j| text(columns[j][i]))),
-        "Bd": bd.map(text),
+        "Ad": sampled,
+        "Bd": input,
     });
     let per_count = std::f64::consts::TAU / 4096.0 / (f64::from(WINDOW) * PERIOD_S);
     found["hardware"]["wheel_speed"] = json!({

@@ -12,6 +12,9 @@ use checker::exact::rational::decimal;
 use num_traits::ToPrimitive;
 use proptest::prelude::*;
 
+/// Standard error of the scale of all torques, as a share.
+const SCALE_ERROR: f64 = 0.15;
+
 fn read() -> (Certificate, EmittedLaw) {
     let folder = Path::new("../generated");
     let module = Module::read(folder).unwrap();
@@ -137,36 +140,40 @@ fn an_unstable_vector_is_named() {
     assert!(!is_stable(&law, parameters, 0.001), "{why}");
 }
 
-/// A free swing knows G/Θ far better than G and Θ. Over the box of such errors the loop is not stable; over their ellipsoid
-/// it is, and every vector drawn from the ellipsoid's surface says so.
+/// Logs know every torque and inertia against each other, and the scale of all of them far worse: from a torque constant
+/// of the data sheet. Over the box of such errors the loop is not stable. Over their ellipsoid it is, and every vector on
+/// the ellipsoid's surface that is drawn here says so.
 #[test]
 fn correlations_take_the_corners_away() {
-    let (mut certificate, law) = uncertain(0.0);
-    let share = 0.06;
-    for parameter in &mut certificate.parameters {
-        let is_swung = ["total_inertia", "gravity_torque"].contains(&parameter.name.as_str());
-        let std = parameter.value.value.to_f64().unwrap() * share;
-        parameter.std = is_swung.then(|| number(&format!("{std:e}")));
-    }
+    let (mut certificate, law) = uncertain(SCALE_ERROR);
     assert!(check_region(&certificate, &law).is_err(), "the box");
     let rho = 0.9999;
+    let names = certificate.parameters.iter().map(|p| p.name.clone());
+    let names: Vec<String> = names.collect();
+    let row = |i: usize| (0..names.len()).map(move |j| number(if i == j { "1" } else { "0.9999" }));
+    let matrix = (0..names.len()).map(|i| row(i).collect()).collect();
     certificate.correlation = Some(CertifiedCorrelation {
-        parameters: vec!["gravity_torque".to_owned(), "total_inertia".to_owned()],
-        matrix: vec![
-            vec![number("1"), number("0.9999")],
-            vec![number("0.9999"), number("1")],
-        ],
+        parameters: names,
+        matrix,
     });
     let region = check_region(&certificate, &law).unwrap();
     assert!(region.is_correlated);
     println!("{} parts", region.boxes);
     let middle = nominal(&certificate);
-    for part in 0..32 {
-        let turn = f64::from(part) / 32.0 * std::f64::consts::TAU;
-        let (first, second) = (turn.cos() * 2.44, turn.sin() * 2.44);
+    for part in 0..64_u32 {
+        // Seven coordinates of one length: the scale, and the share of each parameter alone.
+        let sign = |bit: u32| if part >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        let each = 3.75 / 7_f64.sqrt();
         let mut parameters = middle;
-        parameters[0] *= 1.0 + share * first;
-        parameters[2] *= 1.0 + share * (rho * first + (1.0_f64 - rho * rho).sqrt() * second);
+        for (index, value) in parameters.iter_mut().enumerate() {
+            let own = if index == 5 {
+                1.0
+            } else {
+                sign(index as u32 + 1)
+            };
+            let error = f64::sqrt(rho) * sign(0) * each + f64::sqrt(1.0 - rho) * own * each;
+            *value *= 1.0 + SCALE_ERROR * error;
+        }
         assert!(is_stable(&law, parameters, 0.001), "{parameters:?}");
     }
 }

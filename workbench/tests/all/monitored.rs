@@ -4,12 +4,17 @@ use std::path::Path;
 
 use checker::certificate::reader::Certificate;
 use checker::prove::{ClaimResult, Emitted, settle};
-use checker::{ClaimOutcome, ProofSettings};
+use checker::{ClaimOutcome, Machine, ProofSettings};
 use workbench::{ControlDesign, ControllerOptions};
+
+use crate::benches::{CONVERTER, INERTIAL, VOLTAGE, designed};
 
 fn emitted() -> Emitted {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/thesis-4.4.toml");
-    let design = ControlDesign::read(&path).expect("the model of the thesis");
+    of_design(&ControlDesign::read(&path).expect("the model of the thesis"))
+}
+
+fn of_design(design: &ControlDesign) -> Emitted {
     let controller = design
         .generate_with(&ControllerOptions {
             has_monitor: true,
@@ -116,4 +121,105 @@ fn a_damaged_monitor_is_noticed() {
         of(&rows, "monitor-total")[..],
         [ClaimOutcome::Failed(_)]
     ));
+}
+
+/// Steps of the motor behind a voltage drive with this winding and torque constant, of which `torque` of the current's
+/// torque acts from half a second on: the step at which the monitor first says no.
+fn watched(emitted: &Emitted, winding_ohm: f64, motor: f64, torque: f64) -> Option<usize> {
+    let module = emitted.module().expect("understood");
+    let certificate = Certificate::parse(&emitted.certificate).expect("a certificate");
+    let number = |text: &str| text.parse::<f64>().expect("a number");
+    let mut monitor = Machine::new(module.function("Monitor::allows").expect("a monitor"));
+    let mut law = Machine::new(module.function("control").expect("a law"));
+    let start = Machine::new(module.function("Monitor::new").expect("a monitor"))
+        .call(&[])
+        .expect("total")
+        .to_vec();
+    let parameter = |name: &str| {
+        let found = certificate.parameters.iter().find(|p| p.name == name);
+        number(&found.expect("a parameter").value.text)
+    };
+    let (wheel, friction) = (
+        parameter("wheel_inertia"),
+        parameter("wheel_viscous_friction"),
+    );
+    let carried = parameter("total_inertia") - wheel;
+    let voltage = certificate.drive.voltage.as_ref().expect("a voltage drive");
+    let (volts, ohm, emf) = (
+        number(&voltage.volts_per_count.text),
+        number(&voltage.winding_ohm.text),
+        number(&voltage.back_emf_v_s.text),
+    );
+    let noise = &certificate.monitor.as_ref().expect("a monitor").noise_std;
+    let noise = noise.each_ref().map(|std| number(&std.text));
+    let bits = [0, 1, 2].map(|i| certificate.inputs[i].fraction_bits as i32);
+    let current_unit = 2f64.powi(-(certificate.output.fraction_bits as i32));
+    let mut words = start;
+    let mut x = [0.05, 0.0, 0.0];
+    // Kronecker's sequence: noise of up to two standard deviations, the same in every run.
+    let shake = |step: usize, i: usize| {
+        4.0 * ((step as f64 * [0.618034, 0.414214, 0.732051][i]).fract() - 0.5)
+    };
+    for step in 0..3_000 {
+        let measured = [0, 1, 2].map(|i| x[i] + noise[i] * shake(step, i));
+        let inputs = [0, 1, 2].map(|i| (measured[i] * 2f64.powi(bits[i])).round() as i128);
+        let current = law.call(&inputs).expect("total")[0] as f64 * current_unit;
+        let wished = (ohm * current + emf * measured[2]) / volts;
+        let duty = f64::from(certificate.drive.duty_zero) + wished.round();
+        let arguments = [&words[..], &[1], &inputs, &[duty as i128]].concat();
+        let found = monitor.call(&arguments).expect("total").to_vec();
+        if found[0] == 0 {
+            return Some(step);
+        }
+        words = found[1..].to_vec();
+        let held = volts * (duty - f64::from(certificate.drive.duty_zero));
+        let share = if step < 500 { 1.0 } else { torque };
+        for _ in 0..10 {
+            let driven = share * motor * (held - motor * x[2]) / winding_ohm - friction * x[2];
+            let lean = parameter("gravity_torque") * f64::sin(x[0]);
+            let body = (lean - parameter("body_viscous_friction") * x[1] - driven) / carried;
+            let speeds = [x[1], body, driven / wheel - body];
+            x = [0, 1, 2].map(|i| x[i] + 1e-4 * speeds[i]);
+        }
+    }
+    assert!(x[0].abs() < 0.05, "it balances");
+    None
+}
+
+/// Behind a voltage drive the monitor knows that the current follows the wheel: it is silent on motors within their
+/// uncertainty, a warm winding too, and notices one that gives no torque or the opposite one.
+#[test]
+fn a_monitor_behind_a_voltage_drive() {
+    let emitted = of_design(&designed(&[INERTIAL, CONVERTER, VOLTAGE]));
+    // Which texts were audited is the work of the audit.
+    let rows = settled(&emitted, false);
+    for row in rows.iter().filter(|row| row.id != "texts-audited") {
+        let why = row.outcome.why();
+        assert!(
+            !matches!(row.outcome, ClaimOutcome::Failed(_)),
+            "{}: {why}",
+            row.id
+        );
+    }
+    for (ohm, motor) in [
+        (2.3, 0.0335),
+        (2.5, 0.0335),
+        (2.1, 0.0335),
+        (2.3, 0.036),
+        (2.45, 0.031),
+    ] {
+        assert_eq!(
+            watched(&emitted, ohm, motor, 1.0),
+            None,
+            "{ohm} Ohm, {motor} N m/A"
+        );
+    }
+    for torque in [0.0, -1.0] {
+        let noticed = watched(&emitted, 2.3, 0.0335, torque);
+        println!("a motor with {torque} of its torque: noticed at {noticed:?}");
+        assert!(
+            noticed.is_some_and(|step| (500..1_200).contains(&step)),
+            "{noticed:?}"
+        );
+    }
 }

@@ -12,6 +12,7 @@ use num_traits::ToPrimitive;
 
 use crate::certificate::reader::{Certificate, StatedDecimal};
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::held_loop::HeldLoop;
 use crate::language::module::Module;
 
 /// The memory of the sums (s), to within a factor of √2.
@@ -167,7 +168,8 @@ struct Wanted {
     /// Largest share by which gravity is less than its linear form.
     sine: f64,
     push_rad_s: f64,
-    limit_a: f64,
+    /// The most that the drive holds.
+    most_a: f64,
     period_s: f64,
 }
 
@@ -216,8 +218,14 @@ impl Wanted {
         if !are_known {
             return Err("the inertias are not known well enough".to_owned());
         }
-        let torque = share("torque_constant");
-        let friction = share("wheel_viscous_friction");
+        let (mut torque, mut friction) =
+            (share("torque_constant"), share("wheel_viscous_friction"));
+        if certificate.drive.voltage.is_some() {
+            // The winding's resistance R changes with its temperature; the motor brakes its wheel with τ²/R.
+            let hot = over(0.0, UNSTATED_SHARE);
+            friction = friction.max((1.0 + torque) * (1.0 + torque) * (1.0 + hot) - 1.0);
+            torque = over(torque, UNSTATED_SHARE);
+        }
         let motor = value("torque_constant").abs()
             * (value("dead_zone").abs() + value("current_offset").abs());
         let on_wheel = value("wheel_coulomb_torque").abs() + value("cogging_torque").abs() + motor;
@@ -226,10 +234,13 @@ impl Wanted {
             .max(value("body_breakaway_torque").abs());
 
         let plant = &certificate.plant;
+        let held = HeldLoop::of(certificate);
         let step = |row: usize, column: usize| {
-            real(&plant.ad[row][column]) - f64::from(u8::from(row == column))
+            let entry = held.ad[row][column].to_f64().unwrap_or(f64::NAN);
+            entry - f64::from(u8::from(row == column))
         };
-        let input = plant.bd.each_ref().map(real);
+        let number = |entry: &num_rational::BigRational| entry.to_f64().unwrap_or(f64::NAN);
+        let input = held.bd.each_ref().map(number);
         let limit = certificate.constant("CURRENT_LIMIT");
         let limit_a = real(&limit.ok_or("there is no limit")?.real);
         let (fall, push) = (real(&plant.a[1][0]), real(&plant.b[1]).abs() * limit_a);
@@ -275,7 +286,7 @@ impl Wanted {
             ],
             sine: angle * angle / 6.0,
             push_rad_s: push / fall.sqrt(),
-            limit_a,
+            most_a: held.reach.as_ref().map_or(limit_a, number),
             period_s: real(&certificate.sample_time_s),
         })
     }
@@ -291,7 +302,7 @@ impl Wanted {
             memory * terms.map(|(entry, error)| entry * error).sum::<f64>()
         };
         let of_torque = |torque: f64| torque * memory * self.period_s;
-        let late_a = LATE_STEPS * self.limit_a;
+        let late_a = LATE_STEPS * self.most_a;
         let [_, rate, speed] = self.errors;
         let limits = [
             2.0 * (rate + speed)
