@@ -92,7 +92,6 @@ mod model_effects;
 mod model_export;
 mod module_spec;
 mod named;
-pub mod numbers;
 mod output_file;
 mod own_effects;
 mod per_series;
@@ -106,6 +105,7 @@ mod simulated_sensors;
 mod swing_decay;
 pub mod words;
 
+pub use bench_files::numbers;
 pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
 pub use ::design::linear_response::Band;
 pub use bench_files::{
