@@ -92,11 +92,25 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         guess.reason =
             "the body swings and the wheel keeps its own motion: no current flows".to_owned();
         rest(angle, &mut guess);
-        let reason = match &current {
-            Some(_) => "the wheel does not follow the file's current, which is left out",
-            None => "the wheel feels no motor",
-        };
-        guess.held_current_a = Some((0.0, reason.to_owned()));
+        let column = mapped.iter().find(|one| one.channel == Channel::Current);
+        match column {
+            // A column with the standard name is read, mapped or not.
+            Some(one) if one.column == Channel::Current.standard_name() => {
+                guess.questions.push(format!(
+                    "the wheel does not follow the current of the file: if none flowed, give the column \"{}\" another \
+                     name in the file and write constants = {{ current = 0.0 }}",
+                    one.column
+                ));
+            }
+            Some(_) => {
+                let reason = "the wheel does not follow the file's current, which is left out";
+                guess.held_current_a = Some((0.0, reason.to_owned()));
+            }
+            None => {
+                let reason = "the wheel feels no motor";
+                guess.held_current_a = Some((0.0, reason.to_owned()));
+            }
+        }
         return guess;
     }
     upright(

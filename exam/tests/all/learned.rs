@@ -173,19 +173,3 @@ fn a_resonance_of_the_wheel_is_learned_over_its_speed() {
     ];
     learns(resonance, &plans, LearnedCoordinate::WheelSpeed, 1);
 }
-
-/// Two harmonics of the wheel's angle, where the library has one: the phase must hold over hundreds of turns.
-#[test]
-fn two_harmonics_are_learned_over_the_angle_of_the_wheel() {
-    let harmonics = acting(false, |at| {
-        let turned = at.wheel_angle_rad;
-        1e-3 * ((turned - 0.5).sin() + 0.6 * (2.0 * turned + 1.0).sin())
-    });
-    let plans = [
-        driven(0.0, 0.3),
-        driven(0.3, 0.4),
-        coast_down(30.0),
-        coast_down(-20.0),
-    ];
-    learns(harmonics, &plans, LearnedCoordinate::WheelAngle, 2);
-}

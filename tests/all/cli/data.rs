@@ -234,9 +234,11 @@ fn a_log_with_a_fault_begins_no_bench() {
         refused(["new", &place("bench"), &place("log.csv")], &[expected]);
         assert!(!folder.path().join("bench").exists(), "{expected}");
     }
-    // What is only undecided stands in a bench.toml with the question.
-    let without_time = good.replace("time_s,", "counter,");
-    fs::write(place("log.csv"), without_time).expect("written");
+    // What is only undecided stands in a bench.toml with the question: at what was the current held?
+    let rows =
+        (0..200).map(|k| format!("{},{}\n", 0.01 * f64::from(k), 20.0 - 0.05 * f64::from(k)));
+    let coast_down = format!("time_s,wheel_speed_rad_s\n{}", rows.collect::<String>());
+    fs::write(place("log.csv"), coast_down).expect("written");
     let text = done(["new", &place("bench"), &place("log.csv")]);
     assert!(text.contains("TO DECIDE"), "{text}");
 }
