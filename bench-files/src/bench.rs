@@ -1,5 +1,6 @@
 //! A bench: `bench.toml` and the logs that it lists.
 
+use crate::numbers::number;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Problem};
@@ -138,7 +139,8 @@ fn read_bench(
     let mut notes = Vec::new();
     if let (Some(stated), Some(computed)) = (known.gravity_torque, computed) {
         notes.push(format!(
-            "gravity_torque = {stated} N m is used; masses and lengths give {computed:.6} N m"
+            "gravity_torque = {stated} N m is used; masses and lengths give {} N m",
+            number(computed)
         ));
     }
     let controller = root

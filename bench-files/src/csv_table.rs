@@ -461,7 +461,7 @@ impl Table {
     /// Reads the first `most_rows` rows of a file.
     ///
     /// # Errors
-    /// If the file cannot be read or is not a table, or two columns have the same name.
+    /// If the file cannot be read or is not a table, two columns have the same name, or no cell is a number.
     pub fn read(path: &Path, most_rows: usize) -> Result<Table, Error> {
         let mut table = open(Files::Disk, path)?;
         let names = table.columns.clone();
@@ -475,6 +475,10 @@ impl Table {
             }
             Ok(())
         })?;
+        let rows = columns.iter().flatten();
+        if rows.clone().next().is_some() && rows.clone().all(|cell| cell.is_nan()) {
+            return Err(Error::in_file(path, Problem::NoNumbers));
+        }
         Ok(Table {
             has_header: table.has_header,
             names,

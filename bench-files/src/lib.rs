@@ -32,6 +32,7 @@ mod known;
 mod learned_section;
 mod log;
 mod model_file;
+pub mod numbers;
 mod outline;
 mod own_effect;
 mod parameter;

@@ -3,10 +3,14 @@
 //! The loop with the emitted law and the loop with the same gains in real numbers differ by e. In a step e becomes
 //! F e + Bd w: F = Ad + Bd N is the loop's matrix, w what the emitted command differs from N x. With the
 //! left eigenvectors of F as the rows of T, the coordinates z = T e of a loop with three real modes satisfy
-//! |z⁺| ≤ λ |z| + |T Bd| |w|, each for itself. The rows are scaled so that |z| ≤ 1 follows for all time. A loop with a
-//! pair of complex modes has no such coordinates.
+//! |z⁺| ≤ λ |z| + |T Bd| |w|, each for itself. The rows are scaled so that |z| ≤ 1 follows for all time.
+//!
+//! For a complex pair a ± jb the real and the imaginary part of its eigenvector are two rows, with
+//! |z₁⁺| ≤ |a| |z₁| + |b| |z₂| + |T₁ Bd| |w|, and z₂ likewise. The box |z| ≤ 1 is then mapped into itself only if
+//! |a| + |b| < 1, and no other choice of three coordinates does better (Bitsoris, Int. J. Control 47 (1988)): a pair
+//! that turns faster than it decays has no such coordinates.
 
-use nalgebra::{Matrix3, RowVector3, Vector3};
+use nalgebra::{Complex, ComplexField, Matrix3, RowVector3, Vector3};
 
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
@@ -41,9 +45,11 @@ pub struct Modes {
     pub rows: [[f64; 3]; 3],
     /// The words, mode by mode.
     pub words: [ModeWords; 3],
+    /// Whether the last two are a complex pair.
+    pub has_pair: bool,
 }
 
-/// The modes of the loop; `None` where they are not three different real ones.
+/// The modes of the loop; `None` where no box of them is mapped into itself.
 pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let unit = |bits: u32| 2f64.powi(-(bits as i32));
     let gains = RowVector3::from_fn(|_, i| {
@@ -52,7 +58,6 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     });
     let input = Vector3::from_column_slice(&spec.bd);
     let f = Matrix3::from_fn(|i, j| spec.ad[i][j]) + input * gains;
-    let values = f.eigenvalues()?;
 
     // In units of the sum of products, divided by 2^PART_BITS: half a unit of the command, and the states' half words.
     let shift = law.shift as i32;
@@ -64,11 +69,39 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let worst = half + 2f64.powi(PART_BITS - 1) * raw.sum::<f64>();
     let count_a = unit(law.current.fraction_bits) * 2f64.powi(-shift - PART_BITS);
 
+    // A row with the push that each step may give it, for a mode of which so much of a coordinate remains.
+    let scaled = |row: RowVector3<f64>, remains: f64, push: f64| {
+        row * ((1.0 - remains) * (1.0 - MARGIN) / (push * count_a * worst))
+    };
     let mut rows = Matrix3::zeros();
-    for (i, value) in values.iter().enumerate() {
-        let row = left_eigenvector(&f, *value);
-        let push = (row * input)[0].abs() * count_a * worst;
-        rows.set_row(i, &(row * ((1.0 - value.abs()) * (1.0 - MARGIN) / push)));
+    let values = f.eigenvalues();
+    let has_pair = values.is_none();
+    if let Some(values) = values {
+        for (i, value) in values.iter().enumerate() {
+            let row = left_eigenvector(&f, *value);
+            let push = (row * input)[0].abs();
+            rows.set_row(i, &scaled(row, value.abs(), push));
+        }
+    } else {
+        let values = f.complex_eigenvalues();
+        let real = values.iter().find(|value| value.im == 0.0)?.re;
+        let of_pair = values.iter().find(|value| value.im > 0.0)?;
+        let row = left_eigenvector(&f, real);
+        let push = (row * input)[0].abs();
+        rows.set_row(0, &scaled(row, real.abs(), push));
+
+        let remains = of_pair.re.abs() + of_pair.im.abs();
+        if remains >= 1.0 {
+            return None;
+        }
+        let row = left_eigenvector(&f.map(Complex::from), *of_pair);
+        // The phase of an eigenvector is free: the command's difference is to push both parts alike.
+        let pushed = (row * input.map(Complex::from))[0];
+        let turn = Complex::from_polar(1.0, std::f64::consts::FRAC_PI_4 - pushed.arg());
+        let row = row * turn;
+        let push = pushed.norm() * std::f64::consts::FRAC_1_SQRT_2;
+        rows.set_row(1, &scaled(row.map(|entry| entry.re), remains, push));
+        rows.set_row(2, &scaled(row.map(|entry| entry.im), remains, push));
     }
     if !rows.iter().all(|entry| entry.is_finite()) {
         return None;
@@ -78,10 +111,15 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let up = |value: f64| (value * (1.0 + 1e-9)).ceil() as i64 + 1;
     let words = [0, 1, 2].map(|i| ModeWords {
         decay: up(decoupled[(i, i)].abs() * 2f64.powi(DECAY_BITS)),
-        // The exact entries beside the diagonal are zero; these are the rounding of T, and of this product.
+        // The exact entries beside the diagonal are zero, but for a pair; these are the rounding of T, and of this
+        // product.
         rest: up((0..3)
             .filter(|j| *j != i)
-            .map(|j| 2.0 * decoupled[(i, j)].abs() + ROUNDING)
+            .map(|j| {
+                let is_of_pair = has_pair && i > 0 && j > 0;
+                let factor = if is_of_pair { 1.0 } else { 2.0 };
+                factor * decoupled[(i, j)].abs() + ROUNDING
+            })
             .sum::<f64>()
             * scale),
         input: up((rows.row(i) * input)[0].abs() * count_a * scale),
@@ -93,11 +131,15 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     words.iter().all(fits).then(|| Modes {
         rows: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[(i, j)])),
         words,
+        has_pair,
     })
 }
 
 /// A row v with v F = `value` v: the longest row of the adjugate of F − `value`.
-fn left_eigenvector(f: &Matrix3<f64>, value: f64) -> RowVector3<f64> {
+fn left_eigenvector<T>(f: &Matrix3<T>, value: T) -> RowVector3<T>
+where
+    T: ComplexField<RealField = f64> + Copy,
+{
     let m = f - Matrix3::identity() * value;
     let columns = [m.column(0), m.column(1), m.column(2)];
     // The rows of the adjugate are the cross products of the columns.

@@ -1,7 +1,6 @@
 //! Linear controllers and the loops that they close around the sampled plant.
 
 use crate::error::DesignError;
-use crate::late::Lateness;
 use crate::matrix::check_shape;
 use nalgebra::{DMatrix, RowVector3};
 
@@ -76,22 +75,6 @@ impl LinearController {
             .copy_from(&self.state);
         Ok(closed)
     }
-
-    /// The state matrix of the loop with ẋ = A x + B u, sampled at `sample_time_s`, if the
-    /// current reaches the plant with the delay `delay_s` (any delay, not only whole samples). Its states are
-    /// (x, u₋₁, u₋₂, …, c).
-    ///
-    /// # Errors
-    /// Wrong shapes, a sample time that is not positive, a negative delay.
-    pub fn closed_loop_with_delay(
-        &self,
-        a: &DMatrix<f64>,
-        b: &DMatrix<f64>,
-        sample_time_s: f64,
-        delay_s: f64,
-    ) -> Result<DMatrix<f64>, DesignError> {
-        self.late_closed_loop(a, b, sample_time_s, &Lateness::of_current(delay_s))
-    }
 }
 
 #[cfg(test)]
@@ -100,52 +83,6 @@ mod tests {
     use crate::poles::spectral_radius;
     use crate::thesis;
     use crate::zero_order_hold::zero_order_hold;
-    use nalgebra::DVector;
-
-    /// Steps the loop by its own means: the plant in small steps, the commands in a queue.
-    fn simulate(delay_s: f64, samples: usize) -> DVector<f64> {
-        let (a, b) = (thesis::a(), thesis::b());
-        let (sample_time, parts) = (1e-3, 100);
-        let fine = zero_order_hold(&a, &b, sample_time / f64::from(parts)).unwrap();
-        let mut x = DVector::from_column_slice(&[0.01, 0.0, 0.0]);
-        let mut commands = Vec::new();
-        let late = (delay_s / sample_time * f64::from(parts)).round() as i64;
-        for sample in 0..samples {
-            commands.push(-(thesis::gains() * &x)[0]);
-            for part in 0..parts {
-                let at = sample as i64 * i64::from(parts) + i64::from(part) - late;
-                let current = if at < 0 {
-                    0.0
-                } else {
-                    commands[(at / i64::from(parts)) as usize]
-                };
-                x = &fine.state * &x + fine.input.column(0) * current;
-            }
-        }
-        x
-    }
-
-    #[test]
-    fn delays_of_any_length_match_a_simulation_in_small_steps() {
-        let controller = LinearController::state_feedback(&RowVector3::new(
-            thesis::gains()[0],
-            thesis::gains()[1],
-            thesis::gains()[2],
-        ));
-        for delay_s in [0.0, 0.25e-3, 1e-3, 2.5e-3, 7e-3] {
-            let closed = controller
-                .closed_loop_with_delay(&thesis::a(), &thesis::b(), 1e-3, delay_s)
-                .unwrap();
-            let mut x = DVector::zeros(closed.nrows());
-            x[0] = 0.01;
-            for _ in 0..300 {
-                x = &closed * x;
-            }
-            let small_steps = simulate(delay_s, 300);
-            let difference = (x.rows(0, 3) - &small_steps).norm();
-            assert!(difference < 1e-9, "{delay_s}: {difference:e}");
-        }
-    }
 
     #[test]
     fn a_loop_without_delay_has_the_golden_poles() {

@@ -9,7 +9,8 @@
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
 //! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
 //! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
-//! | [`late`] | current and sensors that are late, as states; the law that predicts |
+//! | [`late`] | current and sensors that are late, as states |
+//! | `late_loop` | the loop around them; the law that predicts |
 //! | [`excursions`] | weights from allowed excursions (Bryson's rule), and back |
 //! | [`frequency_response`] | the open loop over frequency: Bode and Nyquist |
 //! | [`linear_response`] | the loop's answer to a torque that stays and to a push, with bands from the parameters |
@@ -38,6 +39,7 @@ mod extended;
 pub mod frequency_response;
 pub mod friction;
 pub mod late;
+mod late_loop;
 pub mod linear_response;
 pub mod lqr;
 pub mod margins;

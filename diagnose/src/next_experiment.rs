@@ -4,6 +4,7 @@
 //! difference of their outputs in units of the sensors' noise. The experiment with the largest separation is
 //! proposed.
 
+use bench_files::numbers::significant;
 use identify::{FitProblem, Output, Record};
 use plant::{Current, Hold, Input, Kind, Model, Plant, State};
 
@@ -233,11 +234,11 @@ pub fn tell_apart(problem: &FitProblem, ties: &[Explanation]) -> NextExperiment 
     match best {
         Some(((size, output), proposal)) if size > 0.5 => NextExperiment {
             sentence: format!(
-                "Record {}: the {} predicted by the two explanations differs by {:.1} times the noise \
+                "Record {}: the {} predicted by the two explanations differs by {} times the noise \
                  of the sensor (rms).",
                 proposal.words,
                 output.name().replace('_', " "),
-                size
+                significant(size, 2)
             ),
             recipe: Some(recipe(&proposal, output, size, ties)),
         },

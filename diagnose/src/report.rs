@@ -1,6 +1,7 @@
 //! The contents of the report of a diagnosis: steps, suspects, and the details of each.
 
 use crate::next_experiment::Recipe;
+use bench_files::numbers::significant;
 use std::collections::{BTreeMap, BTreeSet};
 
 use identify::{Cancelled, Contradiction, Fit, FitProblem, Minimum, finish};
@@ -238,10 +239,12 @@ fn fingerprint(
     let text = effect.info().fingerprint;
     match best {
         Some(((record, channel), before, after)) if before > after => format!(
-            "{text}; with it the error of {}/{} falls from {before:.2} to {after:.2} times the noise of \
+            "{text}; with it the error of {}/{} falls from {} to {} times the noise of \
              the sensor",
             record.name,
             channel.output.name(),
+            significant(before, 3),
+            significant(after, 3)
         ),
         _ => text.to_owned(),
     }

@@ -2,7 +2,7 @@
 
 use identify::{
     KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, ScoreStep, Unknowns, Window,
-    carry_over, cogging_start, guessed, score_test, settled,
+    carry_over, cogging_start, guessed, score_test, settled, shaped_start,
 };
 use plant::{EffectId, Model, Role, StartFrom};
 use rayon::prelude::*;
@@ -122,6 +122,10 @@ pub fn starts(
         for set in &mut parameter_sets {
             set[amplitude] = HARDLY_THERE * base[plant::GRAVITY_TORQUE];
         }
+    }
+    if let (EffectId::External(_), Some(stated)) = (effect, parameter_sets.first()) {
+        // A torque over a narrow range is not found from a start elsewhere; the missing torque shows where it is.
+        parameter_sets.extend(shaped_start(records, known.model, whole, effect, stated));
     }
     let mut needs_settling = false;
     if matches!(info.start_from, StartFrom::Ripple) {

@@ -166,9 +166,15 @@ fn fit_whole(
     let effort = full.towards(goal.whole);
     let (values, windows) = whole_start(bench, from, &rough, &start);
     let mut minimum = refit(records, &start.model, values, windows, &free, effort);
-    // A large gain in short windows without any gain over the whole logs: fit again from scratch.
+    // A large gain in short windows without any gain over the whole logs: fit again from scratch. A user's effect may
+    // be narrow, so that the cost over whole logs has many minima: any of them that leaves much more than the short
+    // windows do is the wrong one.
     let brings_much = point.cost - rough.cost > MUCH * point.cost;
-    if minimum.cost > from.minimum.cost && brings_much && rough.cost <= goal.windows {
+    let misses = |cost: f64| cost > STILL_MISSES * bench.noise_cost();
+    let is_own = matches!(start.effect, EffectId::External(_));
+    let is_wrong = is_own && misses(minimum.cost) && !misses(rough.cost);
+    let is_lost = minimum.cost > from.minimum.cost || is_wrong;
+    if is_lost && brings_much && rough.cost <= goal.windows {
         bench.check()?;
         let again = fit_from_scratch(records, &start.model, rough.values.clone(), &free, full);
         if again.cost < minimum.cost {

@@ -64,4 +64,5 @@ pub use residuals::{
     effective_samples, find_pushes, half_bump, leave_out, residual_torque, residual_torques,
     structure, without_rounding,
 };
+pub use shape_search::shaped_start;
 pub use statements::left_open;

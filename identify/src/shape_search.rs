@@ -36,7 +36,7 @@ struct Lacking {
 type Term<'t> = dyn Fn(&Instant<f64>) -> f64 + 't;
 
 /// The start that the logs suggest for the effect, beside a fit of `from`; `None` if they suggest none.
-pub(crate) fn shaped_start(
+pub fn shaped_start(
     records: &[&Record],
     from: &Model,
     minimum: &Minimum,

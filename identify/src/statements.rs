@@ -1,6 +1,7 @@
 //! Statements about the quantities that the logs do not determine, and about numbers of a comparison that can mislead:
 //! one sentence each.
 
+use bench_files::numbers::{number, with_uncertainty};
 use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, WHEEL_INERTIA};
 
 use crate::bench::FitProblem;
@@ -113,17 +114,20 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
         let value = fit.values[position];
         if fit.minimum.on_bound[index] {
             out.push(format!(
-                "{} lies on the bound {value} of its range: the logs pull it beyond, so it probably \
+                "{} lies on the bound {} of its range: the logs pull it beyond, so it probably \
                  replaces an effect that the model lacks",
-                info.name
+                info.name,
+                number(value)
             ));
             continue;
         }
         match fit.std(position) {
             Some(std) if std < OPEN_RELATIVE_STD * value.abs() => {}
             Some(std) => out.push(format!(
-                "{} = {value:.3e} ± {std:.1e} {} cannot be distinguished from zero with these logs",
-                info.name, info.unit
+                "{} = {} {} cannot be distinguished from zero with these logs",
+                info.name,
+                with_uncertainty(value, Some(std)),
+                info.unit
             )),
             None => out.push(format!(
                 "{} has no influence on these logs and is not identified",

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use bench_files::ModelFile;
 use serde::Serialize;
-use workbench::numbers::{significant, with_prefix, with_uncertainty};
+use workbench::numbers::{degrees, significant, with_prefix, with_uncertainty};
 use workbench::{
     DesignReport, DiagnosisReport, GeneratedController, OutputFile, Session, SimulationReport,
     SimulationSettings,
@@ -172,10 +172,10 @@ fn suspects(report: &DiagnosisReport) -> String {
 fn design_text(designed: &DesignReport) -> String {
     format!(
         "\n4  flywheel design: linear-quadratic law every {} s\n   u = −K x, K = ({}); recovers from \
-         {:.1}° at most\n",
+         {} at most\n",
         designed.sample_time_s,
         designed.gains.map(|gain| significant(gain, 6)).join(", "),
-        designed.recovery_angle_rad.to_degrees(),
+        degrees(designed.recovery_angle_rad),
     )
 }
 
@@ -190,7 +190,7 @@ fn closed_loop_text(closed_loop: &SimulationReport) -> String {
     for run in &closed_loop.runs {
         table.row([
             run.scenario.clone(),
-            format!("{:.2}°", run.largest_angle_rad.to_degrees()),
+            degrees(run.largest_angle_rad),
             with_prefix(run.difference_angle_rad, "rad"),
             with_prefix(run.difference_current_a, "A"),
             if run.fell { "FELL" } else { "stands" }.to_owned(),

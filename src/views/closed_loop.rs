@@ -1,6 +1,6 @@
 //! The closed loop in tables.
 
-use workbench::numbers::{percent, significant, with_prefix};
+use workbench::numbers::{degrees, percent, significant, with_prefix};
 use workbench::words::linear_range;
 use workbench::{
     EffectOnTransient, LinearRangeReport, LoopOverlay, LoopRun, MeasuredSwings, SimulationReport,
@@ -30,9 +30,9 @@ pub fn text(report: &SimulationReport) -> String {
     text.push_str("\nMethods for the angle, RMS error over a free swing from 60°\n");
     for filter in &report.attitude_filters {
         text.push_str(&format!(
-            "  {}: {:.3}°\n",
+            "  {}: {}\n",
             filter.filter,
-            filter.error_rad.to_degrees()
+            degrees(filter.error_rad)
         ));
     }
     text.push_str(&effects(&report.effects));
@@ -62,7 +62,7 @@ fn runs(runs: &[LoopRun]) -> String {
     for run in runs {
         table.row([
             run.scenario.clone(),
-            format!("{:.2}°", run.largest_angle_rad.to_degrees()),
+            degrees(run.largest_angle_rad),
             format!("{} rad/s", significant(run.largest_wheel_speed_rad_s, 3)),
             format!("{} A", significant(run.largest_current_a, 3)),
             format!("{} s", significant(run.settling_s, 3)),
@@ -76,22 +76,22 @@ fn runs(runs: &[LoopRun]) -> String {
 fn raw_counts(report: &SimulationReport) -> String {
     let run = &report.raw_counts;
     format!(
-        "\nThe half minute from raw counts to duty, with the emitted attitude filter\n  {}, at most {:.2}°, wheel {} rad/s, {} A; the filter's angle is off by {:.3}° RMS\n",
+        "\nThe half minute from raw counts to duty, with the emitted attitude filter\n  {}, at most {}, wheel {} rad/s, {} A; the filter's angle is off by {} RMS\n",
         if run.fell { "FELL" } else { "stays up" },
-        run.largest_angle_rad.to_degrees(),
+        degrees(run.largest_angle_rad),
         significant(run.largest_wheel_speed_rad_s, 3),
         significant(run.largest_current_a, 3),
-        run.angle_error_rad.to_degrees(),
+        degrees(run.angle_error_rad),
     )
 }
 
 fn recovery(report: &SimulationReport) -> String {
     let found = &report.recovery;
     format!(
-        "\nLargest angle recovered from rest, without sensor noise\n  emitted law {:.2}°, exact law {:.2}°, asin(τ u_max/G) = {:.2}°\n",
-        found.emitted_law_rad.to_degrees(),
-        found.exact_law_rad.to_degrees(),
-        found.limit_rad.to_degrees(),
+        "\nLargest angle recovered from rest, without sensor noise\n  emitted law {}, exact law {}, asin(τ u_max/G) = {}\n",
+        degrees(found.emitted_law_rad),
+        degrees(found.exact_law_rad),
+        degrees(found.limit_rad),
     )
 }
 
@@ -131,7 +131,7 @@ fn effects(effects: &[EffectOnTransient]) -> String {
                 part.effects.join(", ")
             },
             part.swings.to_string(),
-            format!("{:.3}°", part.overshoot_rad.to_degrees()),
+            degrees(part.overshoot_rad),
             format!("{} s", significant(part.settling_s, 3)),
             with_prefix(part.residual_rad, "rad"),
         ]);
@@ -175,7 +175,7 @@ fn measured_swings(found: &MeasuredSwings) -> String {
     for swing in &found.swings {
         table.row([
             swing.experiment.clone(),
-            format!("{:.1}°", swing.amplitude_rad.to_degrees()),
+            degrees(swing.amplitude_rad),
             percent(swing.nonlinear_error),
             percent(swing.linear_error),
         ]);

@@ -1,7 +1,7 @@
 //! A model compared with the measurements: the output of `identify`, `compare`, `add`, `remove` and `diagnose`.
 
 use plant::LearnedCoordinate;
-use workbench::numbers::{fit_percent, with_prefix, with_uncertainty};
+use workbench::numbers::{fit_percent, number, with_prefix, with_uncertainty};
 use workbench::words::{place, residual};
 use workbench::{ComparisonReport, EffectChange, Parameter};
 
@@ -235,7 +235,7 @@ pub fn remarks(comparison: &ComparisonReport) -> String {
     for push in &comparison.pushes {
         table.row([
             push.experiment.clone(),
-            format!("{:.3} s", push.time_s),
+            format!("{} s", number(push.time_s)),
             format!(
                 "({}) mN m s{per}",
                 with_uncertainty(1e3 * push.impulse_nms, Some(1e3 * push.impulse_std_nms))

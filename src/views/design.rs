@@ -1,6 +1,6 @@
 //! A design in tables.
 
-use workbench::numbers::{complex, significant, with_uncertainty};
+use workbench::numbers::{complex, degrees, significant, with_uncertainty};
 use workbench::{DesignReport, FrictionExtreme, LeastPush, LoopMargins, WheelSize};
 
 use crate::report::table::{Align, Table};
@@ -217,7 +217,7 @@ fn friction(report: &DesignReport) -> String {
             name.to_owned(),
             poles.join(",  "),
             verdict.to_owned(),
-            margin(&|m| format!("{:.1}°", m.phase_margin_rad.to_degrees())),
+            margin(&|m| degrees(m.phase_margin_rad)),
             margin(&|m| format!("{} ms", significant(1e3 * m.delay_margin_s, 3))),
         ]
     };
@@ -259,8 +259,8 @@ fn sizes(sizes: &[WheelSize]) -> String {
         )];
         row.extend(wheel.iter().map(|size| {
             format!(
-                "{:.2}°, {} mJ",
-                size.recoverable_angle_rad.to_degrees(),
+                "{}, {} mJ",
+                degrees(size.recoverable_angle_rad),
                 significant(1e3 * size.recovered_energy_j, 2)
             )
         }));
@@ -281,7 +281,7 @@ fn pushes(pushes: &[LeastPush]) -> String {
     ]);
     for push in pushes {
         table.row([
-            format!("{:.2}°", push.angle_rad.to_degrees()),
+            degrees(push.angle_rad),
             format!("{} mJ", significant(1e3 * push.energy_j, 3)),
             format!("{} ms", significant(1e3 * push.duration_s, 3)),
             format!("{} rad/s", significant(push.wheel_speed_rad_s, 3)),

@@ -1,6 +1,6 @@
 //! The changes in the controller that a new model makes.
 
-use workbench::numbers::{complex, significant};
+use workbench::numbers::{complex, degrees, significant};
 use workbench::{DesignChange, DesignSummary};
 
 use crate::report::table::{Align, Table};
@@ -20,8 +20,7 @@ pub fn text(change: &DesignChange) -> String {
         let poles: Vec<String> = poles.iter().map(|[re, im]| complex(*re, *im)).collect();
         poles.join(", ")
     };
-    let angle =
-        |summary: &DesignSummary| format!("{:.2}°", summary.recovery_angle_rad.to_degrees());
+    let angle = |summary: &DesignSummary| degrees(summary.recovery_angle_rad);
     let (before, after) = (&change.before, &change.after);
     table.row(["gains K".to_owned(), gains(before), gains(after)]);
     table.row([

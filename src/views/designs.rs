@@ -1,6 +1,6 @@
 //! Properties of a loop, designs side by side, and sweeps, as tables.
 
-use workbench::numbers::{significant, with_prefix};
+use workbench::numbers::{degrees, significant, with_prefix};
 use workbench::{
     DesignSweep, LateLoop, LatePoint, LoopExpectations, NamedLoop, SampleTimeRow, TorqueAnswer,
 };
@@ -89,10 +89,6 @@ pub fn expectations(found: &LoopExpectations) -> String {
         ]);
     }
     format!("\nWhat the loop does\n{}", table.text())
-}
-
-fn degrees(rad: f64) -> String {
-    format!("{}°", significant(rad.to_degrees(), 3))
 }
 
 fn answered(answer: &TorqueAnswer) -> String {

@@ -1,5 +1,6 @@
 //! The claims of an emitted crate, with the results of their proofs.
 
+use workbench::numbers::significant;
 use workbench::{Proof, ProofVerdict};
 
 use crate::report::table::{Align, Table};
@@ -20,7 +21,7 @@ pub fn text(proof: &Proof, verdict: &ProofVerdict) -> String {
             claim.id.clone(),
             claim.engine.to_owned(),
             claim.outcome.word().to_owned(),
-            format!("{:.2}", claim.seconds),
+            significant(claim.seconds, 3),
             claim.outcome.detail(),
         ]);
         if claim.id != last {

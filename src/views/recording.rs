@@ -3,18 +3,19 @@
 use std::path::Path;
 
 use workbench::RecordReport;
+use workbench::numbers::number;
 
 /// The logs that were written, what was lost, and how to go on.
 pub fn text(bench: &Path, report: &RecordReport) -> String {
     let mut text = String::new();
     for log in &report.logs {
         text.push_str(&format!(
-            "{}  ({}, {})\n  {} rows, {:.3} s; ended: {}\n",
+            "{}  ({}, {})\n  {} rows, {} s; ended: {}\n",
             log.name,
             log.kind,
             log.file.display(),
             log.rows,
-            log.duration_s,
+            number(log.duration_s),
             log.end
         ));
         if log.lost_frames > 0 || log.damaged_frames > 0 {
@@ -25,7 +26,7 @@ pub fn text(bench: &Path, report: &RecordReport) -> String {
             ));
         }
         if let Some(from_s) = log.from_s {
-            text.push_str(&format!("  used from {from_s:.3} s\n"));
+            text.push_str(&format!("  used from {} s\n", number(from_s)));
         }
         for note in &log.notes {
             text.push_str(&format!("  {note}\n"));

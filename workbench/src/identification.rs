@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::comparison::{BenchNote, Compared, ComparisonReport, LoggedExperiment, Said, notes};
 use crate::error::Error;
-use crate::session::{Session, with_changes};
+use crate::predictor::with_changes;
+use crate::session::Session;
 
 /// The condition of the data, before anything is concluded from them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -92,10 +92,10 @@ mod model_effects;
 mod model_export;
 mod module_spec;
 mod named;
-pub mod numbers;
 mod output_file;
 mod own_effects;
 mod per_series;
+mod predictor;
 mod proof;
 mod recording;
 mod refusal;
@@ -108,6 +108,7 @@ pub mod words;
 
 pub use ::data_check::{Finding, FindingId, Proposal, ProposedExperiment, Severity};
 pub use ::design::linear_response::Band;
+pub use bench_files::numbers;
 pub use bench_files::{
     Bench, BringUpRecordings, CalibrationRecordings, Correlation, DesignSection, FilesInMemory,
     ModelFile, Parameter,
@@ -160,6 +161,7 @@ pub use model_export::ExportLanguage;
 pub use output_file::OutputFile;
 pub use own_effects::{OwnEffectError, check_own_effect};
 pub use per_series::{PerSeries, SeriesName};
+pub use predictor::Predictor;
 pub use proof::{
     CLAIMS, ClaimStatement, MutationReport, Proof, ProofSettings, ProofVerdict, mutate, prove,
 };
@@ -169,5 +171,5 @@ pub use recording::{
 };
 pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use sensor_noise::BenchNoise;
-pub use session::{Predictor, Session};
+pub use session::Session;
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

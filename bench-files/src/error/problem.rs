@@ -1,6 +1,7 @@
 //! What can be wrong with a file, each with its message.
 
 use super::names::{Names, list};
+use crate::numbers::number;
 
 /// What is wrong. Its text says what was found and what would be right.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -140,7 +141,8 @@ pub enum Problem {
     },
     /// The stated gravity torque contradicts masses and lengths.
     #[error(
-        "gravity_torque = {stated_n_m} N m contradicts the masses and lengths, which give {computed_n_m:.6} N m; correct one of them or leave one out"
+        "gravity_torque = {stated_n_m} N m contradicts the masses and lengths, which give {} N m; correct one of them or leave one out",
+        number(*computed_n_m)
     )]
     GravityTorqueContradiction {
         /// As stated, N m.
@@ -150,7 +152,8 @@ pub enum Problem {
     },
     /// Masses and lengths with which the hanging position is not an equilibrium.
     #[error(
-        "with these masses and lengths the gravity torque is {torque_n_m:.6} N m: the bench would not hang; pivot_to_com is positive towards the wheel"
+        "with these masses and lengths the gravity torque is {} N m: the bench would not hang; pivot_to_com is positive towards the wheel",
+        number(*torque_n_m)
     )]
     HangsUpsideDown {
         /// g (k m_w + l m_b), N m.
@@ -330,6 +333,11 @@ pub enum Problem {
     /// The file is empty, or has only blank lines and comments.
     #[error("the file is empty; a log is a CSV with a header line and one sample a line")]
     EmptyLog,
+    /// No column of the file holds numbers.
+    #[error(
+        "no column of the file holds numbers; a log is a CSV with a header line and one sample a line"
+    )]
+    NoNumbers,
     /// A number that can be read in two ways.
     #[error(
         "\"{cell}\" is {first} if the comma is a decimal mark, but {second} if it separates thousands; write it without a comma"
@@ -483,4 +491,31 @@ pub enum Problem {
         /// How far, rad.
         farthest_rad: f64,
     },
+}
+
+impl Problem {
+    /// Whether the text of a log is at fault, so that no choice in bench.toml (another column, unit or kind) mends it.
+    pub fn is_in_the_log(&self) -> bool {
+        matches!(
+            self,
+            Problem::NotFound
+                | Problem::NotAFile { .. }
+                | Problem::Unreadable(_)
+                | Problem::TooLarge { .. }
+                | Problem::NotUtf8 { .. }
+                | Problem::EmptyLog
+                | Problem::TwoReadings { .. }
+                | Problem::DuplicateColumn { .. }
+                | Problem::RaggedRow { .. }
+                | Problem::EmptyCell
+                | Problem::NotANumber { .. }
+                | Problem::NotFinite { .. }
+                | Problem::TimeBackwards { .. }
+                | Problem::TimeTooCoarse { .. }
+                | Problem::TooManySamples { .. }
+                | Problem::LineTooLong { .. }
+                | Problem::TooFewSamples { .. }
+                | Problem::NoNumbers
+        )
+    }
 }

@@ -2,7 +2,8 @@
 //! with this one (`checker/second/`).
 
 use std::fs;
-use std::process::{Command, Stdio};
+use std::io::{Error, ErrorKind};
+use std::process::{Command, Output, Stdio};
 
 use crate::claims::outcome::ClaimOutcome;
 use crate::language::emitted::Emitted;
@@ -25,19 +26,26 @@ pub fn as_shipped_by_python(emitted: &Emitted) -> ClaimOutcome {
 
 /// Runs a program on the certificate.
 fn run(text: &str, emitted: &Emitted) -> ClaimOutcome {
-    let run = || -> std::io::Result<std::process::Output> {
-        let folder = tempfile::tempdir()?;
+    let run = || -> Result<Output, String> {
+        let of_files = |error: Error| format!("a temporary folder cannot be written: {error}");
+        let folder = tempfile::tempdir().map_err(of_files)?;
         let program = folder.path().join("second.py");
         let certificate = folder.path().join("certificate.json");
-        fs::write(&program, text)?;
-        fs::write(&certificate, &emitted.certificate)?;
+        fs::write(&program, text).map_err(of_files)?;
+        fs::write(&certificate, &emitted.certificate).map_err(of_files)?;
         // -I: no module of the user's takes the place of one of Python's.
         let mut command = Command::new("python3");
         command.arg("-I").arg(&program).arg(&certificate);
-        command.stdin(Stdio::null()).output()
+        command
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|error| match error.kind() {
+                ErrorKind::NotFound => "python3 is not installed".to_owned(),
+                _ => format!("python3 cannot be started: {error}"),
+            })
     };
     match run() {
-        Err(error) => ClaimOutcome::NotRun(format!("python3 is not installed: {error}")),
+        Err(why) => ClaimOutcome::NotRun(why),
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stdout).trim().to_owned();
             match output.status.code() {

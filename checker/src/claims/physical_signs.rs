@@ -270,7 +270,7 @@ fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &
         let current = current(&attitude)?;
         if current * lean <= 0.0 {
             return Err(format!(
-                "a lean of {:.0}° gives a current of {current:.4} A, which pushes the body on: the \
+                "a lean of {:.0}° gives a current of {current:.3e} A, which pushes the body on: the \
                  sign of an axis, of the drive or of a gain is wrong",
                 lean.to_degrees()
             ));
@@ -284,7 +284,7 @@ fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &
         let current = current(&attitude)?;
         if current * rate <= 0.0 {
             return Err(format!(
-                "a rate of {rate} rad/s gives a current of {current:.4} A, which speeds the body up: \
+                "a rate of {rate} rad/s gives a current of {current:.3e} A, which speeds the body up: \
                  the sign of the gyroscope, of the drive or of a gain is wrong"
             ));
         }

@@ -6,6 +6,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::compiled::harness::{CRATE, Harness};
@@ -16,14 +17,16 @@ use crate::language::emitted::Emitted;
 /// The reason why there is no comparison, or its negative result.
 #[derive(Debug)]
 pub enum RunFailure {
-    /// A required tool is missing.
+    /// A required tool is missing, or a step took longer than is waited for.
     NotRun(String),
     /// The crate does not compile, or computes other words.
     Differs(String),
 }
 
-/// Time limit of the build, and of the run.
+/// Time limit of each build, and of the run.
 const PATIENCE: Duration = Duration::from_secs(300);
+/// Time between two looks whether a command has ended.
+const POLL: Duration = Duration::from_millis(20);
 
 /// Compiles the sources and compares every point; returns their number.
 ///
@@ -68,7 +71,7 @@ pub fn compare(
     let program = root.join("target/debug/run");
     let mut command = Command::new(program);
     command.stdin(files.0).stdout(files.1).stderr(Stdio::null());
-    if !finished(&mut command).map_err(not_run("running the crate"))? {
+    if !finished(command, "the run of the compiled crate", PATIENCE)? {
         return Err(RunFailure::Differs(
             "the compiled crate ended before all points were computed".to_owned(),
         ));
@@ -120,9 +123,7 @@ fn write_manifest(root: &Path, fixed_version: &str, with_older_half: bool) -> io
 /// Builds `fixed` alone first: if it is missing, that is not a fault of the emitted crate.
 fn build(root: &Path, fixed_version: &str) -> Result<(), RunFailure> {
     let log = root.join("log");
-    let run = |arguments: &[&str]| -> Result<bool, RunFailure> {
-        let missing =
-            |error: io::Error| RunFailure::NotRun(format!("cargo is not installed: {error}"));
+    let run = |arguments: &[&str], what: &str| -> Result<bool, RunFailure> {
         let file = fs::File::create(&log)
             .map_err(|error| RunFailure::NotRun(format!("{}: {error}", log.display())))?;
         let mut command = cargo(root);
@@ -131,7 +132,7 @@ fn build(root: &Path, fixed_version: &str) -> Result<(), RunFailure> {
             .args(["--offline", "--quiet", "--color", "never"])
             .stdout(Stdio::null())
             .stderr(file);
-        finished(&mut command).map_err(missing)
+        finished(command, what, PATIENCE)
     };
     let said = || {
         let text = fs::read_to_string(&log).unwrap_or_default();
@@ -143,7 +144,10 @@ fn build(root: &Path, fixed_version: &str) -> Result<(), RunFailure> {
         write_manifest(root, fixed_version, with_older_half).map_err(|error| {
             RunFailure::NotRun(format!("writing the crate's manifest: {error}"))
         })?;
-        is_built = run(&["build", "--package", "fixed"])?;
+        is_built = run(
+            &["build", "--package", "fixed"],
+            "the build of the crate `fixed`",
+        )?;
         if is_built {
             break;
         }
@@ -154,7 +158,7 @@ fn build(root: &Path, fixed_version: &str) -> Result<(), RunFailure> {
             said()
         )));
     }
-    if !run(&["build"])? {
+    if !run(&["build"], "the build of the emitted crate")? {
         return Err(RunFailure::Differs(format!(
             "rustc does not compile it: {}",
             said()
@@ -163,20 +167,67 @@ fn build(root: &Path, fixed_version: &str) -> Result<(), RunFailure> {
     Ok(())
 }
 
-/// Runs a command to its end or to the time limit; returns whether it succeeded.
-fn finished(command: &mut Command) -> io::Result<bool> {
-    let mut child = command.spawn()?;
+/// Runs a command to its end; returns whether it succeeded. `what` is its name in a reason.
+///
+/// # Errors
+/// [`RunFailure::NotRun`] if it cannot be started, or takes longer than `patience`; it is then ended.
+fn finished(mut command: Command, what: &str, patience: Duration) -> Result<bool, RunFailure> {
+    let not_run = |why: String| RunFailure::NotRun(format!("{what} {why}"));
+    let mut child = command.spawn().map_err(|error| {
+        let program = command.get_program().to_string_lossy().into_owned();
+        not_run(match error.kind() {
+            io::ErrorKind::NotFound => format!("needs {program}, which is not installed"),
+            _ => format!("could not start {program}: {error}"),
+        })
+    })?;
     let start = Instant::now();
     loop {
-        if let Some(status) = child.try_wait()? {
-            return Ok(status.success());
+        match child.try_wait() {
+            Ok(Some(status)) => return Ok(status.success()),
+            Ok(None) if start.elapsed() <= patience => thread::sleep(POLL),
+            Ok(None) => {
+                // It may have ended by itself in between; the time is over all the same.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(not_run(format!(
+                    "took longer than {} s, the time that is allowed",
+                    patience.as_secs()
+                )));
+            }
+            Err(error) => return Err(not_run(format!("could not be watched: {error}"))),
         }
-        if start.elapsed() > PATIENCE {
-            child.kill()?;
-            child.wait()?;
-            let text = format!("not done after {} s", PATIENCE.as_secs());
-            return Err(io::Error::new(io::ErrorKind::TimedOut, text));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reason(found: Result<bool, RunFailure>) -> String {
+        match found {
+            Err(RunFailure::NotRun(why)) => why,
+            other => panic!("{other:?}"),
         }
-        std::thread::sleep(Duration::from_millis(20));
+    }
+
+    /// The reason tells a machine that is too slow from one without the tool.
+    #[test]
+    fn a_run_out_of_time_is_not_a_missing_tool() {
+        let mut slow = Command::new("sleep");
+        slow.arg("60");
+        let slow = reason(finished(slow, "the build", Duration::ZERO));
+        assert_eq!(
+            slow,
+            "the build took longer than 0 s, the time that is allowed"
+        );
+        let absent = Command::new("no-such-tool");
+        let absent = reason(finished(absent, "the build", Duration::ZERO));
+        assert_eq!(
+            absent,
+            "the build needs no-such-tool, which is not installed"
+        );
+        let mut done = Command::new("sleep");
+        done.arg("0");
+        assert!(finished(done, "the build", PATIENCE).expect("it ends"));
     }
 }

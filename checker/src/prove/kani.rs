@@ -40,7 +40,7 @@ pub(crate) fn kani(
                 // Without modes all numbers of the harness are zero, and it proves nothing.
                 let is_empty = id == "closed-loop-agreement" && certificate.modes.is_none();
                 let outcome = if is_empty {
-                    ClaimOutcome::NotApplicable(NO_MODES.to_owned())
+                    ClaimOutcome::NotRun(NO_MODES.to_owned())
                 } else {
                     outcome
                 };

@@ -11,12 +11,18 @@ use crate::spec::ModuleSpec;
 /// Emits `verify/src/modes.rs`; all nothing for a loop that has no such modes.
 pub fn file(spec: &ModuleSpec, modes: Option<&Modes>) -> EmittedFile {
     let docs = inner_docs(&[
-        "The modes of the closed loop, in coordinates in which each decays by itself.",
+        match modes {
+            Some(modes) if modes.has_pair => {
+                "The modes of the closed loop, in coordinates in which the first decays by itself, and the other two, \
+                 a complex pair, beside each other."
+            }
+            _ => "The modes of the closed loop, in coordinates in which each decays by itself.",
+        },
         "",
         match modes {
             Some(_) => "The rows of the coordinates stand in `certificate.json` under `modes`.",
             None => {
-                "This loop has no three real modes: nothing is claimed, and all numbers are zero."
+                "This loop has no box of modes that a step maps into itself: nothing is claimed, and all numbers are zero."
             }
         },
     ]);

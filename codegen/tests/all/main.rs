@@ -6,6 +6,7 @@ mod benches;
 mod c99;
 mod emission;
 mod files;
+mod modes;
 mod monitor;
 mod refusals;
 mod runtime_drift;

@@ -29,6 +29,8 @@ const ABOUT_UPRIGHT: f64 = 0.6;
 const REST: f64 = 0.1;
 /// A wheel that travels against the body by less than this share of the body's travel is locked.
 const LOCKED: f64 = 0.1;
+/// Share by which the motion of a free wheel may differ from its own: friction and noise.
+const FREE: f64 = 0.1;
 /// A command was held if this share of its samples has its usual value.
 const HELD: f64 = 0.98;
 
@@ -83,6 +85,34 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         }
         return guess;
     }
+    if let (Some(angle), Some(speed), Some(time)) = (&angle, samples(Channel::WheelSpeed), &time)
+        && is_free(angle, &speed, time)
+    {
+        guess.kind = Kind::Driven;
+        guess.reason =
+            "the body swings and the wheel keeps its own motion: no current flows".to_owned();
+        rest(angle, &mut guess);
+        let column = mapped.iter().find(|one| one.channel == Channel::Current);
+        match column {
+            // A column with the standard name is read, mapped or not.
+            Some(one) if one.column == Channel::Current.standard_name() => {
+                guess.questions.push(format!(
+                    "the wheel does not follow the current of the file: if none flowed, give the column \"{}\" another \
+                     name in the file and write constants = {{ current = 0.0 }}",
+                    one.column
+                ));
+            }
+            Some(_) => {
+                let reason = "the wheel does not follow the file's current, which is left out";
+                guess.held_current_a = Some((0.0, reason.to_owned()));
+            }
+            None => {
+                let reason = "the wheel feels no motor";
+                guess.held_current_a = Some((0.0, reason.to_owned()));
+            }
+        }
+        return guess;
+    }
     upright(
         angle.as_deref(),
         wheel.as_deref(),
@@ -125,6 +155,40 @@ fn stays_with(angle_rad: &[f64], wheel_speed_rad_s: &[f64], time_s: &[f64]) -> b
         .map(|k| finite(wheel_speed_rad_s[k] * (time_s[k] - time_s[k - 1])).abs())
         .sum();
     of_wheel < LOCKED * of_body && moves(angle_rad)
+}
+
+/// Whether the wheel (speed in rad/s) is free on a body that swings. Without a torque between them the wheel keeps its
+/// own motion, φ̈ = −α̈: twice differenced over an eighth of a swing, so that a steady speed and its slow decay fall
+/// out, the wheel's angle is minus the body's. A motor with the gains of any law that balances turns it far more, and
+/// a locked wheel not at all. Upright, a body without current falls and does not swing.
+fn is_free(angle_rad: &[f64], wheel_speed_rad_s: &[f64], time_s: &[f64]) -> bool {
+    let count = angle_rad
+        .len()
+        .min(wheel_speed_rad_s.len())
+        .min(time_s.len());
+    let Some(middle) = median(angle_rad.to_vec()) else {
+        return false;
+    };
+    let crossings = (1..count)
+        .filter(|k| (angle_rad[k - 1] < middle) != (angle_rad[*k] < middle))
+        .count();
+    if crossings < 4 || !moves(angle_rad) {
+        return false;
+    }
+    let mut wheel_angle = vec![0.0; count];
+    for k in 1..count {
+        let mean = 0.5 * (wheel_speed_rad_s[k] + wheel_speed_rad_s[k - 1]);
+        let turn = mean * (time_s[k] - time_s[k - 1]);
+        wheel_angle[k] = wheel_angle[k - 1] + if turn.is_finite() { turn } else { 0.0 };
+    }
+    let step = (count / (4 * crossings)).max(1);
+    let second = |x: &[f64], k: usize| x[k + step] - 2.0 * x[k] + x[k - step];
+    let rows: Vec<([f64; 2], f64)> = (step..count.saturating_sub(step))
+        .map(|k| ([second(angle_rad, k), 1.0], second(&wheel_angle, k)))
+        .collect();
+    least_squares(&rows, step as f64).is_some_and(|found| {
+        (found.coefficients[0] + 1.0).abs() < FREE && found.explained > 1.0 - FREE
+    })
 }
 
 /// Whether a series moves by more than noise and single lost samples. Between its fifth and ninety-fifth

@@ -80,21 +80,45 @@ struct Draft {
 /// Proposes a bench.toml for these files in `folder`. Writes no file.
 ///
 /// # Errors
-/// If a file cannot be read, or does not hold a table.
+/// If a file cannot be read, does not hold a table, or has a fault that no bench.toml mends: a word among its numbers,
+/// a time that goes backwards, too few samples.
 pub fn propose(folder: &Path, files: &[PathBuf]) -> Result<Proposal, Error> {
-    propose_with(folder, files, &Corrections::default()).map(|(proposal, _)| proposal)
+    let proposed = proposed(folder, files, &Corrections::default())?;
+    match proposed.unread {
+        Some(error) if error.problem().is_in_the_log() => Err(error),
+        _ => Ok(proposed.proposal),
+    }
 }
 
 /// As [`propose`], with the corrections of a user. The second value lists the corrections that make no sense, one
-/// sentence each; the file that such a correction concerns keeps its proposal.
+/// sentence each; the file that such a correction concerns keeps its proposal. A fault in a log is no error here: it
+/// stands in [`Proposal::open`], because another choice may leave the faulty column out.
 ///
 /// # Errors
-/// As for [`propose`].
+/// If a file cannot be read, or does not hold a table.
 pub fn propose_with(
     folder: &Path,
     files: &[PathBuf],
     corrections: &Corrections,
 ) -> Result<(Proposal, Vec<String>), Error> {
+    let proposed = proposed(folder, files, corrections)?;
+    Ok((proposed.proposal, proposed.refused))
+}
+
+/// A proposal with what is wrong about it.
+struct Proposed {
+    proposal: Proposal,
+    /// The corrections that make no sense.
+    refused: Vec<String>,
+    /// Why the proposed bench cannot be read.
+    unread: Option<Error>,
+}
+
+fn proposed(
+    folder: &Path,
+    files: &[PathBuf],
+    corrections: &Corrections,
+) -> Result<Proposed, Error> {
     let mut refused = vec![];
     let mut drafts: Vec<Draft> = vec![];
     let mut in_memory = FilesInMemory::default();
@@ -123,16 +147,20 @@ pub fn propose_with(
         || "bench".to_owned(),
         |name| name.to_string_lossy().into_owned(),
     );
-    let mut checked = Err("no file is given".to_owned());
+    let mut findings = vec![];
+    let mut unread = None;
     for _ in 0..ROUNDS {
         let toml = text::bench_toml(&bench_name, &corrections.known, &drafts);
         in_memory.insert("bench.toml", toml.as_str());
-        checked = match Bench::from_files(&in_memory) {
-            Ok(bench) => Ok(crate::check(&bench)),
-            Err(error) => Err(error.to_string()),
-        };
-        let Ok(found) = &checked else { break };
-        let mended = found
+        match Bench::from_files(&in_memory) {
+            Ok(bench) => findings = crate::check(&bench),
+            Err(error) => {
+                findings.clear();
+                unread = Some(error);
+                break;
+            }
+        }
+        let mended = findings
             .iter()
             .filter(|finding| mend(&mut drafts, finding))
             .count();
@@ -140,17 +168,17 @@ pub fn propose_with(
             break;
         }
     }
-    let (findings, open) = match checked {
-        Ok(found) => (found, None),
-        Err(open) => (vec![], Some(open)),
-    };
     let proposal = Proposal {
         text: text::bench_toml(&bench_name, &corrections.known, &drafts),
         experiments: drafts.iter().map(Draft::told).collect(),
         findings,
-        open,
+        open: unread.as_ref().map(Error::to_string),
     };
-    Ok((proposal, refused))
+    Ok(Proposed {
+        proposal,
+        refused,
+        unread,
+    })
 }
 
 /// A path as bench.toml in `folder` would name it.
@@ -191,6 +219,9 @@ fn draft(name: String, file: String, table: &Table) -> Draft {
         ));
     }
     let guess = kind::guess(table, &mapped);
+    if guess.held_current_a.is_some() {
+        mapped.retain(|one| one.channel != Channel::Current);
+    }
     let unused = (0..table.names.len())
         .filter(|index| !mapped.iter().any(|one| one.index == *index))
         .map(|index| table.names[index].clone())

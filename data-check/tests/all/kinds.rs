@@ -2,14 +2,14 @@
 
 use std::fs;
 
-use data_check::propose;
+use data_check::{Proposal, propose};
 
 /// A swing of half a radian at 10 rad/s, with the wheel's speed as `wheel` makes it of the body's rate, and a current
 /// sensor whose zero wanders.
-fn kind_of(wheel: impl Fn(f64) -> f64) -> String {
+fn proposed(current: &str, wheel: impl Fn(f64) -> f64) -> Proposal {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("log.csv");
-    let mut text = "time_s,angle_rad,wheel_speed_rad_s,current_A\n".to_owned();
+    let mut text = format!("time_s,angle_rad,wheel_speed_rad_s,{current}\n");
     for k in 0..2000 {
         let time = 0.02 * f64::from(k);
         let size = 0.5 * (-0.05 * time).exp();
@@ -24,18 +24,51 @@ fn kind_of(wheel: impl Fn(f64) -> f64) -> String {
         ));
     }
     fs::write(&file, text).expect("a log");
-    let proposal = propose(folder.path(), &[file]).expect("a proposal");
-    proposal.experiments[0].choices.kind.clone()
+    propose(folder.path(), &[file]).expect("a proposal")
+}
+
+fn kind_of(proposal: &Proposal) -> &str {
+    &proposal.experiments[0].choices.kind
 }
 
 /// A wheel that stays with the body is locked, or stuck, whatever the current's column shows.
 #[test]
 fn a_swing_with_a_still_wheel_is_a_free_swing() {
-    assert_eq!(kind_of(|rate| 0.02 * rate), "free-swing");
+    assert_eq!(
+        kind_of(&proposed("current_A", |rate| 0.02 * rate)),
+        "free-swing"
+    );
 }
 
-/// A wheel that is free keeps its own motion, so that it turns against the body.
+/// A wheel that is free keeps its own motion, so that it turns against the body, at rest or at speed. No current
+/// flows, whatever its sensor says: it would turn the wheel.
 #[test]
-fn a_swing_with_a_free_wheel_is_no_free_swing() {
-    assert_ne!(kind_of(|rate| -rate), "free-swing");
+fn a_swing_with_a_free_wheel_is_driven_without_current() {
+    for own_speed in [0.0, 40.0] {
+        let proposal = proposed("motor current [A]", |rate| own_speed - rate);
+        assert_eq!(kind_of(&proposal), "driven", "{:?}", proposal.experiments);
+        let text = &proposal.text;
+        assert!(text.contains("\nconstants = { current = 0.0 }"), "{text}");
+        assert_eq!(proposal.open, None);
+        assert!(proposal.findings.is_empty(), "{:?}", proposal.findings);
+        // A column with the standard name is read whatever is proposed: its user must decide.
+        let proposal = proposed("current_A", |rate| own_speed - rate);
+        assert_eq!(kind_of(&proposal), "driven");
+        let asked = &proposal.experiments[0].questions;
+        assert!(
+            asked.iter().any(|one| one.contains("current = 0.0")),
+            "{asked:?}"
+        );
+    }
+}
+
+/// A wheel that a motor turns beside the swing is not free.
+#[test]
+fn a_swing_with_a_driven_wheel_keeps_its_current() {
+    let proposal = proposed("motor current [A]", |rate| -3.0 * rate);
+    assert!(
+        !proposal.text.contains("\nconstants = {"),
+        "{}",
+        proposal.text
+    );
 }

@@ -6,4 +6,5 @@ mod data;
 mod examined;
 mod external;
 mod imperfection;
+mod learned;
 mod sensors;

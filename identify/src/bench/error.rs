@@ -1,5 +1,6 @@
 //! The reasons why a bench cannot be identified.
 
+use bench_files::numbers::number;
 use plant::{LearnedCoordinate, Role};
 
 use crate::fit::NoBetterThanMean;
@@ -66,8 +67,10 @@ fn no_better(series: &[NoBetterThanMean]) -> String {
         .map(|one| {
             let (output, unit) = (one.output.name(), one.output.unit());
             format!(
-                "{}/{output} is predicted no better than by its mean (rms error {:.3} {unit}; around the mean {:.3} {unit})",
-                one.experiment, one.rmse, one.spread
+                "{}/{output} is predicted no better than by its mean (rms error {} {unit}; around the mean {} {unit})",
+                one.experiment,
+                number(one.rmse),
+                number(one.spread)
             )
         })
         .collect();

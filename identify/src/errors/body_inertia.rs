@@ -1,5 +1,6 @@
 //! The inertia of the body alone, computed from masses and lengths, and whether its value is physically possible.
 
+use bench_files::numbers::{number, significant, with_uncertainty};
 use plant::{BASE_PARAMETERS, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use super::contradiction::sigmas_for;
@@ -41,17 +42,20 @@ pub fn body_inertia_contradiction(problem: &FitProblem, fit: &Fit) -> Option<Str
     if value + sigmas_for(1) * spread <= 0.0 {
         return Some(format!(
             "contradiction: masses and lengths of [known] alone give more inertia than {name} = \
-             {:.3e} kg m2: body_inertia would be {value:.2e} ± {spread:.0e} kg m2, and an inertia \
-             cannot be negative",
-            fit.values[TOTAL_INERTIA]
+             {} kg m2: body_inertia would be {} kg m2, and an inertia cannot be negative",
+            number(fit.values[TOTAL_INERTIA]),
+            with_uncertainty(value, std)
         ));
     }
     let given = problem.masses.body_inertia?;
     let sigmas = (given - value).abs() / std?;
     (sigmas > sigmas_for(1)).then(|| {
         format!(
-            "contradiction: [known] says body_inertia = {given:.4e} kg m2, but the logs with masses and \
-             lengths give {value:.4e} ± {spread:.1e} ({sigmas:.1} standard errors)"
+            "contradiction: [known] says body_inertia = {} kg m2, but the logs with masses and \
+             lengths give {} ({} standard errors)",
+            number(given),
+            with_uncertainty(value, std),
+            significant(sigmas, 3)
         )
     })
 }

@@ -4,7 +4,6 @@
 //! on its own, and each known value is compared with the value that the logs would prefer.
 //!
 //! Let Hᵣ and gᵣ be the information and the gradient of record r at the common parameters (the
-//! windows' starts eliminated), H and g their sums. A parameter j that record r may have for itself,
 //! windows' starts eliminated), H and g their sums. Two kinds of extra unknown δ are tested: a value
 //! θⱼ + δ of parameter j for record r alone, and a known parameter j that becomes free by δ:
 //! ```text
@@ -22,6 +21,7 @@
 //! value is made free. The test is then repeated with the rest. One wrong record is therefore reported once, not
 //! for every parameter and every record that disagrees with it.
 
+use bench_files::numbers::{number, significant, with_uncertainty};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use plant::{Model, TOTAL_INERTIA, WHEEL_INERTIA};
 use rayon::prelude::*;
@@ -73,20 +73,17 @@ pub struct Contradiction {
 impl Contradiction {
     /// The contradiction in one sentence.
     pub fn sentence(&self) -> String {
-        let side = |side: &Side| match side.std {
-            Some(std) => format!("{:.3e} ± {std:.1e}", side.value),
-            None => format!("{:.3e}", side.value),
-        };
+        let side = |side: &Side| with_uncertainty(side.value, side.std);
         let head = format!(
-            "contradiction: {} says {} = {} {}, {} {} ({:.1} standard errors, {:.2} % apart)",
+            "contradiction: {} says {} = {} {}, {} {} ({} standard errors, {} % apart)",
             self.one.who,
             self.parameter,
             side(&self.one),
             self.unit,
             self.other.who,
             side(&self.other),
-            self.sigmas,
-            100.0 * (self.one.value / self.other.value - 1.0).abs()
+            significant(self.sigmas, 3),
+            significant(100.0 * (self.one.value / self.other.value - 1.0).abs(), 3)
         );
         if self.one.std.is_some() {
             return format!(
@@ -99,7 +96,9 @@ impl Contradiction {
             .iter()
             .map(|(name, given, wanted, std)| {
                 format!(
-                    "; or {name} is wrong: given as {given:.4e}, but the logs give {wanted:.4e} ± {std:.1e}"
+                    "; or {name} is wrong: given as {}, but the logs give {}",
+                    number(*given),
+                    with_uncertainty(*wanted, Some(*std))
                 )
             })
             .collect();

@@ -203,6 +203,46 @@ fn files_without_a_bench_become_one() {
     );
 }
 
+/// A log that no bench.toml mends is refused with its place, and no folder is left behind.
+#[test]
+fn a_log_with_a_fault_begins_no_bench() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let good = swing(1.0, 1.0);
+    let row_50 = good.lines().nth(49).expect("a long log");
+    let with = |row: &str| good.replacen(row_50, row, 1);
+    let again = good.lines().nth(9).expect("a long log");
+    let cases = [
+        (
+            with("0.240,abc,0.1"),
+            "log.csv:50: column \"angle_rad\": \"abc\" is not a number",
+        ),
+        (with("0.240,0.1"), "log.csv:50: this line has 2 cells"),
+        (
+            with(again),
+            "log.csv:50: column \"time_s\": time goes backwards",
+        ),
+        ("time_s,angle_rad\n".to_owned(), "log.csv: "),
+        (
+            "dear diary\nnothing\nto see\n".to_owned(),
+            "no column of the file holds numbers",
+        ),
+        (String::new(), "the file is empty"),
+    ];
+    for (text, expected) in cases {
+        fs::write(place("log.csv"), text).expect("written");
+        refused(["new", &place("bench"), &place("log.csv")], &[expected]);
+        assert!(!folder.path().join("bench").exists(), "{expected}");
+    }
+    // What is only undecided stands in a bench.toml with the question: at what was the current held?
+    let rows =
+        (0..200).map(|k| format!("{},{}\n", 0.01 * f64::from(k), 20.0 - 0.05 * f64::from(k)));
+    let coast_down = format!("time_s,wheel_speed_rad_s\n{}", rows.collect::<String>());
+    fs::write(place("log.csv"), coast_down).expect("written");
+    let text = done(["new", &place("bench"), &place("log.csv")]);
+    assert!(text.contains("TO DECIDE"), "{text}");
+}
+
 #[test]
 fn units_that_no_name_tells_are_found_by_the_motion() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -25,7 +25,7 @@ use super::report::{
 use crate::control_design::ControlDesign;
 use crate::error::Error;
 use crate::measured_linearity::{PERIODS, SpinUpLinearity, SwingLinearity};
-use crate::session::with_changes;
+use crate::predictor::with_changes;
 use crate::simulated_sensors::sensors_of;
 
 /// Number of starts on each boundary in the search for the region of attraction.

@@ -27,7 +27,10 @@ bounds = [0.01, 0.5]
 ";
 
 fn session(more: &[(&'static str, String)]) -> Session {
-    let files = magnet::files();
+    session_of(magnet::files(), more)
+}
+
+fn session_of(files: Vec<(&'static str, String)>, more: &[(&'static str, String)]) -> Session {
     let all = files.iter().chain(more);
     let files: FilesInMemory = all.map(|(name, text)| (*name, text.as_str())).collect();
     Session::from_files(&files).expect("a bench")
@@ -167,6 +170,34 @@ fn an_effect_of_ones_own_explains_the_magnet() {
         curve_slopes(&file),
         ["own:magnet: slope zero, because no log shows it upright"]
     );
+}
+
+/// Beside dry friction, and from a start where the magnet is not: the missing torque shows where it is.
+#[test]
+fn the_diagnosis_finds_an_effect_of_ones_own_beside_another() {
+    let files = magnet::files_with_dry_friction(3e-4);
+    let mut session = session_of(files, &[("effects/magnet.toml", OWN.to_owned())]);
+    session.identify(&silent()).expect("a fit");
+    let found = session.diagnose(&silent()).expect("a diagnosis");
+    assert_eq!(found.verdict, Verdict::Explained, "{}", found.sentence);
+    let effects = &found.last_model.effects;
+    for effect in ["body-coulomb-friction", "own:magnet"] {
+        assert!(effects.iter().any(|one| one == effect), "{effects:?}");
+    }
+    assert!(worst(&found.last_model.rmse) < 1.1);
+    let parameters = found.last_model.parameters.iter();
+    for parameter in parameters {
+        let truth = match parameter.name.as_str() {
+            "magnet_a" => 0.006,
+            "magnet_centre" => 0.15,
+            "magnet_width" => 0.06,
+            "body_coulomb_torque" => 3e-4,
+            _ => continue,
+        };
+        let std = parameter.std.expect("a standard error");
+        let off = (parameter.value - truth).abs();
+        assert!(off < 4.0 * std, "{}: {off} for {std}", parameter.name);
+    }
 }
 
 /// The fingerprint of the magnet: over the angle the torque is missing without it, in both directions of the motion

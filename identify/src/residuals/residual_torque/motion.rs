@@ -105,6 +105,7 @@ impl MeasuredMotion {
                 dot(&bump.intervals, span.map(|k| mid(&angle, k)))
             }
         };
+        let turned = speed.as_ref().map(|speed| turned(record, speed));
         let simulated = simulated_speeds(record, windows, model, values);
         let short = (half as f64 * SPEED_MEAN) as usize;
         let mut state = vec![State::rest(); n - 1];
@@ -144,7 +145,10 @@ impl MeasuredMotion {
             if state.wheel_speed_rad_s.is_finite() {
                 last_speed = state.wheel_speed_rad_s;
             }
-            state.wheel_angle_rad = wheel_angle + 0.5 * step * last_speed;
+            state.wheel_angle_rad = match &turned {
+                Some(turned) => mid(turned, k),
+                None => wheel_angle + 0.5 * step * last_speed,
+            };
             wheel_angle += step * last_speed;
             if let Some(before) = smoothed_before {
                 // The smoothed path: noise would move the contact to and fro.
@@ -170,6 +174,28 @@ impl MeasuredMotion {
             noise_std,
         })
     }
+}
+
+/// The wheel's angle at every sample, as the record has it, with `speed`, the true one behind the sensor. A simulated
+/// speed has no place in it: where a model is wrong by little, its error adds up to turns.
+fn turned(record: &Record, speed: &[f64]) -> Vec<f64> {
+    let Some(said) = record.channel(Output::WheelSpeed) else {
+        return record.wheel_angles().to_vec();
+    };
+    let off = |k: usize| match speed[k] - said.samples[k] {
+        off if off.is_finite() => off,
+        _ => 0.0,
+    };
+    let mut more = 0.0;
+    let angles = record.wheel_angles().iter().enumerate();
+    angles
+        .map(|(k, angle)| {
+            if k > 0 {
+                more += 0.5 * (off(k - 1) + off(k)) * (record.time_s[k] - record.time_s[k - 1]);
+            }
+            angle + more
+        })
+        .collect()
 }
 
 /// Removes the slow drift of an angle that was integrated from the rate. The drift is the mean over

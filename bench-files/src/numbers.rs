@@ -14,7 +14,7 @@ pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
             let shift = if plain { 0 } else { exponent };
             let decimals = usize::try_from(shift + 1 - exponent_of(std)).unwrap_or(0);
             if exponent - exponent_of(std) + 2 > DIGITS as i32 {
-                return format!("{} ± {}", significant(value, DIGITS), significant(std, 2));
+                return format!("{} ± {}", number(value), significant(std, 2));
             }
             let scale = 10_f64.powi(-shift);
             let text = format!("{:.decimals$} ± {:.decimals$}", value * scale, std * scale);
@@ -24,8 +24,13 @@ pub fn with_uncertainty(value: f64, std: Option<f64>) -> String {
                 format!("({text})e{exponent}")
             }
         }
-        _ => significant(value, DIGITS),
+        _ => number(value),
     }
+}
+
+/// A number for a sentence or a table: at most four significant digits.
+pub fn number(value: f64) -> String {
+    significant(value, DIGITS)
 }
 
 /// A fit in percent with at most four digits; a dash if there is none, as for a constant signal.
@@ -35,7 +40,7 @@ pub fn fit_percent(value: f64) -> String {
     } else if value.abs() < 99.995 {
         format!("{value:.2} %")
     } else {
-        format!("{} %", significant(value, DIGITS))
+        format!("{} %", number(value))
     }
 }
 
@@ -77,6 +82,11 @@ fn exponent_of(positive: f64) -> i32 {
 /// A share in percent to two digits: `0.034` is `3.4 %`.
 pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
+}
+
+/// An angle in degrees to three digits: `1.25°`.
+pub fn degrees(angle_rad: f64) -> String {
+    format!("{}°", significant(angle_rad.to_degrees(), 3))
 }
 
 /// A complex number as `a + bj`, or `a` where it is real.
@@ -151,6 +161,8 @@ mod tests {
         assert_eq!(with_prefix(0.0223, "rad"), "22.3 mrad");
         assert_eq!(with_prefix(0.598, "rad/s"), "0.598 rad/s");
         assert_eq!(with_prefix(3.2e-5, "N m s"), "32 µN m s");
+        assert_eq!(degrees(-2.154), "-123°");
+        assert_eq!(degrees(0.021_816_6), "1.25°");
         assert_eq!(complex(-11.9, 0.0), "-11.9");
         assert_eq!(complex(-1.5, -2.25), "-1.5 − 2.25j");
     }
