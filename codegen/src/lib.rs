@@ -55,7 +55,9 @@ pub use spec::ModuleSpec;
 /// Whether sensors or drive add states to the loop.
 fn has_other_loop(spec: &ModuleSpec) -> bool {
     let wheel = &spec.hardware.wheel;
-    spec.drive.voltage.is_some() || matches!(wheel, hardware::WheelSensor::Encoder(_))
+    spec.drive.voltage.is_some()
+        || spec.hardware.body_encoder().is_some()
+        || matches!(wheel, hardware::WheelSensor::Encoder(_))
 }
 
 /// How a module is emitted, apart from its numbers.
@@ -111,7 +113,7 @@ pub fn generate_with(
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
         // The bound holds for `control` on the measured states and a current that flows as it is asked for. An observer
-        // that changes the angle, an encoder's speed that is half a window old, and a voltage in place of the current
+        // that changes the angle, an encoder's rate or speed that is half a window old, and a voltage in place of the current
         // make other loops, for which it is not claimed.
         None if spec.hardware.bias_observer.is_some() || has_other_loop(spec) => None,
         None => closed_loop::certify(spec, &law),

@@ -38,6 +38,9 @@ type Polynomial = Vec<BigRational>;
 /// Why a loop that other claims speak of is not that of this module; `None` where it is.
 pub(crate) fn other_loop(certificate: &Certificate) -> Option<String> {
     let mut what = Vec::new();
+    if certificate.hardware.body_encoder().is_some() {
+        what.push("the body's rate is an encoder's, half a window old");
+    }
     if certificate.hardware.wheel_speed.encoder.is_some() {
         what.push("the wheel's speed is an encoder's, half a window old");
     }
@@ -118,7 +121,9 @@ fn polynomial(certificate: &Certificate, law: &EmittedLaw) -> Polynomial {
 
     let window = certificate.hardware.wheel_speed.encoder.as_ref();
     let window = window.map(|encoder| encoder.window as usize);
-    let longest = window.unwrap_or(0);
+    let body = certificate.hardware.body_encoder();
+    let body_window = body.map(|encoder| encoder.window as usize);
+    let longest = window.max(body_window).unwrap_or(0);
     let shift = |polynomial: &Polynomial, by: usize| -> Polynomial {
         [vec![BigRational::zero(); by], polynomial.clone()].concat()
     };
@@ -133,7 +138,7 @@ fn polynomial(certificate: &Certificate, law: &EmittedLaw) -> Polynomial {
     };
     let fed_back = [
         shift(&numerators[0], longest),
-        speed(None, 1, 0),
+        speed(body_window, 1, 0),
         speed(window, 2, 3),
     ];
     let mut found = shift(&denominator, longest);

@@ -5,7 +5,7 @@ use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use codegen::hardware::BiasObserverSpec;
+use codegen::hardware::{BiasObserverSpec, BodySensor};
 use codegen::{EmittedCrate, EmittedFile, c99, generate};
 use generated::{Angle, Controller, Current, Rate, Sample, WheelSpeed, control};
 use nalgebra::{Matrix3, Vector3};
@@ -41,7 +41,9 @@ fn committed() -> EmittedCrate {
 fn with_everything() -> EmittedCrate {
     let mut spec = thesis::spec();
     let askew = Matrix3::new(1.0, 0.02, -0.01, -0.03, 0.98, 0.015, 0.01, -0.02, 1.03);
-    let attitude = &mut spec.hardware.attitude;
+    let BodySensor::Inertial(attitude) = &mut spec.hardware.body else {
+        panic!("the bench of the thesis is inertial");
+    };
     attitude.gyro.matrix *= askew;
     attitude.gyro.bias_counts = Vector3::new(3.5, -7.25, 11.0);
     attitude.accel.matrix *= askew.transpose();

@@ -101,6 +101,9 @@ pub struct Motion {
     pub rate: BigRational,
 }
 
+/// Why no errors are known of the body's sensors.
+const NO_INERTIAL_SENSORS: &str = "an encoder shows the body";
+
 /// The largest power of two that divides every count.
 fn step_of(clips: &[i32; 3]) -> i128 {
     let zeros = clips.iter().filter(|clip| **clip != 0);
@@ -119,7 +122,10 @@ impl SensorErrors {
         law: &EmittedLaw,
         with_noise: bool,
     ) -> Result<SensorErrors, NoBounds> {
-        let hardware = &certificate.hardware;
+        let whole = &certificate.hardware;
+        let Some(hardware) = whole.inertial() else {
+            return Err(NoBounds::NotShown(NO_INERTIAL_SENSORS.to_owned()));
+        };
         let steps = if with_noise {
             half() + integer(1)
         } else {
@@ -175,7 +181,7 @@ impl SensorErrors {
                 })
                 .collect(),
         );
-        let wheel = &hardware.wheel_speed;
+        let wheel = &whole.wheel_speed;
         let end = |counts: i32| {
             &wheel.rad_s_per_count.value * integer(counts.into()) + &wheel.rad_s_at_zero.value
         };
@@ -211,7 +217,7 @@ impl SensorErrors {
             gyro,
             accel_axis,
             accel,
-            wheel_speed: hardware.wheel_speed.rad_s_per_count.value.abs() * &steps,
+            wheel_speed: whole.wheel_speed.rad_s_per_count.value.abs() * &steps,
             drift: if with_noise {
                 integer(2) * beta * drift_share()
             } else {
