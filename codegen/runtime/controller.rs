@@ -259,13 +259,13 @@ impl Controller {
 
     /// As [`Controller::step`], with a current in place of the law's, within its limit.
     pub fn step_with_current(&mut self, sample: &Sample, current: Current) -> Duty {
-        #[cfg(wheel_converter)]
+        #[cfg(all(wheel_converter, any(voltage_drive, not(body_encoder))))]
         let speed = wheel_speed(sample.wheel_adc);
-        #[cfg(wheel_driver)]
+        #[cfg(all(wheel_driver, any(voltage_drive, not(body_encoder))))]
         let speed = wheel_speed(sample.wheel_speed);
         #[cfg(wheel_encoder)]
         self.wheel.update(sample.wheel_count, &WHEEL_ENCODER);
-        #[cfg(wheel_encoder)]
+        #[cfg(all(wheel_encoder, any(voltage_drive, not(body_encoder))))]
         let speed = wheel_speed(self.wheel.turned(&WHEEL_ENCODER));
         #[cfg(not(body_encoder))]
         let seen = self.seen(sample, speed);

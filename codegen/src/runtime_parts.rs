@@ -104,14 +104,15 @@ impl Parts {
             dropped[first..lines.end - 1].fill(true);
         }
         let mut text = String::with_capacity(source.len());
-        // An empty line stands between two nodes: once, and not before the end of a block.
+        // An empty line stands between two nodes: once, and not at the beginning or the end of a block.
         let mut is_apart = false;
         for (line, _) in written.iter().zip(dropped).filter(|(_, dropped)| !dropped) {
             if line.is_empty() {
                 is_apart = true;
                 continue;
             }
-            if is_apart && !line.trim_start().starts_with('}') {
+            let is_first = text.ends_with("{\n");
+            if is_apart && !is_first && !line.trim_start().starts_with('}') {
                 text.push('\n');
             }
             is_apart = false;

@@ -1,4 +1,4 @@
-//! Claim `encoder-loop-stable`: the loop with the speeds that encoders show, and with the back-EMF that a voltage drive
+//! Claim `encoder-loop-stable`: the loop with the rate and the speed that encoders show, and with the back-EMF that a voltage drive
 //! leaves to the motor, is stable.
 //!
 //! An encoder's speed is the turn of its axis over N steps, (φ(k) − φ(k − N))/(N T), and so half a window old. A voltage

@@ -175,6 +175,13 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
         file("src/flywheel.c", source),
     ];
     files.extend(library::files(&emitted.name(), &title));
+    // The sketch reads the inertial sensors of the thesis' bench, which a body with an encoder does not have.
+    if !items
+        .structs
+        .contains_key(&("attitude".to_string(), "Attitude".to_string()))
+    {
+        files.retain(|file| !file.path.ends_with(".ino"));
+    }
     files.push(file("certificate.json", certificate(emitted)?));
     Ok(EmittedCrate { files })
 }

@@ -8,6 +8,7 @@ mod emission;
 mod files;
 mod monitor;
 mod refusals;
+mod runtime_body;
 mod runtime_drift;
 mod runtime_encoder;
 mod runtime_filter;
