@@ -85,13 +85,18 @@ pub fn claims(certificate: &Certificate, module: &Module, results: &[ClaimResult
 }
 
 /// The constants that hold a bench's numbers: file and name.
-const BENCH: [(&str, &str); 14] = [
+const BENCH: [(&str, &str); 19] = [
     ("constants", "FILTER"),
     ("constants", "MOUNTING_ANGLE"),
     ("constants", "ANGLE_FACTOR"),
     ("constants", "ANGLE_SHIFT"),
     ("constants", "ANGLE_MAX"),
     ("constants", "RATE_LINE"),
+    ("constants", "BODY_ENCODER"),
+    ("constants", "BODY_ZERO"),
+    ("constants", "BODY_ANGLE_LINE"),
+    ("constants", "BODY_RATE_LINE"),
+    ("constants", "HOLDING_LINE"),
     ("constants", "WHEEL_SPEED_LINE"),
     ("constants", "WHEEL_ENCODER"),
     ("constants", "DUTY_LINE"),
@@ -111,7 +116,7 @@ const OF_LINES: &str = "hardware-words, step-total";
 const OF_SUPERVISOR: &str = "supervisor, step-total";
 
 /// The beginning of the word's name, the source of its number, its format, and the claims about it.
-const TRACES: [(&str, &str, &str, &str); 31] = [
+const TRACES: [(&str, &str, &str, &str); 33] = [
     (
         "FILTER.accel_clip",
         "accelerometer: counts where it clips",
@@ -269,6 +274,18 @@ const TRACES: [(&str, &str, &str, &str); 31] = [
         "`bias_observer` of the certificate; zero where it is null",
         "products of equal fraction bits",
         "hardware-words, step-total, bias-observer-stable",
+    ),
+    (
+        "BODY_ENCODER",
+        "wrap and window of the encoder; by how much a step may turn further than the one before",
+        "counts, steps",
+        "encoder-exact, step-total",
+    ),
+    (
+        "BODY_ZERO",
+        "the count with the body upright",
+        "counts",
+        OF_LINES,
     ),
     (
         "WHEEL_ENCODER",

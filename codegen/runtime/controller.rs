@@ -1,36 +1,61 @@
 //! One step from raw counts to the drive's duty, under supervision.
 
+#[cfg(not(body_encoder))]
 use super::attitude::Attitude;
+#[cfg(not(body_encoder))]
 use super::bias_observer::{advanced, estimated_bias, waiting};
+#[cfg(not(body_encoder))]
 use super::calibration::is_saturated;
+#[cfg(body_encoder)]
+use super::body::{body_angle, body_rate};
 #[cfg(wheel_encoder)]
 use super::constants::WHEEL_ENCODER;
-#[cfg(not(voltage_drive))]
+#[cfg(body_encoder)]
+use super::constants::{BODY_ENCODER, HOLDING_LINE};
+#[cfg(all(not(body_encoder), not(voltage_drive)))]
 use super::constants::{BIAS_OBSERVER, DUTY_LINE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
-#[cfg(voltage_drive)]
+#[cfg(all(not(body_encoder), voltage_drive))]
 use super::constants::{BIAS_OBSERVER, DUTY_PLANE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
+#[cfg(all(body_encoder, not(voltage_drive)))]
+use super::constants::{DUTY_LINE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
+#[cfg(all(body_encoder, voltage_drive))]
+use super::constants::{DUTY_PLANE, LIMITS, WHEEL_SPEED_LINE, ZERO_CURRENT};
+#[cfg(not(body_encoder))]
 use super::control::{Angle, CURRENT_LIMIT, Current, WheelSpeed, control};
-#[cfg(wheel_encoder)]
+#[cfg(body_encoder)]
+use super::control::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed, control};
+#[cfg(any(body_encoder, wheel_encoder))]
 use super::encoder::Encoder;
 use super::line::on_line;
 #[cfg(voltage_drive)]
 use super::plane::on_plane;
 use super::product::clamp;
+#[cfg(not(body_encoder))]
 use super::supervisor::{
     Counters, EMPTY_WINDOW, NOTHING_COUNTED, Status, Window, counted, gathered, judged, may_arm,
     observed,
+};
+#[cfg(body_encoder)]
+use super::supervisor::{
+    Counters, NOTHING_COUNTED, Shown, Status, counted, judged, may_arm, observed,
 };
 
 /// What the sensors said at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
     /// Gyroscope, raw counts.
+    #[cfg(not(body_encoder))]
     pub gyro: [i16; 3],
     /// Accelerometer, raw counts.
+    #[cfg(not(body_encoder))]
     pub accel: [i16; 3],
     /// Magnetometer, raw counts, where there is a new reading. The controller does not use it: it
     /// shows the heading, not the pivot's angle.
+    #[cfg(not(body_encoder))]
     pub mag: Option<[i16; 3]>,
+    /// The count of the encoder on the pivot.
+    #[cfg(body_encoder)]
+    pub body_count: u16,
     /// The drive's speed output, raw counts of the converter.
     #[cfg(wheel_converter)]
     pub wheel_adc: u16,
@@ -52,24 +77,32 @@ struct Seen {
     /// Whether the motor is to be driven.
     is_driven: bool,
     /// The body's angle, its word: an arc tangent, so that it is found once a step.
+    #[cfg(not(body_encoder))]
     angle: i32,
 }
 
 /// The whole controller: call [`Controller::step`] once every sample time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Controller {
+    #[cfg(not(body_encoder))]
     attitude: Attitude,
+    #[cfg(body_encoder)]
+    body: Encoder,
     #[cfg(wheel_encoder)]
     wheel: Encoder,
     status: Status,
+    #[cfg(not(body_encoder))]
     is_aligned: bool,
+    #[cfg(not(body_encoder))]
     window: Window,
     counters: Counters,
+    #[cfg(not(body_encoder))]
     bias_state: i32,
 }
 
 impl Controller {
     /// Starts without an attitude; a window of quiet samples sets it.
+    #[cfg(not(body_encoder))]
     pub const fn new() -> Self {
         Controller {
             attitude: Attitude::new(),
@@ -83,6 +116,18 @@ impl Controller {
         }
     }
 
+    /// Before the first count.
+    #[cfg(body_encoder)]
+    pub const fn new() -> Self {
+        Controller {
+            body: Encoder::new(),
+            #[cfg(wheel_encoder)]
+            wheel: Encoder::new(),
+            status: Status::NotAligned,
+            counters: NOTHING_COUNTED,
+        }
+    }
+
     /// What the controller does, or why it does nothing.
     pub fn status(&self) -> Status {
         self.status
@@ -90,6 +135,7 @@ impl Controller {
 
     /// From the next step on the motor is driven, if the attitude is known, the body near upright and
     /// nearly at rest, and no sensor stuck; else nothing changes. Returns whether it is driven.
+    #[cfg(not(body_encoder))]
     pub fn arm(&mut self) -> bool {
         if self.status == Status::Running {
             return true;
@@ -105,8 +151,33 @@ impl Controller {
         }
     }
 
+    /// From the next step on the motor is driven, if the body has been near upright and nearly at rest for long
+    /// enough, and the wheel's speed is known; else nothing changes. Returns whether it is driven.
+    #[cfg(body_encoder)]
+    pub fn arm(&mut self) -> bool {
+        if self.status == Status::Running {
+            return true;
+        }
+        if may_arm(&self.counters, &LIMITS) {
+            self.counters.saturated = 0;
+            self.status = Status::Running;
+            true
+        } else {
+            false
+        }
+    }
+
+    /// From the next step on, the current is zero; the body is still followed. A trip stays what it is.
+    #[cfg(body_encoder)]
+    pub fn disarm(&mut self) {
+        if self.status == Status::Running {
+            self.status = Status::Ready;
+        }
+    }
+
     /// From the next step on, the current is zero; the attitude is still followed. A trip stays what
     /// it is.
+    #[cfg(not(body_encoder))]
     pub fn disarm(&mut self) {
         if self.status == Status::Running {
             self.status = Status::Ready;
@@ -114,14 +185,35 @@ impl Controller {
     }
 
     /// Reports a missed tick or a bus error: from the next step on the current is zero, and the
+    /// body has to be at rest anew.
+    #[cfg(body_encoder)]
+    pub fn fault(&mut self) {
+        self.trip(Status::TrippedFault);
+    }
+
+    /// Reports a missed tick or a bus error: from the next step on the current is zero, and the
     /// attitude has to be found anew.
+    #[cfg(not(body_encoder))]
     pub fn fault(&mut self) {
         self.trip(Status::TrippedFault);
     }
 
     /// The attitude filter.
+    #[cfg(not(body_encoder))]
     pub fn attitude(&self) -> &Attitude {
         &self.attitude
+    }
+
+    /// The body's angle from upright by its last count.
+    #[cfg(body_encoder)]
+    pub fn angle(&self) -> Angle {
+        body_angle(self.body.count())
+    }
+
+    /// The body's rate by the turn over the encoder's window, half of which it is old.
+    #[cfg(body_encoder)]
+    pub fn rate(&self) -> Rate {
+        body_rate(self.body.turned(&BODY_ENCODER))
     }
 
     /// Takes one sample and returns the duty: that of zero current unless the controller runs.
@@ -134,7 +226,21 @@ impl Controller {
         self.wheel.update(sample.wheel_count, &WHEEL_ENCODER);
         #[cfg(wheel_encoder)]
         let speed = wheel_speed(self.wheel.turned(&WHEEL_ENCODER));
+        #[cfg(body_encoder)]
+        let seen = self.seen(sample);
+        #[cfg(body_encoder)]
+        if seen.is_driven {
+            let current = control(self.angle(), self.rate(), speed);
+            #[cfg(not(voltage_drive))]
+            self.sent(current)
+            #[cfg(voltage_drive)]
+            self.sent(current, speed)
+        } else {
+            Duty(ZERO_CURRENT)
+        }
+        #[cfg(not(body_encoder))]
         let seen = self.seen(sample, speed);
+        #[cfg(not(body_encoder))]
         if seen.is_driven {
             let angle = seen.angle;
             let rate = self.attitude.rate();
@@ -153,15 +259,18 @@ impl Controller {
 
     /// As [`Controller::step`], with a current in place of the law's, within its limit.
     pub fn step_with_current(&mut self, sample: &Sample, current: Current) -> Duty {
-        #[cfg(wheel_converter)]
+        #[cfg(all(wheel_converter, any(voltage_drive, not(body_encoder))))]
         let speed = wheel_speed(sample.wheel_adc);
-        #[cfg(wheel_driver)]
+        #[cfg(all(wheel_driver, any(voltage_drive, not(body_encoder))))]
         let speed = wheel_speed(sample.wheel_speed);
         #[cfg(wheel_encoder)]
         self.wheel.update(sample.wheel_count, &WHEEL_ENCODER);
-        #[cfg(wheel_encoder)]
+        #[cfg(all(wheel_encoder, any(voltage_drive, not(body_encoder))))]
         let speed = wheel_speed(self.wheel.turned(&WHEEL_ENCODER));
+        #[cfg(not(body_encoder))]
         let seen = self.seen(sample, speed);
+        #[cfg(body_encoder)]
+        let seen = self.seen(sample);
         if seen.is_driven {
             let limit = CURRENT_LIMIT.to_bits();
             #[cfg(not(voltage_drive))]
@@ -175,7 +284,53 @@ impl Controller {
         }
     }
 
+    /// Takes a sample: counts of the encoders, and how long each condition has lasted.
+    #[cfg(body_encoder)]
+    fn seen(&mut self, sample: &Sample) -> Seen {
+        let before = self.body.count();
+        self.body.update(sample.body_count, &BODY_ENCODER);
+        let angle = self.angle().to_bits();
+        let shown = Shown {
+            is_running: self.status == Status::Running,
+            angle,
+            rate: self.rate().to_bits(),
+            is_same: self.body.count() == before,
+            held: on_line(angle, &HOLDING_LINE),
+            #[cfg(wheel_converter)]
+            wheel: sample.wheel_adc as i32,
+            #[cfg(wheel_driver)]
+            wheel: sample.wheel_speed as i32,
+            #[cfg(wheel_encoder)]
+            wheel: self.wheel.turned(&WHEEL_ENCODER),
+        };
+        self.counters = observed(&self.counters, &shown, &LIMITS);
+        // A count that is no motion: the encoder, its magnet or the bus has failed.
+        #[cfg(wheel_encoder)]
+        let has_jumped = self.body.has_jumped() || self.wheel.has_jumped();
+        #[cfg(not(wheel_encoder))]
+        let has_jumped = self.body.has_jumped();
+        let judgement = if has_jumped {
+            Status::TrippedFault
+        } else {
+            judged(&self.counters, angle, &LIMITS)
+        };
+        if self.status == Status::Running && judgement == Status::Running {
+            return Seen { is_driven: true };
+        }
+        if self.status == Status::Running {
+            self.trip(judgement);
+        } else if self.status == Status::NotAligned && self.counters.still >= LIMITS.still_steps {
+            self.status = Status::Ready;
+        }
+        if has_jumped {
+            self.fault();
+        }
+        self.counters.current = 0;
+        Seen { is_driven: false }
+    }
+
     /// Takes a sample: attitude, counts, window.
+    #[cfg(not(body_encoder))]
     fn seen(&mut self, sample: &Sample, speed: WheelSpeed) -> Seen {
         // A reading at the end of the range says nothing of the rate: the last one stands in for the few
         // steps until that trips. Integrated as it is, it would turn the attitude by degrees a step.
@@ -235,6 +390,7 @@ impl Controller {
     }
 
     /// The window with one sample more; a full one sets the attitude.
+    #[cfg(not(body_encoder))]
     fn align(&mut self, sample: &Sample) {
         let up = self.attitude.reading(sample.accel);
         let is_quiet = self.attitude.is_quiet(sample.gyro, sample.accel);
@@ -249,7 +405,15 @@ impl Controller {
         }
     }
 
+    /// No current, and the body has to be at rest anew.
+    #[cfg(body_encoder)]
+    fn trip(&mut self, status: Status) {
+        self.status = status;
+        self.counters.still = 0;
+    }
+
     /// No current, and the attitude is not believed any more.
+    #[cfg(not(body_encoder))]
     fn trip(&mut self, status: Status) {
         self.status = status;
         self.is_aligned = false;
@@ -262,6 +426,8 @@ impl Controller {
         let word = current.to_bits();
         let limit = CURRENT_LIMIT.to_bits();
         let is_saturated = word <= -limit || word >= limit;
+        #[cfg(body_encoder)]
+        self.counters.current = word;
         self.counters.saturated = counted(
             self.counters.saturated,
             is_saturated,
@@ -276,6 +442,8 @@ impl Controller {
         let word = current.to_bits();
         let limit = CURRENT_LIMIT.to_bits();
         let is_saturated = word <= -limit || word >= limit;
+        #[cfg(body_encoder)]
+        self.counters.current = word;
         self.counters.saturated = counted(
             self.counters.saturated,
             is_saturated,

@@ -146,7 +146,7 @@ impl Loop {
 /// The certificate for `spec`, as JSON; `None` if no ellipsoid was found that the perturbations
 /// cannot leave.
 pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value> {
-    let sensor_steps = sensor_steps(spec);
+    let sensor_steps = sensor_steps(spec)?;
     let unit = |bits: u32| 2f64.powi(-(bits as i32));
     let half_words = Vector3::from_fn(|i, _| 0.5 * unit(law.terms[i].input.format.fraction_bits));
     let gains = RowVector3::from_row_slice(&spec.gains);
@@ -214,17 +214,17 @@ fn holdable_angle(spec: &ModuleSpec) -> f64 {
 
 /// The size of one count: of the accelerometer as an angle against gravity, of the gyroscope about the pivot
 /// axis, of the converter.
-fn sensor_steps(spec: &ModuleSpec) -> [f64; 3] {
-    let attitude = &spec.hardware.attitude;
+fn sensor_steps(spec: &ModuleSpec) -> Option<[f64; 3]> {
+    let attitude = spec.hardware.attitude()?;
     let rows = |matrix: &nalgebra::Matrix3<f64>, row: usize| {
         matrix.row(row).iter().map(|entry| entry.abs()).sum::<f64>()
     };
     let accel = rows(&attitude.accel.matrix, 0).max(rows(&attitude.accel.matrix, 1));
-    [
+    Some([
         accel / attitude.gravity_m_s2,
         rows(&attitude.gyro.matrix, 2),
         spec.hardware.wheel_speed_per_count.abs(),
-    ]
+    ])
 }
 
 /// Searches γ and ε; P and γ of the ellipsoid with the largest volume.

@@ -5,8 +5,8 @@ use attitude::AttitudeSpec;
 /// Sensors and optional bias observer. The drive is described by [`crate::spec::PwmDrive`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardwareSpec {
-    /// Inertial sensor, mounting and filter. Its sample time is that of the module.
-    pub attitude: AttitudeSpec,
+    /// How the body's angle and rate are read.
+    pub body: BodySensor,
     /// How the wheel's speed is read.
     pub wheel: WheelSensor,
     /// Wheel speed per count (rad/s): of the converter, of the driver's word, or of the counts that the encoder turns
@@ -27,6 +27,26 @@ pub struct HardwareSpec {
     pub registers: Vec<String>,
     /// Observer of a constant bias of the angle, which would keep the wheel turning; `None` for no observer.
     pub bias_observer: Option<BiasObserverSpec>,
+}
+
+/// How the body's angle and rate are read.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BodySensor {
+    /// Gyroscope and accelerometer: sensors, mounting and filter. The sample time is that of the module.
+    Inertial(Box<AttitudeSpec>),
+    /// An encoder on the pivot.
+    Encoder(BodyEncoder),
+}
+
+/// An encoder on the pivot. Its turn over the window is the rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyEncoder {
+    /// The encoder.
+    pub encoder: EncoderSpec,
+    /// Its count with the body upright.
+    pub zero: u32,
+    /// Largest rate that it is to show; a higher one reads as this (rad/s).
+    pub largest_rate_rad_s: f64,
 }
 
 /// How the wheel's speed is read.
@@ -54,6 +74,41 @@ pub struct EncoderSpec {
 /// The largest window of an encoder, in steps.
 pub const WINDOW_MAX: u32 = 16;
 
+/// Share of the largest current by which one count of the rate may change the command: what is coarser is a current
+/// that jumps to and fro, what is finer makes the rate late for nothing.
+const COUNT_SHARE: f64 = 0.125;
+
+/// Share of the loop's delay margin that the rate's delay may take.
+const DELAY_SHARE: f64 = 0.25;
+
+/// What the loop asks of the rate that an encoder on the pivot shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RateNeeds {
+    /// Time between two samples (s).
+    pub sample_time_s: f64,
+    /// Current per rate, either sign (A s/rad).
+    pub rate_gain: f64,
+    /// Largest current (A).
+    pub current_limit_a: f64,
+    /// Time by which everything may be late before the loop becomes unstable (s).
+    pub delay_margin_s: f64,
+}
+
+impl RateNeeds {
+    /// The steps over which an encoder with this angle of a count is to take its turn.
+    ///
+    /// A count of the rate, δ/(N T), changes the command by K₂ δ/(N T), and the rate is N T/2 late. The window is the
+    /// shortest one with which a count is at most [`COUNT_SHARE`] of the largest current; but its delay is at most
+    /// [`DELAY_SHARE`] of the loop's margin, and it has 1 to [`WINDOW_MAX`] steps.
+    pub fn window(&self, rad_per_count: f64) -> u32 {
+        let largest_step_rad_s = COUNT_SHARE * self.current_limit_a / self.rate_gain.abs();
+        let fine = (rad_per_count.abs() / (self.sample_time_s * largest_step_rad_s)).ceil();
+        let early = (2.0 * DELAY_SHARE * self.delay_margin_s / self.sample_time_s).floor();
+        // A cast saturates; NaN becomes zero.
+        (fine.min(early) as u32).clamp(1, WINDOW_MAX)
+    }
+}
+
 impl EncoderSpec {
     /// Angle of one count (rad).
     pub fn rad_per_count(&self) -> f64 {
@@ -77,13 +132,29 @@ impl EncoderSpec {
 }
 
 impl HardwareSpec {
+    /// The inertial sensors; `None` where an encoder shows the body.
+    pub fn attitude(&self) -> Option<&AttitudeSpec> {
+        match &self.body {
+            BodySensor::Inertial(attitude) => Some(attitude),
+            BodySensor::Encoder(_) => None,
+        }
+    }
+
+    /// The encoder on the pivot, where there is one.
+    pub fn body_encoder(&self) -> Option<&BodyEncoder> {
+        match &self.body {
+            BodySensor::Inertial(_) => None,
+            BodySensor::Encoder(encoder) => Some(encoder),
+        }
+    }
+
     /// The thesis bench: its sensors by their data sheets, ADS1015 with
     /// rpm = 8.53108 count − 6594.5 between the ends ∓6594.5 rpm of the drive's speed signal, no bias
     /// observer.
     pub fn thesis_bench() -> Self {
         let rpm = core::f64::consts::TAU / 60.0;
         HardwareSpec {
-            attitude: AttitudeSpec::thesis(),
+            body: BodySensor::Inertial(Box::new(AttitudeSpec::thesis())),
             wheel: WheelSensor::Converter,
             wheel_speed_per_count: 8.53108 * rpm,
             wheel_speed_at_zero: -6594.5 * rpm,

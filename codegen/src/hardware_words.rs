@@ -6,8 +6,9 @@
 use attitude::AttitudeSpec;
 
 use crate::attitude::{self as attitude_words, AttitudeRefusal};
-use crate::hardware::{BiasObserverSpec, WheelSensor};
+use crate::hardware::{BiasObserverSpec, BodyEncoder, BodySensor, WheelSensor};
 use crate::helpers::bias_observer::BiasObserver;
+use crate::helpers::body_supervisor::Limits as BodyLimits;
 use crate::helpers::encoder::EncoderNumbers;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::line::Line;
@@ -45,9 +46,35 @@ pub enum DutyWords {
     Plane(Plane),
 }
 
-/// All words of the emitted constants.
+/// The words between the sensors of the body and its angle and rate, and those that supervise them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct HardwareWords {
+pub enum BodyWords {
+    /// Of gyroscope and accelerometer.
+    Inertial(Box<InertialWords>),
+    /// Of an encoder on the pivot.
+    Encoder(BodyEncoderWords),
+}
+
+/// The words of an encoder on the pivot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyEncoderWords {
+    /// The encoder.
+    pub encoder: EncoderNumbers,
+    /// Its count with the body upright.
+    pub zero: i32,
+    /// From counts from upright to the word of the angle.
+    pub angle: Line,
+    /// From counts over the window to the word of the rate.
+    pub rate: Line,
+    /// From the word of the angle to that of the current that holds the body there.
+    pub holding: Line,
+    /// Of the supervisor.
+    pub limits: BodyLimits,
+}
+
+/// The words of gyroscope and accelerometer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InertialWords {
     /// Of the attitude filter.
     pub filter: FilterConstants,
     /// Mounting angle in Q28 rad.
@@ -60,6 +87,17 @@ pub struct HardwareWords {
     pub angle_shift: u32,
     /// From half-angles per step in Q32 to the word of the rate.
     pub rate: Line,
+    /// Observer of the angle's bias.
+    pub bias_observer: BiasObserver,
+    /// Of the supervisor.
+    pub limits: Limits,
+}
+
+/// All words of the emitted constants.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HardwareWords {
+    /// Between the sensors of the body and its states.
+    pub body: BodyWords,
     /// From counts to the word of the wheel speed.
     pub wheel_speed: Line,
     /// Of the wheel's encoder, where there is one.
@@ -68,10 +106,6 @@ pub struct HardwareWords {
     pub duty: DutyWords,
     /// Duty at zero current.
     pub zero_current: u16,
-    /// Observer of the angle's bias.
-    pub bias_observer: BiasObserver,
-    /// Of the supervisor.
-    pub limits: Limits,
     /// Sample time in µs.
     pub sample_time_us: u32,
 }
@@ -82,23 +116,9 @@ pub struct HardwareWords {
 /// [`AttitudeRefusal`] for numbers that are not finite or do not fit their format.
 pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, AttitudeRefusal> {
     let hardware = &spec.hardware;
-    let filter_spec = AttitudeSpec {
-        sample_time_s: spec.sample_time_s,
-        ..hardware.attitude
-    };
-    let [angle, rate, wheel_speed] = &law.terms;
     let unit = |bits: u32| 2f64.powi(bits as i32);
-    let angle_bits = angle.input.format.fraction_bits;
-    let rate_unit = unit(rate.input.format.fraction_bits);
-    let wheel_unit = unit(wheel_speed.input.format.fraction_bits);
+    let wheel_unit = unit(law.terms[2].input.format.fraction_bits);
     let current_unit = unit(law.current.fraction_bits);
-
-    let bias_observer = match &hardware.bias_observer {
-        None => NO_OBSERVER,
-        Some(observer) => observer_words(observer, law)?,
-    };
-    // So that angle − bias cannot overflow.
-    let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
     let wheel_max = word_at_most(spec.ranges.wheel_speed_rad_s * wheel_unit);
     let drive = &spec.drive;
     let duty = match &drive.voltage {
@@ -117,10 +137,48 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, Atti
         }
         _ => None,
     };
-    let filter = attitude_words::derive(&filter_spec)?;
+    let body = match &hardware.body {
+        BodySensor::Inertial(attitude) => {
+            BodyWords::Inertial(Box::new(inertial_words(attitude, spec, law)?))
+        }
+        BodySensor::Encoder(encoder) => BodyWords::Encoder(body_encoder_words(encoder, spec, law)?),
+    };
     Ok(HardwareWords {
-        limits: supervisor::derive(spec, law, &filter)?,
+        body,
         sample_time_us: supervisor::sample_time_us(spec.sample_time_s)?,
+        wheel_speed: line(
+            "the wheel speed",
+            hardware.wheel_speed_per_count * wheel_unit,
+            hardware.wheel_speed_at_zero * wheel_unit,
+            -wheel_max,
+            wheel_max,
+        )?,
+        wheel_encoder,
+        duty,
+        zero_current: drive.duty_zero,
+    })
+}
+
+fn inertial_words(
+    attitude: &AttitudeSpec,
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+) -> Result<InertialWords, AttitudeRefusal> {
+    let filter_spec = AttitudeSpec {
+        sample_time_s: spec.sample_time_s,
+        ..*attitude
+    };
+    let angle_bits = law.terms[0].input.format.fraction_bits;
+    let rate_unit = 2f64.powi(law.terms[1].input.format.fraction_bits as i32);
+    let bias_observer = match &spec.hardware.bias_observer {
+        None => NO_OBSERVER,
+        Some(observer) => observer_words(observer, law)?,
+    };
+    // So that angle − bias cannot overflow.
+    let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
+    let filter = attitude_words::derive(&filter_spec)?;
+    Ok(InertialWords {
+        limits: supervisor::derive(spec, law, attitude, &filter)?,
         filter,
         mounting_angle: attitude_words::mounting_word(filter_spec.mounting_angle_rad)?,
         angle_max,
@@ -133,17 +191,40 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Result<HardwareWords, Atti
             -i32::MAX,
             i32::MAX,
         )?,
-        wheel_speed: line(
-            "the wheel speed",
-            hardware.wheel_speed_per_count * wheel_unit,
-            hardware.wheel_speed_at_zero * wheel_unit,
-            -wheel_max,
-            wheel_max,
-        )?,
-        wheel_encoder,
-        duty,
-        zero_current: drive.duty_zero,
         bias_observer,
+    })
+}
+
+fn body_encoder_words(
+    body: &BodyEncoder,
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+) -> Result<BodyEncoderWords, AttitudeRefusal> {
+    let unit = |index: usize| 2f64.powi(law.terms[index].input.format.fraction_bits as i32);
+    let (angle_unit, rate_unit) = (unit(0), unit(1));
+    let current_unit = 2f64.powi(law.current.fraction_bits as i32);
+    let between = |what: &'static str, slope: f64, end: i32| line(what, slope, 0.0, -end, end);
+    // The current that holds the body: sin is nearly its angle.
+    let holding = spec.a[1][0] / spec.b[1].abs();
+    Ok(BodyEncoderWords {
+        encoder: supervisor::encoder_numbers(&body.encoder, spec.b[1], spec)?,
+        zero: body.zero as i32,
+        angle: between(
+            "the angle",
+            body.encoder.rad_per_count() * angle_unit,
+            word_at_most(spec.ranges.angle_rad * angle_unit),
+        )?,
+        rate: between(
+            "the rate",
+            body.encoder.rad_s_per_count(spec.sample_time_s) * rate_unit,
+            word_at_most(spec.ranges.rate_rad_s * rate_unit),
+        )?,
+        holding: between(
+            "the current that holds the body",
+            holding * current_unit / angle_unit,
+            i32::MAX,
+        )?,
+        limits: supervisor::derive_for_encoder(spec, law, &body.encoder)?,
     })
 }
 

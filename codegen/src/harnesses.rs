@@ -38,10 +38,11 @@ const HARNESSES: [(&str, &str); 11] = [
     harness!("properties/supervisor.rs"),
 ];
 
-/// Whether a module for `spec` has a harness crate. The harnesses know a converter's counts and a current drive.
+/// Whether a module for `spec` has a harness crate. The harnesses know inertial sensors, a converter's counts
+/// and a current drive.
 pub fn exist_for(spec: &ModuleSpec) -> bool {
     let parts = spec.parts();
-    parts.wheel == WheelPart::Converter && !parts.has_voltage_drive
+    !parts.has_body_encoder && parts.wheel == WheelPart::Converter && !parts.has_voltage_drive
 }
 
 /// The harness crate for `spec`, whose loop has these modes: its manifest and its sources; nothing if there is none for

@@ -1,12 +1,14 @@
 //! The hand-written helpers of the emitted crate, compiled here unchanged.
 //!
 //! They are tested in `codegen/tests/` and carried into the output by [`crate::runtime`]. Those
-//! that name emitted constants (`attitude.rs`, `controller.rs`, `monitor.rs`) are compiled in the output only.
+//! that name emitted constants (`attitude.rs`, `body.rs`, `controller.rs`, `monitor.rs`) are compiled in the output only.
 
 #[path = "../runtime/arc_tangent.rs"]
 pub mod arc_tangent;
 #[path = "../runtime/bias_observer.rs"]
 pub mod bias_observer;
+#[path = "../runtime/body_supervisor.rs"]
+pub mod body_supervisor;
 #[path = "../runtime/calibration.rs"]
 pub mod calibration;
 #[path = "../runtime/drift.rs"]

@@ -15,6 +15,8 @@
 //! The widths grow with the states and the current by the shares by which the model's numbers may be off: three
 //! standard errors, or [`UNSTATED_SHARE`] where none is stated.
 
+use attitude::AttitudeSpec;
+
 use crate::held_voltage::HeldInput;
 use crate::helpers::motion::{MotionLimits, MotionRow};
 use crate::ir::IntegerLaw;
@@ -85,6 +87,11 @@ pub fn derive(
             "the monitor takes the wheel's speed without delay, which an encoder on the wheel does not give".to_owned(),
         ));
     }
+    let Some(attitude) = spec.hardware.attitude() else {
+        return Err(refuse(
+            "the monitor takes the body's rate without delay, which an encoder on the pivot does not give".to_owned(),
+        ));
+    };
     let torques = Torques::read(spec)?;
     let shares = Shares::read(spec)?;
     let leak = (MEMORY_S / spec.sample_time_s)
@@ -127,7 +134,7 @@ pub fn derive(
         body[3].abs() * (shares.quotient(shares.torque, shares.body) + ROW_SHARE + late),
     ];
 
-    let errors = errors(spec, monitor);
+    let errors = errors(spec, attitude, monitor);
     let of_errors =
         |row: &Row| -> f64 { (0..3).map(|i| row[i].abs() * errors[i]).sum::<f64>() * memory };
     let steps_s = memory * spec.sample_time_s;
@@ -225,8 +232,8 @@ fn motion_row(weights: [f64; 4]) -> MotionRow {
 }
 
 /// Largest errors of the measured states: noise, half a count, and what the filter leaves.
-fn errors(spec: &ModuleSpec, monitor: &MonitorSpec) -> [f64; 3] {
-    let gyro = &spec.hardware.attitude.gyro.matrix;
+fn errors(spec: &ModuleSpec, attitude: &AttitudeSpec, monitor: &MonitorSpec) -> [f64; 3] {
+    let gyro = &attitude.gyro.matrix;
     let count = gyro.row(2).iter().map(|entry| entry.abs()).sum::<f64>();
     let noise = monitor.noise_std.map(|std| NOISE_STDS * std);
     [

@@ -29,14 +29,23 @@ macro_rules! helper {
         helper!($module, |_| true)
     };
     ($module:literal, $is_part_of:expr) => {
+        helper!($module, $module, $is_part_of)
+    };
+    ($module:literal, $file:literal, $is_part_of:expr) => {
         Helper {
             module: $module,
             path: concat!("src/", $module, ".rs"),
-            source: include_str!(concat!("../runtime/", $module, ".rs")),
+            source: include_str!(concat!("../runtime/", $file, ".rs")),
             is_part_of: $is_part_of,
         }
     };
 }
+
+/// Whether gyroscope and accelerometer show the body.
+const IS_INERTIAL: fn(&Parts) -> bool = |parts| !parts.has_body_encoder;
+
+/// Whether an encoder shows the body.
+const HAS_BODY_ENCODER: fn(&Parts) -> bool = |parts| parts.has_body_encoder;
 
 impl Helper {
     /// The file as it is emitted: header, then the text that the bench has.
@@ -52,24 +61,27 @@ impl Helper {
 }
 
 /// Every helper that a module needs without a monitor, by the name of its module.
-pub const HELPERS: [Helper; 17] = [
-    helper!("arc_tangent"),
-    helper!("attitude"),
-    helper!("bias_observer"),
-    helper!("calibration"),
+pub const HELPERS: [Helper; 19] = [
+    helper!("arc_tangent", IS_INERTIAL),
+    helper!("attitude", IS_INERTIAL),
+    helper!("bias_observer", IS_INERTIAL),
+    helper!("body", HAS_BODY_ENCODER),
+    helper!("calibration", IS_INERTIAL),
     helper!("controller"),
-    helper!("drift"),
-    helper!("encoder", |parts| parts.wheel == WheelPart::Encoder),
-    helper!("filter"),
-    helper!("lever_arm"),
+    helper!("drift", IS_INERTIAL),
+    helper!("encoder", |parts| parts.has_body_encoder
+        || parts.wheel == WheelPart::Encoder),
+    helper!("filter", IS_INERTIAL),
+    helper!("lever_arm", IS_INERTIAL),
     helper!("line"),
-    helper!("madgwick"),
-    helper!("pivot_angle"),
+    helper!("madgwick", IS_INERTIAL),
+    helper!("pivot_angle", IS_INERTIAL),
     helper!("plane", |parts| parts.has_voltage_drive),
     helper!("product"),
-    helper!("root"),
-    helper!("scaling"),
-    helper!("supervisor"),
+    helper!("root", IS_INERTIAL),
+    helper!("scaling", IS_INERTIAL),
+    helper!("supervisor", IS_INERTIAL),
+    helper!("supervisor", "body_supervisor", HAS_BODY_ENCODER),
 ];
 
 /// The helpers of a monitor, beside [`HELPERS`].

@@ -1,6 +1,6 @@
 //! Parts of a runtime file that a bench may not have.
 //!
-//! A bench has one sensor of the wheel's speed and one kind of drive. What a file of
+//! A bench has one sensor of the body's angle, one of the wheel's speed and one kind of drive. What a file of
 //! `codegen/runtime/` says of the others stands there under `#[cfg(…)]` with the names of [`Parts::NAMES`], and is not
 //! emitted: the emitted text has no `cfg`, and a bench pays nothing for what it does not have.
 
@@ -11,6 +11,8 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 /// Which parts a module has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parts {
+    /// Whether an encoder on the pivot shows the body, not gyroscope and accelerometer.
+    pub has_body_encoder: bool,
     /// How the wheel's speed is read.
     pub wheel: WheelPart,
     /// Whether the drive sets the voltage, not the current.
@@ -46,7 +48,8 @@ pub enum PartsError {
 
 impl Parts {
     /// The names that may stand in `#[cfg(…)]`. `test` never holds: tests are not emitted.
-    pub const NAMES: [&str; 5] = [
+    pub const NAMES: [&str; 6] = [
+        "body_encoder",
         "wheel_converter",
         "wheel_driver",
         "wheel_encoder",
@@ -58,16 +61,20 @@ impl Parts {
     pub fn all() -> impl Iterator<Item = Parts> {
         let wheels = [WheelPart::Converter, WheelPart::Driver, WheelPart::Encoder];
         wheels.into_iter().flat_map(|wheel| {
-            [false, true].map(|has_voltage_drive| Parts {
-                wheel,
-                has_voltage_drive,
-            })
+            [(false, false), (false, true), (true, false), (true, true)].map(
+                |(has_body_encoder, has_voltage_drive)| Parts {
+                    has_body_encoder,
+                    wheel,
+                    has_voltage_drive,
+                },
+            )
         })
     }
 
     /// Whether the part of this name is there; `None` for a name that is none of [`Parts::NAMES`].
     pub fn has(&self, name: &str) -> Option<bool> {
         match name {
+            "body_encoder" => Some(self.has_body_encoder),
             "wheel_converter" => Some(self.wheel == WheelPart::Converter),
             "wheel_driver" => Some(self.wheel == WheelPart::Driver),
             "wheel_encoder" => Some(self.wheel == WheelPart::Encoder),
@@ -97,14 +104,15 @@ impl Parts {
             dropped[first..lines.end - 1].fill(true);
         }
         let mut text = String::with_capacity(source.len());
-        // An empty line stands between two nodes: once, and not before the end of a block.
+        // An empty line stands between two nodes: once, and not at the beginning or the end of a block.
         let mut is_apart = false;
         for (line, _) in written.iter().zip(dropped).filter(|(_, dropped)| !dropped) {
             if line.is_empty() {
                 is_apart = true;
                 continue;
             }
-            if is_apart && !line.trim_start().starts_with('}') {
+            let is_first = text.ends_with("{\n");
+            if is_apart && !is_first && !line.trim_start().starts_with('}') {
                 text.push('\n');
             }
             is_apart = false;
@@ -237,6 +245,7 @@ mod tests {
     use super::*;
 
     const PLAIN: Parts = Parts {
+        has_body_encoder: false,
         wheel: WheelPart::Converter,
         has_voltage_drive: false,
     };
@@ -329,6 +338,6 @@ const A: i32 = 1;
         for parts in Parts::all() {
             assert!(Parts::NAMES.iter().all(|name| parts.has(name).is_some()));
         }
-        assert_eq!(Parts::all().count(), 6);
+        assert_eq!(Parts::all().count(), 12);
     }
 }

@@ -1,6 +1,6 @@
 //! What the generator is told: plain numbers in SI units, from identification and design.
 
-use crate::hardware::{HardwareSpec, WheelSensor};
+use crate::hardware::{BodySensor, HardwareSpec, WheelSensor};
 use crate::refusal::Refusal;
 use crate::runtime_parts::{Parts, WheelPart};
 
@@ -61,12 +61,17 @@ pub struct PhysicalRanges {
 }
 
 impl PhysicalRanges {
-    /// What the sensors can show: any angle up to half a turn, every count of the gyroscope, every
-    /// count of the wheel's sensor between its ends. Rounded up in the fifth digit.
+    /// What the sensors can show: any angle up to half a turn, every count of the gyroscope or every rate that an
+    /// encoder is to show, every count of the wheel's sensor between its ends. Rounded up in the fifth digit.
     pub fn of(hardware: &HardwareSpec) -> Self {
-        let gyro = &hardware.attitude.gyro;
-        let counts = gyro.bias_counts.map(|bias| 32_768.0 + bias.abs());
-        let rate = gyro.matrix.row(2).abs() * counts;
+        let rate = match &hardware.body {
+            BodySensor::Inertial(attitude) => {
+                let gyro = &attitude.gyro;
+                let counts = gyro.bias_counts.map(|bias| 32_768.0 + bias.abs());
+                (gyro.matrix.row(2).abs() * counts)[0]
+            }
+            BodySensor::Encoder(encoder) => encoder.largest_rate_rad_s,
+        };
         let speed = |count: i32| {
             hardware.wheel_speed_per_count * f64::from(count) + hardware.wheel_speed_at_zero
         };
@@ -75,7 +80,7 @@ impl PhysicalRanges {
             .max(speed(hardware.wheel_high).abs());
         Self {
             angle_rad: core::f64::consts::PI,
-            rate_rad_s: rounded_up(rate[0]),
+            rate_rad_s: rounded_up(rate),
             wheel_speed_rad_s: rounded_up(wheel),
         }
     }
@@ -171,6 +176,7 @@ impl ModuleSpec {
     /// The parts of the runtime files that the module has.
     pub fn parts(&self) -> Parts {
         Parts {
+            has_body_encoder: self.hardware.body_encoder().is_some(),
             wheel: match self.hardware.wheel {
                 WheelSensor::Converter => WheelPart::Converter,
                 WheelSensor::Driver => WheelPart::Driver,

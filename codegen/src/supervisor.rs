@@ -9,7 +9,8 @@ use core::f64::consts::{PI, TAU};
 use attitude::AttitudeSpec;
 
 use crate::attitude::AttitudeRefusal;
-use crate::hardware::{EncoderSpec, WINDOW_MAX, WheelSensor};
+use crate::hardware::{BodyEncoder, EncoderSpec, WINDOW_MAX, WheelSensor};
+use crate::helpers::body_supervisor::Limits as BodyLimits;
 use crate::helpers::encoder::EncoderNumbers;
 use crate::helpers::filter::FilterConstants;
 use crate::helpers::supervisor::Limits;
@@ -64,6 +65,15 @@ const ENCODER_SHARE: f64 = 1.0 / 64.0;
 /// Fewest counts by which it may be off.
 const JUMP_COUNTS_MIN: f64 = 4.0;
 
+/// Share of the largest current that may be left over, beyond what gravity takes, under a count that stands still.
+const LEFT_OVER_SHARE: f64 = 0.5;
+/// Share of what is left over that accelerates the body for certain: the rest is for friction, and for a model that is
+/// wrong.
+const MOVING_SHARE: f64 = 0.5;
+/// Counts that a body moves on in the time in which a count may stand still: those of an encoder with hysteresis are
+/// three at most (AS5600).
+const FROZEN_COUNTS: f64 = 4.0;
+
 /// The numbers in SI units, as documents state them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SupervisorNumbers {
@@ -112,22 +122,12 @@ pub fn numbers(spec: &ModuleSpec) -> SupervisorNumbers {
 pub fn derive(
     spec: &ModuleSpec,
     law: &IntegerLaw,
+    attitude: &AttitudeSpec,
     filter: &FilterConstants,
 ) -> Result<Limits, AttitudeRefusal> {
-    let attitude: &AttitudeSpec = &spec.hardware.attitude;
     let numbers = numbers(spec);
     let period = spec.sample_time_s;
-    let word = |what: &'static str, value: f64| {
-        if value >= 1.0 && value <= f64::from(i32::MAX) {
-            Ok(value.floor() as i32)
-        } else {
-            Err(AttitudeRefusal::NoLine { what, value })
-        }
-    };
-    // More than a step, else one bad reading would trip.
-    let steps = |what: &'static str, time_s: f64| {
-        word(what, (time_s / period * (1.0 - 1e-9)).ceil().max(2.0))
-    };
+    let steps = |what: &'static str, time_s: f64| steps(what, time_s, period);
     let bits = |index: usize| 2f64.powi(law.terms[index].input.format.fraction_bits as i32);
     let window_shift = (WINDOW_S / period).log2().round().clamp(2.0, 16.0) as u32;
     // Accelerometer units of one g, from the words themselves.
@@ -162,6 +162,71 @@ pub fn derive(
         rejected_steps: steps("the time without gravity", REJECTED_S)?,
         saturated_steps: steps("the time at the current's limit", numbers.saturated_s)?,
     })
+}
+
+/// How long the body's count may stand still while more than [`LEFT_OVER_SHARE`] of the largest current is left over,
+/// s. A body that is accelerated by a stays within a distance d for at most 2 √(2 d/a), if it first runs against
+/// the acceleration: here d is [`FROZEN_COUNTS`] counts, and a [`MOVING_SHARE`] of what the current gives.
+pub fn frozen_count_s(spec: &ModuleSpec, encoder: &EncoderSpec) -> f64 {
+    let acceleration = MOVING_SHARE * LEFT_OVER_SHARE * spec.b[1].abs() * spec.current_limit_a;
+    let distance = FROZEN_COUNTS * encoder.rad_per_count().abs();
+    2.0 * (2.0 * distance / acceleration).sqrt()
+}
+
+/// The words of the supervisor where an encoder shows the body.
+///
+/// # Errors
+/// [`AttitudeRefusal::NoLine`] for a number that does not fit its word.
+pub fn derive_for_encoder(
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+    encoder: &EncoderSpec,
+) -> Result<BodyLimits, AttitudeRefusal> {
+    let numbers = numbers(spec);
+    let period = spec.sample_time_s;
+    let steps = |what: &'static str, time_s: f64| steps(what, time_s, period);
+    let bits = |index: usize| 2f64.powi(law.terms[index].input.format.fraction_bits as i32);
+    let current_unit = 2f64.powi(law.current.fraction_bits as i32);
+    Ok(BodyLimits {
+        angle_trip: word("the largest angle", numbers.angle_trip_rad * bits(0))?,
+        angle_arm: word(
+            "the angle at which it is armed",
+            numbers.angle_arm_rad * bits(0),
+        )?,
+        rate_arm: word(
+            "the rate at which it is armed",
+            numbers.rate_arm_rad_s * bits(1),
+        )?,
+        // Before its window is full, an encoder shows too small a rate.
+        still_steps: steps("the time at rest before it is armed", WINDOW_S)?
+            .max(encoder.window as i32 + 1),
+        wheel_low: spec.hardware.wheel_low,
+        wheel_high: spec.hardware.wheel_high,
+        wheel_steps: steps("the time with an unknown wheel speed", WHEEL_S)?,
+        left_over: word(
+            "the current under which a count may stand still",
+            LEFT_OVER_SHARE * spec.current_limit_a * current_unit,
+        )?,
+        frozen_steps: steps(
+            "the time in which a count may stand still",
+            frozen_count_s(spec, encoder),
+        )?,
+        saturated_steps: steps("the time at the current's limit", numbers.saturated_s)?,
+    })
+}
+
+/// A positive number as a word.
+fn word(what: &'static str, value: f64) -> Result<i32, AttitudeRefusal> {
+    if value >= 1.0 && value <= f64::from(i32::MAX) {
+        Ok(value.floor() as i32)
+    } else {
+        Err(AttitudeRefusal::NoLine { what, value })
+    }
+}
+
+/// A time in steps: more than one, else one bad reading would trip.
+fn steps(what: &'static str, time_s: f64, period_s: f64) -> Result<i32, AttitudeRefusal> {
+    word(what, (time_s / period_s * (1.0 - 1e-9)).ceil().max(2.0))
 }
 
 /// The numbers of an encoder whose axis the unit of current accelerates by `acceleration` (rad/s² per A).
@@ -228,15 +293,20 @@ pub fn sample_time_us(sample_time_s: f64) -> Result<u32, AttitudeRefusal> {
     }
 }
 
-/// The lines that document [`Limits`].
-pub fn documents(spec: &ModuleSpec) -> Vec<String> {
-    let numbers = numbers(spec);
-    let degrees = |rad: f64| format!("{:.2}°", rad.to_degrees());
-    let counts = match spec.hardware.wheel {
+/// What the ends of the wheel's sensor are counted in.
+fn wheel_counts(wheel: &WheelSensor) -> &'static str {
+    match wheel {
         WheelSensor::Converter => "counts",
         WheelSensor::Driver => "units of the driver's word",
         WheelSensor::Encoder(_) => "counts over its window",
-    };
+    }
+}
+
+/// The lines that document [`Limits`].
+pub fn documents(spec: &ModuleSpec, attitude: &AttitudeSpec) -> Vec<String> {
+    let numbers = numbers(spec);
+    let degrees = |rad: f64| format!("{:.2}°", rad.to_degrees());
+    let counts = wheel_counts(&spec.hardware.wheel);
     let mut lines = vec![
         "When the controller is armed and when it trips.".to_owned(),
         String::new(),
@@ -266,8 +336,7 @@ pub fn documents(spec: &ModuleSpec) -> Vec<String> {
         ),
         format!(
             "| ends of the gyroscope | {} counts |",
-            spec.hardware
-                .attitude
+            attitude
                 .gyro_clip
                 .map(|counts| counts.to_string())
                 .join(", ")
@@ -278,6 +347,52 @@ pub fn documents(spec: &ModuleSpec) -> Vec<String> {
     if matches!(spec.hardware.wheel, WheelSensor::Encoder(_)) {
         lines.push("| a count of the wheel's encoder that is no motion | at once |".to_owned());
     }
+    lines
+}
+
+/// The lines that document the limits where an encoder shows the body.
+pub fn documents_for_encoder(spec: &ModuleSpec, body: &BodyEncoder) -> Vec<String> {
+    let numbers = numbers(spec);
+    let degrees = |rad: f64| format!("{:.2}°", rad.to_degrees());
+    let mut lines = vec![
+        "When the controller is armed and when it trips.".to_owned(),
+        String::new(),
+        "| condition | limit |".to_owned(),
+        "|---|---|".to_owned(),
+        format!(
+            "| armed after | {WINDOW_S} s within {} and {:.3} rad/s, the wheel's speed known |",
+            degrees(numbers.angle_arm_rad),
+            numbers.rate_arm_rad_s
+        ),
+        format!("| angle | {}, at once |", degrees(numbers.angle_trip_rad)),
+        format!(
+            "| the body's count stands still under a current of {:.3} A more than gravity takes | {:.3} s |",
+            LEFT_OVER_SHARE * spec.current_limit_a,
+            frozen_count_s(spec, &body.encoder)
+        ),
+        "| a count of the body's encoder that is no motion | at once |".to_owned(),
+        format!("| wheel speed at the ends of its sensor | {WHEEL_S} s |"),
+        format!(
+            "| ends of the wheel's sensor | {}, {} {} |",
+            spec.hardware.wheel_low,
+            spec.hardware.wheel_high,
+            wheel_counts(&spec.hardware.wheel)
+        ),
+        format!("| current at its limit | {:.3} s |", numbers.saturated_s),
+    ];
+    if matches!(spec.hardware.wheel, WheelSensor::Encoder(_)) {
+        lines.push("| a count of the wheel's encoder that is no motion | at once |".to_owned());
+    }
+    lines.extend(
+        [
+            "",
+            "A body that moves changes its count within the time for which it may stand still: by four counts, if only",
+            "half of the current that gravity does not take accelerates it, and whichever way it ran before. A body that",
+            "is held fast by hand while the motor runs looks like a count that is stuck. An encoder that is stuck",
+            "under less current is noticed by what then follows: more current, or the wheel's largest speed.",
+        ]
+        .map(str::to_owned),
+    );
     lines
 }
 

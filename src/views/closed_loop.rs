@@ -76,7 +76,7 @@ fn runs(runs: &[LoopRun]) -> String {
 fn raw_counts(report: &SimulationReport) -> String {
     let run = &report.raw_counts;
     format!(
-        "\nThe half minute from raw counts to duty, with the emitted attitude filter\n  {}, at most {}, wheel {} rad/s, {} A; the filter's angle is off by {} RMS\n",
+        "\nThe half minute from raw counts to duty, through the emitted controller\n  {}, at most {}, wheel {} rad/s, {} A; the measured angle is off by {} RMS\n",
         if run.fell { "FELL" } else { "stays up" },
         degrees(run.largest_angle_rad),
         significant(run.largest_wheel_speed_rad_s, 3),

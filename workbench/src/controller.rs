@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use checker::certificate::Certificate;
+use checker::claims::control_law::EmittedLaw;
+use checker::claims::encoder_loop_stable;
+use checker::claims::outcome::ClaimOutcome;
 use codegen::{CrateName, EmissionOptions, EmittedCrate, FileError, MonitorSpec};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
@@ -181,12 +184,23 @@ impl GeneratedController {
     fn check_signs(&self, model: &Path) -> Result<(), Error> {
         let module = self.module(model)?;
         let certificate = self.certificate(model)?;
-        checker::claims::physical_signs::check(&certificate, &module).map_err(|reason| {
-            Error::Unphysical {
-                model: model.to_path_buf(),
-                reason,
-            }
-        })
+        let unphysical = |reason: String| Error::Unphysical {
+            model: model.to_path_buf(),
+            reason,
+        };
+        checker::claims::physical_signs::check(&certificate, &module).map_err(unphysical)?;
+        if certificate.hardware.body_encoder().is_none() {
+            return Ok(());
+        }
+        // The rate of an encoder is late, and the design does not know it.
+        let law = EmittedLaw::read(&module).map_err(|error| unphysical(error.to_string()))?;
+        match encoder_loop_stable::by_exact_arithmetic(&certificate, &law) {
+            ClaimOutcome::Failed(why) => Err(unphysical(format!(
+                "with the rate that the encoder on the pivot shows, half a window late, {why}; an encoder with more \
+                 counts a turn, a shorter sample time or smaller gains (a larger current_weight) make it stable"
+            ))),
+            _ => Ok(()),
+        }
     }
 
     fn certificate(&self, model: &Path) -> Result<Certificate, Error> {

@@ -162,6 +162,9 @@ impl ControlDesign {
     /// Time between two fresh readings of the fastest inertial sensor that the loop needs, s.
     fn freshest_s(&self) -> Option<f64> {
         let hardware = self.file().hardware.as_ref()?;
+        if matches!(hardware.angle, Some(AngleSensor::Encoder { .. })) {
+            return None;
+        }
         let rate_hz = hardware.gyroscope.as_ref()?.rate_hz?;
         Some(1.0 / rate_hz)
     }
@@ -193,14 +196,14 @@ impl ControlDesign {
 
         let hardware = self.file().hardware.as_ref();
         let gyroscope = hardware.and_then(|hardware| hardware.gyroscope.as_ref());
-        let is_encoder = matches!(
-            hardware.and_then(|hardware| hardware.angle.as_ref()),
-            Some(AngleSensor::Encoder { .. })
-        );
-        let age_s = match (gyroscope.and_then(|sensor| sensor.rate_hz), is_encoder) {
-            (Some(rate_hz), false) => 0.5 / rate_hz,
-            _ => 0.0,
+        let rad_per_count = match hardware.and_then(|hardware| hardware.angle.as_ref()) {
+            Some(AngleSensor::Encoder {
+                counts_per_turn, ..
+            }) => Some(std::f64::consts::TAU / counts_per_turn),
+            _ => None,
         };
+        let gyro_rate_hz = gyroscope.and_then(|sensor| sensor.rate_hz);
+        let age_s = gyro_rate_hz.map_or(0.0, |rate_hz| 0.5 / rate_hz);
         let (angle, rate) = (Output::Angle, Output::Rate);
         let mut own = |output: Output, what: &str| {
             let (lag_s, delay_s) = plant.sensor_times_s(output);
@@ -214,9 +217,11 @@ impl ControlDesign {
             own(rate, "the rate"),
             own(Output::WheelSpeed, "the wheel speed"),
         ];
-        if is_encoder {
-            let mean_s = 0.5 * sample_time_s;
-            sensors[1].delay_s += part("the rate", mean_s, "the difference of two counts");
+        if let Some(rad_per_count) = rad_per_count {
+            let window = self.rate_needs().window(rad_per_count);
+            let mean_s = 0.5 * f64::from(window) * sample_time_s;
+            let why = "the difference of counts over the window of the encoder on the pivot";
+            sensors[1].delay_s += part("the rate", mean_s, why);
         } else {
             let why = "the mean age of a reading of the gyroscope";
             sensors[1].delay_s += part("the rate", age_s, why);

@@ -1,7 +1,7 @@
 //! The inputs of the generator for a model: the only place where a model.toml becomes a
 //! [`ModuleSpec`].
 
-use codegen::hardware::{BiasObserverSpec, HardwareSpec};
+use codegen::hardware::{BiasObserverSpec, HardwareSpec, RateNeeds};
 use codegen::spec::{ModelParameter, ModuleSpec, ParameterCorrelation, PhysicalRanges};
 use design::BiasObserver;
 use nalgebra::Vector3;
@@ -28,11 +28,21 @@ impl ControlDesign {
 
     /// The sensors and the drive of the model's bench.
     pub(crate) fn hardware(&self, preset: Option<Preset>) -> Result<BenchHardware, Error> {
-        let sample_time_s = self.wishes().sample_time_s;
-        bench_hardware(self.file(), sample_time_s, preset).map_err(|source| Error::Hardware {
+        bench_hardware(self.file(), self.rate_needs(), preset).map_err(|source| Error::Hardware {
             model: self.path(),
             source,
         })
+    }
+
+    /// What the loop asks of an encoder on the pivot.
+    pub(crate) fn rate_needs(&self) -> RateNeeds {
+        let (design, wishes) = (self.design(), self.wishes());
+        RateNeeds {
+            sample_time_s: wishes.sample_time_s,
+            rate_gain: design.gains[1],
+            current_limit_a: wishes.current_limit_a,
+            delay_margin_s: design.margins.delay_margin_s,
+        }
     }
 
     /// As [`ControlDesign::hardware`]; the bench of the thesis replaces hardware that is not stated, or that
@@ -46,7 +56,7 @@ impl ControlDesign {
             }) => {
                 let mut file = self.file().clone();
                 file.hardware = None;
-                let mut found = bench_hardware(&file, self.wishes().sample_time_s, preset)
+                let mut found = bench_hardware(&file, self.rate_needs(), preset)
                     .map_err(|source| Error::Hardware { model, source })?;
                 found.assumed.insert(0, reason);
                 Ok(found)
@@ -62,6 +72,16 @@ impl ControlDesign {
         let rows = |value: &dyn Fn(usize, usize) -> f64| {
             [0, 1, 2].map(|row| [0, 1, 2].map(|column| value(row, column)))
         };
+        if found.sensors.body_encoder().is_some() && wishes.bias_time_constant_s.is_some() {
+            return Err(Error::Hardware {
+                model: self.path(),
+                source: HardwareError::Contradiction(
+                    "bias_time_constant of [design] is for inertial sensors, whose angle drifts; that of an encoder does \
+                     not: leave it out, and state the count upright as zero under [hardware.angle]"
+                        .to_owned(),
+                ),
+            });
+        }
         let hardware = HardwareSpec {
             bias_observer: bias_observer(self)?,
             ..found.sensors

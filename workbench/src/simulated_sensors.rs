@@ -1,5 +1,6 @@
 //! The sensors and the drive of the simulation, from what an emitted module is told of them.
 
+use attitude::AttitudeSpec;
 use codegen::ModuleSpec;
 use codegen::hardware::WheelSensor;
 use simulate::{EncoderOutput, RawSensors, SimulateError, VoltageOutput, WheelOutput};
@@ -8,7 +9,16 @@ use simulate::{EncoderOutput, RawSensors, SimulateError, VoltageOutput, WheelOut
 /// calibration.
 pub(crate) fn sensors_of(spec: &ModuleSpec) -> Result<RawSensors, SimulateError> {
     let hardware = &spec.hardware;
+    // Behind an encoder on the pivot no inertial sensor is read.
+    let thesis = AttitudeSpec::thesis();
+    let attitude = hardware.attitude().unwrap_or(&thesis);
+    let body = hardware.body_encoder().map(|body| EncoderOutput {
+        counts_per_turn: body.encoder.counts_per_turn,
+        bits: body.encoder.bits,
+        zero_count: f64::from(body.zero),
+    });
     Ok(RawSensors {
+        body,
         wheel: match &hardware.wheel {
             WheelSensor::Converter => WheelOutput::Converter(4095),
             WheelSensor::Driver => WheelOutput::Driver,
@@ -27,6 +37,6 @@ pub(crate) fn sensors_of(spec: &ModuleSpec) -> Result<RawSensors, SimulateError>
             winding_ohm: drive.winding_ohm,
             back_emf_v_s: drive.back_emf_v_s,
         }),
-        ..RawSensors::calibrated_by(&hardware.attitude)?
+        ..RawSensors::calibrated_by(attitude)?
     })
 }

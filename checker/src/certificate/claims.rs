@@ -210,7 +210,7 @@ pub const CLAIMS: &[ClaimStatement] = &[
     },
     ClaimStatement {
         id: "encoder-loop-stable",
-        statement: "The sampled linear loop with speeds that are an encoder's turn over its window, and with a voltage in place of the current where the drive sets one, is stable.",
+        statement: "The sampled linear loop with a body rate and a wheel speed that are an encoder's turn over its window, and with a voltage in place of the current where the drive sets one, is stable.",
         domain: "the linear model sampled at the stated time",
         assumptions: "No saturation, and no end of the supply; a module without encoder and voltage drive claims nothing here.",
         engine: EXACT,

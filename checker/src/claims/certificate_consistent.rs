@@ -373,7 +373,8 @@ fn check_hardware_documents(certificate: &Certificate, module: &Module) -> Check
         Some(value) => format!("{what}: {value} {unit}."),
         None => format!("{what}: not stated."),
     };
-    let wanted = [
+    let timer = format!("Timer of the drive: {} bits.", certificate.drive.bits);
+    let of_inertial = [
         stated(
             "Accelerometer by its part",
             &certificate.accelerometer_m_s2_per_count,
@@ -384,8 +385,22 @@ fn check_hardware_documents(certificate: &Certificate, module: &Module) -> Check
             &certificate.gyro_rate_hz,
             "a second",
         ),
-        format!("Timer of the drive: {} bits.", certificate.drive.bits),
     ];
+    let mut wanted = vec![timer];
+    if certificate.hardware.inertial().is_some() {
+        wanted.extend(of_inertial);
+    } else {
+        let numbers = [
+            &certificate.accelerometer_m_s2_per_count,
+            &certificate.gyro_rate_hz,
+        ];
+        holds(numbers.iter().all(|number| number.is_none()), || {
+            "gyroscope and accelerometer are stated, and an encoder shows the body".to_owned()
+        })?;
+        holds(certificate.bias_observer.is_none(), || {
+            "an observer of the angle's bias is stated, and an encoder shows the body".to_owned()
+        })?;
+    }
     for line in &wanted {
         holds(lines.contains(&line.as_str()), || {
             format!("src/constants.rs does not document `{line}`")

@@ -1,4 +1,4 @@
-//! Claim `encoder-loop-stable`: the loop with the speeds that encoders show, and with the back-EMF that a voltage drive
+//! Claim `encoder-loop-stable`: the loop with the rate and the speed that encoders show, and with the back-EMF that a voltage drive
 //! leaves to the motor, is stable.
 //!
 //! An encoder's speed is the turn of its axis over N steps, (φ(k) − φ(k − N))/(N T), and so half a window old. A voltage
@@ -35,9 +35,19 @@ type Matrix = Vec<Vec<BigRational>>;
 /// Coefficients of z⁰, z¹, …
 type Polynomial = Vec<BigRational>;
 
+/// Why the argument of a claim about the loop does not hold this module; `None` where it may.
+pub(crate) fn other_loop(certificate: &Certificate) -> Option<String> {
+    certificate.hardware.body_encoder().map(|_| {
+        "the body's rate is an encoder's, half a window old: the argument does not cover that; `encoder-loop-stable` \
+         speaks of the linear loop with it"
+            .to_owned()
+    })
+}
+
 /// What comes of the claim.
 pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
-    let has_encoder = certificate.hardware.wheel_speed.encoder.is_some();
+    let hardware = &certificate.hardware;
+    let has_encoder = hardware.wheel_speed.encoder.is_some() || hardware.body_encoder().is_some();
     if !has_encoder && certificate.drive.voltage.is_none() {
         return ClaimOutcome::NotApplicable("no encoder, and a current drive".to_owned());
     }
@@ -100,7 +110,9 @@ fn polynomial(certificate: &Certificate, law: &EmittedLaw) -> Polynomial {
 
     let window = certificate.hardware.wheel_speed.encoder.as_ref();
     let window = window.map(|encoder| encoder.window as usize);
-    let longest = window.unwrap_or(0);
+    let body = certificate.hardware.body_encoder();
+    let body_window = body.map(|encoder| encoder.window as usize);
+    let longest = window.max(body_window).unwrap_or(0);
     let shift = |polynomial: &Polynomial, by: usize| -> Polynomial {
         [vec![BigRational::zero(); by], polynomial.clone()].concat()
     };
@@ -115,7 +127,7 @@ fn polynomial(certificate: &Certificate, law: &EmittedLaw) -> Polynomial {
     };
     let fed_back = [
         shift(&numerators[0], longest),
-        speed(None, 1, 0),
+        speed(body_window, 1, 0),
         speed(window, 2, 3),
     ];
     let mut found = shift(&denominator, longest);

@@ -15,47 +15,77 @@ use crate::program::steps::Program;
 /// The invariant of the words of a state: the quaternion's components and the rates are within the
 /// limits stated in the source; all other words may have any value.
 pub(crate) struct Invariant {
-    pub(crate) component: i128,
-    pub(crate) rate: i128,
-    pub(crate) sum: i128,
-    pub(crate) drift: i128,
+    /// Limits of the words of an attitude; `None` in a module without one.
+    pub(crate) attitude: Option<AttitudeLimits>,
     /// Largest turn of an encoder in a step; `None` without an encoder.
     pub(crate) turn: Option<i128>,
     /// Largest count of an encoder.
     pub(crate) count: Option<i128>,
 }
 
+/// Largest words of an attitude and of the window that sets it.
+pub(crate) struct AttitudeLimits {
+    pub(crate) component: i128,
+    pub(crate) rate: i128,
+    sum: i128,
+    drift: i128,
+}
+
+/// A constant of the source that limits something.
+fn limit(module: &Module, file: &str, name: &str) -> Result<i128, String> {
+    match module.constant(file, name) {
+        Some([word]) if *word > 0 => Ok(*word),
+        _ => Err(format!(
+            "the source has no positive constant {file}::{name}"
+        )),
+    }
+}
+
+impl AttitudeLimits {
+    pub(crate) fn read(module: &Module) -> Result<AttitudeLimits, String> {
+        Ok(AttitudeLimits {
+            component: limit(module, "madgwick", "COMPONENT_MAX")?,
+            rate: limit(module, "calibration", "CALIBRATED_MAX")?,
+            sum: limit(module, "supervisor", "SUM_MAX")?,
+            drift: limit(module, "drift", "DRIFT_MAX")?,
+        })
+    }
+}
+
 impl Invariant {
     pub(crate) fn read(module: &Module) -> Result<Invariant, String> {
-        let limit = |file: &str, name: &str| match module.constant(file, name) {
-            Some([word]) if *word > 0 => Ok(*word),
-            _ => Err(format!(
-                "the source has no positive constant {file}::{name}"
-            )),
+        let attitude = match module.function("Attitude::new") {
+            Some(_) => Some(AttitudeLimits::read(module)?),
+            None => None,
         };
         Ok(Invariant {
-            component: limit("madgwick", "COMPONENT_MAX")?,
-            rate: limit("calibration", "CALIBRATED_MAX")?,
-            sum: limit("supervisor", "SUM_MAX")?,
-            drift: limit("drift", "DRIFT_MAX")?,
-            turn: limit("encoder", "TURN_MAX").ok(),
-            count: limit("encoder", "COUNT_MAX").ok(),
+            attitude,
+            turn: limit(module, "encoder", "TURN_MAX").ok(),
+            count: limit(module, "encoder", "COUNT_MAX").ok(),
         })
     }
 
     fn of(&self, name: &str) -> Option<IntegerInterval> {
+        self.of_attitude(name).or_else(|| self.of_encoder(name))
+    }
+
+    /// Of the words of an attitude, and of the window that sets it.
+    fn of_attitude(&self, name: &str) -> Option<IntegerInterval> {
+        let limits = self.attitude.as_ref()?;
+        let within = |most: i128| Some(IntegerInterval::new(-most, most));
         if name.contains(".quaternion[") {
-            Some(IntegerInterval::new(-self.component, self.component))
+            within(limits.component)
         } else if name.starts_with("self.") && name.contains("drift[") {
-            Some(IntegerInterval::new(-self.drift, self.drift))
-        } else if name.contains(".window.first[") {
-            Some(IntegerInterval::new(-self.rate, self.rate))
+            within(limits.drift)
         } else if name.contains(".window.sum[") {
-            Some(IntegerInterval::new(-self.sum, self.sum))
-        } else if name.ends_with("state.rate") || name.ends_with("state.slow_rate") {
-            Some(IntegerInterval::new(-self.rate, self.rate))
+            within(limits.sum)
+        } else if name.contains(".window.first[")
+            || name.ends_with("state.rate")
+            || name.ends_with("state.slow_rate")
+        {
+            within(limits.rate)
         } else {
-            self.of_encoder(name)
+            None
         }
     }
 
@@ -70,7 +100,7 @@ impl Invariant {
             .any(|part| name.contains(part));
         if is_turn {
             Some(IntegerInterval::new(-turn, turn))
-        } else if name.ends_with("wheel.count") {
+        } else if name.ends_with("wheel.count") || name.ends_with("body.count") {
             Some(IntegerInterval::new(0, count))
         } else {
             None

@@ -9,7 +9,9 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use crate::certificate::hardware::{CertifiedHardware, CertifiedSensor, CertifiedWheelSpeed};
+use crate::certificate::hardware::{
+    CertifiedBody, CertifiedBodyEncoder, CertifiedInertial, CertifiedSensor, CertifiedWheelSpeed,
+};
 use crate::certificate::reader::{Certificate, CertifiedLoop, CertifiedVoltage};
 use crate::claims::bias_observer_words::check_words;
 use crate::claims::control_law::{EmittedLaw, exponent};
@@ -33,6 +35,108 @@ const SLOPE_BITS_MIN: i32 = 23;
 pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Check {
     let hardware = &certificate.hardware;
     let period = &certificate.sample_time_s.value;
+    let limits = NamedWords::read(module, "LIMITS")?;
+    let wheel = &hardware.wheel_speed;
+    exactly(&limits, "LIMITS.wheel_low", wheel.low_counts.into())?;
+    exactly(&limits, "LIMITS.wheel_high", wheel.high_counts.into())?;
+    wheel_sensor(module, wheel, period)?;
+    match &hardware.body {
+        CertifiedBody::Inertial(inertial) => {
+            check_inertial(certificate, module, law, inertial, &limits)?;
+        }
+        CertifiedBody::Encoder(encoder) => check_encoder(certificate, module, law, encoder)?,
+    }
+
+    let wheel_unit = power_of_two(exponent(law.state_bits[2]));
+    let range = &certificate.inputs[2].range.value;
+    let end = (range * &wheel_unit).floor().min(integer(i32::MAX.into()));
+    line(
+        module,
+        "WHEEL_SPEED_LINE",
+        &(&wheel.rad_s_per_count.value * &wheel_unit),
+        &(&wheel.rad_s_at_zero.value * &wheel_unit),
+        &-&end,
+        &end,
+    )?;
+    drive(certificate, module, law)
+}
+
+/// The words between the encoder on the pivot and the body's angle and rate.
+fn check_encoder(
+    certificate: &Certificate,
+    module: &Module,
+    law: &EmittedLaw,
+    encoder: &CertifiedBodyEncoder,
+) -> Check {
+    takes(module, "sample.body_count", "an encoder on the pivot")?;
+    let sizes = (4..=16).contains(&encoder.bits) && (1..=16).contains(&encoder.window);
+    let per_turn = &encoder.counts_per_turn.value;
+    // With fewer counts until it begins again than in a turn, one count would stand for several angles.
+    if !sizes || per_turn.is_zero() || per_turn.abs() > integer(1 << encoder.bits) {
+        return Err("the encoder on the pivot shows no angle like that".to_owned());
+    }
+    let zero = NamedWords::read(module, "BODY_ZERO")?;
+    exactly(&zero, "BODY_ZERO", encoder.zero.into())?;
+    if encoder.zero >= 1 << encoder.bits {
+        return Err(format!("BODY_ZERO is {}, which is no count", encoder.zero));
+    }
+    let per_count = full_turn()? / per_turn;
+    let period = &certificate.sample_time_s.value;
+    let per_count_s = &per_count / (integer(encoder.window.into()) * period);
+    for (index, name, slope) in [
+        (0, "BODY_ANGLE_LINE", per_count),
+        (1, "BODY_RATE_LINE", per_count_s),
+    ] {
+        let unit = power_of_two(exponent(law.state_bits[index]));
+        let range = &certificate.inputs[index].range.value;
+        let end = (range * &unit).floor().min(integer(i32::MAX.into()));
+        line(
+            module,
+            name,
+            &(slope * unit),
+            &BigRational::zero(),
+            &-&end,
+            &end,
+        )?;
+    }
+    let plant = &certificate.plant;
+    let push = plant.b[1].value.abs();
+    if push.is_zero() {
+        return Err("no current turns the body".to_owned());
+    }
+    let holding = &plant.a[1][0].value / push;
+    let angle_unit = power_of_two(exponent(law.state_bits[0]));
+    let largest = integer(i32::MAX.into());
+    line(
+        module,
+        "HOLDING_LINE",
+        &(holding / (law.unit() * angle_unit)),
+        &BigRational::zero(),
+        &-&largest,
+        &largest,
+    )
+}
+
+/// A step takes this word.
+fn takes(module: &Module, field: &str, what: &str) -> Check {
+    let step = module.function("Controller::step");
+    if step.is_none_or(|step| step.inputs.iter().all(|name| name != field)) {
+        return Err(format!(
+            "a step takes no `{field}`, as one with {what} does"
+        ));
+    }
+    Ok(())
+}
+
+fn check_inertial(
+    certificate: &Certificate,
+    module: &Module,
+    law: &EmittedLaw,
+    hardware: &CertifiedInertial,
+    limits: &NamedWords,
+) -> Check {
+    takes(module, "sample.gyro[0]", "a gyroscope")?;
+    let period = &certificate.sample_time_s.value;
     let filter = NamedWords::read(module, "FILTER")?;
     let (beta, gravity) = (&hardware.beta_rad_s.value, &hardware.gravity_m_s2.value);
     for (what, stated) in [
@@ -50,9 +154,8 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         &(beta * period * power_of_two(35)),
     )?;
 
-    let limits = NamedWords::read(module, "LIMITS")?;
     let sensors = [
-        (&limits, "LIMITS.gyro_clip", &hardware.gyroscope),
+        (limits, "LIMITS.gyro_clip", &hardware.gyroscope),
         (&filter, "FILTER.accel_clip", &hardware.accelerometer),
         (&filter, "FILTER.mag_clip", &hardware.magnetometer),
     ];
@@ -65,11 +168,6 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
             }
         }
     }
-    let wheel = &hardware.wheel_speed;
-    exactly(&limits, "LIMITS.wheel_low", wheel.low_counts.into())?;
-    exactly(&limits, "LIMITS.wheel_high", wheel.high_counts.into())?;
-    wheel_sensor(module, wheel, period)?;
-
     drift(&filter, hardware, period)?;
 
     let gyro_unit = period * half() * power_of_two(49);
@@ -115,22 +213,8 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
         &largest,
     )?;
 
-    let wheel_unit = power_of_two(exponent(law.state_bits[2]));
-    let range = &certificate.inputs[2].range.value;
-    let wheel = &hardware.wheel_speed;
-    let end = (range * &wheel_unit).floor().min(largest);
-    line(
-        module,
-        "WHEEL_SPEED_LINE",
-        &(&wheel.rad_s_per_count.value * &wheel_unit),
-        &(&wheel.rad_s_at_zero.value * &wheel_unit),
-        &-&end,
-        &end,
-    )?;
-
-    drive(certificate, module, law)?;
     if let Some(closed_loop) = &certificate.closed_loop {
-        check_sensor_steps(hardware, closed_loop)?;
+        check_sensor_steps(hardware, &certificate.hardware.wheel_speed, closed_loop)?;
     }
     Ok(())
 }
@@ -142,13 +226,7 @@ fn wheel_sensor(module: &Module, wheel: &CertifiedWheelSpeed, period: &BigRation
         "driver" => "sample.wheel_speed",
         _ => "sample.wheel_count",
     };
-    let step = module.function("Controller::step");
-    if step.is_none_or(|step| step.inputs.iter().all(|name| name != field)) {
-        return Err(format!(
-            "a step takes no `{field}`, as one with a {} of the wheel does",
-            wheel.kind
-        ));
-    }
+    takes(module, field, &format!("a {} of the wheel", wheel.kind))?;
     let (low, high) = (wheel.low_counts, wheel.high_counts);
     if low >= high {
         return Err("the range of the wheel's sensor is empty".to_owned());
@@ -254,7 +332,11 @@ fn plane(
 }
 
 /// The counts that the closed loop's certificate speaks of are those of the stated sensors.
-fn check_sensor_steps(hardware: &CertifiedHardware, stated: &CertifiedLoop) -> Check {
+fn check_sensor_steps(
+    hardware: &CertifiedInertial,
+    wheel: &CertifiedWheelSpeed,
+    stated: &CertifiedLoop,
+) -> Check {
     let row = |sensor: &CertifiedSensor, row: usize| -> BigRational {
         let entries = sensor.matrix[row].iter();
         entries.map(|entry| entry.value.abs()).sum()
@@ -263,7 +345,7 @@ fn check_sensor_steps(hardware: &CertifiedHardware, stated: &CertifiedLoop) -> C
     let found = [
         row(accel, 0).max(row(accel, 1)) / &hardware.gravity_m_s2.value,
         row(&hardware.gyroscope, 2),
-        hardware.wheel_speed.rad_s_per_count.value.abs(),
+        wheel.rad_s_per_count.value.abs(),
     ];
     for (index, found) in found.iter().enumerate() {
         let stated = &stated.sensor_steps[index];
@@ -278,7 +360,7 @@ fn check_sensor_steps(hardware: &CertifiedHardware, stated: &CertifiedLoop) -> C
 }
 
 /// How the drift is followed: as stated, with as many bits as leave room for the largest.
-fn drift(filter: &NamedWords, hardware: &CertifiedHardware, period: &BigRational) -> Check {
+fn drift(filter: &NamedWords, hardware: &CertifiedInertial, period: &BigRational) -> Check {
     let time = &hardware.drift_time_s.value;
     let limit = &hardware.drift_limit_rad_s.value;
     if !time.is_positive() || !limit.is_positive() {

@@ -13,10 +13,15 @@
 //! 4. A body that leans or falls forward is pushed back: the raw counts of a lean of 1°, 3° and
 //!    10° (rates of 0.2 and 1 rad/s), through attitude filter, law and drive, give a current that
 //!    turns the body back.
+//!    With an encoder on the pivot, its counts take the place of these, and 1, 2 and 5 do not apply.
 //! 5. A sensor on the body is not far outside it: the lever arm is at most three times
 //!    Θ g/G, the length of the simple pendulum with the same period (the end of a rod is at 1.5 times that).
 
-use crate::certificate::hardware::CertifiedSensor;
+use std::f64::consts::TAU;
+
+use crate::certificate::hardware::{
+    CertifiedBody, CertifiedBodyEncoder, CertifiedInertial, CertifiedSensor,
+};
 use crate::certificate::reader::Certificate;
 use crate::claims::functions::Functions;
 use crate::exact::rational::integer;
@@ -50,8 +55,15 @@ struct Sensor {
 /// # Errors
 /// A sentence that names the contradiction.
 pub fn check(certificate: &Certificate, module: &Module) -> Check {
-    let gyro = Sensor::of(&certificate.hardware.gyroscope)?;
-    let accel = Sensor::of(&certificate.hardware.accelerometer)?;
+    let inertial = match &certificate.hardware.body {
+        CertifiedBody::Inertial(inertial) => inertial,
+        CertifiedBody::Encoder(encoder) => {
+            motor(certificate)?;
+            return of_encoder(certificate, module, encoder);
+        }
+    };
+    let gyro = Sensor::of(&inertial.gyroscope)?;
+    let accel = Sensor::of(&inertial.accelerometer)?;
     for (name, sensor) in [("gyroscope", &gyro), ("accelerometer", &accel)] {
         let determinant = sensor.determinant();
         if determinant.is_nan() || determinant <= 0.0 {
@@ -68,8 +80,96 @@ pub fn check(certificate: &Certificate, module: &Module) -> Check {
         .transpose()?;
     gravity(&accel, scale)?;
     motor(certificate)?;
-    lever_arm(certificate)?;
-    restoring(certificate, module, &gyro, &accel)
+    lever_arm(certificate, inertial)?;
+    restoring(certificate, module, inertial, &gyro, &accel)
+}
+
+/// Counts of a body that leans, or turns by a rate, through every word to the current.
+fn of_encoder(certificate: &Certificate, module: &Module, encoder: &CertifiedBodyEncoder) -> Check {
+    let f = Functions(module);
+    let per_rad = real(&encoder.counts_per_turn.value)? / TAU;
+    let wrap = 2f64.powi(encoder.bits as i32);
+    let current = Current::new(certificate, &f)?;
+    let command = |angle: i128, rate: i128| current.of(angle, rate);
+    let upright = f.call("body_angle", &[encoder.zero.into()])?[0];
+    let at_rest = f.call("body_rate", &[0])?[0];
+    let count = |lean: f64| {
+        let counts = (lean * per_rad).round();
+        (f64::from(encoder.zero) + counts).rem_euclid(wrap) as i128
+    };
+    for lean in LEANS_RAD.into_iter().flat_map(|lean| [lean, -lean]) {
+        let angle = f.call("body_angle", &[count(lean)])?[0];
+        // A lean below half a count is none.
+        if (lean * per_rad).round() != 0.0 {
+            pushes_back(lean, command(angle, at_rest)?)?;
+        }
+    }
+    let window_s = f64::from(encoder.window) * real(&certificate.sample_time_s.value)?;
+    for rate in RATES_RAD_S.into_iter().flat_map(|rate| [rate, -rate]) {
+        let turned = (rate * window_s * per_rad).round();
+        if turned != 0.0 {
+            let word = f.call("body_rate", &[turned as i128])?[0];
+            slows_down(rate, command(upright, word)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// The command of the law at a wheel that stands still, as a current of the drive.
+struct Current<'a> {
+    certificate: &'a Certificate,
+    f: &'a Functions<'a>,
+    speed: i128,
+}
+
+impl<'a> Current<'a> {
+    fn new(certificate: &'a Certificate, f: &'a Functions<'a>) -> Result<Current<'a>, String> {
+        let wheel = &certificate.hardware.wheel_speed;
+        if wheel.rad_s_per_count.value.is_zero() {
+            return Err("a count of the wheel's speed is no speed".to_owned());
+        }
+        let at_rest = -&wheel.rad_s_at_zero.value / &wheel.rad_s_per_count.value;
+        let at_rest = at_rest.round().to_integer().to_i128();
+        let at_rest = at_rest.unwrap_or(0).clamp(0, 65_535);
+        if certificate.drive.voltage.is_some() {
+            back_emf(certificate, f)?;
+        }
+        Ok(Current {
+            certificate,
+            f,
+            speed: f.call("wheel_speed", &[at_rest])?[0],
+        })
+    }
+
+    /// A, for the words of angle and rate. At rest the duty of a voltage drive is that of the winding alone.
+    fn of(&self, angle: i128, rate: i128) -> Result<f64, String> {
+        let drive = &self.certificate.drive;
+        let zero = integer(drive.duty_zero.into());
+        let command = self.f.call("control", &[angle, rate, self.speed])?;
+        let duty = duty(self.certificate, self.f, command[0], self.speed)?;
+        real(&((integer(duty) - &zero) * &drive.amperes_per_count.value))
+    }
+}
+
+fn pushes_back(lean: f64, current: f64) -> Check {
+    if current * lean <= 0.0 {
+        return Err(format!(
+            "a lean of {:.0}° gives a current of {current:.4} A, which pushes the body on: the \
+             sign of an axis, of the drive or of a gain is wrong",
+            lean.to_degrees()
+        ));
+    }
+    Ok(())
+}
+
+fn slows_down(rate: f64, current: f64) -> Check {
+    if current * rate <= 0.0 {
+        return Err(format!(
+            "a rate of {rate} rad/s gives a current of {current:.4} A, which speeds the body up: \
+             the sign of the body's rate, of the drive or of a gain is wrong"
+        ));
+    }
+    Ok(())
 }
 
 fn real(value: &BigRational) -> Result<f64, String> {
@@ -170,7 +270,7 @@ fn motor(certificate: &Certificate) -> Check {
     Ok(())
 }
 
-fn lever_arm(certificate: &Certificate) -> Check {
+fn lever_arm(certificate: &Certificate, hardware: &CertifiedInertial) -> Check {
     let parameter = |name: &str| {
         let mut found = certificate.parameters.iter();
         let found = found.find(|parameter| parameter.name == name)?;
@@ -181,7 +281,6 @@ fn lever_arm(certificate: &Certificate) -> Check {
     else {
         return Ok(());
     };
-    let hardware = &certificate.hardware;
     let length = inertia * real(&hardware.gravity_m_s2.value)? / torque;
     let [x, y] = &hardware.lever_arm_m;
     let arm = real(&x.value)?.hypot(real(&y.value)?);
@@ -231,30 +330,20 @@ fn back_emf(certificate: &Certificate, f: &Functions) -> Check {
 }
 
 /// Raw counts of a body that leans or falls, through every word, to the current.
-fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &Sensor) -> Check {
+fn restoring(
+    certificate: &Certificate,
+    module: &Module,
+    hardware: &CertifiedInertial,
+    gyro: &Sensor,
+    accel: &Sensor,
+) -> Check {
     let f = Functions(module);
-    let hardware = &certificate.hardware;
     let mounting = real(&hardware.mounting_angle_rad.value)?;
-    let wheel = &hardware.wheel_speed;
-    if wheel.rad_s_per_count.value.is_zero() {
-        return Err("a count of the wheel's speed is no speed".to_owned());
-    }
-    let at_rest = -&wheel.rad_s_at_zero.value / &wheel.rad_s_per_count.value;
-    let at_rest = at_rest.round().to_integer().to_i128();
-    let at_rest = at_rest.unwrap_or(0).clamp(0, 65_535);
-    let speed = f.call("wheel_speed", &[at_rest])?;
-    if certificate.drive.voltage.is_some() {
-        back_emf(certificate, &f)?;
-    }
-    let per_count = &certificate.drive.amperes_per_count.value;
-    let zero = integer(certificate.drive.duty_zero.into());
+    let drive = Current::new(certificate, &f)?;
     let current = |attitude: &[i128]| -> Result<f64, String> {
         let angle = f.call("Attitude::angle", attitude)?;
         let rate = f.call("Attitude::rate", attitude)?;
-        let command = f.call("control", &[angle[0], rate[0], speed[0]])?;
-        // At rest the duty of a voltage drive is that of the winding alone.
-        let duty = duty(certificate, &f, command[0], speed[0])?;
-        real(&((integer(duty) - &zero) * per_count))
+        drive.of(angle[0], rate[0])
     };
     let up = |lean: f64| {
         let (sin, cos) = (lean + mounting).sin_cos();
@@ -267,27 +356,14 @@ fn restoring(certificate: &Certificate, module: &Module, gyro: &Sensor, accel: &
         let attitude = &aligned[1..];
         let still = [attitude, &gyro.counts([0.0; 3]), &reading].concat();
         let attitude = f.call("Attitude::update_imu", &still)?;
-        let current = current(&attitude)?;
-        if current * lean <= 0.0 {
-            return Err(format!(
-                "a lean of {:.0}° gives a current of {current:.3e} A, which pushes the body on: the \
-                 sign of an axis, of the drive or of a gain is wrong",
-                lean.to_degrees()
-            ));
-        }
+        pushes_back(lean, current(&attitude)?)?;
     }
     for rate in RATES_RAD_S.into_iter().flat_map(|rate| [rate, -rate]) {
         let reading = accel.counts(up(0.0));
         let aligned = f.call("Attitude::align", &[&new[..], &reading].concat())?;
         let falling = [&aligned[1..], &gyro.counts([0.0, 0.0, rate]), &reading].concat();
         let attitude = f.call("Attitude::update_imu", &falling)?;
-        let current = current(&attitude)?;
-        if current * rate <= 0.0 {
-            return Err(format!(
-                "a rate of {rate} rad/s gives a current of {current:.3e} A, which speeds the body up: \
-                 the sign of the gyroscope, of the drive or of a gain is wrong"
-            ));
-        }
+        slows_down(rate, current(&attitude)?)?;
     }
     Ok(())
 }

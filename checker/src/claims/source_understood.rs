@@ -8,16 +8,20 @@ use crate::language::module::Module;
 
 /// The items that a firmware uses: structs whose fields it fills or reads, functions and methods. All are `pub`.
 const FIELDS: [&str; 2] = ["Sample", "Duty"];
-const FUNCTIONS: [&str; 17] = [
+const FUNCTIONS: [&str; 21] = [
     "control",
     "duty",
     "wheel_speed",
+    "body_angle",
+    "body_rate",
     "Controller::new",
     "Controller::arm",
     "Controller::disarm",
     "Controller::fault",
     "Controller::status",
     "Controller::attitude",
+    "Controller::angle",
+    "Controller::rate",
     "Controller::step",
     "Controller::step_with_current",
     "Attitude::new",

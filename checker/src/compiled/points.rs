@@ -54,6 +54,10 @@ pub fn points(module: &Module, harness: &Harness, cases: usize, seed: u64) -> Ve
         let upright = Upright::find(module);
         let wheel = EncoderWords::read(module, "WHEEL_ENCODER");
         let wheel_wrap = wheel.ok().flatten().map(|encoder| encoder.wrap);
+        let body = EncoderWords::read(module, "BODY_ENCODER").ok().flatten();
+        let zero = module.constant("constants", "BODY_ZERO");
+        let zero = zero.and_then(|words| words.first().copied());
+        let body = zero.zip(body.map(|encoder| encoder.wrap));
         for run in 0..cases.div_ceil(RUN) {
             let run = Run {
                 module,
@@ -61,6 +65,7 @@ pub fn points(module: &Module, harness: &Harness, cases: usize, seed: u64) -> Ve
                 object,
                 upright,
                 wheel_wrap,
+                body,
                 is_near: run % 4 != 3,
             };
             run.points(&mut draw.0, &mut points);
@@ -175,6 +180,8 @@ struct Run<'a> {
     upright: Option<Upright>,
     /// Where the count of the wheel's encoder begins again at zero.
     wheel_wrap: Option<i128>,
+    /// Count upright and wrap of the encoder on the pivot, where there is one.
+    body: Option<(i128, i128)>,
     /// Whether the body stays near upright.
     is_near: bool,
 }
@@ -250,10 +257,17 @@ impl Run<'_> {
 
     /// The count of a sensor on a body near upright; `None` if any count is suitable.
     fn word(&self, name: &str, lean: f64, random: &mut Random) -> Option<i128> {
-        let upright = self.upright.filter(|_| self.is_near)?;
+        if !self.is_near {
+            return None;
+        }
         let axis = |index: usize| name.ends_with(&format!("[{index}]"));
         let noise = random.count(4.0);
-        if name.contains("accel") {
+        if name.contains("body_count") {
+            let (zero, wrap) = self.body?;
+            let counts = lean / std::f64::consts::TAU * wrap as f64;
+            Some((zero + counts.round() as i128 + noise / 3).rem_euclid(wrap))
+        } else if name.contains("accel") {
+            let upright = self.upright?;
             let index = (0..3).find(|index| axis(*index))?;
             Some(upright.leaning(lean)[index].round() as i128 + noise)
         } else if name.contains("gyro") {

@@ -22,6 +22,9 @@ use crate::language::module::Module;
 use crate::prove::results::{ClaimResult, Table, complete};
 use crate::prove::settings::ProofSettings;
 
+/// Why the claims about the attitude filter do not apply.
+const NO_FILTER: &str = "an encoder on the pivot shows the body: the module has no attitude filter";
+
 /// Largest number of random words per function for the compiled crate; more show nothing new.
 const MOST_COMPILED: usize = 2_000;
 
@@ -262,6 +265,15 @@ fn range_claims(
     let outcome = primitives::by_intervals(&found);
     let seconds = start.elapsed().as_secs_f64();
     table.row("primitives", INTERVALS, outcome, seconds);
+    if certificate.hardware.body_encoder().is_some() {
+        let without = || ClaimOutcome::NotApplicable(NO_FILTER.to_owned());
+        table.add("filter-total", INTERVALS, without);
+        table.add("filter-length", EXACT, without);
+        table.add("step-total", INTERVALS, || {
+            step_total::ranges::by_intervals(module, certificate, &contracts)
+        });
+        return;
+    }
     table.add("filter-total", INTERVALS, || {
         let checked = filter_total::check(module, &contracts);
         ClaimOutcome::proved(checked.map(|()| "the invariant is kept".to_owned()))
@@ -284,10 +296,18 @@ fn random_runs(
     settings: &ProofSettings,
 ) {
     let (cases, seed) = ((settings.cases / 10).max(1), settings.seed);
+    let has_filter = certificate.hardware.inertial().is_some();
+    let without = || ClaimOutcome::NotApplicable(NO_FILTER.to_owned());
     table.add("filter-accurate", RANDOM, || {
+        if !has_filter {
+            return without();
+        }
         ClaimOutcome::tested(filter_accurate::runs::run(module, cases, seed))
     });
     table.add("filter-exact", RANDOM, || {
+        if !has_filter {
+            return without();
+        }
         match filter_exact::runs::run(module, cases, seed) {
             Ok(cases) => ClaimOutcome::Tested(cases, texts_audited::audit_of(emitted)),
             Err(why) => ClaimOutcome::Failed(why),
@@ -296,6 +316,9 @@ fn random_runs(
     table.add("step-total", RANDOM, || {
         let runs = step_total::runs::step(module, certificate, cases, seed);
         ClaimOutcome::tested(runs.and_then(|runs| {
+            if !has_filter {
+                return Ok(runs);
+            }
             let more = step_total::runs::bias_observer(module, cases, seed)?;
             let parts = step_total::composition::composition(module, cases, seed)?;
             Ok(runs + more + parts)
@@ -358,7 +381,9 @@ fn loop_claims(
     let seconds = start.elapsed().as_secs_f64();
     table.row("loop-as-shipped", EXACT, shipped, seconds);
     let start = Instant::now();
-    let second = if settings.python {
+    let second = if let Some(why) = encoder_loop_stable::other_loop(certificate) {
+        ClaimOutcome::NotRun(why)
+    } else if settings.python {
         closed_loop_second::as_shipped_by_python(emitted)
     } else {
         ClaimOutcome::NotRun("switched off".to_owned())

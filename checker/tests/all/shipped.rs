@@ -119,7 +119,7 @@ impl Pendulum {
             t,
             gains: law.gains.each_ref().map(real),
             limit: real(&law.limit),
-            turn: 2.0 * real(&certificate.hardware.beta_rad_s.value) * t,
+            turn: 2.0 * real(&certificate.hardware.inertial().unwrap().beta_rad_s.value) * t,
             errors: [
                 real(&errors.accel) / 9.80665,
                 real(&errors.gyro_axis),
@@ -128,7 +128,9 @@ impl Pendulum {
             ],
             age: real(&errors.age),
             wheel_count: real(&certificate.hardware.wheel_speed.rad_s_per_count.value),
-            gyro_count: real(&certificate.hardware.gyroscope.matrix[2][2].value),
+            gyro_count: real(
+                &certificate.hardware.inertial().unwrap().gyroscope.matrix[2][2].value,
+            ),
             duty_count: real(&certificate.drive.amperes_per_count.value),
             back_emf: voltage.map_or(0.0, |drive| {
                 real(&drive.back_emf_v_s.value) / real(&drive.winding_ohm.value)

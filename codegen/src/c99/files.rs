@@ -10,7 +10,7 @@ use super::{Result, Untranslatable, comments, constants, library, place};
 use crate::file::{EmittedCrate, EmittedFile};
 
 /// The functions that a firmware calls: module, structure, name in Rust, name in C.
-const PUBLIC: [(&str, Option<&str>, &str, &str); 13] = [
+const PUBLIC: [(&str, Option<&str>, &str, &str); 15] = [
     ("controller", Some("Controller"), "new", "flywheel_init"),
     ("controller", Some("Controller"), "arm", "flywheel_arm"),
     (
@@ -34,6 +34,8 @@ const PUBLIC: [(&str, Option<&str>, &str, &str); 13] = [
     ),
     ("controller", Some("Controller"), "fault", "flywheel_fault"),
     ("control", None, "control", "flywheel_control"),
+    ("controller", Some("Controller"), "angle", "flywheel_angle"),
+    ("controller", Some("Controller"), "rate", "flywheel_rate"),
     ("attitude", Some("Attitude"), "angle", "flywheel_angle"),
     ("attitude", Some("Attitude"), "rate", "flywheel_rate"),
     (
@@ -173,6 +175,13 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
         file("src/flywheel.c", source),
     ];
     files.extend(library::files(&emitted.name(), &title));
+    // The sketch reads the inertial sensors of the thesis' bench, which a body with an encoder does not have.
+    if !items
+        .structs
+        .contains_key(&("attitude".to_string(), "Attitude".to_string()))
+    {
+        files.retain(|file| !file.path.ends_with(".ino"));
+    }
     files.push(file("certificate.json", certificate(emitted)?));
     Ok(EmittedCrate { files })
 }

@@ -1,15 +1,41 @@
 //! Sensors, mounting, filter and converter as `certificate.json` states them: the real numbers of which
 //! `src/constants.rs` holds the words.
 
+use attitude::AttitudeSpec;
 use serde::Serialize;
 
 use crate::exact::ShortestDecimal;
-use crate::hardware::{EncoderSpec, WheelSensor};
+use crate::hardware::{BodySensor, EncoderSpec, WheelSensor};
 use crate::spec::ModuleSpec;
 
 /// All of them.
 #[derive(Debug, Serialize)]
 pub(super) struct Hardware {
+    #[serde(flatten)]
+    body: Body,
+    wheel_speed: WheelSpeed,
+}
+
+/// What shows the body.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Body {
+    Inertial(Box<Inertial>),
+    Encoder { body_encoder: BodyCounts },
+}
+
+/// An encoder on the pivot.
+#[derive(Debug, Serialize)]
+struct BodyCounts {
+    #[serde(flatten)]
+    encoder: Encoder,
+    /// Count with the body upright.
+    zero: u32,
+}
+
+/// Gyroscope and accelerometer, their mounting and the filter.
+#[derive(Debug, Serialize)]
+struct Inertial {
     gyroscope: Sensor,
     accelerometer: Sensor,
     magnetometer: Sensor,
@@ -26,7 +52,6 @@ pub(super) struct Hardware {
     /// Of the accelerometer, along its x and y.
     lever_arm_m: [String; 2],
     mounting_angle_rad: String,
-    wheel_speed: WheelSpeed,
 }
 
 /// unit · matrix (counts − bias), in rad/s, m/s², µT.
@@ -72,22 +97,15 @@ impl Encoder {
     }
 }
 
-impl Hardware {
-    /// The numbers of `spec`.
-    pub(super) fn of(spec: &ModuleSpec) -> Hardware {
+impl Inertial {
+    fn of(attitude: &AttitudeSpec) -> Inertial {
         let number = |value: f64| ShortestDecimal::new(value).text;
-        let attitude = &spec.hardware.attitude;
         let sensor = |line: &attitude::SensorLine, clip_counts: [i32; 3]| Sensor {
             clip_counts,
             bias_counts: [0, 1, 2].map(|axis| number(line.bias_counts[axis])),
             matrix: [0, 1, 2].map(|row| [0, 1, 2].map(|column| number(line.matrix[(row, column)]))),
         };
-        let (kind, encoder) = match &spec.hardware.wheel {
-            WheelSensor::Converter => ("converter", None),
-            WheelSensor::Driver => ("driver", None),
-            WheelSensor::Encoder(encoder) => ("encoder", Some(Encoder::of(encoder))),
-        };
-        Hardware {
+        Inertial {
             gyroscope: sensor(&attitude.gyro, attitude.gyro_clip),
             accelerometer: sensor(&attitude.accel, attitude.accel_clip),
             magnetometer: sensor(&attitude.mag, attitude.mag_clip),
@@ -98,6 +116,30 @@ impl Hardware {
             field_min_ut: number(attitude.field_min_ut),
             lever_arm_m: attitude.lever_arm_m.map(number),
             mounting_angle_rad: number(attitude.mounting_angle_rad),
+        }
+    }
+}
+
+impl Hardware {
+    /// The numbers of `spec`.
+    pub(super) fn of(spec: &ModuleSpec) -> Hardware {
+        let number = |value: f64| ShortestDecimal::new(value).text;
+        let body = match &spec.hardware.body {
+            BodySensor::Inertial(attitude) => Body::Inertial(Box::new(Inertial::of(attitude))),
+            BodySensor::Encoder(body) => Body::Encoder {
+                body_encoder: BodyCounts {
+                    encoder: Encoder::of(&body.encoder),
+                    zero: body.zero,
+                },
+            },
+        };
+        let (kind, encoder) = match &spec.hardware.wheel {
+            WheelSensor::Converter => ("converter", None),
+            WheelSensor::Driver => ("driver", None),
+            WheelSensor::Encoder(encoder) => ("encoder", Some(Encoder::of(encoder))),
+        };
+        Hardware {
+            body,
             wheel_speed: WheelSpeed {
                 kind,
                 encoder,

@@ -1,13 +1,14 @@
 //! `src/constants.rs` of the emitted crate: the words of sensors, mounting, converter and drive.
 
+use attitude::AttitudeSpec;
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::emit::{inner_docs, integer, outer_docs, print};
+use crate::emit::{body_constants_rs, inner_docs, integer, outer_docs, print};
 use crate::exact::ShortestDecimal;
 use crate::file::EmittedFile;
-use crate::hardware::WheelSensor;
-use crate::hardware_words::{DutyWords, HardwareWords};
+use crate::hardware::{BodySensor, EncoderSpec, WheelSensor};
+use crate::hardware_words::{BodyWords, DutyWords, HardwareWords, InertialWords};
 use crate::helpers::bias_observer::BiasObserver;
 use crate::helpers::calibration::SensorLine;
 use crate::helpers::encoder::EncoderNumbers;
@@ -21,9 +22,32 @@ use crate::supervisor;
 
 /// Emits `src/constants.rs`.
 pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> EmittedFile {
+    let tokens = match (&spec.hardware.body, &words.body) {
+        (BodySensor::Inertial(attitude), BodyWords::Inertial(own)) => {
+            inertial(spec, law, words, attitude, own)
+        }
+        (BodySensor::Encoder(body), BodyWords::Encoder(own)) => {
+            body_constants_rs::tokens(spec, law, words, body, own)
+        }
+        // The words of a module are derived from its sensors.
+        _ => TokenStream::new(),
+    };
+    EmittedFile {
+        path: "src/constants.rs".to_owned(),
+        contents: print(spec, tokens),
+    }
+}
+
+/// The constants where gyroscope and accelerometer show the body.
+fn inertial(
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+    words: &HardwareWords,
+    attitude: &AttitudeSpec,
+    own: &InertialWords,
+) -> TokenStream {
     let number = |value: f64| ShortestDecimal::new(value).text;
     let hardware = &spec.hardware;
-    let attitude = &hardware.attitude;
     let docs = inner_docs(&[
         "Numbers of this bench: sensors, mounting, converter and drive.",
         "",
@@ -77,54 +101,32 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         sensor_row("accelerometer, m/s2 per count", &attitude.accel),
         sensor_row("magnetometer, uT per count", &attitude.mag),
     ]);
-    let filter = filter(&words.filter);
+    let filter = filter(&own.filter);
     let mounting_docs = outer_docs(&[format!(
         "Mounting angle {} rad, wrapped, in Q28.",
         number(attitude.mounting_angle_rad)
     )]);
-    let mounting = integer(words.mounting_angle.into());
-    let [angle, rate, wheel_speed] = &law.terms;
+    let mounting = integer(own.mounting_angle.into());
+    let [angle, rate, _] = &law.terms;
     let angle_docs = outer_docs(&[format!(
         "From Q28 rad to the word of the angle ({}), before the shift.",
         angle.input.format.type_name()
     )]);
-    let angle_max = integer(words.angle_max.into());
-    let angle_factor = integer(words.angle_factor.into());
-    let angle_shift = integer(words.angle_shift.into());
+    let angle_max = integer(own.angle_max.into());
+    let angle_factor = integer(own.angle_factor.into());
+    let angle_shift = integer(own.angle_shift.into());
     let rate_docs = outer_docs(&[format!(
         "From half-angles a step in Q32 to the word of the rate ({}).",
         rate.input.format.type_name()
     )]);
-    let wheel_docs = outer_docs(&[format!(
-        "From {} to the word of the wheel speed ({}): {} count + {} rad/s, within ±{} rad/s.",
-        match hardware.wheel {
-            WheelSensor::Converter => "counts",
-            WheelSensor::Driver => "the driver's word",
-            WheelSensor::Encoder(_) => "the counts that the encoder turned over its window",
-        },
-        wheel_speed.input.format.type_name(),
-        number(hardware.wheel_speed_per_count),
-        number(hardware.wheel_speed_at_zero),
-        number(spec.ranges.wheel_speed_rad_s)
-    )]);
-    let rate_line = line(&words.rate);
+    let wheel_docs = outer_docs(&[wheel_document(spec, law)]);
+    let rate_line = line(&own.rate);
     let wheel_line = line(&words.wheel_speed);
     let (duty_type, duty) = duty(spec, law, words);
     let encoder_type = words
         .wheel_encoder
         .map(|_| quote!(encoder::EncoderNumbers,));
-    let wheel_encoder = words.wheel_encoder.map(|numbers| {
-        let docs = outer_docs(&encoder_documents(
-            &hardware.wheel,
-            spec.sample_time_s,
-            &numbers,
-        ));
-        let numbers = encoder(&numbers);
-        quote! {
-            #docs
-            pub const WHEEL_ENCODER: EncoderNumbers = #numbers;
-        }
-    });
+    let wheel_encoder = wheel_encoder(spec, words);
     let zero = integer(words.zero_current.into());
     let zero_docs = outer_docs(&zero_documents(spec));
     let observer_docs = outer_docs(&match &hardware.bias_observer {
@@ -141,11 +143,11 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
             "shows that the loop with it is stable (`bias-observer-stable`).".to_owned(),
         ],
     });
-    let observer = bias_observer(&words.bias_observer);
-    let limit_docs = outer_docs(&supervisor::documents(spec));
-    let limits = limits(&words.limits);
+    let observer = bias_observer(&own.bias_observer);
+    let limit_docs = outer_docs(&supervisor::documents(spec, attitude));
+    let limits = limits(&own.limits);
     let micros = integer(words.sample_time_us.into());
-    let tokens = quote! {
+    quote! {
         #docs
         use super::{
             bias_observer::BiasObserver, calibration::SensorLine, drift::DriftGain,
@@ -178,15 +180,50 @@ pub fn file(spec: &ModuleSpec, law: &IntegerLaw, words: &HardwareWords) -> Emitt
         pub const BIAS_OBSERVER: BiasObserver = #observer;
         #limit_docs
         pub const LIMITS: Limits = #limits;
-    };
-    EmittedFile {
-        path: "src/constants.rs".to_owned(),
-        contents: print(spec, tokens),
     }
 }
 
+/// What the words of the wheel's sensor mean.
+pub(super) fn wheel_document(spec: &ModuleSpec, law: &IntegerLaw) -> String {
+    let number = |value: f64| ShortestDecimal::new(value).text;
+    let hardware = &spec.hardware;
+    format!(
+        "From {} to the word of the wheel speed ({}): {} count + {} rad/s, within ±{} rad/s.",
+        match hardware.wheel {
+            WheelSensor::Converter => "counts",
+            WheelSensor::Driver => "the driver's word",
+            WheelSensor::Encoder(_) => "the counts that the encoder turned over its window",
+        },
+        law.terms[2].input.format.type_name(),
+        number(hardware.wheel_speed_per_count),
+        number(hardware.wheel_speed_at_zero),
+        number(spec.ranges.wheel_speed_rad_s)
+    )
+}
+
+/// The constant of the wheel's encoder, where there is one.
+pub(super) fn wheel_encoder(spec: &ModuleSpec, words: &HardwareWords) -> Option<TokenStream> {
+    let (WheelSensor::Encoder(stated), Some(numbers)) =
+        (&spec.hardware.wheel, &words.wheel_encoder)
+    else {
+        return None;
+    };
+    let docs = outer_docs(&encoder_documents(
+        "The wheel's encoder",
+        "speed",
+        stated,
+        spec.sample_time_s,
+        numbers,
+    ));
+    let numbers = encoder(numbers);
+    Some(quote! {
+        #docs
+        pub const WHEEL_ENCODER: EncoderNumbers = #numbers;
+    })
+}
+
 /// The duty's words, and the import of their type where it is another than that of other lines.
-fn duty(
+pub(super) fn duty(
     spec: &ModuleSpec,
     law: &IntegerLaw,
     words: &HardwareWords,
@@ -236,7 +273,7 @@ fn duty(
 }
 
 /// The duty while the controller does not run.
-fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
+pub(super) fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
     let Some(voltage) = &spec.drive.voltage else {
         return vec!["Duty at zero current.".to_owned()];
     };
@@ -254,17 +291,16 @@ fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
 }
 
 /// What the words of an encoder mean.
-fn encoder_documents(
-    sensor: &WheelSensor,
+pub(super) fn encoder_documents(
+    name: &str,
+    shows: &str,
+    encoder: &EncoderSpec,
     sample_time_s: f64,
     numbers: &EncoderNumbers,
 ) -> Vec<String> {
-    let WheelSensor::Encoder(encoder) = sensor else {
-        return Vec::new();
-    };
     vec![
         format!(
-            "The wheel's encoder: {} counts a turn, wrapping at {}; its turn over {} steps is the speed,",
+            "{name}: {} counts a turn, wrapping at {}; its turn over {} steps is the {shows},",
             ShortestDecimal::new(encoder.counts_per_turn).text,
             numbers.wrap,
             numbers.window
@@ -277,7 +313,7 @@ fn encoder_documents(
     ]
 }
 
-fn encoder(words: &EncoderNumbers) -> TokenStream {
+pub(super) fn encoder(words: &EncoderNumbers) -> TokenStream {
     let wrap = integer(words.wrap.into());
     let window = integer(words.window.into());
     let jump = integer(words.jump.into());
@@ -365,7 +401,7 @@ fn sensor_line(words: &SensorLine) -> TokenStream {
     })
 }
 
-fn line(words: &Line) -> TokenStream {
+pub(super) fn line(words: &Line) -> TokenStream {
     let scale = integer(words.scale.into());
     let offset = integer(words.offset);
     let shift = integer(words.shift.into());
@@ -432,7 +468,7 @@ fn limits(words: &Limits) -> TokenStream {
 }
 
 /// `name: value` of a struct literal.
-fn field(name: &str, value: i32) -> TokenStream {
+pub(super) fn field(name: &str, value: i32) -> TokenStream {
     let name = quote::format_ident!("{name}");
     let value = integer(value.into());
     quote!(#name: #value)

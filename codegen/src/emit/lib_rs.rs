@@ -84,6 +84,14 @@ pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFi
     }
     helpers.extend(["constants", "control"]);
     helpers.sort_unstable();
+    let body_use = match parts.has_body_encoder {
+        true => quote!(
+            pub use body::{body_angle, body_rate};
+        ),
+        false => quote!(
+            pub use attitude::Attitude;
+        ),
+    };
     let modules = helpers.iter().map(|name| format_ident!("{name}"));
     let docs = inner_docs(&lines);
     let tokens = quote! {
@@ -94,7 +102,7 @@ pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFi
 
         #(pub mod #modules;)*
 
-        pub use attitude::Attitude;
+        #body_use
         pub use control::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed, control};
         pub use constants::{SAMPLE_TIME_US, ZERO_CURRENT};
         pub use controller::{Controller, Duty, Sample, duty, wheel_speed};

@@ -47,6 +47,7 @@ use quote::quote;
 use crate::file::MARK;
 use crate::spec::ModuleSpec;
 
+mod body_constants_rs;
 pub mod cargo_toml;
 pub mod certificate;
 mod certificate_hardware;

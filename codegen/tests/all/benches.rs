@@ -1,6 +1,6 @@
 //! The bench of the thesis with other sensors of the wheel's speed and another drive.
 
-use codegen::hardware::{EncoderSpec, WheelSensor};
+use codegen::hardware::{BodyEncoder, BodySensor, EncoderSpec, WheelSensor};
 use codegen::spec::{ModuleSpec, PhysicalRanges, VoltageDrive};
 
 use crate::thesis;
@@ -48,6 +48,34 @@ pub fn with_voltage(mut spec: ModuleSpec) -> ModuleSpec {
     spec
 }
 
+/// An encoder with 4096 counts a turn on the pivot in place of gyroscope and accelerometer: it counts backwards, 773 with
+/// the body upright.
+pub fn with_body_encoder(mut spec: ModuleSpec) -> ModuleSpec {
+    let encoder = EncoderSpec {
+        counts_per_turn: -4096.0,
+        bits: 12,
+        window: 14,
+    };
+    let hardware = &mut spec.hardware;
+    hardware.body = BodySensor::Encoder(BodyEncoder {
+        encoder,
+        zero: 773,
+        largest_rate_rad_s: 34.906_585,
+    });
+    (hardware.gyro_rate_hz, hardware.accelerometer_m_s2_per_count) = (None, None);
+    spec.ranges = PhysicalRanges::of(&spec.hardware);
+    spec
+}
+
+/// The benches with an encoder on the pivot.
+pub fn with_body_encoders() -> [ModuleSpec; 3] {
+    [
+        with_body_encoder(thesis::spec()),
+        with_body_encoder(with_voltage(with_driver())),
+        with_body_encoder(with_wheel_encoder(8)),
+    ]
+}
+
 /// Each of them, and all together.
 pub fn all() -> [ModuleSpec; 5] {
     [
@@ -57,4 +85,63 @@ pub fn all() -> [ModuleSpec; 5] {
         with_voltage(thesis::spec()),
         with_voltage(with_wheel_encoder(16)),
     ]
+}
+
+/// A crate with an encoder on the pivot has nothing of a filter, and the parts of its wheel and its drive.
+#[test]
+fn a_body_with_an_encoder_has_no_attitude() {
+    for spec in with_body_encoders() {
+        let emitted = codegen::generate(&spec).expect("an emitted crate");
+        let controller = emitted.file("src/controller.rs").expect("a controller");
+        assert!(controller.contains("pub body_count: u16,"));
+        for text in ["gyro", "ttitude", "bias", "cfg("] {
+            assert!(!controller.contains(text), "{text}");
+        }
+        let library = emitted.file("src/lib.rs").expect("a library");
+        assert!(!library.contains("Attitude"));
+        for module in ["attitude", "filter", "madgwick", "root", "bias_observer"] {
+            assert!(emitted.file(&format!("src/{module}.rs")).is_none());
+        }
+        assert!(emitted.file("verify/Cargo.toml").is_none());
+        assert!(
+            emitted
+                .file("certificate.json")
+                .expect("one")
+                .contains("\"body_encoder\"")
+        );
+    }
+}
+
+/// Two texts state what the numbers of a status mean: they are the same.
+#[test]
+fn both_supervisors_number_the_status_alike() {
+    use codegen::helpers::{body_supervisor::Status as Body, supervisor::Status};
+    let own = [
+        Body::NotAligned,
+        Body::Ready,
+        Body::Running,
+        Body::TrippedAngle,
+        Body::TrippedFrozen,
+        Body::TrippedClipped,
+        Body::TrippedWheelSpeed,
+        Body::TrippedAccelerometer,
+        Body::TrippedCurrent,
+        Body::TrippedFault,
+    ];
+    let other = [
+        Status::NotAligned,
+        Status::Ready,
+        Status::Running,
+        Status::TrippedAngle,
+        Status::TrippedFrozen,
+        Status::TrippedClipped,
+        Status::TrippedWheelSpeed,
+        Status::TrippedAccelerometer,
+        Status::TrippedCurrent,
+        Status::TrippedFault,
+    ];
+    for (value, (own, other)) in own.into_iter().zip(other).enumerate() {
+        assert_eq!((own as usize, other as usize), (value, value));
+        assert_eq!(format!("{own:?}"), format!("{other:?}"));
+    }
 }

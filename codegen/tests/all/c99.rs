@@ -5,7 +5,7 @@ use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use codegen::hardware::BiasObserverSpec;
+use codegen::hardware::{BiasObserverSpec, BodySensor};
 use codegen::{EmittedCrate, EmittedFile, c99, generate};
 use generated::{Angle, Controller, Current, Rate, Sample, WheelSpeed, control};
 use nalgebra::{Matrix3, Vector3};
@@ -41,7 +41,9 @@ fn committed() -> EmittedCrate {
 fn with_everything() -> EmittedCrate {
     let mut spec = thesis::spec();
     let askew = Matrix3::new(1.0, 0.02, -0.01, -0.03, 0.98, 0.015, 0.01, -0.02, 1.03);
-    let attitude = &mut spec.hardware.attitude;
+    let BodySensor::Inertial(attitude) = &mut spec.hardware.body else {
+        panic!("the bench of the thesis is inertial");
+    };
     attitude.gyro.matrix *= askew;
     attitude.gyro.bias_counts = Vector3::new(3.5, -7.25, 11.0);
     attitude.accel.matrix *= askew.transpose();
@@ -69,12 +71,58 @@ fn wheel_field(emitted: &EmittedCrate) -> &'static str {
         .expect("a sensor of the wheel")
 }
 
+/// Whether an encoder on the pivot shows the body.
+fn has_body_encoder(emitted: &EmittedCrate) -> bool {
+    let controller = emitted.file("src/controller.rs").expect("a controller");
+    controller.contains("pub body_count:")
+}
+
+/// What is other in the harnesses of a body with an encoder: its lean, along the accelerometer's y, becomes a count about
+/// 773, and there is no quaternion.
+const BODY_IN_C: [(&str, &str); 5] = [
+    (
+        "!read_all(sample.gyro, sizeof sample.gyro) || !read_all(sample.accel, sizeof sample.accel)",
+        "!read_all(inertial, sizeof inertial)",
+    ),
+    (
+        "int32_t words[3];",
+        "int32_t words[3];\n        int16_t inertial[6];",
+    ),
+    (
+        "switch (what) {",
+        "sample.body_count = (uint16_t)(773 + inertial[4] / 6);\n        switch (what) {",
+    ),
+    ("flywheel_quaternion(&controller.attitude, answer + 4);", ""),
+    ("&controller.attitude)", "&controller)"),
+];
+const BODY_IN_RUST: [(&str, &str); 3] = [
+    (
+        "gyro: [word(1), word(3), word(5)],\n            accel: [word(7), word(9), word(11)],\n            mag: None,",
+        "body_count: (773 + i32::from(word(9)) / 6) as u16,",
+    ),
+    (
+        "let attitude = controller.attitude();",
+        "let attitude = &controller;",
+    ),
+    (
+        "let [w, x, y, z] = attitude.quaternion().map(|part| part.to_bits());",
+        "let [w, x, y, z] = [0; 4];",
+    ),
+];
+
 /// Writes the C of an emitted crate, and the harness beside it.
 fn written(emitted: &EmittedCrate, folder: &Path) -> EmittedCrate {
     let wheel = wheel_field(emitted);
+    let has_body_encoder = has_body_encoder(emitted);
     let emitted = c99::emit(emitted).expect("a translation");
     emitted.write(folder).expect("written");
-    let harness = include_str!("c99/harness.c").replace("wheel_adc", wheel);
+    let mut harness = include_str!("c99/harness.c").replace("wheel_adc", wheel);
+    if has_body_encoder {
+        for (old, new) in BODY_IN_C {
+            assert!(harness.contains(old), "{old}");
+            harness = harness.replace(old, new);
+        }
+    }
     fs::write(folder.join("src/harness.c"), harness).expect("written");
     emitted
 }
@@ -329,6 +377,14 @@ fn rust_harness(emitted: &EmittedCrate, folder: &Path) -> Command {
         "wheel_speed" => source.replace("wheel_adc: word(13) as u16", "wheel_speed: word(13)"),
         _ => source.replace("wheel_adc", wheel),
     };
+    let changes = has_body_encoder(emitted).then_some(BODY_IN_RUST);
+    let source = changes
+        .into_iter()
+        .flatten()
+        .fold(source, |source, (old, new)| {
+            assert!(source.contains(old), "{old}");
+            source.replace(old, new)
+        });
     fs::write(harness.join("src/main.rs"), source).expect("written");
     let manifest = "[package]\nname = \"harness\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
                     [dependencies]\ngenerated = { path = \"../crate\" }\n\n[workspace]\n";
@@ -397,11 +453,13 @@ fn c_and_rust_answer_alike_on_a_bench_that_uses_everything() {
     assert_eq!(difference(&c, &rust), None, "seed {seed}");
 }
 
-/// The other sensors of the wheel, and a voltage drive.
+/// The other sensors of the wheel, a voltage drive, and an encoder on the pivot.
 #[test]
 #[cfg_attr(not(have_gcc), ignore = "needs gcc")]
 fn c_and_rust_answer_alike_on_other_benches() {
-    for (seed, spec) in (20..).zip(benches::all().into_iter().skip(1)) {
+    let others = benches::all().into_iter().skip(1);
+    for (seed, spec) in (20..).zip(others.chain(benches::with_body_encoders().into_iter().skip(1)))
+    {
         let folder = tempfile::tempdir().expect("a folder");
         let emitted = generate(&spec).expect("an emitted crate");
         written(&emitted, folder.path());
@@ -458,7 +516,10 @@ fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
 
 #[test]
 fn every_number_of_the_c_is_one_of_the_rust() {
-    let others = benches::all().map(|spec| generate(&spec).expect("an emitted crate"));
+    let others = benches::all()
+        .into_iter()
+        .chain(benches::with_body_encoders());
+    let others = others.map(|spec| generate(&spec).expect("an emitted crate"));
     for emitted in [committed(), with_everything()].into_iter().chain(others) {
         let c = c99::emit(&emitted).expect("a translation");
         let file = |path| c.file(path).expect("a file");

@@ -9,6 +9,7 @@ mod files;
 mod modes;
 mod monitor;
 mod refusals;
+mod runtime_body;
 mod runtime_drift;
 mod runtime_encoder;
 mod runtime_filter;

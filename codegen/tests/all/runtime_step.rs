@@ -2,9 +2,11 @@
 
 use crate::thesis;
 
+use attitude::AttitudeSpec;
 use codegen::control;
-use codegen::hardware::{BiasObserverSpec, HardwareSpec};
-use codegen::hardware_words::{DutyWords, derive};
+use codegen::hardware::{BiasObserverSpec, BodySensor, HardwareSpec};
+use codegen::hardware_words::{BodyWords, DutyWords, InertialWords, derive};
+use codegen::helpers::bias_observer::BiasObserver;
 use codegen::helpers::bias_observer::{advanced, estimated_bias, waiting};
 use codegen::helpers::line::on_line;
 use codegen::spec::ModuleSpec;
@@ -64,7 +66,7 @@ proptest! {
     #[test]
     fn rate_words(half_angle in -0x2000_0000..=0x2000_0000) {
         let spec = thesis::spec();
-        let words = derive(&spec, &control::derive(&spec).unwrap()).unwrap();
+        let words = inertial_words(&spec);
         let exact = f64::from(half_angle) / 2f64.powi(32) * 2.0 / 1e-3;
         let limit = f64::from(i32::MAX) / RATE;
         let rate = f64::from(on_line(half_angle, &words.rate)) / RATE;
@@ -94,6 +96,25 @@ fn observer(spec: &ModuleSpec) -> BiasObserverSpec {
     }
 }
 
+fn inertial_words(spec: &ModuleSpec) -> InertialWords {
+    match derive(spec, &control::derive(spec).unwrap()).unwrap().body {
+        BodyWords::Inertial(words) => *words,
+        BodyWords::Encoder(_) => panic!("the bench of the thesis is inertial"),
+    }
+}
+
+/// The words of the observer.
+fn observer_words(spec: &ModuleSpec) -> BiasObserver {
+    inertial_words(spec).bias_observer
+}
+
+fn inertial(hardware: &mut HardwareSpec) -> &mut AttitudeSpec {
+    match &mut hardware.body {
+        BodySensor::Inertial(attitude) => attitude,
+        BodySensor::Encoder(_) => panic!("the bench of the thesis is inertial"),
+    }
+}
+
 /// Runs the sampled linear plant with an angle that is measured 1° too large; returns the wheel
 /// speed and the estimate (rad) at the end.
 fn run(with_observer: bool, seconds: f64) -> (f64, f64) {
@@ -105,8 +126,7 @@ fn run(with_observer: bool, seconds: f64) -> (f64, f64) {
             ..HardwareSpec::thesis_bench()
         };
     }
-    let law = control::derive(&spec).unwrap();
-    let words = derive(&spec, &law).unwrap();
+    let words = observer_words(&spec);
     let bias = 1.0_f64.to_radians();
     let mut x = [0.0; 3];
     let mut z = 0;
@@ -118,10 +138,10 @@ fn run(with_observer: bool, seconds: f64) -> (f64, f64) {
             (x[2] * WHEEL_SPEED).round() as i32,
         ];
         if step == 0 {
-            z = waiting(states, &words.bias_observer);
-            assert_eq!(estimated_bias(z, states, &words.bias_observer), 0);
+            z = waiting(states, &words);
+            assert_eq!(estimated_bias(z, states, &words), 0);
         }
-        estimate = estimated_bias(z, states, &words.bias_observer);
+        estimate = estimated_bias(z, states, &words);
         let measured = [
             f64::from(states[0] - estimate) / ANGLE,
             f64::from(states[1]) / RATE,
@@ -129,12 +149,7 @@ fn run(with_observer: bool, seconds: f64) -> (f64, f64) {
         ];
         let command: f64 = -(0..3).map(|i| spec.gains[i] * measured[i]).sum::<f64>();
         let current = command.clamp(-2.0, 2.0);
-        z = advanced(
-            z,
-            states,
-            (current * CURRENT).round() as i32,
-            &words.bias_observer,
-        );
+        z = advanced(z, states, (current * CURRENT).round() as i32, &words);
         x = [0, 1, 2]
             .map(|i| (0..3).map(|j| spec.ad[i][j] * x[j]).sum::<f64>() + spec.bd[i] * current);
     }
@@ -165,7 +180,7 @@ proptest! {
     fn the_observer_is_total(z in -i32::MAX..=i32::MAX, states in any::<[i32; 3]>(), current in any::<i32>()) {
         let mut spec = thesis::spec();
         spec.hardware.bias_observer = Some(observer(&spec));
-        let words = derive(&spec, &control::derive(&spec).unwrap()).unwrap().bias_observer;
+        let words = observer_words(&spec);
         let limit = words.limit;
         prop_assert!(estimated_bias(z, states, &words).abs() <= limit);
         advanced(z, states, current, &words);
@@ -182,7 +197,7 @@ fn angle_words() {
         spec.ranges.angle_rad = range;
         let law = control::derive(&spec).unwrap();
         assert_eq!(law.terms[0].input.format.fraction_bits, bits);
-        let words = derive(&spec, &law).unwrap();
+        let words = inertial_words(&spec);
         for radians in (-843_314_858..=843_314_858).step_by(100_003) {
             let clamped = radians.clamp(-words.angle_max, words.angle_max);
             let word = (clamped * words.angle_factor) >> words.angle_shift;
@@ -204,17 +219,19 @@ fn numbers_that_do_not_fit_are_refused() {
         change(&mut changed.hardware);
         cases.push((expected, changed));
     };
-    case("beta", &|h| h.attitude.beta_rad_s = 10.0);
-    case("beta", &|h| h.attitude.beta_rad_s = f64::NAN);
-    case("gravity", &|h| h.attitude.gravity_m_s2 = 0.0);
-    case("gyroscope's scale", &|h| h.attitude.gyro.matrix *= 10.0);
-    case("accelerometer's scale", &|h| h.attitude.accel.matrix *= 0.0);
-    case("magnetometer's bias", &|h| {
-        h.attitude.mag.bias_counts[1] = 9000.0
+    case("beta", &|h| inertial(h).beta_rad_s = 10.0);
+    case("beta", &|h| inertial(h).beta_rad_s = f64::NAN);
+    case("gravity", &|h| inertial(h).gravity_m_s2 = 0.0);
+    case("gyroscope's scale", &|h| inertial(h).gyro.matrix *= 10.0);
+    case("accelerometer's scale", &|h| {
+        inertial(h).accel.matrix *= 0.0
     });
-    case("lever arm", &|h| h.attitude.lever_arm_m[0] = 100.0);
-    case("lever arm", &|h| h.attitude.lever_arm_m[1] = f64::INFINITY);
-    case("mounting", &|h| h.attitude.mounting_angle_rad = f64::NAN);
+    case("magnetometer's bias", &|h| {
+        inertial(h).mag.bias_counts[1] = 9000.0
+    });
+    case("lever arm", &|h| inertial(h).lever_arm_m[0] = 100.0);
+    case("lever arm", &|h| inertial(h).lever_arm_m[1] = f64::INFINITY);
+    case("mounting", &|h| inertial(h).mounting_angle_rad = f64::NAN);
     case("wheel speed", &|h| h.wheel_speed_per_count = 0.0);
     case("wheel speed", &|h| h.wheel_speed_at_zero = f64::NAN);
     for (expected, changed) in cases {

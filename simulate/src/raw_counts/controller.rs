@@ -8,6 +8,8 @@ use checker::{Machine, Module};
 /// The sensors' readings at one instant, in counts: the input of an emitted controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawSample {
+    /// The encoder on the pivot, where there is one; else zero.
+    pub body: u16,
     /// Gyroscope.
     pub gyro: [i16; 3],
     /// Accelerometer.
@@ -21,6 +23,7 @@ pub struct RawSample {
 /// A word of the sample that a step takes.
 #[derive(Clone, Copy, Debug)]
 enum SampleWord {
+    Body,
     Gyro(usize),
     Accel(usize),
     HasMag,
@@ -36,6 +39,7 @@ impl SampleWord {
             (name, Some(axis)) if name.contains(".gyro") => Some(SampleWord::Gyro(axis)),
             (name, Some(axis)) if name.contains(".accel") => Some(SampleWord::Accel(axis)),
             (name, Some(axis)) if name.contains(".mag") => Some(SampleWord::Mag(axis)),
+            (name, None) if name.contains(".body_count") => Some(SampleWord::Body),
             (name, None) if name.contains(".mag") => Some(SampleWord::HasMag),
             (name, None) if name.contains(".wheel_") => Some(SampleWord::Wheel),
             _ => None,
@@ -44,6 +48,7 @@ impl SampleWord {
 
     fn in_sample(self, sample: &RawSample) -> i128 {
         match self {
+            SampleWord::Body => sample.body.into(),
             SampleWord::Gyro(axis) => sample.gyro[axis].into(),
             SampleWord::Accel(axis) => sample.accel[axis].into(),
             SampleWord::HasMag => sample.mag.is_some().into(),
@@ -83,7 +88,7 @@ pub trait RawController {
     /// [`LawFailure`] where the emitted code would panic.
     fn step(&mut self, sample: &RawSample) -> Result<u16, LawFailure>;
 
-    /// The angle from upright according to the attitude filter, rad.
+    /// The angle from upright according to the attitude filter or the encoder, rad.
     ///
     /// # Errors
     /// [`LawFailure`] where the emitted code would panic.
@@ -97,7 +102,8 @@ pub struct InterpretedController {
     /// The words of a sample, in the order in which a step takes them.
     sample: Vec<SampleWord>,
     angle: Program,
-    /// For each word of the attitude: its index among the words of the controller.
+    /// For each word that the angle is a function of, of the attitude or of the controller itself: its index among the
+    /// words of the controller.
     attitude: Vec<usize>,
     arm: Program,
     fault: Program,
@@ -120,7 +126,10 @@ impl InterpretedController {
                 .ok_or_else(|| failure(format!("the emitted crate has no function `{name}`")))
         };
         let step = find("Controller::step")?.clone();
-        let angle = find("Attitude::angle")?.clone();
+        let (angle, owner) = match module.function("Attitude::angle") {
+            Some(angle) => (angle.clone(), "self.attitude."),
+            None => (find("Controller::angle")?.clone(), "self."),
+        };
         let place = |name: &str| {
             step.inputs
                 .iter()
@@ -130,7 +139,7 @@ impl InterpretedController {
         let attitude = angle
             .inputs
             .iter()
-            .map(|name| place(&name.replacen("self.", "self.attitude.", 1)))
+            .map(|name| place(&name.replacen("self.", owner, 1)))
             .collect::<Result<Vec<_>, _>>()?;
         let status = place("self.status")?;
         let arm = find("Controller::arm")?.clone();
@@ -141,7 +150,7 @@ impl InterpretedController {
             .to_vec();
         let bits = match angle.result_types.as_slice() {
             [checker::program::Type::Fixed(bits)] => *bits,
-            _ => return Err(failure("`Attitude::angle` returns no angle".to_owned())),
+            _ => return Err(failure("the body's angle is no angle".to_owned())),
         };
         let sample = step.inputs.iter().skip(start.len()).map(|name| {
             SampleWord::of(name)

@@ -30,10 +30,29 @@ pub enum Fault {
     MissedTick,
     /// The gyroscope's axis along the pivot reads with the wrong sign.
     GyroscopeReversed,
+    /// The encoder on the pivot repeats its last count.
+    BodyFrozen,
+    /// The count of the encoder on the pivot is off by an eighth of its wrap.
+    BodyJump,
+    /// The encoder on the pivot counts backwards from its count upright.
+    BodyReversed,
 }
 
 impl Fault {
-    /// Every fault.
+    /// The faults of a bench with an encoder on the pivot.
+    pub const WITH_BODY_ENCODER: [Fault; 9] = [
+        Fault::BodyFrozen,
+        Fault::BodyJump,
+        Fault::BodyReversed,
+        Fault::WheelFrozen,
+        Fault::AllFrozen,
+        Fault::WheelLow,
+        Fault::WheelHigh,
+        Fault::BusDead,
+        Fault::MissedTick,
+    ];
+
+    /// The faults of a bench with gyroscope and accelerometer.
     pub const ALL: [Fault; 12] = [
         Fault::GyroscopeFrozen,
         Fault::AccelerometerFrozen,
@@ -52,6 +71,7 @@ impl Fault {
 
 /// Registers that read zero.
 const NOTHING_READ: RawSample = RawSample {
+    body: 0,
     gyro: [0; 3],
     accel: [0; 3],
     mag: None,
@@ -71,6 +91,8 @@ pub struct Faulty<C> {
     pub until_step: Option<usize>,
     /// Counts at the ends of the converter's range.
     pub wheel_ends: [i32; 2],
+    /// Count upright and wrap of the encoder on the pivot.
+    pub body_counts: [u16; 2],
     steps: usize,
     last: Option<RawSample>,
     duties: Vec<u16>,
@@ -86,6 +108,7 @@ impl<C: RawController> Faulty<C> {
             from_step,
             until_step: None,
             wheel_ends,
+            body_counts: [2048, 4096],
             steps: 0,
             last: None,
             duties: Vec::new(),
@@ -107,6 +130,8 @@ impl<C: RawController> Faulty<C> {
         let mut damaged = *sample;
         // What a sensor repeats that has never been read: zero.
         let last = self.last.unwrap_or(NOTHING_READ);
+        let [zero, wrap] = self.body_counts.map(i32::from);
+        let body = |count: i32| count.rem_euclid(wrap.max(1)) as u16;
         match self.fault {
             Fault::GyroscopeFrozen => damaged.gyro = last.gyro,
             Fault::AccelerometerFrozen => damaged.accel = last.accel,
@@ -119,6 +144,9 @@ impl<C: RawController> Faulty<C> {
             Fault::WheelHigh => damaged.wheel = self.wheel_ends[1],
             Fault::BusDead => damaged = NOTHING_READ,
             Fault::MissedTick => {}
+            Fault::BodyFrozen => damaged.body = last.body,
+            Fault::BodyJump => damaged.body = body(i32::from(sample.body) + wrap / 8),
+            Fault::BodyReversed => damaged.body = body(2 * zero - i32::from(sample.body)),
             Fault::GyroscopeReversed => {
                 damaged.gyro[2] = sample.gyro[2].checked_neg().unwrap_or(i16::MAX);
             }

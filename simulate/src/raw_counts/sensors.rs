@@ -48,6 +48,8 @@ impl CountsLine {
 /// what it assumes about them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawSensors {
+    /// The encoder on the pivot, where there is one. Its angle zero is upright.
+    pub body: Option<EncoderOutput>,
     /// Gyroscope, 16 bit.
     pub gyro: CountsLine,
     /// Standard deviation of its noise, rad/s a sample.
@@ -137,6 +139,7 @@ impl RawSensors {
         let root_bandwidth = 500.0_f64.sqrt();
         let left = Vector3::new(1.0, -1.0, 1.0);
         Ok(RawSensors {
+            body: None,
             gyro: CountsLine::calibrated_by(&spec.gyro, left * 1.6)?,
             gyro_noise_rad_s: 0.025_f64.to_radians() * root_bandwidth,
             accel: CountsLine::calibrated_by(&spec.accel, left * 4.1)?,
@@ -200,7 +203,12 @@ impl RawSensors {
                 i32::from(encoder.count(state.wheel_angle_rad, noise))
             }
         };
+        let body = self.body.map_or(0, |encoder| {
+            let noise = self.encoder_noise_counts * noise();
+            encoder.count(from_upright_rad(state.angle_rad), noise)
+        });
         RawSample {
+            body,
             gyro: self.gyro.read(rate),
             accel: self.accel.read(force),
             mag: None,

@@ -2,6 +2,7 @@
 
 mod attitude_filters;
 mod bench;
+mod body_encoder;
 mod compiled;
 mod emitted_law;
 mod faults;

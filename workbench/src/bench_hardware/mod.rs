@@ -2,13 +2,14 @@
 //! the generator. Nothing is assumed: what is not stated is either reported as missing, or taken from a preset
 //! that the caller names, and then reported as assumed.
 
+mod body_encoder;
 mod inertial;
 #[cfg(test)]
 mod tests;
 mod wheel_and_drive;
 
-use bench_files::{AngleSensor, Calibration, Hardware, ModelFile};
-use codegen::hardware::HardwareSpec;
+use bench_files::{Calibration, Hardware, ModelFile};
+use codegen::hardware::{BodySensor, HardwareSpec, RateNeeds};
 use codegen::spec::PwmDrive;
 use serde::{Deserialize, Serialize};
 
@@ -57,18 +58,18 @@ pub enum HardwareError {
 /// settings: data sheets allow 5 % at most, ranges differ by factors of two.
 const DIFFER: f64 = 1.2;
 
-/// Evaluates the statements of `file` for a controller with this sample time; missing ones are filled from `preset`, if
-/// there is one.
+/// Evaluates the statements of `file` for a loop with these needs; missing ones are filled from `preset`, if there is one.
 pub(crate) fn bench_hardware(
     file: &ModelFile,
-    sample_time_s: f64,
+    needs: RateNeeds,
     preset: Option<Preset>,
 ) -> Result<BenchHardware, HardwareError> {
     let calibration = file.calibration.unwrap_or_default();
     let mut work = Work {
         stated: file.hardware.as_ref(),
         calibration,
-        sample_time_s,
+        sample_time_s: needs.sample_time_s,
+        needs,
         torque_constant: torque_constant(file),
         preset,
         missing: Vec::new(),
@@ -76,11 +77,15 @@ pub(crate) fn bench_hardware(
         warnings: Vec::new(),
         registers: Vec::new(),
     };
-    work.angle()?;
-    let attitude = work.attitude()?;
+    let body = match work.body_encoder()? {
+        Some(encoder) => Some(BodySensor::Encoder(encoder)),
+        None => work
+            .attitude()?
+            .map(|found| BodySensor::Inertial(Box::new(found))),
+    };
     let drive = work.drive()?;
     let wheel = work.wheel_speed(drive.as_ref())?;
-    let (Some(attitude), Some(wheel), Some(drive)) = (attitude, wheel, drive) else {
+    let (Some(body), Some(wheel), Some(drive)) = (body, wheel, drive) else {
         return Err(HardwareError::Missing {
             missing: work.missing,
         });
@@ -88,17 +93,23 @@ pub(crate) fn bench_hardware(
     let hardware = file.hardware.as_ref();
     let stated = hardware.and_then(|hardware| hardware.accelerometer.as_ref()?.scale);
     let gyroscope = hardware.and_then(|hardware| hardware.gyroscope.as_ref());
+    let inertial = match &body {
+        BodySensor::Inertial(attitude) => Some(attitude),
+        BodySensor::Encoder(_) => None,
+    };
     let gyro_rate_hz = match (gyroscope, preset) {
+        _ if inertial.is_none() => None,
         (Some(sensor), _) => sensor.rate_hz,
         (None, Some(Preset::ThesisBench)) => HardwareSpec::thesis_bench().gyro_rate_hz,
         (None, None) => None,
     };
     let is_calibrated = calibration.accelerometer.is_some();
-    let accelerometer_m_s2_per_count =
-        stated.or_else(|| (!is_calibrated).then(|| attitude.accel.matrix.column(0).norm()));
+    let accelerometer_m_s2_per_count = inertial.and_then(|attitude| {
+        stated.or_else(|| (!is_calibrated).then(|| attitude.accel.matrix.column(0).norm()))
+    });
     Ok(BenchHardware {
         sensors: HardwareSpec {
-            attitude,
+            body,
             wheel: wheel.sensor,
             wheel_speed_per_count: wheel.slope,
             wheel_speed_at_zero: wheel.offset,
@@ -127,6 +138,7 @@ struct Work<'a> {
     stated: Option<&'a Hardware>,
     calibration: Calibration,
     sample_time_s: f64,
+    needs: RateNeeds,
     torque_constant: Option<f64>,
     preset: Option<Preset>,
     missing: Vec<String>,
@@ -145,18 +157,6 @@ impl Work<'_> {
         } else {
             self.missing.push(format!("{what} ({example})"));
             false
-        }
-    }
-
-    fn angle(&mut self) -> Result<(), HardwareError> {
-        match self.stated.and_then(|stated| stated.angle.as_ref()) {
-            Some(AngleSensor::Inertial) => Ok(()),
-            Some(AngleSensor::Encoder { .. }) => Err(HardwareError::NotEmitted(
-                "[hardware.angle] kind = \"encoder\": this generator emits the inertial angle only"
-                    .to_owned(),
-            )),
-            // Inertial sensors serve the angle; if they are missing, that is reported below.
-            None => Ok(()),
         }
     }
 }

@@ -4,6 +4,7 @@ use attitude::AttitudeSpec;
 
 use super::*;
 use attitude::STANDARD_GRAVITY;
+use codegen::hardware::RateNeeds;
 use std::path::Path;
 
 /// A model of the thesis with other sections of hardware and calibration.
@@ -15,7 +16,79 @@ fn file(more: &str) -> ModelFile {
 }
 
 fn of(more: &str, preset: bool) -> Result<BenchHardware, HardwareError> {
-    bench_hardware(&file(more), 1e-3, preset.then_some(Preset::ThesisBench))
+    bench_hardware(&file(more), NEEDS, preset.then_some(Preset::ThesisBench))
+}
+
+/// Those of the loop of the thesis.
+const NEEDS: RateNeeds = RateNeeds {
+    sample_time_s: 1e-3,
+    rate_gain: -2.13,
+    current_limit_a: 2.0,
+    delay_margin_s: 0.045,
+};
+
+/// The attitude of a bench with inertial sensors.
+fn attitude(found: &BenchHardware) -> &AttitudeSpec {
+    found.sensors.attitude().expect("inertial sensors")
+}
+
+fn body_encoder(more: &str) -> Result<BenchHardware, HardwareError> {
+    of(
+        &format!("[hardware.angle]\nkind = \"encoder\"\n{more}\n"),
+        true,
+    )
+}
+
+/// The window is the shortest with which a count of the rate moves the current by an eighth of its limit: of AS5600 and
+/// AS5048 at 1 kHz 2.13 δ/(N T) = 0.25 A at N = 13.1 and 3.3, never more than a quarter of the delay margin.
+#[test]
+fn the_window_of_an_encoder_weighs_its_count_against_its_delay() {
+    let window = |more: &str| {
+        let found = body_encoder(more).expect("an encoder on the pivot");
+        let body = found.sensors.body_encoder().expect("an encoder");
+        assert!(found.sensors.attitude().is_none());
+        body.encoder.window
+    };
+    assert_eq!(window("part = \"AS5600\"\nzero = 2048"), 14);
+    assert_eq!(window("counts_per_turn = 16384\nbits = 14\nzero = 0"), 4);
+    assert_eq!(window("counts_per_turn = -65536\nbits = 16\nzero = 9"), 1);
+    assert_eq!(window("counts_per_turn = 1024\nbits = 10\nzero = 0"), 16);
+    let hurried = RateNeeds {
+        delay_margin_s: 0.01,
+        ..NEEDS
+    };
+    assert_eq!(hurried.window(std::f64::consts::TAU / 4096.0), 5);
+    let slow = RateNeeds {
+        sample_time_s: 0.02,
+        ..NEEDS
+    };
+    assert_eq!(slow.window(std::f64::consts::TAU / 4096.0), 1);
+}
+
+#[test]
+fn a_count_that_stands_for_several_angles_is_refused() {
+    assert!(matches!(
+        body_encoder("counts_per_turn = 4096\nbits = 11\nzero = 0"),
+        Err(HardwareError::Contradiction(message)) if message.contains("several angles")
+    ));
+    let warned = |more: &str, part: &str| {
+        let found = body_encoder(more).expect("an encoder");
+        found.warnings.iter().any(|text| text.contains(part))
+    };
+    // A counter of 16 bits behind lines of an incremental encoder.
+    assert!(warned(
+        "counts_per_turn = 2400\nbits = 16\nzero = 1200",
+        "no whole number"
+    ));
+    assert!(!warned(
+        "counts_per_turn = 8192\nbits = 16\nzero = 1200",
+        "no whole number"
+    ));
+    assert!(warned(
+        "counts_per_turn = 256\nbits = 8\nzero = 0",
+        "rattle"
+    ));
+    assert!(!warned("part = \"AS5600\"\nzero = 0", "rattle"));
 }
 
 #[test]
@@ -36,7 +109,7 @@ fn without_a_word_everything_is_missing_or_assumed() {
     let filled = of("", true).expect("the bench of the thesis");
     assert_eq!(filled.drive, PwmDrive::THESIS_BENCH);
     assert_eq!(filled.assumed.len(), 5, "{:?}", filled.assumed);
-    assert_eq!(filled.sensors.attitude, AttitudeSpec::thesis());
+    assert_eq!(attitude(&filled), &AttitudeSpec::thesis());
 }
 
 /// A calibrated line keeps the preset's timer where its zero fits, whatever its slope; a line
@@ -112,7 +185,8 @@ fn an_upside_down_sensor_is_turned() {
     let axes = "[hardware.gyroscope]\npart = \"FXAS21002\"\naxes = [\"x\", \"-y\", \"-z\"]\n\
          [hardware.accelerometer]\npart = \"FXOS8700\"\naxes = [\"x\", \"-y\", \"-z\"]\n";
     for more in [mounted, axes] {
-        let found = of(more, true).expect("turned").sensors.attitude;
+        let found = of(more, true).expect("turned");
+        let found = attitude(&found);
         for line in [found.gyro, found.accel] {
             let reversed = line.matrix.diagonal().map(f64::signum);
             assert_eq!(reversed, nalgebra::Vector3::new(1.0, -1.0, -1.0), "{more}");
@@ -127,7 +201,8 @@ fn an_upside_down_sensor_is_turned() {
 fn the_scale_of_a_part_is_used() {
     let more = "[hardware.accelerometer]\npart = \"LSM6DS3\"\naxes = [\"y\", \"-x\", \"z\"]\n\
          [hardware.gyroscope]\npart = \"LSM6DS3\"\naxes = [\"y\", \"-x\", \"z\"]\n";
-    let found = of(more, true).expect("known parts").sensors.attitude;
+    let found = of(more, true).expect("known parts");
+    let found = attitude(&found);
     let one_g = (1.0 / 0.244e-3_f64).round() as i16;
     let read = found.accel.apply([one_g, 0, 0]);
     assert!((read.y - STANDARD_GRAVITY).abs() < 2e-3, "{read:?}");

@@ -305,7 +305,9 @@ impl<'a> Laws<'a> {
     fn attitude_filters(&self) -> Result<FilterRun, Error> {
         // On the pivot, an accelerometer alone would be enough; away from it, it measures the swing's acceleration. If the
         // model does not state the sensor's position, one away from the pivot is used.
-        let stated = self.spec.hardware.attitude.lever_arm_m;
+        let thesis = AttitudeSpec::thesis();
+        let own = self.spec.hardware.attitude().unwrap_or(&thesis);
+        let stated = own.lever_arm_m;
         let lever_arm_m = if stated == [0.0; 2] {
             [SENSOR_FROM_PIVOT_M, 0.0]
         } else {
@@ -314,7 +316,7 @@ impl<'a> Laws<'a> {
         let attitude = AttitudeSpec {
             sample_time_s: self.spec.sample_time_s,
             lever_arm_m,
-            ..self.spec.hardware.attitude
+            ..*own
         };
         let sensors = RawSensors {
             lever_arm_m,

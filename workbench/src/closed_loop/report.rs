@@ -82,7 +82,7 @@ pub struct LoopRun {
     pub emitted: LoopTrace,
 }
 
-/// The half minute from raw counts to duty, with the emitted attitude filter.
+/// The half minute from raw counts to duty, through the emitted controller.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RawCountsRun {
     /// Whether the body fell.
@@ -93,7 +93,7 @@ pub struct RawCountsRun {
     pub largest_wheel_speed_rad_s: f64,
     /// Largest current.
     pub largest_current_a: f64,
-    /// Root mean square error of the filter's angle.
+    /// Root mean square error of the measured angle.
     pub angle_error_rad: f64,
     /// The run.
     #[serde(skip)]

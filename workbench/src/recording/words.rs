@@ -4,7 +4,7 @@ use bench_files::{BenchOutline, ModelFile, Problem};
 use checker::certificate::Certificate;
 use codegen::exact::ShortestDecimal;
 use codegen::format::Format;
-use codegen::hardware::WheelSensor;
+use codegen::hardware::{RateNeeds, WheelSensor};
 use codegen::spec::{PhysicalRanges, PwmDrive};
 use serial_frame::Telemetry;
 
@@ -43,8 +43,14 @@ impl Words {
             model: outline.file.clone(),
             source,
         };
-        let sample_time_s = model.design.map_or(1e-3, |design| design.sample_time_s);
-        let found = bench_hardware(&model, sample_time_s, settings.preset).map_err(refused)?;
+        // The units of an encoder's words do not depend on its window.
+        let needs = RateNeeds {
+            sample_time_s: model.design.map_or(1e-3, |design| design.sample_time_s),
+            rate_gain: 0.0,
+            current_limit_a: 1.0,
+            delay_margin_s: f64::INFINITY,
+        };
+        let found = bench_hardware(&model, needs, settings.preset).map_err(refused)?;
         let ranges = PhysicalRanges::of(&found.sensors);
         let unit = |range: f64, what: &str| {
             Format::for_range(&ShortestDecimal::new(range).value)

@@ -21,12 +21,13 @@ const FEWEST: f64 = 4.0;
 /// (rad/s²).
 pub(crate) fn encoders(
     certificate: &Certificate,
-) -> impl Iterator<Item = (&'static str, &CertifiedEncoder, &BigRational)> {
+) -> impl Iterator<Item = (&'static str, CertifiedEncoder, &BigRational)> {
     let b = &certificate.plant.b;
-    let wheel = certificate.hardware.wheel_speed.encoder.as_ref();
-    wheel
-        .map(|encoder| ("WHEEL_ENCODER", encoder, &b[2].value))
-        .into_iter()
+    let wheel = certificate.hardware.wheel_speed.encoder.clone();
+    let body = certificate.hardware.body_encoder();
+    let body = body.map(|body| ("BODY_ENCODER", body.encoder(), &b[1].value));
+    let wheel = wheel.map(|encoder| ("WHEEL_ENCODER", encoder, &b[2].value));
+    body.into_iter().chain(wheel)
 }
 
 /// Checks every word.

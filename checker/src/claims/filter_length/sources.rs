@@ -6,7 +6,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
 use crate::claims::filter_length::algebra::{FRACTION_BITS, every_word, unless};
-use crate::claims::filter_total::{Invariant, analysed};
+use crate::claims::filter_total::{AttitudeLimits, Invariant, analysed};
 use crate::domains::intervals::IntegerInterval;
 use crate::domains::polynomials::Words;
 use crate::exact::rational::power_of_two;
@@ -28,14 +28,15 @@ impl Sources {
         around_one: &(BigRational, BigRational),
     ) -> Result<Sources, String> {
         let invariant = Invariant::read(module)?;
+        let limits = AttitudeLimits::read(module)?;
         let mut sources = Sources {
             beta: BigRational::zero(),
         };
-        let component = IntegerInterval::new(-invariant.component, invariant.component);
+        let component = IntegerInterval::new(-limits.component, limits.component);
         let mut extended = contracts.clone();
         let half_angle = 4..7;
         for (name, narrow, to) in [
-            ("madgwick::turned", half_angle, invariant.rate),
+            ("madgwick::turned", half_angle, limits.rate),
             // The unit vector of an alignment; what `aligned` is then shown for.
             ("madgwick::aligned", 0..3, UP_MAX),
             ("madgwick::scaled_correction", 0..0, 0),

@@ -4,7 +4,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::claims::filter_length::algebra::{FRACTION_BITS, unless, with_calls};
-use crate::claims::filter_total::Invariant;
+use crate::claims::filter_total::AttitudeLimits;
 use crate::domains::polynomials::{Polynomial, Words};
 use crate::exact::rational::{integer, power_of_two, root_above, root_below};
 use crate::language::module::Module;
@@ -51,7 +51,7 @@ pub(crate) fn turned(
     }
     unless(squares.terms == wanted.terms, not_understood)?;
 
-    let half_angle = integer(Invariant::read(module)?.rate) * power_of_two(-32);
+    let half_angle = integer(AttitudeLimits::read(module)?.rate) * power_of_two(-32);
     let growth = BigRational::one() + integer(3) * &half_angle * &half_angle;
     let rounding = root_above(&rounding).ok_or(not_understood)? * power_of_two(-FRACTION_BITS);
     let added = correction + rounding;

@@ -107,6 +107,9 @@ pub struct Motion {
     pub rate: BigRational,
 }
 
+/// Why no errors are known of the body's sensors.
+const NO_INERTIAL_SENSORS: &str = "an encoder shows the body";
+
 /// The largest power of two that divides every count.
 fn step_of(clips: &[i32; 3]) -> i128 {
     let zeros = clips.iter().filter(|clip| **clip != 0);
@@ -125,7 +128,10 @@ impl SensorErrors {
         law: &EmittedLaw,
         with_noise: bool,
     ) -> Result<SensorErrors, NoBounds> {
-        let hardware = &certificate.hardware;
+        let whole = &certificate.hardware;
+        let Some(hardware) = whole.inertial() else {
+            return Err(NoBounds::NotShown(NO_INERTIAL_SENSORS.to_owned()));
+        };
         let steps = if with_noise {
             half() + integer(1)
         } else {
@@ -181,7 +187,7 @@ impl SensorErrors {
                 })
                 .collect(),
         );
-        let wheel = &hardware.wheel_speed;
+        let wheel = &whole.wheel_speed;
         let end = |counts: i32| {
             &wheel.rad_s_per_count.value * integer(counts.into()) + &wheel.rad_s_at_zero.value
         };

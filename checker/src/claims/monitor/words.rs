@@ -252,9 +252,9 @@ impl Wanted {
         let holds = (push / fall).min(0.99).asin();
         let holds = if holds > 0.0 { holds } else { most };
         let angle = (2.0 * holds).min(most);
-        let gyro = certificate.hardware.gyroscope.matrix[2]
-            .each_ref()
-            .map(real);
+        let inertial = certificate.hardware.inertial();
+        let inertial = inertial.ok_or("a monitor knows no encoder on the pivot")?;
+        let gyro = inertial.gyroscope.matrix[2].each_ref().map(real);
         let converter = real(&certificate.hardware.wheel_speed.rad_s_per_count).abs();
         let count = gyro.iter().map(|entry| entry.abs()).sum::<f64>();
         Ok(Wanted {

@@ -7,6 +7,7 @@ use crate::certificate::hardware::CertifiedWheelSpeed;
 use crate::certificate::reader::{Certificate, StatedDecimal};
 use crate::claims::encoder_exact::second::{EncoderWords, WORDS};
 use crate::claims::random::Random;
+use crate::claims::step_total::body;
 use crate::claims::supervisor::second::{Layout, READY, RUNNING};
 use crate::domains::machine::Machine;
 use crate::language::module::Module;
@@ -23,6 +24,9 @@ pub fn step(
     cases: usize,
     seed: u64,
 ) -> Result<usize, String> {
+    if let Some(encoder) = certificate.hardware.body_encoder() {
+        return body::step(module, certificate, encoder, cases, seed);
+    }
     let get = |name: &str| {
         module
             .function(name)
@@ -116,8 +120,8 @@ pub fn step(
 }
 
 /// The drive in floating point.
-struct DriveNumbers {
-    zero: f64,
+pub(super) struct DriveNumbers {
+    pub(super) zero: f64,
     ends: [f64; 2],
     per_count: f64,
     /// Winding resistance and back-EMF of a voltage drive.
@@ -125,7 +129,7 @@ struct DriveNumbers {
 }
 
 impl DriveNumbers {
-    fn of(certificate: &Certificate) -> Result<DriveNumbers, String> {
+    pub(super) fn of(certificate: &Certificate) -> Result<DriveNumbers, String> {
         let number = |stated: &StatedDecimal| -> Result<f64, String> {
             let number = stated.text.parse();
             number.map_err(|_| format!("`{stated}` of the drive is no number"))
@@ -150,7 +154,7 @@ impl DriveNumbers {
     }
 
     /// The duty for a current (A) at a wheel speed (rad/s).
-    fn duty(&self, current: f64, speed: f64) -> f64 {
+    pub(super) fn duty(&self, current: f64, speed: f64) -> f64 {
         let asked = match self.voltage {
             None => current,
             Some([winding, back_emf]) => winding * current + back_emf * speed,
@@ -160,7 +164,7 @@ impl DriveNumbers {
 }
 
 /// The wheel's sensor in random runs.
-struct Wheel {
+pub(super) struct Wheel {
     /// Largest reading, either way of zero where it has a sign.
     most: f64,
     has_sign: bool,
@@ -170,7 +174,7 @@ struct Wheel {
 }
 
 impl Wheel {
-    fn of(certificate: &Certificate, module: &Module) -> Result<Wheel, String> {
+    pub(super) fn of(certificate: &Certificate, module: &Module) -> Result<Wheel, String> {
         let stated = &certificate.hardware.wheel_speed;
         let words = EncoderWords::read(module, "WHEEL_ENCODER")?;
         Ok(Wheel {
@@ -185,7 +189,7 @@ impl Wheel {
     }
 
     /// What the sensor says, and the counts that stand for the speed.
-    fn next(&mut self, random: &mut Random) -> (i128, i128) {
+    pub(super) fn next(&mut self, random: &mut Random) -> (i128, i128) {
         let Some((words, state)) = &mut self.encoder else {
             let reading = random.count(self.most);
             let reading = if self.has_sign {
@@ -203,7 +207,7 @@ impl Wheel {
 }
 
 /// Every count of the wheel's sensor gives the word of its line, rounded down once and clamped.
-fn wheel_speeds(
+pub(super) fn wheel_speeds(
     speed: &mut Machine,
     wheel: &[(String, i128)],
     sensor: &CertifiedWheelSpeed,

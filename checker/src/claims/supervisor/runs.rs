@@ -4,6 +4,7 @@
 use crate::claims::encoder_exact::second::EncoderWords;
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
+use crate::claims::supervisor::body_runs;
 use crate::claims::supervisor::second::{RUNNING, Sample, Supervisor, TRIPPED_FAULT};
 use crate::language::module::Module;
 
@@ -28,6 +29,9 @@ struct Phase {
 /// The first sample for which source and second statement differ, or after which a current flows
 /// where none may.
 pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
+    if module.function("Attitude::new").is_none() {
+        return body_runs::run(module, cases, seed);
+    }
     let f = Functions(module);
     let second = Supervisor::read(module)?;
     let rest = AtRest::read(&f)?;
@@ -261,7 +265,7 @@ fn drawn(
 }
 
 /// What the wheel's sensor says in random runs.
-struct WheelReadings {
+pub(crate) struct WheelReadings {
     low: i128,
     high: i128,
     /// Of an encoder: its words, its count, and how far it turns in a step.
@@ -269,7 +273,7 @@ struct WheelReadings {
 }
 
 impl WheelReadings {
-    fn of(module: &Module, low: i128, high: i128) -> Result<WheelReadings, String> {
+    pub(crate) fn of(module: &Module, low: i128, high: i128) -> Result<WheelReadings, String> {
         let encoder = EncoderWords::read(module, "WHEEL_ENCODER")?;
         Ok(WheelReadings {
             low,
@@ -279,7 +283,7 @@ impl WheelReadings {
     }
 
     /// The next reading: any that the sensor may give; one of those at its ends where it is `stuck`.
-    fn next(&mut self, random: &mut Random, stuck: bool) -> i128 {
+    pub(crate) fn next(&mut self, random: &mut Random, stuck: bool) -> i128 {
         let (low, high) = (self.low, self.high);
         let Some((words, count, turn)) = &mut self.encoder else {
             return if stuck {

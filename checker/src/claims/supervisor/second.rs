@@ -11,19 +11,19 @@ use num_traits::ToPrimitive;
 /// The values of `Status`.
 pub(crate) const READY: i128 = 1;
 pub(crate) const RUNNING: i128 = 2;
-const TRIPPED_ANGLE: i128 = 3;
-const TRIPPED_FROZEN: i128 = 4;
+pub(crate) const TRIPPED_ANGLE: i128 = 3;
+pub(crate) const TRIPPED_FROZEN: i128 = 4;
 const TRIPPED_CLIPPED: i128 = 5;
-const TRIPPED_WHEEL_SPEED: i128 = 6;
+pub(crate) const TRIPPED_WHEEL_SPEED: i128 = 6;
 const TRIPPED_ACCELEROMETER: i128 = 7;
-const TRIPPED_CURRENT: i128 = 8;
+pub(crate) const TRIPPED_CURRENT: i128 = 8;
 pub(crate) const TRIPPED_FAULT: i128 = 9;
 
 /// Where the words of a controller stand: attitude, the wheel's encoder where there is one, status, aligned, window,
 /// counts, observer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
-    /// Words of the attitude: quaternion, rates, drift; or those of the pivot's encoder.
+    /// Words of the attitude: quaternion, rates, drift.
     pub(crate) attitude: usize,
     /// Words of the wheel's encoder.
     pub(crate) wheel: usize,

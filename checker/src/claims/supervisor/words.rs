@@ -6,9 +6,11 @@
 
 use num_traits::ToPrimitive;
 
+use crate::certificate::hardware::CertifiedBody;
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::named_words::NamedWords;
+use crate::claims::supervisor::body;
 use crate::language::module::Module;
 
 /// How far a word may be from its number: a unit, and a millionth for double precision.
@@ -24,26 +26,35 @@ pub(crate) const TIMES_S: [(&str, f64); 3] = [
 /// The most and the fewest refresh periods over which the gyroscope's words may stand still.
 const FROZEN_REFRESHES: [f64; 2] = [5.0, 40.0];
 
+fn word(words: &NamedWords, name: &str) -> Result<f64, String> {
+    let word = words.get(&format!("LIMITS.{name}"))?;
+    word.to_f64().ok_or_else(|| format!("{name} is too large"))
+}
+
+/// A word of LIMITS is its number.
+pub(crate) fn near(words: &NamedWords, name: &str, wanted: f64) -> Result<(), String> {
+    let found = word(words, name)?;
+    if (found - wanted).abs() <= 1.0 + TOLERANCE * wanted.abs() {
+        Ok(())
+    } else {
+        Err(format!(
+            "LIMITS.{name} is {found}, its number makes it {wanted:.1}"
+        ))
+    }
+}
+
 /// Checks every word.
 ///
 /// # Errors
 /// A sentence that names the word.
 pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Result<(), String> {
+    let inertial = match &certificate.hardware.body {
+        CertifiedBody::Inertial(inertial) => inertial,
+        CertifiedBody::Encoder(encoder) => return body::check(certificate, module, law, encoder),
+    };
     let words = NamedWords::read(module, "LIMITS")?;
-    let word = |name: &str| -> Result<f64, String> {
-        let word = words.get(&format!("LIMITS.{name}"))?;
-        word.to_f64().ok_or_else(|| format!("{name} is too large"))
-    };
-    let near = |name: &str, wanted: f64| -> Result<(), String> {
-        let found = word(name)?;
-        if (found - wanted).abs() <= 1.0 + TOLERANCE * wanted.abs() {
-            Ok(())
-        } else {
-            Err(format!(
-                "LIMITS.{name} is {found}, its number makes it {wanted:.1}"
-            ))
-        }
-    };
+    let word = |name: &str| word(&words, name);
+    let near = |name: &str, wanted: f64| near(&words, name, wanted);
     let real = |value: &num_rational::BigRational| value.to_f64().unwrap_or(f64::NAN);
     let period = real(&certificate.sample_time_s.value);
     let plant = &certificate.plant;
@@ -95,8 +106,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
     near("quiet_turn", 0.3 * 0.5 * period * 2f64.powi(32))?;
 
     // Gravity in the accelerometer's units: the largest row of its matrix adds up to 2³⁰ in Q17.
-    let hardware = &certificate.hardware;
-    let rows = hardware.accelerometer.matrix.iter();
+    let rows = inertial.accelerometer.matrix.iter();
     let row = rows
         .map(|row| {
             row.iter()
@@ -104,7 +114,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
                 .sum::<f64>()
         })
         .fold(0.0, f64::max);
-    let gravity = real(&hardware.gravity_m_s2.value) * 2f64.powi(13) / row;
+    let gravity = real(&inertial.gravity_m_s2.value) * 2f64.powi(13) / row;
     near("gravity_low", (0.85 * gravity).powi(2) / 2f64.powi(32))?;
     near("gravity_high", (1.15 * gravity).powi(2) / 2f64.powi(32))?;
     near("agreement", 0.1 * gravity)?;
