@@ -458,7 +458,8 @@ fn c_and_rust_answer_alike_on_a_bench_that_uses_everything() {
 #[cfg_attr(not(have_gcc), ignore = "needs gcc")]
 fn c_and_rust_answer_alike_on_other_benches() {
     let others = benches::all().into_iter().skip(1);
-    for (seed, spec) in (20..).zip(others.chain(benches::with_body_encoders().into_iter().skip(1))) {
+    for (seed, spec) in (20..).zip(others.chain(benches::with_body_encoders().into_iter().skip(1)))
+    {
         let folder = tempfile::tempdir().expect("a folder");
         let emitted = generate(&spec).expect("an emitted crate");
         written(&emitted, folder.path());
