@@ -96,7 +96,7 @@ fn c_name(module: &str, owner: Option<&str>, own: &str) -> String {
         (Some("Controller"), "new") => "flywheel_init".to_owned(),
         (
             Some("Controller"),
-            "arm" | "disarm" | "step" | "step_with_current" | "status" | "fault",
+            "arm" | "disarm" | "step" | "step_with_current" | "status" | "fault" | "angle" | "rate",
         )
         | (Some("Attitude"), "angle" | "rate" | "quaternion")
         | (None, "control") => format!("flywheel_{own}"),
