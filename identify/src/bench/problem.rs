@@ -147,7 +147,8 @@ impl FitProblem {
         changed.then_some(again)
     }
 
-    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`]; `None` if no log would change.
+    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`], and spin-ups where the wheel is slow; `None` if no
+    /// log would change.
     ///
     /// With cogging, a long run of the wheel depends on every standstill: at the crest of a tooth, the wheel turns back
     /// or passes depending on differences that no sensor shows. A free-running simulation of the whole log then says
@@ -163,6 +164,7 @@ impl FitProblem {
                 record.window_s = BALANCE_WINDOW_S;
                 changed = true;
             }
+            changed |= record.cut_where_slow();
         }
         changed.then_some(cut)
     }

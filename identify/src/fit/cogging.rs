@@ -38,22 +38,34 @@ impl CoggingStart {
     }
 }
 
-/// The start for a fit of cogging: the order with the largest trace in the wheel speed; `None` if no log has
-/// the wheel speed.
+/// Starts for a fit of cogging, one for each order that shows most in the wheel speed, the most promising first; none
+/// if no log has the wheel speed.
 ///
 /// A torque a sin(nφ + ψ) against the wheel causes the speed error −(a/j_w) ∫ sin(nφ + ψ) dt, with φ the integral of
 /// the measured wheel speed. For every whole order n up to 60, the residual is projected on ∫cos(nφ) dt and
-/// ∫sin(nφ) dt, window by window. A straight line is removed first, because the window's start and a constant
+/// ∫sin(nφ) dt, piece by piece. A straight line is removed first, because the start of the piece and a constant
 /// torque absorb it. The order is a whole number: a common multiple of poles and slots.
-pub fn cogging_start(
-    records: &[&Record],
-    model: &Model,
-    minimum: &Minimum,
-) -> Option<CoggingStart> {
-    const HIGHEST_ORDER: usize = 60;
+///
+/// Pieces are whole windows, in which few teeth in one turn show, and stretches of [`SHORTEST_STRETCH_S`], in which
+/// the slow misfit of a long window is nearly a line. Where the two find different orders, both are starts.
+pub fn cogging_starts(records: &[&Record], model: &Model, minimum: &Minimum) -> Vec<CoggingStart> {
     let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
-    let mut windows: Vec<(WheelSpeedError, Turns)> = wheel_speed_errors(records, model, minimum)
+    let errors = wheel_speed_errors(records, model, minimum);
+    let short: Vec<WheelSpeedError> = errors.iter().flat_map(WheelSpeedError::pieces).collect();
+    let mut starts: Vec<CoggingStart> = [short, errors]
+        .into_par_iter()
+        .filter_map(|pieces| start_in(pieces, wheel_inertia))
+        .collect();
+    starts.dedup_by_key(|start| start.parameters[1]);
+    starts
+}
+
+/// The start with the order of the largest trace in these pieces.
+fn start_in(pieces: Vec<WheelSpeedError>, wheel_inertia: f64) -> Option<CoggingStart> {
+    const HIGHEST_ORDER: usize = 60;
+    let mut windows: Vec<(WheelSpeedError, Turns)> = pieces
         .into_iter()
+        .filter_map(WheelSpeedError::without_line)
         .map(|window| {
             let turns = Turns::new(&window.wheel_angle_rad);
             (window, turns)
@@ -140,6 +152,11 @@ const IN_PHASE_RAD: f64 = 0.5;
 /// Shortest stretch, s: the length of the windows in which cogging is compared.
 const SHORTEST_STRETCH_S: f64 = 0.25;
 
+/// Fewest samples of a piece: a line and two projections have four unknowns.
+const FEWEST_SAMPLES: usize = 5;
+/// Samples of a short piece in a coarse log.
+const SAMPLES_OF_A_PIECE: usize = 16;
+
 /// A part of a log over which the wheel's angle is known precisely enough.
 struct Stretch {
     record: usize,
@@ -209,12 +226,41 @@ struct WheelSpeedError {
     record: usize,
     time_s: Vec<f64>,
     wheel_angle_rad: Vec<f64>,
-    /// Measured minus model, with its straight line removed, rad/s.
+    /// Measured minus model, rad/s.
     error: Vec<f64>,
     noise_std: f64,
 }
 
 impl WheelSpeedError {
+    /// The same error with its straight line removed; `None` if there are too few samples.
+    fn without_line(mut self) -> Option<WheelSpeedError> {
+        if self.error.len() < FEWEST_SAMPLES {
+            return None;
+        }
+        remove_line(&self.time_s, &mut self.error);
+        Some(self)
+    }
+
+    /// The same error in pieces of [`SHORTEST_STRETCH_S`], or of [`SAMPLES_OF_A_PIECE`] where that is longer.
+    fn pieces(&self) -> Vec<WheelSpeedError> {
+        let mut pieces = vec![];
+        let mut from = 0;
+        while from < self.time_s.len() {
+            let end_s = self.time_s[from] + SHORTEST_STRETCH_S;
+            let to = self.time_s.partition_point(|&time_s| time_s < end_s);
+            let to = to.max(from + SAMPLES_OF_A_PIECE).min(self.time_s.len());
+            pieces.push(WheelSpeedError {
+                record: self.record,
+                time_s: self.time_s[from..to].to_vec(),
+                wheel_angle_rad: self.wheel_angle_rad[from..to].to_vec(),
+                error: self.error[from..to].to_vec(),
+                noise_std: self.noise_std,
+            });
+            from = to;
+        }
+        pieces
+    }
+
     /// Time in s over which the phase of a ripple of this order stays within [`IN_PHASE_RAD`]. The wheel's angle is the
     /// integral of its measured speed; noise σ with sampling interval h makes it drift by σ √(h t).
     fn in_phase_s(&self, order: f64) -> f64 {
@@ -257,10 +303,7 @@ fn wheel_speed_errors(
                     one.error.push(error);
                 }
             }
-            if one.error.len() > 4 {
-                remove_line(&one.time_s, &mut one.error);
-                found.push(one);
-            }
+            found.push(one);
         }
     }
     found
@@ -324,8 +367,12 @@ fn remove_line(time_s: &[f64], values: &mut [f64]) {
     }
 }
 
-/// Wheel angles that are tried for the start of a window, in standard deviations of its prior.
-const TRIED_STD: [f64; 5] = [0.0, -2.0, -1.0, 1.0, 2.0];
+/// Wheel angles that are tried for the start of a window, as shares of the largest one.
+const TRIED: [f64; 5] = [0.0, -1.0, -0.5, 0.5, 1.0];
+/// The largest one in standard deviations of the angle's prior, and as a share of half a tooth: five angles cover a
+/// tooth evenly from four fifths of its halves.
+const LARGEST_STD: f64 = 2.0;
+const LARGEST_SHARE: f64 = 0.8;
 
 /// Moves the start of every window to where the model fits best. Three kinds of start are compared: the given ones,
 /// those guessed from the samples, and those with the wheel turned a little. Cogging pulls the wheel towards a
@@ -337,9 +384,16 @@ pub fn settled(
     values: &[f64],
     windows: Vec<Vec<Window>>,
 ) -> Vec<Vec<Window>> {
-    if model.find(|info| info.ripple.is_some()).is_none() {
+    let Some((_, order)) = model
+        .find(|info| info.ripple.is_some())
+        .and_then(|(effect, at)| {
+            let ripple = effect.info().ripple?;
+            Some((effect, values[at + ripple.order]))
+        })
+    else {
         return windows;
-    }
+    };
+    let half_tooth_rad = std::f64::consts::PI / order;
     let settle = |record: &Record, window: Window| -> Window {
         let nuisances = Nuisance::of(record);
         let wheel_angle = nuisances
@@ -347,14 +401,14 @@ pub fn settled(
             .position(|&local| local == Nuisance::WheelAngle);
         let shift = wheel_angle.and_then(|at| {
             let std = Nuisance::WheelAngle.prior_std(record, window.samples.start)?;
-            Some((at, std))
+            Some((at, (LARGEST_STD * std).min(LARGEST_SHARE * half_tooth_rad)))
         });
         let guessed = guess(record, values, window.samples.clone());
         let mut tried = vec![window, guessed];
-        if let Some((at, std)) = shift {
+        if let Some((at, largest_rad)) = shift {
             for mut start in tried.clone() {
-                tried.extend(TRIED_STD.map(|shift| {
-                    start.nuisances[at] = shift * std;
+                tried.extend(TRIED.map(|share| {
+                    start.nuisances[at] = share * largest_rad;
                     start.clone()
                 }));
             }

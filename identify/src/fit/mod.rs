@@ -36,7 +36,7 @@ mod transition;
 mod unknowns;
 mod windows;
 
-pub use cogging::{CoggingStart, cogging_start, settled};
+pub use cogging::{CoggingStart, cogging_starts, settled};
 pub use comparison::{PredictedSeries, traces};
 pub use effort::{Effort, Outcome};
 pub(crate) use integrated::integrated_ratios;
