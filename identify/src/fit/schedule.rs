@@ -7,9 +7,9 @@
 
 use plant::{Kind, Model, Timing, period_s};
 
-use super::cogging::settled;
 use super::effort::{Effort, Outcome};
 use super::score_test::score_test;
+use super::settled::settled;
 use super::solver::{Minimum, minimise};
 use super::unknowns::{Unknowns, Window};
 use super::windows::{final_windows, windows};
@@ -121,11 +121,28 @@ pub fn refit(
     free: &[usize],
     effort: Effort,
 ) -> Minimum {
-    let windows = settled(records, model, &values, windows);
     let unknowns = Unknowns::new(model, free);
-    let minimum = minimise(records, model, values, windows, &unknowns, effort);
+    let windows = settled(records, model, &values, windows);
+    let mut minimum = minimise(records, model, values, windows, &unknowns, effort);
+    for _ in 0..MOST_SETTLED {
+        if !minimum.outcome.was_successful() || (effort.cancelled)() {
+            break;
+        }
+        let values = minimum.values.clone();
+        let windows = settled(records, model, &values, minimum.windows.clone());
+        if windows == minimum.windows {
+            break;
+        }
+        let evaluations = minimum.evaluations;
+        minimum = minimise(records, model, values, windows, &unknowns, effort);
+        minimum.evaluations += evaluations;
+    }
     over_samples(records, model, minimum, &unknowns, effort)
 }
+
+/// Number of times that windows which a fit with cogging does not follow are started anew. With better parameters, other
+/// windows are followed.
+const MOST_SETTLED: usize = 2;
 
 /// Gain in χ² that the score test must promise for a delay of one sample more or less, before a fit is started there.
 const WORTH_A_SAMPLE: f64 = 1.0;
