@@ -45,4 +45,22 @@ impl Record {
         self.cuts_s = cuts_s;
         !self.cuts_s.is_empty()
     }
+
+    /// Lets at most `most` of the windows of [`BALANCE_WINDOW_S`] count, evenly spread over the log, beside all that are
+    /// longer.
+    pub(crate) fn keep_short_windows(&mut self, most: usize) {
+        let is_short = |samples: &std::ops::Range<usize>| {
+            self.time_s[samples.end - 1] - self.time_s[samples.start] <= BALANCE_WINDOW_S
+        };
+        let mut short = self.windows(self.window_s);
+        short.retain(is_short);
+        let count = short.len();
+        for (at, samples) in short.into_iter().enumerate() {
+            // Of the first window more is known than of any other: it is kept.
+            let is_kept = at == 0 || at * most / count != (at - 1) * most / count;
+            if count > most && !is_kept {
+                self.weight[samples].fill(0.0);
+            }
+        }
+    }
 }
