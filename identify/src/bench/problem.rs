@@ -173,15 +173,6 @@ impl FitProblem {
         changed.then_some(cut)
     }
 
-    /// As [`FitProblem::in_windows`], for a search: at most [`MOST_SHORT_WINDOWS`] short windows of each log count.
-    pub fn in_few_windows(&self) -> Option<FitProblem> {
-        let mut cut = self.in_windows()?;
-        for record in &mut cut.records {
-            record.keep_short_windows(MOST_SHORT_WINDOWS);
-        }
-        Some(cut)
-    }
-
     /// The bench with the windows that suit a model: [`FitProblem::in_windows`] for a model with cogging.
     pub fn suited_to(&self, model: &Model) -> Cow<'_, FitProblem> {
         let cut = if model.find(|info| info.ripple.is_some()).is_some() {

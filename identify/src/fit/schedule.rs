@@ -179,7 +179,7 @@ fn settling(
 
 /// Moves the order of the cogging to the next whole number as long as that lowers the cost. The order is no parameter of
 /// a descent. Two things lead to a neighbour: at a good fit, a step with a free order; at a poor one, which says
-/// nothing about its neighbours, a look at both. A rough fit keeps its order.
+/// nothing about its neighbours, a look at both.
 fn over_orders(
     records: &[&Record],
     model: &Model,
@@ -190,8 +190,7 @@ fn over_orders(
     let ripple = model.find(|info| info.ripple.is_some());
     let at = ripple.and_then(|(effect, at)| Some(at + effect.info().ripple?.order));
     let Some(at) = at else { return found };
-    let is_rough = effort.evaluations < Effort::FULL.evaluations;
-    if is_rough || unknowns.free.is_empty() || !found.cost.is_finite() {
+    if unknowns.free.is_empty() || !found.cost.is_finite() {
         return found;
     }
     let look = Effort {
