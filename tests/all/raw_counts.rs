@@ -5,6 +5,7 @@ use crate::emitted;
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use attitude::{AttitudeSpec, SensorLine};
 use checker::prove::ProofVerdict;

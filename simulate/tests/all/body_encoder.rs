@@ -76,6 +76,7 @@ impl PivotBench {
             hardware,
             assumed: Vec::new(),
             parameters: vec![],
+            correlation: None,
             state_weights: [25.0, 0.5, 5e-4],
             current_weight: 1.0,
             a: [row(0), row(1), row(2)],
