@@ -49,6 +49,11 @@ pub fn integer(value: i128) -> BigRational {
     BigRational::from(BigInt::from(value))
 }
 
+/// A number at or above `value`, by less than 2⁻¹⁰⁰, whose digits are few: long chains of bounds stay fast.
+pub fn short_above(value: BigRational) -> BigRational {
+    BigRational::from((value * power_of_two(100)).ceil().to_integer()) * power_of_two(-100)
+}
+
 /// One half.
 pub fn half() -> BigRational {
     BigRational::new(1.into(), 2.into())

@@ -9,7 +9,7 @@ use crate::claims::loop_as_shipped::plant::{Loop, delay_off};
 use crate::claims::loop_as_shipped::responses::{
     ACCELERATIONS, ASKED, CHANGE, HELD, ROWS, Responses,
 };
-use crate::exact::rational::{half, integer, power_of_two};
+use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
 /// Rounds in which bounds are enlarged until they keep themselves.
 const ROUNDS: usize = 200;
@@ -46,9 +46,34 @@ impl Open {
     }
 }
 
-/// Rounded up to 2⁻¹⁰⁰, so that numbers stay short.
-fn up(value: BigRational) -> BigRational {
-    (value * power_of_two(100)).ceil() * power_of_two(-100)
+/// What a bound grows with, each in few digits and not below the exact number.
+struct Growth {
+    t: BigRational,
+    gravity: BigRational,
+    /// |A|.
+    a: [[BigRational; 3]; 3],
+    /// |B|.
+    b: [BigRational; 3],
+    dry: BigRational,
+    /// What a dry torque on the wheel does to angle, rate and wheel speed: nothing, and at most this.
+    lever: [BigRational; 3],
+}
+
+impl Growth {
+    fn of(model: &Loop) -> Growth {
+        let size = |value: &BigRational| up(value.abs());
+        Growth {
+            t: up(model.t.clone()),
+            gravity: size(&model.gravity),
+            a: model.a.each_ref().map(|row| row.each_ref().map(size)),
+            b: model.b.each_ref().map(size),
+            dry: up(model.dry.clone()),
+            // e_w of the plant: zero, 1/D, Θ/(j_w D); the push of a current over the torque constant.
+            lever: [0, 1, 2].map(|i| {
+                up(model.wheel_dry.clone() * &model.on_wheel * integer(i128::from(i > 0)))
+            }),
+        }
+    }
 }
 
 /// States between samples.
@@ -61,35 +86,30 @@ struct Between {
 
 /// From the bounds at the samples to bounds between them. As long as the states stay within `b`, the rows of the model
 /// bound their change in one sample. If that change cannot reach `b`, the states never leave `b`.
-fn between(model: &Loop, rows: &[BigRational; ROWS], current: &BigRational) -> Option<Between> {
-    let t = &model.t;
-    let sine = |angle: &BigRational| &model.gravity * angle * angle * angle / integer(6);
-    let lever = [0, 1, 2].map(|i| {
-        // e_w of the plant: zero, 1/D, Θ/(j_w D); the push of a current over the torque constant.
-        model.wheel_dry.clone() * &model.on_wheel * integer(i128::from(i > 0))
-    });
+fn between(growth: &Growth, rows: &[BigRational; ROWS], current: &BigRational) -> Option<Between> {
+    let sine = |angle: &BigRational| up(&growth.gravity * angle * angle * angle / integer(6));
     let mut b: [BigRational; 3] = [0, 1, 2].map(|i| rows[i].clone());
     for _ in 0..ROUNDS {
         let outer = sine(&b[0]);
         let reached: [BigRational; 3] = [0, 1, 2].map(|i| {
-            let mut rate = model.b[i].abs() * current + &lever[i];
-            for (entry, bound) in model.a[i].iter().zip(&b) {
-                rate += entry.abs() * bound;
+            let mut rate = &growth.b[i] * current + &growth.lever[i];
+            for (entry, bound) in growth.a[i].iter().zip(&b) {
+                rate += entry * bound;
             }
             if i > 0 {
-                rate += &model.dry + &outer;
+                rate += &growth.dry + &outer;
             }
-            &rows[i] + t * rate
+            &rows[i] + up(&growth.t * rate)
         });
         if reached.iter().zip(&b).all(|(new, old)| new < old) {
             // The acceleration at the sample, and what angle, rate and wheel speed add until the next.
             let mut drift = BigRational::zero();
             for j in 0..3 {
-                drift += model.a[1][j].abs() * (&b[j] - &rows[j]);
+                drift += &growth.a[1][j] * (&b[j] - &rows[j]);
             }
             let at_sample = ACCELERATIONS.iter().map(|row| &rows[*row]).max()?;
             // With a delay the current was commanded one sample earlier, which adds one change of the current.
-            let acceleration = at_sample + drift + &model.dry + &outer + &lever[1];
+            let acceleration = up(at_sample + drift + &growth.dry + &outer + &growth.lever[1]);
             return Some(Between {
                 motion: Motion {
                     acceleration,
@@ -117,17 +137,18 @@ struct Following {
 /// The motion between samples while the drive holds at most `current`, and the error of what it holds.
 fn settled(
     model: &Loop,
+    growth: &Growth,
     errors: &SensorErrors,
     rows: &[BigRational; ROWS],
     current: &BigRational,
 ) -> Result<(Between, BigRational), Open> {
-    let mut between = between(model, rows, current)
+    let mut between = between(growth, rows, current)
         .ok_or_else(|| Open::Grows("the motion between two samples does not settle".to_owned()))?;
     // The acceleration depends on the noise of the current, which depends on the acceleration.
     let plain = between.motion.acceleration.clone();
     let mut noise = BigRational::zero();
     for _ in 0..ROUNDS {
-        between.motion.acceleration = &plain + model.b[1].abs() * &noise;
+        between.motion.acceleration = up(&plain + &growth.b[1] * &noise);
         let next = errors
             .held(&between.motion)
             .map_err(|open| Open::TooLarge(open.to_string()))?
@@ -151,11 +172,12 @@ fn following(
 ) -> Result<Following, Open> {
     // The drive holds nothing above its end but what it is off; and by that, nothing above what it is to hold and its
     // error.
-    let end = &model.reach + &model.current_off + &errors.rounding;
-    let (_, noise) = settled(model, errors, rows, &end)?;
+    let growth = Growth::of(model);
+    let end = up(&model.reach + &model.current_off + &errors.rounding);
+    let (_, noise) = settled(model, &growth, errors, rows, &end)?;
     let held = &rows[HELD] + noise;
-    let (between, noise) = settled(model, errors, rows, &end.min(held))?;
-    let body = &model.dry + &between.sine;
+    let (between, noise) = settled(model, &growth, errors, rows, &end.min(held))?;
+    let body = &growth.dry + &between.sine;
     let late = delay_off() * &rows[CHANGE];
     let first = delay_off() * &responses.first_change * start;
     let rows: [BigRational; ROWS] = std::array::from_fn(|row| {

@@ -38,7 +38,7 @@ use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::exact::matrices::inverse;
-use crate::exact::rational::{half, integer, power, root_above, root_below};
+use crate::exact::rational::{half, integer, power, root_above, root_below, short_above as up};
 
 /// Error of the filter's arithmetic in a step (rad): 2e-7 in each of four components (`filter-accurate`), twice that as
 /// an angle, and the same again for the rounding of the normalisation.
@@ -222,25 +222,25 @@ impl SensorErrors {
         // A reading is off by half a count and the noise; an encoder's turn is the difference of two readings.
         let readings = integer(if wheel.encoder.is_some() { 2 } else { 1 });
         Ok(SensorErrors {
-            gyro_axis,
-            gyro,
-            accel_axis,
-            accel,
-            wheel_speed: wheel.rad_s_per_count.value.abs() * &steps * readings,
+            gyro_axis: up(gyro_axis),
+            gyro: up(gyro),
+            accel_axis: up(accel_axis),
+            accel: up(accel),
+            wheel_speed: up(wheel.rad_s_per_count.value.abs() * &steps * readings),
             drift: if with_noise {
-                integer(2) * beta * drift_share()
+                up(integer(2) * beta * drift_share())
             } else {
                 BigRational::zero()
             },
-            age,
-            rounding: in_words(&held) + law.unit() + duty,
+            age: up(age),
+            rounding: up(in_words(&held) + law.unit() + duty),
             asked_rounding: in_words(&asked) + law.unit(),
             rate_word: &words[1] * integer(2),
             rate_range,
             wheel_range,
             accel_range,
             gravity: hardware.gravity_m_s2.value.clone(),
-            lever: root_above(&squares).unwrap_or_default(),
+            lever: up(root_above(&squares).unwrap_or_default()),
             turn: integer(2) * beta * &t,
             t,
             held,
@@ -260,7 +260,7 @@ impl SensorErrors {
             * &self.lever
             * (&motion.acceleration * integer(2) + &motion.rate * &motion.rate)
             + &self.lever * &self.gyro / &self.t;
-        let off = &self.accel + moved;
+        let off = up(&self.accel + moved);
         if integer(2) * &off >= self.gravity {
             return Err(not_shown(
                 "at the accelerometer the motion is as large as gravity: its lever arm is too long for the argument",
@@ -272,16 +272,18 @@ impl SensorErrors {
             ));
         }
         // asin x ≤ x/(1 − x); a hundredth for sin η/sin E above η/E, E below a quarter of a radian.
-        let direction = &off / (&self.gravity - &off) * BigRational::new(101.into(), 100.into());
+        let direction =
+            up(&off / (&self.gravity - &off) * BigRational::new(101.into(), 100.into()));
         let half_step = &self.t * half();
         let old = if self.age > self.t {
             &self.age - &half_step
         } else {
             half_step
         };
-        let step = &self.t * (&self.gyro + &self.drift + &motion.acceleration * old) + arithmetic();
+        let step =
+            up(&self.t * (&self.gyro + &self.drift + &motion.acceleration * old) + arithmetic());
         let least = &self.turn * BigRational::new(2.into(), 3.into());
-        let share = &step / least;
+        let share = up(&step / least);
         let one = BigRational::one();
         if share >= one {
             return Err(not_shown(
@@ -290,7 +292,7 @@ impl SensorErrors {
         }
         // Two bounds of the largest sin φ = η/E at which a turn still outweighs the disturbances; the first is the
         // better one if the turn of a step is short compared with η.
-        let first = &share + &self.turn / &direction;
+        let first = up(&share + &self.turn / &direction);
         let mut squared = (&one - &share) * BigRational::new(2.into(), 3.into());
         if first < one {
             squared = squared.max(&one - &first * &first);
@@ -300,7 +302,7 @@ impl SensorErrors {
             return Err(not_shown("the filter's correction is too slow"));
         }
         let settled = (direction / root).max(&self.turn * integer(2));
-        Ok(settled + &self.turn + step + angle_arithmetic())
+        Ok(up(settled + &self.turn + step + angle_arithmetic()))
     }
 
     /// ν: the error of what the drive holds (A) for such a motion, from all causes except the drive itself.
@@ -322,11 +324,13 @@ impl SensorErrors {
     fn weighted(&self, gains: &[BigRational; 3], motion: &Motion) -> Result<BigRational, NoBounds> {
         let [n1, n2, n3] = gains;
         let (angle, rate) = (self.filter(motion)?, self.rate(motion));
-        Ok(n1.abs() * angle + n2.abs() * rate + n3.abs() * &self.wheel_speed)
+        Ok(up(n1.abs() * angle
+            + n2.abs() * rate
+            + n3.abs() * &self.wheel_speed))
     }
 
     /// The error of the rate (rad/s).
     pub fn rate(&self, motion: &Motion) -> BigRational {
-        &self.gyro_axis + &self.drift + &self.age * &motion.acceleration + &self.rate_word
+        up(&self.gyro_axis + &self.drift + &self.age * &motion.acceleration + &self.rate_word)
     }
 }

@@ -15,7 +15,7 @@ use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::carried::{Carried, ShortLoop};
 use crate::claims::loop_as_shipped::plant::{Loop, SquareGrid, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
-use crate::exact::rational::{half, integer, power_of_two};
+use crate::exact::rational::{half, integer, power_of_two, short_above};
 use crate::exact::short::TooLarge;
 
 /// The quantities: the three states, what the drive holds, its change since the last step, the body's acceleration with
@@ -80,9 +80,11 @@ impl Responses {
             let drift = &carried.off * &weight * &decay.total;
             let columns = integer(carried.last.len() as i128);
             let late: BigRational = carried.last.iter().map(|column| decay.size(column)).sum();
-            value
-                + norm * (late + &drift * &columns) * &decay.total
-                + (norm * drift + &carried.off) * &count * columns
+            short_above(
+                value
+                    + norm * (late + &drift * &columns) * &decay.total
+                    + (norm * drift + &carried.off) * &count * columns,
+            )
         };
         // The terms of the exponential that are not kept apart.
         let beyond = |index: usize, input: usize| -> BigRational {
@@ -108,12 +110,12 @@ impl Responses {
                 let carried = &from_inputs[input];
                 std::array::from_fn(|index| {
                     let sum = settled(index, carried, &carried.sum[index]);
-                    t * (sum + beyond(index, input))
+                    short_above(t * (sum + beyond(index, input)))
                 })
             }),
             kick: std::array::from_fn(|index| {
                 let carried = &from_inputs[0];
-                t * (settled(index, carried, &most(carried, index)) + beyond(index, 0))
+                short_above(t * (settled(index, carried, &most(carried, index)) + beyond(index, 0)))
             }),
         })
     }
@@ -208,7 +210,7 @@ impl Decay {
             power = product(&power, &model.f);
         }
         Ok(Decay {
-            total: sum / (BigRational::one() - q),
+            total: short_above(sum / (BigRational::one() - q)),
             weights,
             m,
         })
