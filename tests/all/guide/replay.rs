@@ -217,23 +217,17 @@ fn a_sensor_an_experiment_a_claim_and_a_command_work_as_shown() {
         let first = inside.components().next().expect("a name");
         !LEFT_OUT.iter().any(|name| first.as_os_str() == *name) && !inside.ends_with("target")
     });
-    // Crates that others publish are compiled already; tests of libraries and programs leave no program there.
+    // The whole workspace has the features with which the crates that others publish are compiled already; tests of
+    // libraries and programs leave no program there.
     let said = cargo(
         &copy,
         &root().join("target"),
         &[
             "test",
             "--locked",
+            "--workspace",
             "--lib",
             "--bins",
-            "-p",
-            "bench-files",
-            "-p",
-            "checker",
-            "-p",
-            "workbench",
-            "-p",
-            "flywheel",
             "worked_example",
         ],
     );
