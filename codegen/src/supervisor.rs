@@ -128,22 +128,16 @@ pub fn derive(
     let numbers = numbers(spec);
     let period = spec.sample_time_s;
     let steps = |what: &'static str, time_s: f64| steps(what, time_s, period);
-    let bits = |index: usize| 2f64.powi(law.terms[index].input.format.fraction_bits as i32);
+    let [angle_trip, angle_arm, rate_arm] = leaning(&numbers, law)?;
     let window_shift = (WINDOW_S / period).log2().round().clamp(2.0, 16.0) as u32;
     // Accelerometer units of one g, from the words themselves.
     let per_m_s2 = unit_per_m_s2(filter, attitude);
     let gravity = attitude.gravity_m_s2 * per_m_s2;
     let squared = |share: f64| (gravity * share).powi(2) / 2f64.powi(32);
     Ok(Limits {
-        angle_trip: word("the largest angle", numbers.angle_trip_rad * bits(0))?,
-        angle_arm: word(
-            "the angle at which it is armed",
-            numbers.angle_arm_rad * bits(0),
-        )?,
-        rate_arm: word(
-            "the rate at which it is armed",
-            numbers.rate_arm_rad_s * bits(1),
-        )?,
+        angle_trip,
+        angle_arm,
+        rate_arm,
         window: 1 << window_shift,
         window_shift,
         gravity_low: squared(1.0 - GRAVITY_SHARE) as i32,
@@ -185,18 +179,12 @@ pub fn derive_for_encoder(
     let numbers = numbers(spec);
     let period = spec.sample_time_s;
     let steps = |what: &'static str, time_s: f64| steps(what, time_s, period);
-    let bits = |index: usize| 2f64.powi(law.terms[index].input.format.fraction_bits as i32);
+    let [angle_trip, angle_arm, rate_arm] = leaning(&numbers, law)?;
     let current_unit = 2f64.powi(law.current.fraction_bits as i32);
     Ok(BodyLimits {
-        angle_trip: word("the largest angle", numbers.angle_trip_rad * bits(0))?,
-        angle_arm: word(
-            "the angle at which it is armed",
-            numbers.angle_arm_rad * bits(0),
-        )?,
-        rate_arm: word(
-            "the rate at which it is armed",
-            numbers.rate_arm_rad_s * bits(1),
-        )?,
+        angle_trip,
+        angle_arm,
+        rate_arm,
         // Before its window is full, an encoder shows too small a rate.
         still_steps: steps("the time at rest before it is armed", WINDOW_S)?
             .max(encoder.window as i32 + 1),
@@ -213,6 +201,22 @@ pub fn derive_for_encoder(
         )?,
         saturated_steps: steps("the time at the current's limit", numbers.saturated_s)?,
     })
+}
+
+/// The words of the angle that trips, and of angle and rate at which the controller is armed.
+fn leaning(numbers: &SupervisorNumbers, law: &IntegerLaw) -> Result<[i32; 3], AttitudeRefusal> {
+    let bits = |index: usize| 2f64.powi(law.terms[index].input.format.fraction_bits as i32);
+    Ok([
+        word("the largest angle", numbers.angle_trip_rad * bits(0))?,
+        word(
+            "the angle at which it is armed",
+            numbers.angle_arm_rad * bits(0),
+        )?,
+        word(
+            "the rate at which it is armed",
+            numbers.rate_arm_rad_s * bits(1),
+        )?,
+    ])
 }
 
 /// A positive number as a word.

@@ -15,9 +15,9 @@ pub struct ProofSettings {
     pub smt: bool,
     /// Whether Kani runs, if it is installed (takes minutes).
     pub kani: bool,
-    /// Whether the bounds of the closed loop are computed (a fraction of a second).
+    /// Whether the bounds of the closed loop are computed (takes seconds).
     pub closed_loop: bool,
-    /// Whether the second checker runs, if Python is installed (takes a second).
+    /// Whether the second checkers run, if Python is installed (takes about ten seconds).
     pub python: bool,
     /// Whether the ranges of the filter are proved (takes minutes if they cannot be proved).
     pub filter_ranges: bool,

@@ -2,9 +2,8 @@
 //! controller's step and of its arming, in integers of any size. Law and duty are the emitted functions, which other
 //! claims cover; angle and rate are stated here a second time, in exact lines.
 
-use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
-use std::f64::consts::{FRAC_PI_3, TAU};
+use std::f64::consts::TAU;
 
 use crate::certificate::hardware::CertifiedBodyEncoder;
 use crate::certificate::reader::Certificate;
@@ -16,7 +15,7 @@ use crate::claims::supervisor::second::{
     READY, RUNNING, TRIPPED_ANGLE, TRIPPED_CURRENT, TRIPPED_FAULT, TRIPPED_FROZEN,
     TRIPPED_WHEEL_SPEED,
 };
-use crate::claims::supervisor::words::near;
+use crate::claims::supervisor::words::{LargestCurrent, near, of_the_plant, real};
 use crate::language::module::Module;
 
 /// Time near upright and at rest before it is armed, and time with an unknown wheel speed, s.
@@ -40,46 +39,17 @@ pub(crate) fn check(
     encoder: &CertifiedBodyEncoder,
 ) -> Result<(), String> {
     let words = NamedWords::read(module, "LIMITS")?;
-    let real = |value: &BigRational| value.to_f64().unwrap_or(f64::NAN);
     let near = |name: &str, wanted: f64| near(&words, name, wanted);
+    let LargestCurrent { limit_a, push } = of_the_plant(certificate, module, law, &words)?;
     let period = real(&certificate.sample_time_s.value);
-    let plant = &certificate.plant;
-    let (fall, push, wheel) = (
-        real(&plant.a[1][0].value),
-        real(&plant.b[1].value.abs()),
-        real(&plant.b[2].value),
-    );
-    let limit = certificate.constant("CURRENT_LIMIT");
-    let limit = real(&limit.ok_or("there is no limit")?.real.value);
-    let most = FRAC_PI_3.min(real(&certificate.inputs[0].range.value));
-    let sine = push * limit / fall;
-    let holding = if sine > 0.0 && sine.is_finite() {
-        sine.min(0.99).asin()
-    } else {
-        most
-    };
-    let unit = |index: usize| 2f64.powi(law.state_bits[index] as i32);
-    near("angle_trip", (2.0 * holding).min(most) * unit(0))?;
-    near("angle_arm", holding.min(most) * unit(0))?;
-    near("rate_arm", 0.25 * holding * fall.max(0.0).sqrt() * unit(1))?;
     let window = f64::from(encoder.window) + 1.0;
     near("still_steps", (TIMES_S[0] / period).max(2.0).max(window))?;
     near("wheel_steps", (TIMES_S[1] / period).max(2.0))?;
     let current_unit = 2f64.powi(law.current_bits as i32);
-    near("left_over", SHARES[0] * limit * current_unit)?;
+    near("left_over", SHARES[0] * limit_a * current_unit)?;
     let count = TAU / real(&encoder.counts_per_turn.value.abs());
-    let frozen_s = 2.0 * (2.0 * COUNTS * count / (SHARES[1] * push * limit)).sqrt();
-    near("frozen_steps", (frozen_s / period).max(2.0))?;
-    let range = real(&certificate.inputs[2].range.value);
-    let wheel_alone = (wheel - push).abs() * limit;
-    near("saturated_steps", (range / wheel_alone / period).max(2.0))?;
-    let micros = NamedWords::read(module, "SAMPLE_TIME_US")?.get("SAMPLE_TIME_US")?;
-    if (real(&micros) - 1e6 * period).abs() > 1e-6 {
-        return Err(format!(
-            "SAMPLE_TIME_US is {micros}, the sample time {period} s"
-        ));
-    }
-    Ok(())
+    let frozen_s = 2.0 * (2.0 * COUNTS * count / (SHARES[1] * push * limit_a)).sqrt();
+    near("frozen_steps", (frozen_s / period).max(2.0))
 }
 
 /// What the sensors said.

@@ -4,6 +4,9 @@
 //! holds the body at asin(|B₂| I/A₂₁), which it leaves with the rate constant √A₂₁ (1/s). The wheel alone is accelerated
 //! by (B₂ + B₃) I. The times are those that the claim states.
 
+use std::f64::consts::FRAC_PI_3;
+
+use num_rational::BigRational;
 use num_traits::ToPrimitive;
 
 use crate::certificate::hardware::CertifiedBody;
@@ -43,6 +46,67 @@ pub(crate) fn near(words: &NamedWords, name: &str, wanted: f64) -> Result<(), St
     }
 }
 
+/// A number of the certificate.
+pub(crate) fn real(value: &BigRational) -> f64 {
+    value.to_f64().unwrap_or(f64::NAN)
+}
+
+/// What the largest current does to the body.
+pub(crate) struct LargestCurrent {
+    /// The current, A.
+    pub(crate) limit_a: f64,
+    /// |B₂|, rad/s² per A.
+    pub(crate) push: f64,
+}
+
+/// Checks the words that follow from the linear model alone, whatever shows the body: the angles and the rate, the time
+/// at the current's limit, and the sample time.
+///
+/// # Errors
+/// A sentence that names the word.
+pub(crate) fn of_the_plant(
+    certificate: &Certificate,
+    module: &Module,
+    law: &EmittedLaw,
+    words: &NamedWords,
+) -> Result<LargestCurrent, String> {
+    let near = |name: &str, wanted: f64| near(words, name, wanted);
+    let period = real(&certificate.sample_time_s.value);
+    let plant = &certificate.plant;
+    let (fall, push, wheel) = (
+        real(&plant.a[1][0].value),
+        real(&plant.b[1].value),
+        real(&plant.b[2].value),
+    );
+    let limit = certificate.constant("CURRENT_LIMIT");
+    let limit_a = real(&limit.ok_or("there is no limit")?.real.value);
+    let most = FRAC_PI_3.min(real(&certificate.inputs[0].range.value));
+    let sine = push.abs() * limit_a / fall;
+    let holding = if sine > 0.0 && sine.is_finite() {
+        sine.min(0.99).asin()
+    } else {
+        most
+    };
+    let unit = |index: usize| 2f64.powi(law.state_bits[index] as i32);
+    near("angle_trip", (2.0 * holding).min(most) * unit(0))?;
+    near("angle_arm", holding.min(most) * unit(0))?;
+    near("rate_arm", 0.25 * holding * fall.max(0.0).sqrt() * unit(1))?;
+    let range = real(&certificate.inputs[2].range.value);
+    let wheel_alone = (push + wheel).abs() * limit_a;
+    near("saturated_steps", (range / wheel_alone / period).max(2.0))?;
+
+    let micros = NamedWords::read(module, "SAMPLE_TIME_US")?.get("SAMPLE_TIME_US")?;
+    if (real(&micros) - 1e6 * period).abs() > TOLERANCE {
+        return Err(format!(
+            "SAMPLE_TIME_US is {micros}, the sample time {period} s"
+        ));
+    }
+    Ok(LargestCurrent {
+        limit_a,
+        push: push.abs(),
+    })
+}
+
 /// Checks every word.
 ///
 /// # Errors
@@ -55,36 +119,11 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
     let words = NamedWords::read(module, "LIMITS")?;
     let word = |name: &str| word(&words, name);
     let near = |name: &str, wanted: f64| near(&words, name, wanted);
-    let real = |value: &num_rational::BigRational| value.to_f64().unwrap_or(f64::NAN);
     let period = real(&certificate.sample_time_s.value);
-    let plant = &certificate.plant;
-    let (fall, push, wheel) = (
-        real(&plant.a[1][0].value),
-        real(&plant.b[1].value),
-        real(&plant.b[2].value),
-    );
-    let limit = certificate.constant("CURRENT_LIMIT");
-    let limit = real(&limit.ok_or("there is no limit")?.real.value);
-    let range = real(&certificate.inputs[0].range.value);
-    let most = core::f64::consts::FRAC_PI_3.min(range);
-    let sine = push.abs() * limit / fall;
-    let holding = if sine > 0.0 && sine.is_finite() {
-        sine.min(0.99).asin()
-    } else {
-        most
-    };
-    let unit = |index: usize| 2f64.powi(law.state_bits[index] as i32);
-    near("angle_trip", (2.0 * holding).min(most) * unit(0))?;
-    near("angle_arm", holding.min(most) * unit(0))?;
-    near("rate_arm", 0.25 * holding * fall.max(0.0).sqrt() * unit(1))?;
     for (name, time_s) in TIMES_S {
         near(name, (time_s / period).max(2.0))?;
     }
-    let range = real(&certificate.inputs[2].range.value);
-    near(
-        "saturated_steps",
-        (range / ((push + wheel).abs() * limit) / period).max(2.0),
-    )?;
+    of_the_plant(certificate, module, law, &words)?;
 
     let refresh_s = certificate
         .gyro_rate_hz
@@ -118,12 +157,5 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Re
     near("gravity_low", (0.85 * gravity).powi(2) / 2f64.powi(32))?;
     near("gravity_high", (1.15 * gravity).powi(2) / 2f64.powi(32))?;
     near("agreement", 0.1 * gravity)?;
-
-    let micros = NamedWords::read(module, "SAMPLE_TIME_US")?.get("SAMPLE_TIME_US")?;
-    if (real(&micros) - 1e6 * period).abs() > TOLERANCE {
-        return Err(format!(
-            "SAMPLE_TIME_US is {micros}, the sample time {period} s"
-        ));
-    }
     Ok(())
 }
