@@ -129,12 +129,12 @@ pub fn settle_telling(
         ClaimOutcome::proved(checked.map(|()| "every word".to_owned()))
     });
     table.add("supervisor", EXACT, || {
-        let checked = supervisor::words::check(certificate, &module, &law);
+        let checked = supervisor::check_words(certificate, &module, &law);
         ClaimOutcome::proved(checked.map(|()| "every word of LIMITS".to_owned()))
     });
     table.add("supervisor", RANDOM, || {
         let cases = (settings.cases / 3).max(1);
-        ClaimOutcome::tested(supervisor::runs::run(&module, cases, settings.seed))
+        ClaimOutcome::tested(supervisor::in_runs(&module, cases, settings.seed))
     });
     encoder_claims(&mut table, &module, certificate, settings);
     table.add("physical-signs", RANDOM, || {
@@ -314,7 +314,7 @@ fn random_runs(
         }
     });
     table.add("step-total", RANDOM, || {
-        let runs = step_total::runs::step(module, certificate, cases, seed);
+        let runs = step_total::step_in_runs(module, certificate, cases, seed);
         ClaimOutcome::tested(runs.and_then(|runs| {
             if !has_filter {
                 return Ok(runs);

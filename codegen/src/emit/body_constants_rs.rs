@@ -3,7 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::emit::constants_rs::{
+use crate::emit::constants_parts::{
     duty, encoder, encoder_documents, field, line, wheel_document, wheel_encoder, zero_documents,
 };
 use crate::emit::{inner_docs, integer, outer_docs};

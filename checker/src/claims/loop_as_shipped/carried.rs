@@ -9,10 +9,13 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
 use crate::claims::loop_as_shipped::plant::SquareGrid;
-use crate::claims::loop_as_shipped::responses::ROWS;
 use crate::exact::grid::{BITS, Grid};
 use crate::exact::rational::{integer, power_of_two};
 use crate::exact::short::{SHORT_BITS, Short, TooLarge};
+
+/// The quantities: the three states, what the drive holds, its change since the last step, the body's acceleration with
+/// what was held before and after the command, and the current that the law asks for.
+pub const ROWS: usize = 8;
 
 /// Bits that a number of the grid has more than a short one.
 const SHORTER: i64 = (BITS - SHORT_BITS) as i64;

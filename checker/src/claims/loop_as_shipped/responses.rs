@@ -12,15 +12,12 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::carried::{Carried, ShortLoop};
+use crate::claims::loop_as_shipped::carried::{Carried, ROWS, ShortLoop};
 use crate::claims::loop_as_shipped::plant::{Loop, SquareGrid, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{half, integer, power_of_two, short_above};
 use crate::exact::short::TooLarge;
 
-/// The quantities: the three states, what the drive holds, its change since the last step, the body's acceleration with
-/// what was held before and after the command, and the current that the law asks for.
-pub const ROWS: usize = 8;
 /// Place of what the drive holds.
 pub const HELD: usize = 3;
 /// Place of its change.

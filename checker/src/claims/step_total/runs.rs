@@ -7,7 +7,6 @@ use crate::certificate::hardware::CertifiedWheelSpeed;
 use crate::certificate::reader::{Certificate, StatedDecimal};
 use crate::claims::encoder_exact::second::{EncoderWords, WORDS};
 use crate::claims::random::Random;
-use crate::claims::step_total::body;
 use crate::claims::supervisor::second::{Layout, READY, RUNNING};
 use crate::domains::machine::Machine;
 use crate::language::module::Module;
@@ -18,15 +17,12 @@ use crate::program::steps::Program;
 ///
 /// # Errors
 /// The first sample for which it is not.
-pub fn step(
+pub(super) fn step(
     module: &Module,
     certificate: &Certificate,
     cases: usize,
     seed: u64,
 ) -> Result<usize, String> {
-    if let Some(encoder) = certificate.hardware.body_encoder() {
-        return body::step(module, certificate, encoder, cases, seed);
-    }
     let get = |name: &str| {
         module
             .function(name)

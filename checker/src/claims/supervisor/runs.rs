@@ -4,7 +4,6 @@
 use crate::claims::encoder_exact::second::EncoderWords;
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
-use crate::claims::supervisor::body_runs;
 use crate::claims::supervisor::second::{RUNNING, Sample, Supervisor, TRIPPED_FAULT};
 use crate::language::module::Module;
 
@@ -28,10 +27,7 @@ struct Phase {
 /// # Errors
 /// The first sample for which source and second statement differ, or after which a current flows
 /// where none may.
-pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
-    if module.function("Attitude::new").is_none() {
-        return body_runs::run(module, cases, seed);
-    }
+pub(super) fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     let f = Functions(module);
     let second = Supervisor::read(module)?;
     let rest = AtRest::read(&f)?;

@@ -9,11 +9,10 @@ use std::f64::consts::FRAC_PI_3;
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 
-use crate::certificate::hardware::CertifiedBody;
+use crate::certificate::hardware::CertifiedInertial;
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::named_words::NamedWords;
-use crate::claims::supervisor::body;
 use crate::language::module::Module;
 
 /// How far a word may be from its number: a unit, and a millionth for double precision.
@@ -111,11 +110,12 @@ pub(crate) fn of_the_plant(
 ///
 /// # Errors
 /// A sentence that names the word.
-pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Result<(), String> {
-    let inertial = match &certificate.hardware.body {
-        CertifiedBody::Inertial(inertial) => inertial,
-        CertifiedBody::Encoder(encoder) => return body::check(certificate, module, law, encoder),
-    };
+pub(super) fn check(
+    certificate: &Certificate,
+    module: &Module,
+    law: &EmittedLaw,
+    inertial: &CertifiedInertial,
+) -> Result<(), String> {
     let words = NamedWords::read(module, "LIMITS")?;
     let word = |name: &str| word(&words, name);
     let near = |name: &str, wanted: f64| near(&words, name, wanted);
