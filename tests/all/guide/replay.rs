@@ -150,10 +150,13 @@ fn unoptimised() -> Vec<String> {
         .collect()
 }
 
-fn cargo(folder: &Path, target: &Path, arguments: &[&str]) -> String {
+/// What cargo says in this folder; `names` are filters of its tests.
+fn cargo(folder: &Path, target: &Path, arguments: &[&str], names: &[&str]) -> String {
     let output = Command::new(env!("CARGO"))
         .args(arguments)
         .args(unoptimised())
+        .arg("--")
+        .args(names)
         .current_dir(folder)
         .env("CARGO_TARGET_DIR", target)
         .env("CARGO_PROFILE_DEV_DEBUG", "false")
@@ -178,38 +181,15 @@ fn passed(said: &str) -> usize {
 }
 
 #[test]
-fn a_new_effect_is_one_file_and_one_line() {
-    let steps = steps("An effect, from beginning to end");
-    let copy = copy_with("effect", &steps, &|file| {
-        let inside = file.strip_prefix(root()).expect("in the root");
-        inside.starts_with("plant") || inside.as_os_str() == "Cargo.lock"
-    });
-    // A workspace of the crate alone, with the versions of this one.
-    let workspace = text(&root().join("Cargo.toml"));
-    let (_, rest) = workspace
-        .split_once("[workspace.package]")
-        .expect("a workspace");
-    let rest = rest
-        .split("\n[package]\n")
-        .next()
-        .expect("the workspace's part");
-    let manifest = format!(
-        "[workspace]\nmembers = [\"plant\"]\nresolver = \"1\"\n\n[workspace.package]{rest}"
-    );
-    write(&copy.join("Cargo.toml"), manifest.as_bytes());
-    // Crates that others publish are compiled already, where they have the same features.
-    let target = root().join("target");
-    cargo(
-        &copy,
-        &target,
-        &["test", "--offline", "--lib", "-p", "plant"],
-    );
-}
-
-#[test]
-fn a_sensor_an_experiment_a_claim_and_a_command_work_as_shown() {
+fn every_worked_example_works_as_shown() {
     let mut all = vec![];
-    for heading in ["A sensor", "An experiment", "A claim", "A command"] {
+    for heading in [
+        "An effect, from beginning to end",
+        "A sensor",
+        "An experiment",
+        "A claim",
+        "A command",
+    ] {
         all.extend(steps(heading));
     }
     let copy = copy_with("sources", &all, &|file| {
@@ -219,19 +199,14 @@ fn a_sensor_an_experiment_a_claim_and_a_command_work_as_shown() {
     });
     // The whole workspace has the features with which the crates that others publish are compiled already; tests of
     // libraries and programs leave no program there.
-    let said = cargo(
-        &copy,
-        &root().join("target"),
-        &[
-            "test",
-            "--locked",
-            "--workspace",
-            "--lib",
-            "--bins",
-            "worked_example",
-        ],
-    );
-    assert_eq!(passed(&said), 4, "{said}");
+    let target = root().join("target");
+    let run = |names: &[&str]| {
+        let tests = ["test", "--locked", "--workspace", "--lib", "--bins"];
+        passed(&cargo(&copy, &target, &tests, names))
+    };
+    assert_eq!(run(&["worked_example"]), 4);
+    // The new effect is in the list with a description that says all there is to say.
+    assert!(run(&["effects::tests::", "every_effect_describes"]) >= 3);
     let drivers = [
         "test",
         "--locked",
@@ -244,6 +219,7 @@ fn a_sensor_an_experiment_a_claim_and_a_command_work_as_shown() {
         &copy.join("firmware"),
         &root().join("target/guide-replay/target"),
         &drivers,
+        &[],
     );
     assert_eq!(passed(&said), 1, "{said}");
 }

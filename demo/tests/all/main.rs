@@ -1,0 +1,3 @@
+//! The committed bench is what the program makes.
+
+mod committed;

@@ -1,0 +1,3 @@
+//! The frames as a reader and a writer of the line see them.
+
+mod frames;
