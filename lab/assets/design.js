@@ -87,7 +87,7 @@ function build() {
   parts = { numbers: el("div", { id: "design-numbers", class: "scroll" }), aside: el("div", { class: "row small" }), plots: el("div", { class: "plots" }) };
   panel.replaceChildren(el("div", { class: "desk" },
     el("div", { class: "knobs" },
-      el("fieldset", { class: "row" }, el("legend", { class: "quiet small" }, "What the controller may cost"), way(false, "as weights"), way(true, "as allowed excursions (Bryson's rule)")),
+      el("fieldset", { class: "row" }, el("legend", { class: "quiet small" }, "How the quadratic cost is stated"), way(false, "weights"), way(true, "allowed excursions (Bryson's rule)")),
       ...[...wanted, ...OTHERS].map(knob), delayKnob(),
       el("div", { class: "row" },
         el("button", { type: "button", id: "design-reset", onclick: () => { wishes = structuredClone(stored); delay_s = 0; compute(true); } }, "Reset"),
@@ -96,7 +96,7 @@ function build() {
         el("button", { type: "button", class: "main", id: "design-generate", onclick: () => generate(wishes) }, "Generate")),
       el("div", { class: "row small" }, "Export parameters and matrices: ",
         el("a", { class: "button", href: "/api/export/python" }, "Python (NumPy)"), el("a", { class: "button", href: "/api/export/matlab" }, "MATLAB")),
-      el("p", { class: "quiet small" }, "Keep writes [design] of model.toml; the exports are of what is kept."),
+      el("p", { class: "quiet small" }, "Keep writes these weights to [design] of model.toml. The exports contain the design that was kept last."),
       parts.aside),
     el("div", { class: "results" }, parts.numbers, parts.plots)));
   plots(parts.plots);
