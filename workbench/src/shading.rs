@@ -11,7 +11,8 @@ use crate::words;
 pub const FAILS_OVER_NOISE: f64 = 1.5;
 /// Largest share of an experiment's time that a place may cover and still be shaded: what is shaded must stand out.
 const MOST_SHADED: f64 = 0.5;
-/// Share of the squared error that is shaded where no place can be.
+/// Share of the squared error that the shaded time holds: at least this of its residual for a place, just this where no
+/// place can be shaded.
 const SHADED_ERROR: f64 = 0.5;
 
 /// The shaded part of an experiment.
@@ -40,9 +41,9 @@ impl ChannelCurves {
 impl ComparisonReport {
     /// Where the model fails most in an experiment, as stretches of its time.
     ///
-    /// The most significant place is shaded that covers at most half of the time. A model that fails everywhere has no
-    /// such place; then it is the shortest time that holds half of the squared error in the channel with the largest
-    /// error over noise. `None` if the model does not fail in this experiment.
+    /// This is the most significant place that holds at least half of the error of its residual and covers at most half of
+    /// the time. A model that fails everywhere has no such place; then it is the shortest time that holds half of the
+    /// squared error in the channel with the largest error over noise. `None` if the model does not fail in this experiment.
     pub fn shading(&self, experiment: &str) -> Option<Shading> {
         let mut curves = self.curves.iter();
         let curves = curves.find(|one| one.experiment == experiment)?;
@@ -52,10 +53,11 @@ impl ComparisonReport {
 
     fn shaded_place(&self, curves: &ExperimentCurves) -> Option<Shading> {
         let duration_s = curves.time_s.last()? - curves.time_s.first()?;
-        let own = self
-            .places
-            .iter()
-            .filter(|place| place.significant && place.experiment == curves.experiment);
+        let own = self.places.iter().filter(|place| {
+            place.significant
+                && place.experiment == curves.experiment
+                && place.share_of_error >= SHADED_ERROR
+        });
         own.map(|place| Shading {
             stretches_s: place.stretches_s.clone(),
             text: format!(
@@ -91,7 +93,10 @@ impl ComparisonReport {
         })?;
         Some(Shading {
             stretches_s: shortest_time(&over_time.bins, SHADED_ERROR),
-            text: format!("half of the squared error of the {}", words::spoken(name)),
+            text: format!(
+                "the shortest time with half of the squared error of the {}",
+                words::spoken(name)
+            ),
         })
     }
 }
@@ -196,6 +201,16 @@ mod tests {
         assert_eq!(found.stretches_s, [[6.0, 9.0]]);
         let text = "amplitude 0.1 to 0.2 rad, with 71 % of the error of the angle";
         assert_eq!(found.text, text);
+    }
+
+    /// All logs share a region of a missing torque; in some of them it holds only a small part of their error.
+    #[test]
+    fn a_place_with_little_of_the_error_is_not_shaded() {
+        let mut little = place(Coordinate::Rate, vec![[6.0, 9.0]]);
+        little.share_of_error = 0.3;
+        let shares = [0.6, 0.1, 0.1, 0.1, 0.1];
+        let found = report(3.0, vec![little], &shares).shading(NAME);
+        assert_eq!(found.expect("shaded").stretches_s, [[0.0, 2.0]]);
     }
 
     #[test]
