@@ -1,7 +1,7 @@
 // Dropped CSV files become a bench: preview, proposal with its reasons, correction by clicking, and the folder on a click.
 import { el, table } from "./dom.js";
 import { get, post } from "./server.js";
-import { axis, colour, draw, layout } from "./plots.js";
+import { axis, colour, draw, layout, onTheme } from "./plots.js";
 import { CONSTANTS, sketch } from "./sketch.js";
 
 let begin = () => {};
@@ -11,6 +11,8 @@ let corrections = { known: {}, files: {} };
 let decided = new Set();
 let holder = null;
 let typed = null;
+// The previews that are shown, each as the call that draws it.
+let previews = [];
 
 const KINDS = [
   ["free-swing", "free swing: the wheel is locked, the body swings about hanging"],
@@ -23,6 +25,7 @@ const CHANNELS = [["time", "time"], ["angle", "body angle"], ["rate", "body rate
 export function start(work, report) {
   begin = work;
   complain = report;
+  onTheme(() => previews.forEach((paint) => paint()));
 }
 
 /** The part of the opening page for files. */
@@ -85,6 +88,7 @@ function show(found) {
   const keep = holder.querySelector("#new-folder")?.value ?? "my-bench";
   const open = new Set([...holder.querySelectorAll("details[open]")].map((one) => one.dataset.part));
   const focused = document.activeElement?.dataset?.focus;
+  previews = [];
   const cards = found.proposal.experiments.map((one, index) => card(one, found.previews[index], lines(one.file), open));
   holder.replaceChildren(
     ...found.refused.map((text) => el("p", { class: "bad" }, text)),
@@ -121,7 +125,9 @@ function card(one, preview, lines, open) {
   };
   const has = (channel) => choices.columns.some((choice) => choice.channel === channel);
   const plot = el("div", { class: "plot preview", role: "img", "aria-label": `Preview of ${one.file}; drag over it to choose the part that counts` });
-  requestAnimationFrame(() => previewed(plot, preview, choices, change));
+  const paint = () => previewed(plot, preview, choices, change);
+  previews.push(paint);
+  requestAnimationFrame(paint);
   return el("section", { class: "card", "data-file": one.file }, el("h3", {}, one.file), el("div", { class: "row" }, kind, el("span", { class: "small quiet grow" }, choices.kind_reason)),
     ...one.questions.map((question) => ask(`${one.file}: ${question}`, question)),
     el("div", { class: "scroll" }, table(["channel", "column", "unit", "reversed", "why"], rows, ["column", "unit", "reversed", "why"])), plot,
@@ -163,7 +169,7 @@ function previewed(plot, preview, choices, change) {
   if (choices.from_s !== null) out(first, choices.from_s);
   if (choices.until_s !== null) out(choices.until_s, last);
   plot.style.height = `${60 + 105 * count}px`;
-  draw(plot, traces, form, { displayModeBar: false }).then(() => plot.on("plotly_relayout", (moved) => {
+  draw(plot, traces, form, { displayModeBar: false }).then(() => plot.removeAllListeners("plotly_relayout").on("plotly_relayout", (moved) => {
     if (!("xaxis.range[0]" in moved) || preview.time !== "time (s)") return;
     const [from, until] = [moved["xaxis.range[0]"], moved["xaxis.range[1]"]].map(Number);
     choices.from_s = from > first ? Number(from.toPrecision(5)) : null;
