@@ -20,6 +20,8 @@ let aside = [];
 let busy = false;
 let again = false;
 let visible = false;
+// Whether the message that is shown is of these weights.
+let failed = false;
 let refreshKnobs = [];
 let parts = {};
 
@@ -165,10 +167,13 @@ async function compute(anew) {
       if (fresh || !parts.numbers) build(); else { if (!again) refreshKnobs.forEach((refresh) => refresh()); tell(); }
       fresh = false;
     } while (again);
-    onError(null);
+    // Only its own complaint: that of a failed work stays until it is read.
+    if (failed) onError(null);
+    failed = false;
   } catch (error) {
     // Weights that give no controller can be moved all the same.
     if (!parts.numbers?.isConnected) build();
+    failed = true;
     onError(error);
   } finally {
     busy = false;

@@ -130,5 +130,18 @@ fn the_other_experiments_follow_when_the_hand_rests() {
         "return [...document.querySelectorAll('.scatterlayer .trace')].filter((one) => one.style.visibility === 'hidden').length",
     );
     assert_eq!(hidden, json!(0));
+
+    // This bench states no sensors: the reason why no controller is emitted stays, also when the design is there again.
+    browser.click("#tab-design");
+    browser
+        .wait_for("document.getElementById('design-generate') && document.body.dataset.designed");
+    let designed = browser.script("return document.body.dataset.designed");
+    browser.script("document.getElementById('design-generate').click()");
+    browser.wait_for(&format!(
+        "document.body.dataset.designed !== {designed} && document.body.dataset.working === 'no' \
+         && document.getElementById('tab-controller').ariaSelected === 'true'"
+    ));
+    let message = browser.text("#message-text");
+    assert!(message.contains("hardware is not stated"), "{message}");
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
