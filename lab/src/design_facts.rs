@@ -14,7 +14,7 @@ use crate::picture::{View, thinned};
 /// Width for which the responses of a design are drawn.
 const RESPONSE_PIXELS: usize = 500;
 
-/// The wishes for a design.
+/// The settings for a design, as the page sends them.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Asked {
@@ -23,12 +23,12 @@ pub struct Asked {
     /// Allowed excursions in place of the weights: rad, rad/s, rad/s, A.
     #[serde(default)]
     excursions: Option<[f64; 4]>,
-    /// How late the current reaches the motor, s.
+    /// Delay from the command to the current in the motor, s.
     #[serde(default)]
     delay_s: f64,
 }
 
-/// The controller for these weights, with what its loop does.
+/// The controller for these weights, with margins and responses of its loop.
 ///
 /// # Errors
 /// A sentence, where these weights give no controller.
