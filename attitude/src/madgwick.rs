@@ -18,7 +18,7 @@
 //! gives f_b = b_x e + b_z v − m (eq. 29). All measured vectors are normalised first.
 //!
 //! The gradient of ½‖f‖² is Jᵀf (eq. 20). With the Jacobians of eq. 26 and 30 it can be written
-//! with two vectors, w = f_g + b_z f_b (all that meets v) and u = b_x f_b (all that meets e):
+//! with two vectors, w = f_g + b_z f_b (the factor of v) and u = b_x f_b (the factor of e):
 //!
 //! - ½∇₁ = −q₃w₁ + q₂w₂ + q₃u₃ − q₄u₂
 //! - ½∇₂ = q₄w₁ + q₁w₂ − 2q₂w₃ + q₃u₂ + q₄u₃
@@ -38,13 +38,13 @@
 //! Copies of that code that return early at zero rate skip the correction of a resting sensor; here, a zero
 //! rate is not a special case.
 //!
-//! # The heading by itself
-//! In [`Madgwick::step_marg`] a field that is not the earth's, of a motor say, tilts the estimate. Madgwick's thesis
+//! # The magnetometer for the heading alone
+//! In [`Madgwick::step_marg`] a magnetic disturbance, such as the field of a motor, tilts the estimate. Madgwick's thesis
 //! (S. O. H. Madgwick, "AHRS algorithms and calibration solutions to facilitate new applications using low-cost MEMS",
-//! PhD thesis, University of Bristol, 2014) takes the magnetometer for the heading alone. [`Madgwick::turn_to_north`]
+//! PhD thesis, University of Bristol, 2014) uses the magnetometer for the heading alone. [`Madgwick::turn_to_north`]
 //! does that after a six-axis step: with the measured field of length 1 in the estimated earth frame, h = q ⊗ m ⊗ q*,
-//! the estimate is turned about the vertical by −h_y, or by the largest turn where north lies behind (h_x ≤ 0), and
-//! by at most 2 β T. The emitted filter does the same.
+//! the estimate is turned about the vertical by −h_y, or by the largest turn where north lies behind (h_x ≤ 0). The
+//! largest turn is 2 β T. The emitted filter does the same.
 
 use crate::pivot_angle::up_in_sensor;
 use nalgebra::{Quaternion, Vector3, Vector4};
@@ -134,7 +134,7 @@ impl Madgwick {
     }
 
     /// One nine-axis step. `rate` in rad/s, `accel` and `mag` in any units. Without a usable
-    /// field (zero, or nearly vertical) it is the six-axis step, with a zero `accel` the gyro's.
+    /// field (zero, or nearly vertical) it is the six-axis step; if `accel` is zero, the gyroscope alone is used.
     pub fn step_marg(&mut self, rate: &Vector3<f64>, accel: &Vector3<f64>, mag: &Vector3<f64>) {
         let (Some(measured_up), Some(field)) = (accel.try_normalize(0.0), mag.try_normalize(0.0))
         else {

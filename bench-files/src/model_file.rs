@@ -48,7 +48,7 @@ pub struct ModelFile {
     pub tie: Option<Tie>,
     /// Users' effects that the file itself defines; those of the model are written with it.
     pub own_effects: Vec<OwnEffect>,
-    /// Those of the effects that no log has shown upright: the linear model does without them.
+    /// The effects that no log has shown upright; the linear model leaves them out.
     pub unseen_upright: Vec<EffectId>,
     /// The design's wishes, if the file has any.
     pub design: Option<DesignSection>,

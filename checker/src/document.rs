@@ -131,19 +131,19 @@ const TRACES: [(&str, &str, &str, &str); 33] = [
     ),
     (
         "FILTER.drift.gain",
-        "T over the time in which the gyroscope's drift is followed",
+        "T over the time constant with which the filter follows the gyroscope's drift",
         "/ 2^(28 + shift)",
         OF_FILTER,
     ),
     (
         "FILTER.drift",
-        "bits of the drift beyond a turn's, and its largest value, a half-angle a step",
+        "shift: fraction bits of the drift beyond those of a turn; limit: the largest drift, as a half-angle in a step",
         "/ 2^(32 + shift)",
         OF_FILTER,
     ),
     (
         "LIMITS.angle",
-        "asin(B2 I/A21), the angle that the current holds, once and twice",
+        "arm: the angle at which the largest current holds the body, asin(B2 I/A21); trip: twice that angle",
         "word of the angle",
         OF_SUPERVISOR,
     ),
@@ -265,7 +265,7 @@ const TRACES: [(&str, &str, &str, &str); 33] = [
     ),
     (
         "ANGLE_",
-        "from rad / 2^28 to the word of the angle, and its largest value less the bias",
+        "factor and shift from rad / 2^28 to the word of the angle; max: the largest angle, less the bias",
         "integer",
         OF_LINES,
     ),
@@ -301,7 +301,7 @@ const TRACES: [(&str, &str, &str, &str); 33] = [
     ),
     (
         "",
-        "slope, offset with the half that rounds, and ends of the documented line",
+        "the documented line: slope; offset, plus one half for rounding; and both ends",
         "over 2^shift",
         OF_LINES,
     ),

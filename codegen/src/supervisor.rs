@@ -1,8 +1,8 @@
 //! The numbers of the supervisor, from the model, the sensors and the drive.
 //!
 //! All of them follow from the linear model about upright: τ I/G = |B₂| I/A₂₁ is the sine of the angle
-//! at which the largest current just holds the body, √A₂₁ the rate of its fall, and B₂ + B₃ = τ/j_w
-//! what a current does to the wheel alone.
+//! at which the largest current just holds the body, 1/√A₂₁ the time constant of its fall, and B₂ + B₃ = τ/j_w
+//! the acceleration of the wheel in space for each ampere.
 
 use core::f64::consts::{PI, TAU};
 
@@ -17,11 +17,10 @@ use crate::helpers::supervisor::Limits;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
-/// Largest angle at which the loop may run, rad: 60°. Beyond it nothing balances; what is caught
-/// there is a fall.
+/// Largest angle at which the loop may run, rad: 60°. No motor of such a bench returns from there; the body falls.
 const ANGLE_TRIP_MAX_RAD: f64 = PI / 3.0;
 
-/// The sine of the angle at which the motor holds the body is not trusted nearer to one than this.
+/// Largest value of the sine of the holding angle that is used: near one, the angle is too sensitive to the model.
 const SINE_MAX: f64 = 0.99;
 
 /// Largest rate at which the controller is armed, as a share of the rate at which the body falls from the holding
@@ -29,27 +28,27 @@ const SINE_MAX: f64 = 0.99;
 /// holding angle.
 const RATE_ARM_SHARE: f64 = 0.25;
 
-/// How long quiet samples are averaged for the attitude, s: a quarter of a second, over which the
-/// noise of an accelerometer at 1 kHz falls sixteenfold; four such windows fit into a second.
+/// Time over which quiet samples are averaged for the attitude, s. At 1 kHz the average of a quarter of a second has a
+/// sixteenth of the accelerometer's noise.
 const WINDOW_S: f64 = 0.25;
 
-/// How far the length of a quiet reading may be from gravity: a sensor that is not calibrated is off
-/// by some per cent, a push of 0.2 g more than that.
+/// Largest deviation of the length of a quiet reading from gravity, as a share of it: larger than the scale error of an
+/// uncalibrated sensor (some per cent), smaller than a push of 0.2 g.
 const GRAVITY_SHARE: f64 = 0.15;
 
-/// How far two quiet readings may differ in a component, in shares of gravity: 6° of tilt, six
-/// standard deviations of a noise of 10 mg and more.
+/// Largest difference of two quiet readings in a component, as a share of gravity: 6° of tilt, or more than six standard
+/// deviations of a noise of 10 mg.
 const AGREEMENT_SHARE: f64 = 0.1;
 
-/// Largest rate of a quiet sample about each axis, rad/s: with an uncalibrated gyroscope's bias (5 °/s
-/// by data sheets) and the tremor of a hand.
+/// Largest rate of a quiet sample about each axis, rad/s: it leaves room for the bias of an uncalibrated gyroscope (5 °/s
+/// in data sheets) and for the tremor of a hand.
 const QUIET_RAD_S: f64 = 0.3;
 
-/// How long the wheel's speed may be unknown, s.
+/// Longest time for which the wheel speed may be unknown, s.
 const WHEEL_S: f64 = 0.020;
-/// How long a sensor may be clipped, s.
+/// Longest time for which a sensor may be clipped, s.
 const CLIPPED_S: f64 = 0.010;
-/// How long the accelerometer may show no gravity, s.
+/// Longest time for which the accelerometer may show no gravity, s.
 const REJECTED_S: f64 = 2.0;
 
 /// Refresh periods of the gyroscope over which its three words may stand still. With noise of half a
@@ -57,21 +56,21 @@ const REJECTED_S: f64 = 2.0;
 /// 10¹⁵ readings, less than once in 10⁸ hours at 1 kHz.
 const FROZEN_REFRESHES: f64 = 20.0;
 
-/// How many times the largest current's acceleration an encoder may show.
+/// Largest acceleration that an encoder may show, in units of that of the largest current: a hand adds to it.
 const PUSH_SHARE: f64 = 4.0;
-/// Share of a turn by which an encoder's count may be off between two steps: a magnet off its centre is off by 1° or
-/// two, a sixty-fourth is 5.6°.
+/// Largest error of an encoder's count from step to step, as a share of a turn: a sixty-fourth is 5.6°; a magnet that
+/// is not centred causes 1° or 2°.
 const ENCODER_SHARE: f64 = 1.0 / 64.0;
-/// Fewest counts by which it may be off.
+/// The smallest such error that is allowed, in counts.
 const JUMP_COUNTS_MIN: f64 = 4.0;
 
-/// Share of the largest current that may be left over, beyond what gravity takes, under a count that stands still.
+/// Share of the largest current that may flow beyond the current that balances gravity while a count stands still.
 const LEFT_OVER_SHARE: f64 = 0.5;
-/// Share of what is left over that accelerates the body for certain: the rest is for friction, and for a model that is
-/// wrong.
+/// Share of this excess current that accelerates the body for certain; the rest is a margin for friction and for errors
+/// of the model.
 const MOVING_SHARE: f64 = 0.5;
-/// Counts that a body moves on in the time in which a count may stand still: those of an encoder with hysteresis are
-/// three at most (AS5600).
+/// Distance that the body travels, in counts, within the longest time for which a count may stand still. The hysteresis
+/// of an encoder is at most three counts (AS5600).
 const FROZEN_COUNTS: f64 = 4.0;
 
 /// The numbers in SI units, as documents state them.
@@ -158,9 +157,9 @@ pub fn derive(
     })
 }
 
-/// How long the body's count may stand still while more than [`LEFT_OVER_SHARE`] of the largest current is left over,
-/// s. A body that is accelerated by a stays within a distance d for at most 2 √(2 d/a), if it first runs against
-/// the acceleration: here d is [`FROZEN_COUNTS`] counts, and a [`MOVING_SHARE`] of what the current gives.
+/// Longest time for which the body's count may stand still under an excess current of [`LEFT_OVER_SHARE`], s. A body
+/// with the acceleration a stays within a distance d for at most 2 √(2 d/a), namely if it first runs against the
+/// acceleration. Here d is [`FROZEN_COUNTS`] counts, and a is [`MOVING_SHARE`] of the acceleration by that current.
 pub fn frozen_count_s(spec: &ModuleSpec, encoder: &EncoderSpec) -> f64 {
     let acceleration = MOVING_SHARE * LEFT_OVER_SHARE * spec.b[1].abs() * spec.current_limit_a;
     let distance = FROZEN_COUNTS * encoder.rad_per_count().abs();
@@ -228,18 +227,18 @@ fn word(what: &'static str, value: f64) -> Result<i32, AttitudeRefusal> {
     }
 }
 
-/// A time in steps: more than one, else one bad reading would trip.
+/// A time in steps, at least two: a single bad reading must not trip.
 fn steps(what: &'static str, time_s: f64, period_s: f64) -> Result<i32, AttitudeRefusal> {
     word(what, (time_s / period_s * (1.0 - 1e-9)).ceil().max(2.0))
 }
 
 /// The numbers of an encoder whose axis the unit of current accelerates by `acceleration` (rad/s² per A).
 ///
-/// A count that follows from a motion differs from the one expected by what the largest current does in a step,
-/// taken [`PUSH_SHARE`] times for what a hand adds, and by what a magnet off its centre and noise make of it.
+/// The count may differ from the expected one by the turn that [`PUSH_SHARE`] times the largest current causes in a step,
+/// and by [`ENCODER_SHARE`] for noise and for a magnet that is not centred.
 ///
 /// # Errors
-/// [`AttitudeRefusal::NoLine`] for an encoder whose counts have no room for that.
+/// [`AttitudeRefusal::NoLine`] for an encoder with too few counts for this difference, or with an unsupported window.
 pub fn encoder_numbers(
     encoder: &EncoderSpec,
     acceleration: f64,
@@ -297,7 +296,7 @@ pub fn sample_time_us(sample_time_s: f64) -> Result<u32, AttitudeRefusal> {
     }
 }
 
-/// What the ends of the wheel's sensor are counted in.
+/// The unit in which the ends of the wheel sensor's range are stated.
 fn wheel_counts(wheel: &WheelSensor) -> &'static str {
     match wheel {
         WheelSensor::Converter => "counts",

@@ -118,7 +118,7 @@ impl FindingId {
     pub fn meaning(self) -> &'static str {
         match self {
             FindingId::RateFactor => {
-                "The rate is not the derivative of the angle: -1 a sign, 57.3 degrees, 1000 milliseconds; state `units` or `sign` of one of them."
+                "The rate is not the derivative of the angle. A factor of -1 shows a wrong sign, 57.3 degrees, 1000 milliseconds; state `units` or `sign` of one of the two."
             }
             FindingId::SameColumn => {
                 "Two channels have the same samples: both are mapped to one column; mend `columns`."
@@ -166,7 +166,7 @@ impl FindingId {
                 "A channel stands still while the motion goes on: the sensor or its bus had stopped."
             }
             FindingId::Wrapped => {
-                "A channel begins anew at a limit, as an angle at 360 degrees does; unwrap it before it is logged."
+                "A channel jumps from one end of its range to the other, as an angle does at 360 degrees; unwrap it before it is logged."
             }
             FindingId::Quantised => {
                 "A channel has few levels: its steps are larger than its noise."
@@ -179,10 +179,10 @@ impl FindingId {
                 "The logged current is not that of the controller in `[controller]`: its gains have another unit or sign, or the log another current."
             }
             FindingId::KnownMissing => {
-                "Masses and lengths are given, but not what makes a torque of them; state what is named, mostly `gravity`."
+                "Masses and lengths are given, but a value is missing that turns them into a torque, mostly `gravity`; state it."
             }
             FindingId::KnownRange => {
-                "A value of `[known]` that no such bench has, mostly by a unit."
+                "A value of `[known]` is impossible for such a bench; mostly its unit is wrong."
             }
             FindingId::UnknownFinding => "`accept` names something that is no finding.",
         }

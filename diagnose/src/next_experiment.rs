@@ -310,7 +310,7 @@ impl Proposal {
             ],
         };
         steps.push(format!(
-            "Log the {} (and what else there is) for {:.0} s, every {:.0} ms or faster.",
+            "Log the {} (and all other channels) for {:.0} s, every {:.0} ms or faster.",
             output.name().replace('_', " "),
             self.duration_s,
             1e3 * STEP_S

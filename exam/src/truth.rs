@@ -27,7 +27,7 @@ pub enum Outsider {
 }
 
 impl Outsider {
-    /// All of them.
+    /// All terms.
     pub const ALL: [Outsider; 8] = [
         Outsider::MagnetNearAnAngle,
         Outsider::FrictionThatGrows,
@@ -53,7 +53,7 @@ impl Outsider {
         }
     }
 
-    /// Whether it acts on the wheel or its motor, so that only experiments with a motor show it.
+    /// Whether the term acts on the wheel or its motor, so that only experiments with a motor show it.
     pub fn needs_a_motor(self) -> bool {
         matches!(
             self,
@@ -100,7 +100,7 @@ pub type Torque = dyn Fn(&[f64], &TrueInstant) -> f64 + Send + Sync;
 pub struct StatedTorque {
     /// Whether it acts on the body; otherwise it acts on the wheel.
     pub on_body: bool,
-    /// The torque against the motion of that joint; smooth in the motion.
+    /// The torque against the motion of the body or the wheel; smooth in the motion.
     pub torque: Arc<Torque>,
 }
 

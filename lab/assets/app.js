@@ -86,7 +86,7 @@ function remarks(bench) {
   const lines = [...bench.statements, ...bench.notes.map((one) => (one.experiment ? `${one.experiment}: ${one.note}` : one.note))];
   const places = bench.places.slice(0, 6).map((one) => `${one.experiment}/${one.channel}, ${one.residual}: ${one.text}, ${one.share} of the error`);
   const list = (heading, texts) => (texts.length ? [el("h2", {}, heading), el("ul", { class: "small" }, texts.map((text) => el("li", {}, text)))] : []);
-  byId("remarks").replaceChildren(...list("Where the model fails", places), ...list("What the data say of themselves", lines));
+  byId("remarks").replaceChildren(...list("Where the model fails", places), ...list("What the logs show, and what they do not", lines));
 }
 
 function tab(name) {
@@ -155,7 +155,7 @@ for (const part of [opening, controller]) part.start(begin, complain);
 sliders.start(begin, () => tab("why"));
 curves.start(complain);
 design.start(begin, complain);
-why.start(begin).then(() => listen(told)).catch(complain);
+why.start(begin, () => tab("design")).then(() => listen(told)).catch(complain);
 addEventListener("focus", () => { if (folder && !choosing) checkOutside(); });
 
 /** Another program may have written model.toml while the page was out of sight. */

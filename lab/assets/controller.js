@@ -22,10 +22,10 @@ export async function setBench(state) {
   places = null;
   if (!found?.files) {
     panel.replaceChildren(
-      el("p", {}, "The controller is emitted as readable no_std Rust in fixed point, from raw sensor counts to the duty of the drive, with a certificate that is checked from the emitted files alone."),
+      el("p", {}, "The controller is emitted as readable no_std Rust in fixed point. It reads raw sensor counts and writes the duty of the drive. With it comes a certificate; the proof reads the emitted files alone."),
       el("label", { class: "row small" },
         el("input", { type: "checkbox", id: "preset", checked: preset, onchange: (event) => { preset = event.target.checked; } }),
-        "where this bench states no sensor or drive, take those of the thesis bench"),
+        "Take sensors and drive of the thesis bench where [hardware] of this bench states none (to look at the source, not to run it)"),
       el("button", { type: "button", class: "main", onclick: () => generate(design) }, "Generate"));
     return;
   }
@@ -38,14 +38,15 @@ export async function setBench(state) {
     found.files.map((one) => el("option", { selected: one.path === file }, one.path)));
   const certificate = el("button", { type: "button", onclick: () => { file = "certificate.json"; choice.value = file; show(); } }, "Certificate");
   show();
-  places = { verdict: el("p", { id: "proof-verdict", "aria-live": "polite" }), body: el("tbody", { id: "claims" }) };
+  places = { verdict: el("p", { id: "proof-verdict", role: "status" }), body: el("tbody", { id: "claims" }) };
   panel.replaceChildren(el("div", { class: "split" },
     el("div", {},
       el("div", { class: "row" },
         el("button", { type: "button", id: "prove", class: found.proof ? null : "main", onclick: () => { rows = []; fill(true); begin({ task: "prove" }); } }, found.proof ? "Prove again" : "Prove"),
-        el("button", { type: "button", id: "write-controller", onclick: () => begin({ task: "write-controller" }) }, "Write into the bench folder")),
-      el("p", { class: "quiet small" }, `to ${found.folder}`),
-      el("ul", { class: "small" }, found.warnings.map((text) => el("li", { class: "bad" }, text)), found.assumed.map((text) => el("li", {}, `taken from the thesis bench: ${text}`))),
+        el("button", { type: "button", id: "write-controller", onclick: () => begin({ task: "write-controller" }) }, "Write into the bench folder"),
+        el("button", { type: "button", id: "generate-again", onclick: () => generate(design) }, "Generate again")),
+      el("p", { class: "quiet small" }, `"Write into the bench folder" puts the files into ${found.folder}.`),
+      el("ul", { class: "small" }, found.warnings.map((text) => el("li", { class: "bad" }, text)), found.assumed.map((text) => el("li", {}, `Taken from the thesis bench: ${text}`))),
       places.verdict, el("div", { class: "scroll" }, claimsTable())),
     el("div", {}, el("div", { class: "row" }, el("label", { for: "emitted-file" }, "Emitted file"), choice, certificate), source)));
   fill(false);
@@ -76,13 +77,15 @@ function fill(running) {
     if (!own.length) return [el("tr", { class: "quiet" }, el("td", { class: "wrap" }, about), el("td", { class: "left" }, running ? "…" : "not checked yet"), el("td", { class: "left" }, ""), el("td", {}, ""))];
     return own.map((row, index) => el("tr", { "data-claim": row.id, "data-result": row.result },
       el("td", { class: "wrap" }, index ? "" : about),
-      el("td", { class: `left wrap ${TONES[row.result] ?? "quiet"}` }, row.result, row.cases ? ` (${row.cases} cases)` : "", row.result === "failed" || row.result.startsWith("not") ? el("div", { class: "small" }, row.why) : ""),
+      el("td", { class: `left wrap ${TONES[row.result] ?? "quiet"}` }, row.result, row.cases ? ` (${row.cases.toLocaleString("en").replaceAll(",", "\u202f")} cases)` : "", row.result === "failed" || row.result.startsWith("not") ? el("div", { class: "small" }, row.why) : ""),
       el("td", { class: "left wrap" }, row.engine), el("td", {}, row.seconds < 0.05 ? "" : `${row.seconds.toFixed(1)} s`)));
   });
   places.body.replaceChildren(...lines);
   const failed = rows.filter((row) => row.result === "failed").map((row) => row.id);
-  const done = new Set(rows.filter((row) => !row.result.startsWith("not run")).map((row) => row.id)).size;
-  places.verdict.className = failed.length ? "bad" : "good";
+  const settledIds = new Set(rows.filter((row) => row.result !== "not run").map((row) => row.id));
+  const open = statements.map((claim) => claim.id).filter((id) => !settledIds.has(id));
+  places.verdict.className = failed.length ? "bad" : open.length ? "" : "good";
   places.verdict.textContent = failed.length ? `Fails: ${[...new Set(failed)].join(", ")}. This controller must not be used.`
-    : rows.length === 0 ? "" : running ? `${done} of ${statements.length} claims settled …` : "No claim fails.";
+    : rows.length === 0 ? "" : running ? `${settledIds.size} of ${statements.length} claims settled …`
+      : open.length ? `No claim fails, but ${open.length === 1 ? "one is" : `${open.length} are`} not settled: ${open.join(", ")}. The table says why.` : "Every claim that applies is settled, and none fails.";
 }

@@ -111,7 +111,7 @@ function bode(all) {
     }),
     form: {
       xaxis: axis("frequency (rad/s)", { type: "log", anchor: "y2", exponentformat: "power", dtick: 1 }),
-      yaxis: axis("size", { type: "log", domain: [0.54, 1], exponentformat: "power", dtick: 1 }), yaxis2: axis("phase (°)", { domain: [0, 0.46], exponentformat: "none" }),
+      yaxis: axis("magnitude", { type: "log", domain: [0.54, 1], exponentformat: "power", dtick: 1 }), yaxis2: axis("phase (°)", { domain: [0, 0.46], exponentformat: "none" }),
       shapes: [["y", 1], ["y2", -180]].map(([yref, at]) => ({ type: "line", xref: "paper", x0: 0, x1: 1, yref, y0: at, y1: at, line: { color: colour("good"), width: 1, dash: "dash" } })),
     },
     about: "the margins are read where the curves cross the dashed lines",
@@ -130,15 +130,15 @@ function nyquist(all) {
       xaxis: axis("real part", { range: [-4, 1], exponentformat: "none" }), yaxis: axis("imaginary part", { range: [-2.2, 2.2], scaleanchor: "x", exponentformat: "none" }),
       shapes: [circle(0, 1, { color: colour("quiet"), width: 1, dash: "dot" }), ...touched.map(([radius, index]) => circle(-1, radius, { color: tone(index), width: 1, dash: "dash" }))],
     },
-    about: "the dashed circle around −1 is as near as the open loop comes to it",
+    about: "the radius of the dashed circle is the smallest distance of the open loop from −1",
   };
 }
 
 const FIGURES = [
-  { title: "A torque that stays", size: "tall", of: answers("step") },
-  { title: "A push", size: "tall", of: answers("push") },
-  { title: "Open loop over frequency (Bode)", size: "tall", of: bode },
-  { title: "Open loop in the plane (Nyquist)", size: "tall", of: nyquist },
+  { title: "Response to a torque step", size: "tall", of: answers("step") },
+  { title: "Response to a push", size: "tall", of: answers("push") },
+  { title: "Bode diagram of the open loop", size: "tall", of: bode },
+  { title: "Nyquist diagram of the open loop", size: "tall", of: nyquist },
   { title: "Poles", legend: true, size: "tall", of: poles },
-  { title: "Let go off upright", size: "tall", of: runs("transient") },
+  { title: "Released beside upright", size: "tall", of: runs("transient") },
 ];

@@ -20,6 +20,8 @@ let aside = [];
 let busy = false;
 let again = false;
 let visible = false;
+// Whether the message that is shown is of these weights.
+let failed = false;
 let refreshKnobs = [];
 let parts = {};
 
@@ -87,7 +89,7 @@ function build() {
   parts = { numbers: el("div", { id: "design-numbers", class: "scroll" }), aside: el("div", { class: "row small" }), plots: el("div", { class: "plots" }) };
   panel.replaceChildren(el("div", { class: "desk" },
     el("div", { class: "knobs" },
-      el("fieldset", { class: "row" }, el("legend", { class: "quiet small" }, "What the controller may cost"), way(false, "as weights"), way(true, "as allowed excursions (Bryson's rule)")),
+      el("fieldset", { class: "row" }, el("legend", { class: "quiet small" }, "How the quadratic cost is stated"), way(false, "weights"), way(true, "allowed excursions (Bryson's rule)")),
       ...[...wanted, ...OTHERS].map(knob), delayKnob(),
       el("div", { class: "row" },
         el("button", { type: "button", id: "design-reset", onclick: () => { wishes = structuredClone(stored); delay_s = 0; compute(true); } }, "Reset"),
@@ -96,7 +98,7 @@ function build() {
         el("button", { type: "button", class: "main", id: "design-generate", onclick: () => generate(wishes) }, "Generate")),
       el("div", { class: "row small" }, "Export parameters and matrices: ",
         el("a", { class: "button", href: "/api/export/python" }, "Python (NumPy)"), el("a", { class: "button", href: "/api/export/matlab" }, "MATLAB")),
-      el("p", { class: "quiet small" }, "Keep writes [design] of model.toml; the exports are of what is kept."),
+      el("p", { class: "quiet small" }, "Keep writes these weights to [design] of model.toml. The exports contain the design that was kept last."),
       parts.aside),
     el("div", { class: "results" }, parts.numbers, parts.plots)));
   plots(parts.plots);
@@ -165,10 +167,13 @@ async function compute(anew) {
       if (fresh || !parts.numbers) build(); else { if (!again) refreshKnobs.forEach((refresh) => refresh()); tell(); }
       fresh = false;
     } while (again);
-    onError(null);
+    // Only its own complaint: that of a failed work stays until it is read.
+    if (failed) onError(null);
+    failed = false;
   } catch (error) {
     // Weights that give no controller can be moved all the same.
     if (!parts.numbers?.isConnected) build();
+    failed = true;
     onError(error);
   } finally {
     busy = false;

@@ -1,7 +1,7 @@
 // Dropped CSV files become a bench: preview, proposal with its reasons, correction by clicking, and the folder on a click.
 import { el, table } from "./dom.js";
 import { get, post } from "./server.js";
-import { axis, colour, draw, layout } from "./plots.js";
+import { axis, colour, draw, layout, onTheme } from "./plots.js";
 import { CONSTANTS, sketch } from "./sketch.js";
 
 let begin = () => {};
@@ -11,6 +11,8 @@ let corrections = { known: {}, files: {} };
 let decided = new Set();
 let holder = null;
 let typed = null;
+// The previews that are shown, each as the call that draws it.
+let previews = [];
 
 const KINDS = [
   ["free-swing", "free swing: the wheel is locked, the body swings about hanging"],
@@ -23,6 +25,7 @@ const CHANNELS = [["time", "time"], ["angle", "body angle"], ["rate", "body rate
 export function start(work, report) {
   begin = work;
   complain = report;
+  onTheme(() => previews.forEach((paint) => paint()));
 }
 
 /** The part of the opening page for files. */
@@ -85,6 +88,7 @@ function show(found) {
   const keep = holder.querySelector("#new-folder")?.value ?? "my-bench";
   const open = new Set([...holder.querySelectorAll("details[open]")].map((one) => one.dataset.part));
   const focused = document.activeElement?.dataset?.focus;
+  previews = [];
   const cards = found.proposal.experiments.map((one, index) => card(one, found.previews[index], lines(one.file), open));
   holder.replaceChildren(
     ...found.refused.map((text) => el("p", { class: "bad" }, text)),
@@ -115,20 +119,22 @@ function card(one, preview, lines, open) {
     return el("tr", { class: own ? null : "quiet" }, el("td", {}, words), el("td", { class: "left" }, column), el("td", { class: "left" }, unit),
       el("td", { class: "left" }, channel === "time" ? "" : sign), el("td", { class: "left wrap small" }, own?.reason ?? ""));
   });
-  const number = (key, label, unit, about) => {
-    const input = el("input", { type: "number", step: "any", value: choices[key] ?? "", "aria-label": `${label} in ${unit}`, ...focus(key), onchange: () => { choices[key] = input.value === "" ? null : input.valueAsNumber; change(); } });
+  const number = (key, label, unit, about, empty) => {
+    const input = el("input", { type: "number", step: "any", value: choices[key] ?? "", placeholder: empty, "aria-label": `${label} in ${unit}`, ...focus(key), onchange: () => { choices[key] = input.value === "" ? null : input.valueAsNumber; change(); } });
     return el("label", { class: "row small", title: about }, label, input, unit);
   };
   const has = (channel) => choices.columns.some((choice) => choice.channel === channel);
   const plot = el("div", { class: "plot preview", role: "img", "aria-label": `Preview of ${one.file}; drag over it to choose the part that counts` });
-  requestAnimationFrame(() => previewed(plot, preview, choices, change));
+  const paint = () => previewed(plot, preview, choices, change);
+  previews.push(paint);
+  requestAnimationFrame(paint);
   return el("section", { class: "card", "data-file": one.file }, el("h3", {}, one.file), el("div", { class: "row" }, kind, el("span", { class: "small quiet grow" }, choices.kind_reason)),
     ...one.questions.map((question) => ask(`${one.file}: ${question}`, question)),
     el("div", { class: "scroll" }, table(["channel", "column", "unit", "reversed", "why"], rows, ["column", "unit", "reversed", "why"])), plot,
-    el("div", { class: "row" }, number("from_s", "use from", "s", "earlier samples are left out"), number("until_s", "until", "s", "later samples are left out"),
-      has("angle") ? number("offset_rad", "add to the angle", "rad", "π where 0 is upright") : "",
-      has("current") ? "" : number("held_current_a", "current held at", "A", "0 where the motor was off"),
-      has("time") ? "" : number("time_step_s", "from line to line", "s", "there is no time column"),
+    el("div", { class: "row" }, number("from_s", "use from", "s", "earlier samples are left out", "start"), number("until_s", "until", "s", "later samples are left out", "end"),
+      has("angle") ? number("offset_rad", "add to the angle", "rad", "π where 0 is upright", "0") : "",
+      has("current") ? "" : number("held_current_a", "current held at", "A", "0 where the motor was off", "unknown"),
+      has("time") ? "" : number("time_step_s", "from line to line", "s", "there is no time column", "unknown"),
       choices.from_s !== null || choices.until_s !== null ? el("button", { type: "button", onclick: () => { choices.from_s = null; choices.until_s = null; change(); } }, "Use the whole log") : ""),
     el("details", { "data-part": `lines ${one.file}`, open: open.has(`lines ${one.file}`) }, el("summary", { class: "small" }, "first lines of the file, and all reasons"), el("pre", {}, lines.join("\n")),
       el("ul", { class: "small" }, one.reasons.map((reason) => el("li", {}, reason)))));
@@ -137,7 +143,7 @@ function card(one, preview, lines, open) {
 /** What the data leave open: the bench is written when it is decided. */
 function ask(key, question) {
   const box = el("input", { type: "checkbox", checked: decided.has(key), onchange: () => { if (box.checked) decided.add(key); else decided.delete(key); allow(); } });
-  return el("label", { class: "question" }, el("strong", {}, "To decide: "), question, el("span", { class: "row small" }, box, "decided: what stands here is right"));
+  return el("label", { class: "question" }, el("strong", {}, "To decide: "), question, el("span", { class: "row small" }, box, "I have checked it: what is set here is right."));
 }
 
 function allow() {
@@ -145,7 +151,7 @@ function allow() {
   const button = holder.querySelector("#make-bench");
   if (button) {
     button.disabled = left > 0;
-    button.title = left ? `${left} ${left === 1 ? "question is" : "questions are"} open above` : "";
+    holder.querySelector("#open-questions").textContent = left ? `${left} ${left === 1 ? "question is" : "questions are"} to decide above` : "";
   }
 }
 
@@ -163,7 +169,7 @@ function previewed(plot, preview, choices, change) {
   if (choices.from_s !== null) out(first, choices.from_s);
   if (choices.until_s !== null) out(choices.until_s, last);
   plot.style.height = `${60 + 105 * count}px`;
-  draw(plot, traces, form, { displayModeBar: false }).then(() => plot.on("plotly_relayout", (moved) => {
+  draw(plot, traces, form, { displayModeBar: false }).then(() => plot.removeAllListeners("plotly_relayout").on("plotly_relayout", (moved) => {
     if (!("xaxis.range[0]" in moved) || preview.time !== "time (s)") return;
     const [from, until] = [moved["xaxis.range[0]"], moved["xaxis.range[1]"]].map(Number);
     choices.from_s = from > first ? Number(from.toPrecision(5)) : null;
@@ -187,7 +193,7 @@ function known(openEnds) {
   const earth = corrections.known.gravity === undefined
     ? el("button", { type: "button", onclick: () => { corrections.known.gravity = 9.81; correct(); } }, "g = 9.81 m/s²") : "";
   return el("section", { class: "card" }, el("h3", {}, "What you know of the pendulum"),
-    el("p", { class: "small" }, "Each may be left empty; then it is found from the logs where they show it. Standing upright is α = π; positive angles turn as the arrow does."),
+    el("p", { class: "small" }, "Leave empty what you do not know; it is identified from the logs where they show it. Hanging is α = 0, upright is α = π, and positive angles turn as the arrow does."),
     el("div", { class: "constants" }, drawing, el("div", {}, fields, earth)),
     openEnds.length ? el("div", {}, el("strong", {}, "What stays unknown: "), el("ul", { class: "small", id: "open-ends" }, openEnds.map((text) => el("li", {}, text)))) : el("p", { class: "good small" }, "With these logs and constants every parameter of the base model can be found."));
 }
@@ -213,8 +219,9 @@ function bench(found, folderName, open, clear) {
   return [
     el("h3", {}, "What the check of the data says"), findings,
     el("details", { "data-part": "text", open: open.has("text") }, el("summary", {}, "bench.toml, as it will be written"),
-      el("p", { class: "quiet small" }, "Everything can be corrected here too; it is checked as you type. A click above writes the text anew."), text),
-    el("div", { class: "row" }, el("label", { for: "new-folder" }, "New folder"), folder, el("span", { class: "small quiet" }, `in ${found.here}`),
-      el("button", { type: "button", class: "main", id: "make-bench", onclick: () => begin({ task: "create", folder: folder.value.trim(), text: text.value }) }, "Write and open"), clear),
+      el("p", { class: "quiet small" }, "The text can be edited too; it is checked as you type. A correction above replaces it."), text),
+    el("div", { class: "row write-bench" }, el("label", { for: "new-folder" }, "New folder"), folder, el("span", { class: "small quiet" }, `in ${found.here}`),
+      el("button", { type: "button", class: "main", id: "make-bench", onclick: () => begin({ task: "create", folder: folder.value.trim(), text: text.value }) }, "Write and open"),
+      el("span", { class: "small bad", id: "open-questions", role: "status" }), clear),
   ];
 }

@@ -29,7 +29,8 @@ function build(shape, all, moved, choose) {
   const lines = new Map(all.map((row) => {
     const go = () => choose(row.experiment);
     const cells = heads.map((head) => el("td", { class: head === "channel" ? "left" : null }));
-    const element = el("tr", { tabindex: 0, onclick: go, onkeydown: (event) => { if (event.key === "Enter") go(); } }, cells);
+    // For the mouse; the keyboard has the buttons of the experiments.
+    const element = el("tr", { onclick: go }, cells);
     return [nameOf(row), { element, cells, moved, experiment: row.experiment, empty: true }];
   }));
   shown = { shape, lines };
@@ -42,6 +43,6 @@ function fill(line, row, old) {
   texts.forEach((text, index) => { if (line.cells[index].textContent !== text) line.cells[index].textContent = text; });
   rmse.dataset.rmse = row.rmse;
   rmse.className = !old || row.rmse === old.rmse ? "" : row.rmse > old.rmse ? "bad" : "good";
-  over.className = row.over_noise > 1.5 ? "bad" : "good";
+  over.className = row.fails ? "bad" : "good";
   line.empty = false;
 }

@@ -26,14 +26,14 @@ export async function show() {
   const list = el("ul", {}, el("li", { class: "quiet" }, "looking …"));
   page.replaceChildren(
     el("h2", {}, "Open a bench"),
-    el("p", {}, "A bench is a folder with a bench.toml and CSV logs. The lab compares its model with the measurements, shows where it fails and which effect it lacks, and designs the controller. What it keeps is in that folder."),
+    el("p", {}, "A bench is a folder with a bench.toml and CSV logs. The lab compares the model of the bench with its measurements, shows where the model fails and which effect it lacks, and designs the controller. All results are kept in that folder."),
     el("form", { class: "row", onsubmit: (event) => { event.preventDefault(); if (path.value.trim()) begin({ task: "open", path: path.value.trim(), refit: anew.checked }); } },
       el("label", { for: "bench-path" }, "Folder"), path, el("button", { class: "main" }, "Open"),
-      el("label", { class: "small" }, anew, " fit anew")),
-    el("h2", {}, "Found here"), list,
+      el("label", { class: "small" }, anew, " fit its model anew")),
+    el("h2", {}, "Benches in this folder"), list,
     drop.panel(),
     el("h2", {}, "Or look around first"),
-    el("p", {}, "The demonstration bench is simulated; its pivot has an effect that the base model lacks. It is put into out/lab-demo."),
+    el("p", {}, "The demonstration bench is simulated; its pivot has an effect that the base model lacks. Its files are written to out/lab-demo."),
     el("button", { type: "button", id: "open-demonstration", onclick: () => begin({ task: "open-demonstration" }) }, "Open the demonstration bench"));
   const found = await get("/api/benches");
   list.replaceChildren(...(found.length ? found.map((one) => el("li", {}, el("button", { type: "button", onclick: () => begin({ task: "open", path: one }) }, one)))

@@ -19,12 +19,12 @@ function measure(x1, y1, x2, y2) {
 /** What can be known: key in bench.toml, symbol in the drawing, unit, words, and how it is had. */
 export const CONSTANTS = [
   { key: "gravity", symbol: "g", unit: "m/s²", words: "gravity", how: "9.81 nearly everywhere", usual: 9.81 },
-  { key: "torque_constant", symbol: "τ", unit: "N m/A", words: "torque constant of the motor", how: "its data sheet" },
-  { key: "body_mass", symbol: "m_b", unit: "kg", words: "mass of the body without the wheel", how: "a balance" },
-  { key: "wheel_mass", symbol: "m_w", unit: "kg", words: "mass of the wheel with what turns with it", how: "a balance" },
-  { key: "pivot_to_wheel", symbol: "k", unit: "m", words: "from the pivot to the wheel's axis", how: "a ruler" },
+  { key: "torque_constant", symbol: "τ", unit: "N m/A", words: "torque constant of the motor", how: "from its data sheet" },
+  { key: "body_mass", symbol: "m_b", unit: "kg", words: "mass of the body without the wheel", how: "weigh it" },
+  { key: "wheel_mass", symbol: "m_w", unit: "kg", words: "mass of the wheel with what turns with it", how: "weigh it" },
+  { key: "pivot_to_wheel", symbol: "k", unit: "m", words: "from the pivot to the wheel's axis", how: "measure it with a ruler" },
   { key: "pivot_to_com", symbol: "l", unit: "m", words: "from the pivot to the body's own centre of mass", how: "balance the body without the wheel on an edge" },
-  { key: "gravity_torque", symbol: "G", unit: "N m", words: "torque that holds the body level, in place of masses and lengths", how: "a spring balance: force times arm" },
+  { key: "gravity_torque", symbol: "G", unit: "N m", words: "torque that holds the body level, in place of masses and lengths", how: "with a spring scale: force times arm" },
 ];
 
 /** The drawing; `mark(key)` marks a constant in it. */

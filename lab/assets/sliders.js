@@ -12,8 +12,6 @@ let fine = false;
 let begin = () => {};
 let askWhy = () => {};
 let bench = null;
-// RMSE over noise above which the page asks what is missing.
-const FAILS = 1.5;
 let rows = new Map();
 
 /** `why` shows the panel that says why the model fails. */
@@ -55,7 +53,7 @@ function build() {
 /** What a newcomer does next where the model fails and nobody has asked why. */
 function hint() {
   const worst = bench.errors.reduce((most, row) => (row.over_noise > most.over_noise ? row : most), bench.errors[0]);
-  if (bench.has_diagnosis || !(worst?.over_noise > FAILS)) return "";
+  if (bench.has_diagnosis || !worst?.fails) return "";
   return el("div", { class: "hint row", id: "hint" },
     el("span", { class: "grow small" }, `The model misses the ${worst.spoken} of ${worst.experiment} by ${worst.over_noise_text} times the noise of the sensor.`),
     el("button", { type: "button", class: "main", id: "ask-why", onclick: askWhy }, "What is missing?"));

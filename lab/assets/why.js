@@ -6,6 +6,7 @@ import { remainder } from "./remainder.js";
 
 const panel = byId("panel-why");
 let begin = () => {};
+let goOn = () => {};
 let bench = null;
 let found = null;
 let library = [];
@@ -13,8 +14,10 @@ let redrawPlots = [];
 // How many series of the staircase are named in it.
 const NAMED_STAIRS = 3;
 
-export async function start(work) {
+/** `next` shows the design of the controller. */
+export async function start(work, next) {
   begin = work;
+  goOn = next;
   library = await get("/api/effects");
   onTheme(() => redrawPlots.forEach((call) => call()));
 }
@@ -38,9 +41,9 @@ function build() {
   panel.replaceChildren(
     el("div", { class: "row" }, button(found ? "Diagnose again" : "Diagnose", { task: "diagnose" }, !found),
       found?.can_apply && (found.added.length || found.taken_out.length) ? button(applyText(), { task: "apply" }, true) : null),
-    found ? verdict() : el("p", { class: "quiet" }, "The diagnosis looks for a physical effect that the model lacks, says how sure it is, and which experiment would settle what is open."),
+    found ? verdict() : el("p", { class: "quiet" }, "The diagnosis looks for physical effects that the model lacks. It gives the probability of each, and names the experiment that would decide between those that fit equally well."),
     found?.missing_torque ? remainder(found.missing_torque, begin, redrawPlots, bench.effects.includes(`learned-${found.missing_torque.coordinate.replace("_", "-")}`)) : "",
-    tie(), model(), staircase(), found ? suspects() : "", found ? reasons() : "", others(),
+    tie(), found ? suspects() : "", found ? reasons() : "", model(), staircase(), others(),
   );
   redrawPlots.forEach((call) => call());
 }
@@ -52,12 +55,22 @@ function applyText() {
 
 function verdict() {
   return el("div", {},
-    el("p", { class: "verdict", id: "verdict", "data-verdict": found.verdict }, found.sentence),
+    el("div", { class: "verdict", id: "verdict", "data-verdict": found.verdict }, sentences(found.sentence).map((one) => el("p", {}, one))),
     found.current ? null : el("p", { class: "bad small" }, "The model has changed since: diagnose again."),
     found.remains ? el("p", {}, found.remains) : null,
     found.ambiguous_between.length ? el("div", { class: "card" }, el("h3", {}, "Equally good explanations"),
       found.ambiguous_between.map((set) => el("details", {}, el("summary", {}, set.join(" + ")), set.map((name) => [el("strong", { class: "small" }, name), lesson(name)])))) : null,
-    found.next_experiment ? nextExperiment() : null);
+    found.next_experiment ? nextExperiment() : null,
+    found.current && !found.can_apply && ["explained", "nothing-missing"].includes(found.verdict) ? onward() : null);
+}
+
+/** A verdict of several sentences, one a line: a sentence ends at a full stop before a capital letter or a command. */
+const sentences = (text) => text.split(/(?<=\.) (?=[A-Z`])/);
+
+/** What comes next where nothing is missing any more. */
+function onward() {
+  return el("div", { class: "hint row" }, el("span", { class: "grow small" }, "The model explains these measurements. The next step is the controller."),
+    el("button", { type: "button", class: "main", id: "onward", onclick: goOn }, "Design it"));
 }
 
 /** The experiment that settles what is open: what to do, for how long, and what each explanation would show. */
@@ -108,8 +121,8 @@ function staircase() {
       shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: 1, y1: 1, line: { color: colour("good"), dash: "dash", width: 1 } }],
     }), { displayModeBar: false }));
   const lines = rows.map((row) => el("tr", {}, el("td", {}, row.series),
-    row.cells.map((cell) => el("td", { class: cell.over_noise > 1.5 ? "bad" : "good" }, cell.text)), el("td", {}, row.noise_text)));
-  return el("div", {}, el("h2", {}, "The error, change by change"), holder,
+    row.cells.map((cell) => el("td", { class: cell.fails ? "bad" : "good" }, cell.text)), el("td", {}, row.noise_text)));
+  return el("div", {}, el("h2", {}, "The error after each change of the model"), holder,
     el("details", {}, el("summary", {}, "Numbers"), el("div", { class: "scroll" }, table(["RMSE", ...labels, "sensor noise"], lines))));
 }
 
@@ -141,8 +154,8 @@ function pictures(residual, decay, names) {
 }
 
 function reasons() {
-  const all = pictures(found.reasons, found.decay, ["model as it was", "after the diagnosis"]);
-  return all.length ? el("details", { id: "reasons", ontoggle: () => redrawPlots.forEach((call) => call()) }, el("summary", {}, el("strong", {}, "Where the model as it was fails, and how the swings die out")), all) : "";
+  const all = pictures(found.reasons, found.decay, ["before the diagnosis", "after it"]);
+  return all.length ? el("details", { id: "reasons", ontoggle: () => redrawPlots.forEach((call) => call()) }, el("summary", {}, el("strong", {}, "Evidence: where the model before the diagnosis fails, and how the swings decay")), all) : "";
 }
 
 /** What an effect looks like, without and with it in the model. */
@@ -151,7 +164,7 @@ function fingerprint(effect) {
   if (!own) return button("Draw its fingerprint", { task: "fingerprint", effect });
   const all = pictures(own.reasons, own.decay, ["without it", "with it"]);
   const hold = el("details", { class: "fingerprint", open: true, ontoggle: () => redrawPlots.forEach((call) => call()) }, el("summary", {}, "Its fingerprint: the model without and with it"),
-    all.length ? all : el("p", { class: "small" }, "Neither the residuals nor the swings of these logs show it apart from the others; what it takes away stands above."));
+    all.length ? all : el("p", { class: "small" }, "Neither the residuals nor the decay of the swings differ visibly. The share of the error that this effect takes away stands above."));
   return hold;
 }
 
@@ -180,13 +193,13 @@ function suspects() {
       el("details", {}, el("summary", {}, "About this effect"), lesson(one.effect)),
       fingerprint(one.effect));
   });
-  return el("div", {}, el("h2", {}, "Suspects"), cards.length ? cards : el("p", {}, "Nothing is missing, so there is none."));
+  return el("div", {}, el("h2", {}, "Suspects"), cards.length ? cards : el("p", {}, "None: nothing is missing."));
 }
 
 function others() {
   const names = library.map((one) => one.name).filter((name) => !bench.effects.includes(name));
   const choice = el("select", { id: "effect-choice", "aria-label": "Effect to add", onchange: () => text.replaceChildren(lesson(choice.value) ?? "") }, names.map((name) => el("option", {}, name)));
   const text = el("div", {}, lesson(names[0]) ?? "");
-  return el("div", {}, el("h2", {}, "Every effect"),
+  return el("div", {}, el("h2", {}, "All effects of the library"),
     el("div", { class: "row" }, choice, el("button", { type: "button", onclick: () => begin({ task: "add", effect: choice.value }) }, "Add")), text);
 }

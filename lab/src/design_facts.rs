@@ -14,7 +14,7 @@ use crate::picture::{View, thinned};
 /// Width for which the responses of a design are drawn.
 const RESPONSE_PIXELS: usize = 500;
 
-/// The wishes for a design.
+/// The settings for a design, as the page sends them.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Asked {
@@ -23,12 +23,12 @@ pub struct Asked {
     /// Allowed excursions in place of the weights: rad, rad/s, rad/s, A.
     #[serde(default)]
     excursions: Option<[f64; 4]>,
-    /// How late the current reaches the motor, s.
+    /// Delay from the command to the current in the motor, s.
     #[serde(default)]
     delay_s: f64,
 }
 
-/// The controller for these weights, with what its loop does.
+/// The controller for these weights, with margins and responses of its loop.
 ///
 /// # Errors
 /// A sentence, where these weights give no controller.
@@ -78,7 +78,7 @@ pub(crate) fn numbers(
             report.gains.map(|gain| significant(gain, 6)).join(", "),
         ),
         (
-            "Recovers from rest up to (current limit)",
+            "Largest angle at rest that the current limit can hold",
             degrees(report.recovery_angle_rad),
         ),
     ];
@@ -90,7 +90,7 @@ pub(crate) fn numbers(
     }
     if let Some(angle_rad) = found.recoverable_angle_rad {
         lines.push((
-            "Recovers from rest up to (this law, nonlinear)",
+            "Largest angle at rest from which this law recovers (nonlinear)",
             degrees(angle_rad),
         ));
     }
@@ -98,7 +98,7 @@ pub(crate) fn numbers(
         None => lines.push(("With this delay", "unstable: it falls".to_owned())),
         Some(margins) => lines.extend([
             (
-                "Gain factor that it bears",
+                "Gain margin (factor)",
                 format!(
                     "{} to {}",
                     significant(margins.least_gain_factor, 3),
@@ -113,14 +113,14 @@ pub(crate) fn numbers(
                 or_without_limit(margins.phase_margin_rad, degrees(margins.phase_margin_rad)),
             ),
             (
-                "Further delay that it bears",
+                "Delay margin",
                 or_without_limit(
                     margins.delay_margin_s,
                     with_prefix(margins.delay_margin_s, "s"),
                 ),
             ),
             (
-                "Least distance from −1",
+                "Smallest distance of the open loop from −1",
                 significant(margins.modulus_margin, 3),
             ),
         ]),
@@ -153,7 +153,7 @@ pub(crate) fn numbers(
         ]);
     }
     lines.push((
-        "Wheel speed for an angle that is read 1° too large",
+        "Steady wheel speed if the angle is measured 1° too large",
         format!(
             "{} rad/s",
             significant(report.wheel_speed_per_angle_bias * 1_f64.to_radians(), 3)

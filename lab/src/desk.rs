@@ -144,7 +144,7 @@ impl OpenBench {
         };
         let comparison = comparison.map_err(|error| match error {
             Error::ParameterMissing { .. } | Error::ParameterUnit { .. } => {
-                format!("{error}; open it again with \"fit anew\"")
+                format!("{error}; open it again with \"fit its model anew\"")
             }
             error => error.to_string(),
         })?;

@@ -3,19 +3,17 @@
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
 use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
-use workbench::{ComparisonReport, Coordinate, FailurePlace, PerSeries, words};
+use workbench::{ComparisonReport, FAILS_OVER_NOISE, FailurePlace, PerSeries, words};
 
 use crate::desk::{Desk, OpenBench};
-use crate::picture::{lost, stretches};
+use crate::picture::lost;
 use crate::why_facts;
 use crate::work::CONTROLLER;
 
 /// Range of the fine track of a slider, in standard errors to either side.
 const FINE_ERRORS: f64 = 10.0;
-/// Largest number of shaded stretches for one place.
+/// Largest number of shaded stretches of an experiment.
 const MOST_STRETCHES: usize = 100;
-/// Largest share of an experiment's time that is shaded; a place that covers more is not shown.
-const MOST_SHADED: f64 = 0.5;
 /// Largest number of runs of lost samples of a channel that are marked.
 const MOST_LOST: usize = 100;
 
@@ -96,7 +94,7 @@ fn experiments(found: &ComparisonReport) -> Vec<Value> {
                     "time_s": push.time_s,
                     "text": format!("push {}", with_prefix(push.impulse_nms, impulse_unit)),
                 })).collect::<Vec<_>>(),
-                "shades": shades(found, &logged.name),
+                "shading": shading(found, &logged.name),
             })
         })
         .collect()
@@ -118,33 +116,18 @@ fn lost_samples(time_s: &[f64], measured: &[f64]) -> Value {
     })
 }
 
-/// The stretches of the time axis where the model fails: the most significant place that can be shaded.
-fn shades(found: &ComparisonReport, experiment: &str) -> Vec<Value> {
-    let curves = found.curves.iter().find(|one| one.experiment == experiment);
-    let Some(curves) = curves else {
-        return Vec::new();
+/// Where the model fails most in an experiment: the longest stretches of its time, and what they are; `null` where the
+/// model does not fail.
+fn shading(found: &ComparisonReport, experiment: &str) -> Value {
+    let Some(mut shading) = found.shading(experiment) else {
+        return Value::Null;
     };
-    let places = found.places.iter();
-    let mut places = places.filter(|place| place.significant && place.experiment == experiment);
-    let duration_s = match (curves.time_s.first(), curves.time_s.last()) {
-        (Some(first), Some(last)) => last - first,
-        _ => return Vec::new(),
-    };
-    let plainest = places.find_map(|place| {
-        let over = match place.coordinate {
-            Coordinate::Time => vec![[place.from, place.to]],
-            coordinate => {
-                let mut channels = curves.channels.iter();
-                let own = channels.find(|one| one.channel.name() == coordinate.name())?;
-                let range = (place.from, place.to);
-                stretches(&curves.time_s, &own.measured, range, MOST_STRETCHES)
-            }
-        };
-        let shaded_s: f64 = over.iter().map(|[from, to]| to - from).sum();
-        let is_shown = shaded_s > 0.0 && shaded_s <= MOST_SHADED * duration_s;
-        is_shown.then(|| json!({"stretches": over, "text": words::place(place)}))
-    });
-    plainest.into_iter().collect()
+    let length = |[from, to]: &[f64; 2]| to - from;
+    shading
+        .stretches_s
+        .sort_by(|a, b| length(b).total_cmp(&length(a)));
+    shading.stretches_s.truncate(MOST_STRETCHES);
+    json!({"stretches": shading.stretches_s, "text": shading.text})
 }
 
 fn place(place: &FailurePlace) -> Value {
@@ -178,8 +161,9 @@ pub fn error_row(experiment: &str, channel: &workbench::ChannelCurves) -> Value 
         "rmse_text": with_prefix(channel.rmse, unit),
         "noise_text": with_prefix(channel.noise_std, unit),
         "fit_text": fit_percent(channel.fit_percent),
-        "over_noise": channel.rmse / channel.noise_std,
-        "over_noise_text": significant(channel.rmse / channel.noise_std, 3),
+        "over_noise": channel.over_noise(),
+        "over_noise_text": significant(channel.over_noise(), 3),
+        "fails": channel.over_noise() > FAILS_OVER_NOISE,
     })
 }
 
@@ -248,6 +232,7 @@ fn staircase(bench: &OpenBench) -> Value {
             json!({
                 "text": rmse.map_or("–".to_owned(), |rmse| with_prefix(rmse, unit)),
                 "over_noise": rmse.map(|rmse| rmse / noise),
+                "fails": rmse.is_some_and(|rmse| rmse > FAILS_OVER_NOISE * noise),
             })
         });
         json!({

@@ -71,30 +71,6 @@ pub fn thinned(time_s: &[f64], value: &[f64], view: &View) -> Curve {
     curve
 }
 
-/// The stretches of time in which a value lies in a range; at most `most` of them, the longest are kept.
-pub fn stretches(time_s: &[f64], value: &[f64], range: (f64, f64), most: usize) -> Vec<[f64; 2]> {
-    let mut found: Vec<[f64; 2]> = Vec::new();
-    let mut open: Option<[f64; 2]> = None;
-    for (&t, &v) in time_s.iter().zip(value) {
-        let inside = v >= range.0 && v <= range.1;
-        open = match (open, inside) {
-            (Some([from, _]), true) => Some([from, t]),
-            (None, true) => Some([t, t]),
-            (Some(stretch), false) => {
-                found.push(stretch);
-                None
-            }
-            (None, false) => None,
-        };
-    }
-    found.extend(open);
-    found.retain(|[from, to]| to > from);
-    found.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
-    found.truncate(most);
-    found.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    found
-}
-
 /// A run of lost samples: the times in s of the samples on either side, and how many are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lost {
@@ -214,21 +190,5 @@ mod tests {
         let curve = thinned(&time, &value, &view);
         assert_eq!(curve.value.first(), Some(&9.0));
         assert_eq!(curve.value.last(), Some(&21.0));
-    }
-
-    #[test]
-    fn stretches_are_where_the_value_lies_in_the_range() {
-        let (time, value) = samples(1000, |k| (k as f64 * 1e-2).sin());
-        let found = stretches(&time, &value, (0.0, 2.0), 10);
-        // sin is positive in (0, π) and (2π, 3π), in steps of 1e-2: s of 1e-3.
-        assert_eq!(found.len(), 2);
-        assert!(
-            (found[0][1] - 0.314).abs() < 1e-9 && (found[1][0] - 0.629).abs() < 1e-9,
-            "{found:?}"
-        );
-        assert_eq!(
-            stretches(&time, &value, (5.0, 6.0), 10),
-            Vec::<[f64; 2]>::new()
-        );
     }
 }

@@ -1,13 +1,10 @@
-//! The first lines of a report: what came of everything, in plain words.
+//! The first lines of a report: the conclusion in plain words.
 
 use workbench::numbers::significant;
-use workbench::{ComparisonReport, ProofVerdict, Verdict};
+use workbench::{ComparisonReport, FAILS_OVER_NOISE, ProofVerdict, Verdict};
 
 use crate::html::{escaped, list, paragraph, put};
 use crate::report_findings::Findings;
-
-/// RMSE over the sensor's noise up to which a model leaves nothing that a person would see.
-const AT_THE_NOISE: f64 = 1.5;
 
 /// The conclusion: the verdict, then model, data, controller and proof in a line each, and what to do next.
 pub fn conclusion(page: &mut String, findings: &Findings) {
@@ -54,13 +51,13 @@ fn model(found: &ComparisonReport) -> String {
     });
     let worst = over.max_by(|(_, a), (_, b)| a.total_cmp(b));
     match worst {
-        Some((_, over)) if over <= AT_THE_NOISE => format!(
+        Some((_, over)) if over <= FAILS_OVER_NOISE => format!(
             "Model: with {} effects it follows every log to within {} times the noise of its sensor.",
             found.effects.len(),
             significant(over, 2)
         ),
         Some((series, over)) => format!(
-            "Model: with {} effects it is farthest off in {series}, by {} times the noise of the sensor.",
+            "Model: with {} effects, its largest error is in {series}: {} times the noise of the sensor.",
             found.effects.len(),
             significant(over, 2)
         ),
@@ -82,7 +79,7 @@ fn controller(findings: &Findings) -> String {
         Ok(designed) => {
             let design = designed.design();
             format!(
-                "Controller: it holds the body up from at most {}°, and bears {} ms of delay beyond its sample time.",
+                "Controller: it recovers from at most {}°, and tolerates {} ms of delay beyond its sample time.",
                 significant(design.recovery_angle_rad.to_degrees(), 3),
                 significant(1e3 * design.margins.delay_margin_s, 3)
             )

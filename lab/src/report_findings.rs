@@ -1,4 +1,4 @@
-//! What a report is made from.
+//! The results from which a report is made.
 
 use workbench::{ComparisonReport, DiagnosisReport, Proof, Session};
 
@@ -6,10 +6,10 @@ use workbench::{ComparisonReport, DiagnosisReport, Proof, Session};
 pub struct Findings<'a> {
     /// The session, with the model that the report is about.
     pub session: &'a Session,
-    /// That model compared with the measurements.
+    /// The comparison of that model with the measurements.
     pub comparison: &'a ComparisonReport,
-    /// Its diagnosis, if one was made.
+    /// The diagnosis of that model, if there is one.
     pub diagnosis: Option<&'a DiagnosisReport>,
-    /// The proof of its controller, or the reason why there is none.
+    /// The proof of the controller for that model, or the reason why there is none.
     pub proof: Result<&'a Proof, &'a str>,
 }

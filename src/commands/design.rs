@@ -155,7 +155,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     Report::new(text, &WithFigures { result, figures })
 }
 
-/// The design of the model for what is asked for in place of its own wishes.
+/// The design of the model with the options of the command in place of the values of its [design].
 fn designed(arguments: &Arguments) -> Result<ControlDesign, Failure> {
     let mut file = ModelFile::read(&arguments.model)?;
     let mut wishes = match file.design {

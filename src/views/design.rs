@@ -107,7 +107,7 @@ fn poles(report: &DesignReport) -> String {
         ]);
     }
     let mut text = format!(
-        "\nPoles (closed loop: sampled, and what they are in 1/s)\n{}",
+        "\nPoles (closed loop: of the sampled loop, and converted to 1/s)\n{}",
         table.text()
     );
     if let Some(found) = uncertainty {
@@ -290,5 +290,8 @@ fn pushes(pushes: &[LeastPush]) -> String {
     if table.is_empty() {
         return String::new();
     }
-    format!("\nThe least that brings the body up\n{}", table.text())
+    format!(
+        "\nThe smallest push of the wheel that lifts the body upright\n{}",
+        table.text()
+    )
 }

@@ -119,7 +119,7 @@ pub fn late(found: &LateLoop) -> String {
         ]);
     }
     let ahead = with_prefix(found.ahead_s, "s");
-    let predicting = format!("u = −K x̂, x̂ led on by {ahead}");
+    let predicting = format!("u = −K x̂, x̂ predicted {ahead} ahead");
     for (name, point) in [
         ("u = −K x", &found.law),
         (predicting.as_str(), &found.predicting),
@@ -139,7 +139,7 @@ pub fn late(found: &LateLoop) -> String {
         times.row(sample_time(row));
     }
     format!(
-        "\nThe loop with its lateness\n{}\nWhat each sample time costs, with that lateness\n{}",
+        "\nThe loop with all its delays and lags\n{}\nOther sample times, with the same delays and lags\n{}",
         table.text(),
         times.text()
     )

@@ -26,7 +26,7 @@ pub fn list(library: &[EffectDescription]) -> String {
 /// Everything about one.
 pub fn whole(effect: &EffectDescription, confusions: &[EffectConfusion]) -> String {
     let mut text = format!(
-        "{}: {}\n\nEquation ({})\n  {}\n  from {}\n\nWhat to look for\n  {}\n  it shows in {}\n",
+        "{}: {}\n\nEquation ({})\n  {}\n  from {}\n\nWhat to look for\n  {}\n  experiments that show it: {}\n",
         effect.name,
         effect.meaning,
         acts(&effect.role),
@@ -82,6 +82,6 @@ fn acts(role: &str) -> &'static str {
         "body" => "a torque on the body, against its motion",
         "wheel" => "a torque on the wheel, against its motion",
         "motor" => "a stage between command and torque",
-        _ => "what a sensor makes of the motion",
+        _ => "a property of a sensor",
     }
 }

@@ -78,6 +78,10 @@ pub struct FailurePlace {
     pub from: f64,
     /// Upper end of the range.
     pub to: f64,
+    /// The stretches of the log's time in which the coordinate lies in the range: first and last instant, s, in rising
+    /// order. The JSON does not contain them.
+    #[serde(skip)]
+    pub stretches_s: Vec<[f64; 2]>,
     /// Share of the residual's error that lies in it.
     pub share_of_error: f64,
     /// The residual in which it was found.
@@ -290,15 +294,11 @@ impl FailurePlace {
             coordinate: region.coordinate,
             from: region.from,
             to: region.to,
+            stretches_s: region.stretches_s.clone(),
             share_of_error: region.share_of_error,
             residual: region.quantity,
             significant: region.is_significant,
         }
-    }
-
-    /// Middle of the range, in the unit of the coordinate.
-    pub fn middle(&self) -> f64 {
-        0.5 * (self.from + self.to)
     }
 }
 

@@ -240,7 +240,7 @@ fn name_of(path: &Path) -> String {
     }
 }
 
-/// The linear model of what of `model` the logs have shown upright.
+/// The linear model of `model` about upright, without the effects that no log has shown there.
 fn linearise(
     model: &Model,
     upright: &Model,

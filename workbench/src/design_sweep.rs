@@ -23,12 +23,12 @@ pub enum Swept {
     SampleTime,
     /// Largest current, A.
     CurrentLimit,
-    /// How late the current reaches the motor, s.
+    /// Delay from the command to the current in the motor, s.
     Delay,
 }
 
 impl Swept {
-    /// All of them.
+    /// All settings.
     pub const ALL: [Swept; 7] = [
         Swept::AngleWeight,
         Swept::RateWeight,
@@ -74,51 +74,51 @@ impl Swept {
 pub struct DesignSweep {
     /// The setting that varies.
     pub swept: Swept,
-    /// One row a value.
+    /// One row for each value.
     pub rows: Vec<SweepRow>,
 }
 
 /// The design at one value.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SweepRow {
-    /// The value, in the unit of what moves.
+    /// The value, in the unit of the setting.
     pub value: f64,
     /// The design at this value; `None` if there is none.
     pub point: Option<SweepPoint>,
-    /// Why there is none, a sentence; empty where there is one.
+    /// The reason why there is no design, a sentence; empty if there is one.
     pub failure: String,
 }
 
-/// A design in few numbers.
+/// The main numbers of a design.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SweepPoint {
     /// K in A/rad, A s/rad, A s/rad.
     pub gains: [f64; 3],
     /// Real part of the slowest pole, 1/s.
     pub slowest_pole_per_s: f64,
-    /// The same of the fastest.
+    /// Real part of the fastest pole, 1/s.
     pub fastest_pole_per_s: f64,
     /// Phase margin with the delay.
     #[serde(with = "crate::named::unbounded")]
     pub phase_margin_rad: f64,
-    /// Delay that the loop bears beyond it.
+    /// Further delay that the loop tolerates.
     #[serde(with = "crate::named::unbounded")]
     pub delay_margin_s: f64,
-    /// Least distance of the open loop from −1.
+    /// Smallest distance of the open loop from −1.
     pub modulus_margin: f64,
     /// asin(τ u_max/G).
     pub recovery_angle_rad: f64,
     /// Largest angle under a torque of a tenth of the motor's.
     pub step_angle_rad: f64,
-    /// Standard deviation of the angle by the sensors' noise.
+    /// Standard deviation of the angle under the sensors' noise.
     pub noise_angle_rad: f64,
-    /// The same of the current.
+    /// Standard deviation of the current under the sensors' noise.
     pub noise_current_a: f64,
 }
 
 impl ControlDesign {
-    /// The design at each of these values of one wish, the others as they are. A value without a design is a row that
-    /// says why.
+    /// The design at each value of one setting, with all other settings unchanged. A value without a design has a row with
+    /// the reason.
     pub fn sweep(
         &self,
         swept: Swept,

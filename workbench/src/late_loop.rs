@@ -56,12 +56,12 @@ pub struct LatePart {
     pub why: String,
 }
 
-/// A loop with that lateness.
+/// A loop with these delays and lags.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LatePoint {
     /// Real and imaginary part of the poles, as continuous equivalents, 1/s; those of the delay itself are left out.
     pub poles_per_s: Vec<[f64; 2]>,
-    /// What the loop bears beyond its lateness.
+    /// The margins of the loop beyond these delays and lags.
     pub margins: LoopMargins,
     /// Standard deviation of the true angle by the sensors' noise.
     pub noise_angle_rad: f64,
@@ -145,7 +145,7 @@ impl ControlDesign {
         let (_, lateness) = designed.lateness(settings.delay_s);
         (row.law, row.predicting) = designed.late_points(&lateness, settings)?;
         row.why = match (&row.law, self.freshest_s()) {
-            (None, _) => "with its lateness the loop is unstable".to_owned(),
+            (None, _) => "with these delays and lags the loop is unstable".to_owned(),
             (Some(_), Some(fresh_s)) if sample_time_s < fresh_s * (1.0 - 1e-9) => {
                 "the sensors give no fresh reading for every sample".to_owned()
             }

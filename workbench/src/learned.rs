@@ -88,7 +88,7 @@ impl Session {
             rmse: rmse.clone(),
         };
         report.sentence = format!(
-            "{} The model follows it with {names}, which explains nothing.",
+            "{} The model follows this error with {names}; a learned curve explains nothing.",
             report.sentence
         );
         report.with_learned = Some(DiagnosisStep {

@@ -102,6 +102,7 @@ mod refusal;
 mod remains;
 mod sensor_noise;
 mod session;
+mod shading;
 mod simulated_sensors;
 mod swing_decay;
 pub mod words;
@@ -172,4 +173,5 @@ pub use recording::{
 pub use remains::{ClosedLoopDeviation, RemainsReport};
 pub use sensor_noise::BenchNoise;
 pub use session::Session;
+pub use shading::{FAILS_OVER_NOISE, Shading};
 pub use swing_decay::{AmplitudeLaw, SwingDecay};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::session::Session;
 
-/// The torque that a model lacks, over the coordinate in which it stands best.
+/// The torque that a model lacks, over the coordinate that describes it best.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissingTorque {
     /// angle, rate, wheel_speed or wheel_angle.
@@ -68,14 +68,13 @@ impl MissingTorque {
         }
     }
 
-    /// "It stands best over the angle: `flywheel add --learned angle` puts it into the model as a curve."
+    /// The coordinate that describes the missing torque best, and the command that adds the curve, in two sentences.
     pub fn sentence(&self) -> String {
         let coordinate = LearnedCoordinate::from_name(&self.coordinate);
         let words = coordinate.map_or("the coordinate", LearnedCoordinate::words);
         format!(
-            "What is missing stands best as a torque on the {} over {words}: a curve over it predicts {:.0} % of \
-             the missing torque. `add --learned {}` puts the curve into the model; it explains nothing, but the \
-             error falls.",
+            "The missing torque is described best as a torque on the {} over {words}: a curve predicts {:.0} % of \
+             it. `add --learned {}` adds this curve to the model; the error falls, but a curve explains nothing.",
             self.acts_on,
             100.0 * self.share,
             self.coordinate

@@ -17,7 +17,7 @@ pub struct SwingDecay {
     /// Change of the small-swing period from the largest to the smallest amplitude, %.
     #[serde(with = "named::gap")]
     pub period_drift_percent: f64,
-    /// Its standard error.
+    /// Standard error of this change, %.
     #[serde(with = "named::gap")]
     pub period_drift_percent_std: f64,
     /// The measured curves over the amplitude.

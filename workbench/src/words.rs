@@ -4,7 +4,6 @@ use identify::ResidualKind;
 
 use crate::comparison::FailurePlace;
 use crate::measured_linearity::MeasuredSwings;
-use crate::named::Named;
 use crate::numbers::{percent, significant, with_uncertainty};
 use crate::swing_decay::AmplitudeLaw;
 
@@ -28,9 +27,12 @@ pub fn place(place: &FailurePlace) -> String {
     )
 }
 
-/// The residual in which a place was found: "missing torque" or "output".
+/// The residual in which a place was found, in words.
 pub fn residual(quantity: ResidualKind) -> &'static str {
-    quantity.name()
+    match quantity {
+        ResidualKind::ResidualTorque => "missing torque",
+        ResidualKind::Output => "prediction error",
+    }
 }
 
 /// Effects that act together: "body-coulomb-friction + gyro-bias".

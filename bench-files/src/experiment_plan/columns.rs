@@ -1,4 +1,4 @@
-//! Which column of a log is which channel.
+//! The assignment of a log's columns to channels.
 
 use plant::Kind;
 
@@ -188,7 +188,7 @@ impl ExperimentPlan {
             return Err(missing(
                 &[Channel::Time],
                 "the time",
-                "; rows at equal times without a time column need time_step = 0.005 (s)",
+                "; for a log without a time column, state the time from row to row: time_step = 0.005 (s)",
             ));
         }
         let (channels, needs) = motion_needed(self.kind);
@@ -200,7 +200,7 @@ impl ExperimentPlan {
             return Err(missing(
                 &[Channel::Current],
                 "the motor current",
-                "; a current that was held and not logged goes to constants = { current = 0.6 }",
+                "; state a current that was held and not logged as constants = { current = 0.6 }",
             ));
         }
         Ok(uses)

@@ -20,7 +20,7 @@ pub(super) const BENCH: KeySection = KeySection {
 pub(super) const KNOWN: KeySection = KeySection {
     name: "known",
     heading: "[known]",
-    meaning: "What was measured with ruler, scales and data sheet. Each may be missing; without masses and lengths torques are found per unit of inertia.",
+    meaning: "Constants measured with ruler and scales, or taken from data sheets. Each may be missing; without masses and lengths torques are found per unit of inertia.",
     keys: &[
         key(
             "gravity",
@@ -83,14 +83,14 @@ pub(super) const KNOWN: KeySection = KeySection {
             "kg m²",
             "fitted",
             "wheel_inertia = 1.36e-4",
-            "j_w about the wheel's axis, likewise",
+            "j_w about the wheel's axis, if known from another experiment",
         ),
         key(
             "body_inertia",
             "kg m²",
             "follows from Θ",
             "body_inertia = 5.0e-4",
-            "j_b about the body's centre of mass, likewise",
+            "j_b about the body's centre of mass, if known from another experiment",
         ),
     ],
 };
@@ -106,14 +106,14 @@ pub(super) const CONTROLLER: KeySection = KeySection {
             "A/rad, A s/rad, A s/rad",
             NEEDED,
             "gains = [-24.27, -2.13, -0.0226]",
-            "K",
+            "the gains K",
         ),
         key(
             "current_limit",
             "A",
             NEEDED,
             "current_limit = 2.0",
-            "largest current either way",
+            "largest current in either direction",
         ),
         key(
             "sample_time",
@@ -129,7 +129,7 @@ pub(super) const CONTROLLER: KeySection = KeySection {
 pub(super) const EXPERIMENT: KeySection = KeySection {
     name: "experiment",
     heading: "[[experiment]]",
-    meaning: "One recording; the section stands once for each.",
+    meaning: "One recording; every recording has a section of its own.",
     keys: &[
         key(
             "name",
@@ -157,7 +157,7 @@ pub(super) const EXPERIMENT: KeySection = KeySection {
             "",
             "the standard names",
             "columns = { time = \"t\", angle = \"pend\" }",
-            "which column is which; standard names are `time_s`, `angle_rad`, `rate_rad_s`, `wheel_speed_rad_s`, `wheel_angle_rad`, `current_A`",
+            "the column of each channel; the standard names are `time_s`, `angle_rad`, `rate_rad_s`, `wheel_speed_rad_s`, `wheel_angle_rad`, `current_A`",
         ),
         key(
             "units",
@@ -178,7 +178,7 @@ pub(super) const EXPERIMENT: KeySection = KeySection {
             "",
             "1",
             "sign = { angle = -1 }",
-            "-1 for a column that counts the other way",
+            "-1 for a column that is positive in the opposite sense",
         ),
         key(
             "offset",
@@ -257,7 +257,7 @@ pub(super) const CALIBRATION: KeySection = KeySection {
             "",
             "none",
             "magnetometer = \"all-round.csv\"",
-            "turned into all directions: `mx my mz`",
+            "turned through all orientations: `mx my mz`",
         ),
         key(
             "swing",
@@ -313,7 +313,7 @@ pub(super) const CALIBRATION: KeySection = KeySection {
             "m",
             "from the swing",
             "lever_arm = [0.05, 0.0]",
-            "accelerometer from the pivot by a ruler, along the sensor's x and y",
+            "place of the accelerometer relative to the pivot, measured with a ruler along the sensor's x and y",
         ),
         key(
             "lever_arm_std",
@@ -327,7 +327,7 @@ pub(super) const CALIBRATION: KeySection = KeySection {
             "",
             "the names above",
             "columns = { ax = \"acc_x\" }",
-            "for a header with other names",
+            "the column of each quantity, where the header has other names",
         ),
         key(
             "plumb_lines",

@@ -19,7 +19,7 @@ pub struct Key {
     pub default: &'static str,
     /// The line as a person would write it.
     pub example: &'static str,
-    /// What it says.
+    /// The meaning of its value.
     pub meaning: &'static str,
 }
 
@@ -31,13 +31,13 @@ pub struct KeySection {
     pub name: &'static str,
     /// The line that opens it.
     pub heading: &'static str,
-    /// What it is for.
+    /// The purpose of the section.
     pub meaning: &'static str,
     /// Its keys.
     pub keys: &'static [Key],
 }
 
-/// Shortens the tables below.
+/// A key; keeps the tables short.
 const fn key(
     name: &'static str,
     unit: &'static str,
@@ -54,7 +54,7 @@ const fn key(
     }
 }
 
-/// What a key is where it has to be there.
+/// Stands as the default of a key that must not be left out.
 const NEEDED: &str = "needed";
 
 /// The sections of bench.toml.
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use toml_edit::DocumentMut;
 
-    /// Each example is TOML that sets its key; a section's name stands for itself.
+    /// Each example is TOML that sets its key; the example of a subsection is its heading.
     #[test]
     fn examples_set_their_keys() {
         for section in BENCH.iter().chain(MODEL).chain(OWN_EFFECT) {
@@ -133,7 +133,7 @@ mod tests {
         }
     }
 
-    /// The readers ask for sections by name: one that is not there would allow nothing.
+    /// The readers look a section up by its name; a name that is missing here would make them refuse every key.
     #[test]
     fn sections_have_one_name_each() {
         for list in [BENCH, MODEL, OWN_EFFECT] {

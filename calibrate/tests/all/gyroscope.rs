@@ -32,8 +32,8 @@ fn gyroscope_at_rest() {
     z.assert_one("gyroscope bias", 3.0 * seeds as f64, 19.0 / 17.0);
 }
 
-/// A sensor that turns by a few degrees for a second or two of its recording is noticed on whichever
-/// axis; one that lies still, or whose bias wanders slowly by 0.1 °/s, is not.
+/// A sensor that turns by a few degrees for a second or two of its recording is noticed, whichever axis it turns about.
+/// A sensor that lies still, or whose bias drifts slowly by 0.1 °/s, passes.
 #[test]
 fn a_turn_while_lying_still_is_refused() {
     let scale = 62.5e-3_f64.to_radians();

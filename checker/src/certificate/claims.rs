@@ -218,7 +218,7 @@ pub const CLAIMS: &[ClaimStatement] = &[
     },
     ClaimStatement {
         id: "closed-loop-for-all-time",
-        statement: "From any start in the stated ellipsoid, the loop with the emitted law never saturates, no voltage reaches the end of the supply, and at every step its state differs from that of the same loop in real numbers, with the speeds of the moment, by at most the stated bounds.",
+        statement: "From any start in the stated ellipsoid, the loop with the emitted law never saturates, no voltage reaches the end of the supply, and at every step its state differs by at most the stated bounds from that of the same loop in real numbers and with exact speeds.",
         domain: "all time; every start in the ellipsoid; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model. The sensors return the nearest count. The angle is measured directly, not by the filter. Of a voltage drive: winding resistance and back-EMF are the stated ones, and the winding's inductance is neglected. Of an encoder on the wheel: the motion in its window before the start lay in the ellipsoid too.",
         engine: EXACT,

@@ -27,7 +27,7 @@ pub fn by_directions(module: &Module, certificate: &Certificate) -> ClaimOutcome
         };
         if found != wanted && found != Direction::Stays {
             return ClaimOutcome::Failed(format!(
-                "the command's direction with the {state} is {found:?}, its gain makes it {wanted:?}"
+                "the command's direction with the {state} is {found:?}, but the gain gives {wanted:?}"
             ));
         }
     }

@@ -1,30 +1,29 @@
-//! Nested branches and long expressions take a time that grows with their length, not with the number of
-//! ways through them.
+//! The time for nested branches and long expressions grows with their length, not with the number of paths through them.
 
 use checker::domains::intervals::{every_bit_pattern, ranges};
 use checker::{Machine, Module};
 
-/// 2⁶⁰ ways would not end within anybody's patience.
+/// To follow 2⁶⁰ paths one by one would take centuries.
 const DEPTH: usize = 60;
 
 #[test]
 fn deep_branches() {
-    // Each branch in the one before.
+    // Every branch lies inside the one before.
     let inside = (0..DEPTH).rev().fold("x".to_owned(), |rest, k| {
         format!("if x < {k} {{ x }} else {{ {rest} }}")
     });
-    // Each after the one before, its condition made of earlier results.
+    // Every branch follows the one before, and its condition depends on earlier results.
     let mut after = String::new();
     for k in 0..DEPTH {
         after.push_str(&format!(
             "let y = if y < {k} && (x < y || y == {k}) {{ x }} else {{ y }};\n"
         ));
     }
-    // Each returns.
+    // Every branch returns.
     let returning: String = (0..DEPTH)
         .map(|k| format!("if x == {k} {{ return y; }}\n"))
         .collect();
-    // Operands without a plain type are looked at from both sides.
+    // The reader looks for the type of such an operand on both sides of the operator.
     let sum = (0..DEPTH).fold("x".to_owned(), |rest, k| format!("((y & {k}) + {rest})"));
     let bodies = [
         inside,
@@ -38,7 +37,7 @@ fn deep_branches() {
             Module::parse(&[("src/x.rs", &text)]).unwrap_or_else(|e| panic!("{e}: {body}"));
         let program = module.function("f").unwrap();
         assert!(program.len() < 20 * DEPTH, "{} steps", program.len());
-        // That a sum may overflow is a finding like any other.
+        // A sum that may overflow is a legitimate result; only the time counts here.
         let _ = ranges(program, &every_bit_pattern(program));
         assert!(Machine::new(program).call(&[3, 5]).is_ok(), "{body}");
     }

@@ -19,11 +19,11 @@ const LINE_LENGTH: usize = 100;
 /// A place in memory: a variable, or a part of one.
 #[derive(Debug, Clone)]
 pub struct Place {
-    /// How C writes it.
+    /// The expression in C.
     pub text: String,
-    /// Whether the text is a pointer to it.
+    /// Whether the expression is a pointer to the place.
     pub is_pointer: bool,
-    /// Its type.
+    /// The type of the value in the place.
     pub ty: Type,
 }
 
@@ -37,7 +37,7 @@ impl Place {
         }
     }
 
-    /// What a pointer points to.
+    /// The place that a pointer points to.
     pub fn behind(text: &str, ty: Type) -> Place {
         Place {
             text: text.to_string(),
@@ -63,7 +63,7 @@ impl Place {
         }
     }
 
-    /// As an argument by pointer.
+    /// The expression that passes the place to a function by pointer.
     pub fn argument(&self) -> String {
         match (&self.ty, self.is_pointer) {
             (Type::Array(..), _) | (_, true) => self.text.clone(),
@@ -71,7 +71,8 @@ impl Place {
         }
     }
 
-    /// The places to which a function that returns this type writes its parts.
+    /// The parameters through which a C function returns a value of this type: one for an array or a structure, one
+    /// for each part of a tuple, none for a number.
     pub fn outs(returns: &Type) -> Vec<Place> {
         let part = |name: &str, ty: &Type| match ty {
             Type::Array(..) => Place::variable(name, ty.clone()),
@@ -102,7 +103,7 @@ pub struct Needs {
 
 /// The translation of one function or constant.
 pub struct Scope<'a> {
-    /// Everything that is declared.
+    /// All items that the crate declares.
     pub items: &'a Items,
     /// The module whose names are used.
     pub module: &'a str,
@@ -110,13 +111,13 @@ pub struct Scope<'a> {
     pub owner: Option<&'a str>,
     /// The name in messages.
     pub name: String,
-    /// The items that are needed.
+    /// The items that the translated text refers to.
     pub needs: Needs,
     /// The lines so far.
     pub lines: Vec<String>,
     /// Nesting depth of the next line.
     pub depth: usize,
-    /// What the function returns.
+    /// The type that the function returns.
     pub returns: Type,
     names: Vec<HashMap<String, Place>>,
     taken: HashSet<String>,
@@ -124,7 +125,7 @@ pub struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
-    /// An empty one.
+    /// A scope without names and lines.
     pub fn new(items: &'a Items, module: &'a str, owner: Option<&'a str>, name: &str) -> Self {
         Scope {
             items,
@@ -149,7 +150,7 @@ impl<'a> Scope<'a> {
         })
     }
 
-    /// One more statement; a long one is broken after a comma or before an operator.
+    /// Adds a statement; a long one is broken after a comma or before an operator.
     pub fn line(&mut self, text: impl AsRef<str>) {
         let mut indent = "    ".repeat(self.depth);
         let mut rest = text.as_ref();
@@ -167,7 +168,7 @@ impl<'a> Scope<'a> {
         self.lines.push(format!("{indent}{rest}"));
     }
 
-    /// An unused name in C for this one: C allows no second declaration of a name.
+    /// A name for C that the function does not use yet: Rust may declare a name again, C may not.
     pub fn fresh(&mut self, name: &str) -> String {
         let mut own = name.to_string();
         if RESERVED.contains(&name) {

@@ -1,4 +1,4 @@
-//! The types of the emitted language, and how C writes them.
+//! The types of the emitted Rust, and their declarations in C.
 
 /// An item of a module: module and name.
 pub type Key = (String, String);
@@ -8,7 +8,7 @@ pub type Key = (String, String);
 pub enum Type {
     /// `bool`.
     Bool,
-    /// A whole number; a word of `fixed` is an `I32`, a structure around one number is that number.
+    /// An integer. A number of `fixed` is an `I32`; a structure with one unnamed number is that number.
     Int(Int),
     /// An array of this length.
     Array(Box<Type>, usize),
@@ -16,13 +16,13 @@ pub enum Type {
     Struct(Key),
     /// An enumeration without data.
     Enum(Key),
-    /// The type of several returned values.
+    /// Several returned values.
     Tuple(Vec<Type>),
     /// `()`.
     Unit,
 }
 
-/// A whole number.
+/// An integer type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Int {
     /// `i16`
@@ -40,7 +40,7 @@ pub enum Int {
 }
 
 impl Int {
-    /// The number with this name in Rust.
+    /// The integer type with this name in Rust.
     pub fn from_name(name: &str) -> Option<Int> {
         Some(match name {
             "i16" => Int::I16,
@@ -65,8 +65,8 @@ impl Int {
         }
     }
 
-    /// A literal. C gives a plain number the width of `int`, which may be 16 bits; where another operand is at least
-    /// as wide as the number's type (`is_beside_wide`), a short one may stay plain.
+    /// A literal of this type. A C literal without a suffix has the type `int`, which may have only 16 bits. A literal
+    /// that fits into 16 bits needs no suffix if the other operand is at least as wide as this type (`is_beside_wide`).
     pub fn literal(self, magnitude: u64, text: &str, is_beside_wide: bool) -> String {
         let is_short = magnitude <= 0x7fff;
         match self {
@@ -81,7 +81,7 @@ impl Int {
 }
 
 impl Type {
-    /// Whether it is passed and returned by pointer.
+    /// Whether values of the type are passed and returned by pointer.
     pub fn is_aggregate(&self) -> bool {
         matches!(self, Type::Array(..) | Type::Struct(_) | Type::Tuple(_))
     }

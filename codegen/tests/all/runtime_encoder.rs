@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::benches::{with_voltage, with_wheel_encoder};
 use crate::thesis;
 
-/// Every difference of two counts of 12 bits, the shorter way round.
+/// Every difference of two counts of 12 bits is taken the shorter way round.
 #[test]
 fn the_shorter_way_round() {
     for difference in -4095..=4095_i32 {
@@ -45,7 +45,7 @@ proptest! {
         }
     }
 
-    /// Any counts: total, and no turn beyond half a wrap.
+    /// Any counts are accepted, and no step turns by more than half a wrap.
     #[test]
     fn any_counts(counts in prop::collection::vec(any::<u16>(), 40), bits in 4..=16_u32) {
         let numbers = EncoderNumbers { wrap: 1 << bits, window: 16, jump: 5 };
@@ -58,7 +58,8 @@ proptest! {
     }
 }
 
-/// A steady wheel does not jump, also across the wrap and from the start; a count that is elsewhere does, at once.
+/// A wheel at steady speed is not taken for a jump, neither at its first count nor across the wrap; a count out of line
+/// is, at once.
 #[test]
 fn a_jump_is_noticed() {
     let spec = with_wheel_encoder(8);
@@ -78,8 +79,8 @@ fn a_jump_is_noticed() {
     assert!(encoder.has_jumped());
 }
 
-/// V = R u + k_e w over the whole range of both words, within half a count and what the slopes' rounding adds; the supply's
-/// ends beyond.
+/// V = R u + k_e w over the whole range of both words, to half a count and the rounding of the slopes. Beyond the supply
+/// voltage the duty stays at its end.
 #[test]
 fn duty_of_every_current_and_speed() {
     let spec = with_voltage(thesis::spec());

@@ -1,5 +1,5 @@
-//! Every fault alone on benches that have no other: it is named with its factor, and a bench without a
-//! fault has no finding.
+//! One fault at a time on benches without any other: the check names the fault with its factor. A bench without a fault
+//! has no finding.
 
 use std::f64::consts::PI;
 
@@ -126,7 +126,7 @@ fn the_angle_in_degrees_with_and_without_a_rate() {
                 Some(1.0 / DEGREES),
                 Severity::Refuse,
             );
-            // Both in degrees: the rate agrees with the angle, but no pendulum does.
+            // Both in degrees: the rate agrees with the angle, but no pendulum swings with this period and amplitude.
             let found = spoilt(seed, |logs| {
                 logs[log].scale("angle_rad", DEGREES);
                 logs[log].scale("rate_rad_s", DEGREES);
@@ -139,7 +139,7 @@ fn the_angle_in_degrees_with_and_without_a_rate() {
                 Severity::Refuse,
             );
         }
-        // Two degrees that are read as two radians: only the period tells.
+        // Two degrees that are read as two radians: only the period shows the fault.
         let found = spoilt(seed, |logs| {
             logs[1].scale("angle_rad", 2.0 / 15.0 * DEGREES);
             logs[1].columns.truncate(2);
@@ -164,7 +164,7 @@ fn the_wheel_in_rpm_in_one_log_in_a_balance_log_and_everywhere() {
         );
         let found = spoilt(seed, |logs| logs[6].scale("wheel_speed_rad_s", RPM));
         assert_found(seed, &found, FindingId::Gains, Some(RPM), Severity::Refuse);
-        // Everywhere: what follows is a wheel that no bench has, or a voltage that none supplies.
+        // In all logs: the wheel inertia or the voltage that follows is impossible.
         let found = spoilt(seed, |logs| {
             logs.truncate(6);
             logs[2..]
@@ -471,7 +471,7 @@ fn a_driven_log_against_the_motion_of_its_body() {
     }
 }
 
-/// A bench of free swings alone says nothing of a wheel.
+/// Free swings alone give no finding about the wheel.
 #[test]
 fn swings_alone_have_no_finding() {
     for seed in SEEDS {

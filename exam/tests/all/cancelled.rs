@@ -8,8 +8,8 @@ use exam::draw;
 use identify::{Cancelled, Progress, identify};
 use plant::Model;
 
-/// Wherever it is called off, it ends before the next fit: it asks no more than once for each of the fits that were
-/// under way at the same time, and says nothing more.
+/// Wherever a diagnosis is called off, it ends before its next fit: each of the fits that run at the same time asks once
+/// more whether to go on, and no progress is reported after that.
 #[test]
 fn a_diagnosis_ends_soon_after_it_is_called_off() {
     let bench = draw(5).expect("a bench");

@@ -1,5 +1,6 @@
-//! Outsiders that are functions of one coordinate: the coordinate is named, a learned curve brings every log to the
-//! noise, and predicts a log that it was not learned from better than the model without it.
+//! Hidden torques that no effect of the library describes and that depend on one coordinate. The program names the
+//! coordinate; a learned curve over it lowers the error of every log to the noise, and a model with the curve predicts an
+//! unseen log better than one without.
 
 use std::sync::Arc;
 
@@ -20,10 +21,10 @@ const SEED: u64 = 1800;
 /// Largest error, over the noise of its sensor, with the curve.
 const FOLLOWS: f64 = 1.5;
 
-/// A term that no library has, as a torque that acts on the body or the wheel.
+/// A term that the library does not have, as a torque that acts on the body or the wheel.
 fn acting(on_body: bool, torque: impl Fn(&TrueInstant) -> f64 + Send + Sync + 'static) -> Hidden {
     let against = move |_: &[f64], at: &TrueInstant| -torque(at);
-    // The exam reads the torque alone; the name stands for none of the library.
+    // The exam uses the torque alone; the name is a placeholder.
     let name = EffectId::BodySofteningSpring;
     let torque = Arc::new(against);
     Hidden::Stated(name, vec![], StatedTorque { on_body, torque })
@@ -105,7 +106,8 @@ fn held_out(problem: &FitProblem, without: usize, model: &Model) -> f64 {
     worst(&[&record], &[traces])
 }
 
-/// Learns what is hidden in these logs over the coordinate; the log at `unseen` is also predicted by the others.
+/// Learns the hidden torque from these logs as a curve over the coordinate. The log at `unseen` is also predicted by a
+/// model that is fitted to the others.
 fn learns(hidden: Hidden, plans: &[ExperimentPlan], coordinate: LearnedCoordinate, unseen: usize) {
     let problem = problem(hidden, plans);
     let records = problem.all_records();

@@ -213,7 +213,7 @@ fn stretches(rows: &Rows) -> Vec<(&Rows, Range<usize>)> {
         .collect()
 }
 
-/// The coordinate over which the missing torque stands best, with its curve; `None` where no curve predicts
+/// The coordinate that describes the missing torque best, with its curve; `None` where no curve predicts
 /// anything beyond chance.
 pub fn best_missing_curve(
     records: &[&Record],

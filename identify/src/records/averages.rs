@@ -5,7 +5,7 @@
 //!
 //! The mean over a block differs from the value in its middle. For m samples with spacing h, it is larger by ½ s² y″ with
 //! s² = (m² − 1) h²/12, the variance of the sampling times. This bias is subtracted, with y″ from a parabola through
-//! nine blocks (Savitzky & Golay, Anal. Chem. 36 (1964)). The noise of y″ adds half a percent to that of a block. For a
+//! nine blocks (Savitzky & Golay, Anal. Chem. 36 (1964)). The noise of y″ raises the noise of a block by half a percent. For a
 //! swing in blocks of a sixtieth of its period, the correction reduces the bias from 4.6e-4 of the amplitude to some 1e-5.
 
 use std::ops::Range;
@@ -42,7 +42,7 @@ fn mean(samples: &[f64]) -> f64 {
     finite.sum::<f64>() / count as f64
 }
 
-/// Means over blocks.
+/// The mean of every block.
 pub(crate) fn means(samples: &[f64], blocks: &[Range<usize>]) -> Vec<f64> {
     let of_block = |block: &Range<usize>| mean(&samples[block.clone()]);
     blocks.iter().map(of_block).collect()

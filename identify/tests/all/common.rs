@@ -1,4 +1,4 @@
-//! Fits of simulated logs, and what they found.
+//! Fits of simulated logs, and the parameters that they find.
 
 use crate::simulated::{Experiment, PUSHES, Physics, balance, free_swing, simulate, spin_up};
 use identify::{FitProblem, Identification, Record, identify};
@@ -24,7 +24,7 @@ pub fn log(physics: &Physics, experiment: &Experiment, seed: u64) -> Record {
     simulate(physics, experiment, &mut ChaCha8Rng::seed_from_u64(seed))
 }
 
-/// A shorter bench, so that many can be drawn.
+/// A bench with short logs, so that a test can simulate many benches.
 pub fn short_bench(physics: &Physics, seed: u64) -> Vec<Record> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let forward = |_: f64| 0.6;

@@ -98,9 +98,50 @@ fn the_other_experiments_follow_when_the_hand_rests() {
     browser.wait_for("document.querySelectorAll('#errors th').length === 6");
     let again: Vec<f64> = serde_json::from_value(errors()).expect("errors");
     assert_eq!(again, before);
+    // The keyboard's way over the time axis: half of it, a quarter of that further, and all of it again.
+    let view = || {
+        let range = "return document.getElementById('curves').layout.xaxis.range.map(Number)";
+        serde_json::from_value::<[f64; 2]>(browser.script(range)).expect("a range")
+    };
+    let press = |key: &str| {
+        let before = browser.script("return document.body.dataset.drawn");
+        browser.script(&format!(
+            "document.getElementById('curves').dispatchEvent(new KeyboardEvent('keydown', {{key: '{key}'}}))"
+        ));
+        browser.wait_for(&format!("document.body.dataset.drawn !== {before}"));
+    };
+    let [from, to] = view();
+    press("+");
+    press("ArrowRight");
+    let moved = view();
+    let wanted = [from + 0.375 * (to - from), from + 0.875 * (to - from)];
+    let tolerance = 1e-6 * (to - from);
+    assert!(
+        (moved[0] - wanted[0]).abs() < tolerance && (moved[1] - wanted[1]).abs() < tolerance,
+        "{moved:?} {wanted:?}"
+    );
+    press("0");
+    let whole = view();
+    assert!(
+        whole[0] <= from + tolerance && whole[1] >= to - tolerance,
+        "{whole:?}"
+    );
     let hidden = browser.script(
         "return [...document.querySelectorAll('.scatterlayer .trace')].filter((one) => one.style.visibility === 'hidden').length",
     );
     assert_eq!(hidden, json!(0));
+
+    // This bench states no sensors: the reason why no controller is emitted stays, also when the design is there again.
+    browser.click("#tab-design");
+    browser
+        .wait_for("document.getElementById('design-generate') && document.body.dataset.designed");
+    let designed = browser.script("return document.body.dataset.designed");
+    browser.script("document.getElementById('design-generate').click()");
+    browser.wait_for(&format!(
+        "document.body.dataset.designed !== {designed} && document.body.dataset.working === 'no' \
+         && document.getElementById('tab-controller').ariaSelected === 'true'"
+    ));
+    let message = browser.text("#message-text");
+    assert!(message.contains("hardware is not stated"), "{message}");
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }

@@ -26,6 +26,28 @@ fn is_noise(state: &Value) -> bool {
     (0.9..1.1).contains(&over)
 }
 
+/// Where the model fails in the swing is shaded, and no more than half of its time and a bin of the breakdown (32 of
+/// them); a spin-up that is predicted to the noise has no shade.
+fn assert_shaded(state: &Value) {
+    let experiments = state["bench"]["experiments"]
+        .as_array()
+        .expect("experiments");
+    let of = |name: &str| {
+        let mut all = experiments.iter();
+        all.find(|one| one["name"] == name).expect("the experiment")
+    };
+    assert_eq!(of("spin-up")["shading"], json!(null));
+    let swing = of("swing");
+    let stretches: Vec<[f64; 2]> =
+        serde_json::from_value(swing["shading"]["stretches"].clone()).expect("stretches");
+    let shaded_s: f64 = stretches.iter().map(|[from, to]| to - from).sum();
+    let duration_s = swing["duration_s"].as_f64().expect("a time");
+    assert!(
+        shaded_s > 0.0 && shaded_s < (0.5 + 1.0 / 32.0) * duration_s,
+        "{shaded_s} of {duration_s}"
+    );
+}
+
 fn effects(state: &Value) -> Vec<&str> {
     let effects = state["bench"]["effects"].as_array().expect("effects");
     effects.iter().filter_map(Value::as_str).collect()
@@ -43,6 +65,7 @@ fn the_missing_effect_is_found_added_and_taken_back() {
     assert!(!model().contains("body-coulomb-friction"));
     let before = rmse(&base, "swing", "angle");
     assert!(number(&base, "over_noise", "swing", "angle") > 2.0);
+    assert_shaded(&base);
 
     lab.work(&json!({"task": "diagnose"}));
     let found = lab.ask("GET", "/api/diagnosis", "").json();

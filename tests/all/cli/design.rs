@@ -60,7 +60,7 @@ fn side_by_side_with_a_sweep_and_exports() {
     ]);
     for part in [
         "What the loop does",
-        "What each sample time costs",
+        "Other sample times",
         "Side by side",
         "Over the current weight",
         "recovers from",

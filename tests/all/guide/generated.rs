@@ -193,7 +193,7 @@ fn whole(effect: &EffectDescription) -> String {
         names.join(", ")
     };
     let mut out = format!(
-        "\n### {}\n\nCause: {}.\n\nEquation: {}\n\nWhat to look for: {}. It shows in {}.\n\n",
+        "\n### {}\n\nCause: {}.\n\nEquation: {}\n\nWhat to look for: {}. Experiments that show the effect: {}.\n\n",
         effect.name,
         effect.meaning,
         effect.equation,
@@ -215,25 +215,25 @@ fn whole(effect: &EffectDescription) -> String {
     if !effect.replaces.is_empty() {
         let _ = write!(
             out,
-            "It contains and replaces {}.\n\n",
+            "This effect contains and replaces {}.\n\n",
             names(&effect.replaces)
         );
     }
     let confusions = effect_confusions(&effect.name);
     for confusion in &confusions {
         let apart = match &confusion.told_apart_by {
-            Some(experiment) => format!("What tells them apart: {experiment}."),
+            Some(experiment) => format!("Told apart by {experiment}."),
             None => "None of the usual experiments tells them apart.".to_owned(),
         };
         let _ = write!(
             out,
-            "It is confused with `{}` in {}. {apart}\n\n",
+            "Easily taken for `{}` in {}. {apart}\n\n",
             confusion.with, confusion.alike_in
         );
     }
     for name in &effect.confused_with {
         if confusions.iter().all(|one| one.with != *name) {
-            let _ = write!(out, "It is confused with `{name}`.\n\n");
+            let _ = write!(out, "Easily taken for `{name}`.\n\n");
         }
     }
     let _ = write!(out, "Source: {}.\n\n", effect.source.trim_end_matches('.'));
@@ -247,7 +247,7 @@ fn whole(effect: &EffectDescription) -> String {
     out
 }
 
-/// The numbers of a picture, and what stands between them.
+/// The numbers of a picture, and the text between them.
 fn numbers(text: &str) -> (Vec<f64>, String) {
     let mut found = vec![];
     let mut between = String::new();

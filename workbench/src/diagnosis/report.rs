@@ -40,7 +40,7 @@ pub struct DiagnosisReport {
     pub ambiguous_between: Vec<Vec<String>>,
     /// The experiment that would settle an open question; empty if no question is open.
     pub next_experiment: String,
-    /// The torque that is missing, over the coordinate in which it stands best; `None` where nothing is unexplained,
+    /// The torque that is missing, over the coordinate that describes it best; `None` where nothing is unexplained,
     /// or no curve predicts anything of it.
     #[serde(default)]
     pub missing_torque: Option<MissingTorque>,

@@ -39,11 +39,11 @@ pub(super) fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
         Verdict::Ambiguous => {
             let beside = match added.as_str() {
                 "" => String::new(),
-                added => format!(" What all of them share was added: {added}."),
+                added => format!(" The effects that all explanations share were added: {added}."),
             };
             format!(
                 "Ambiguous: something is missing, but these logs cannot tell {}.{beside}",
-                alternatives(found)
+                rivals(found, " from ")
             )
         }
         Verdict::Unexplained if !found.contradictions.is_empty() => {
@@ -54,28 +54,28 @@ pub(super) fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
             let sentences = found.contradictions.iter();
             let sentences: Vec<String> = sentences.map(Contradiction::sentence).collect();
             format!(
-                "Unexplained: the model{with} follows every log, but what it is made of does not agree: {}.",
+                "Unexplained: the model{with} fits every log, but its parameters contradict each other: {}.",
                 sentences.join("; ")
             )
         }
         Verdict::Unexplained => {
             let missing = match (added.as_str(), found.ambiguous_between.is_empty()) {
-                ("", true) => "something".to_owned(),
-                (added, true) => format!("the model lacks {added}, and beyond that something"),
+                ("", true) => "an error".to_owned(),
+                (added, true) => format!("the model lacks {added}, and a further error"),
                 ("", false) => format!(
-                    "the model lacks one of several effects that these logs cannot tell apart ({}), and beyond \
-                     that something",
-                    alternatives(found)
+                    "the model lacks one of several effects ({}: these logs cannot tell them apart), and a \
+                     further error",
+                    rivals(found, " or ")
                 ),
                 (added, false) => format!(
-                    "the model lacks {added} and one of several effects that these logs cannot tell apart ({}), \
-                     and beyond that something",
-                    alternatives(found)
+                    "the model lacks {added} and one of several effects ({}: these logs cannot tell them apart), \
+                     and a further error",
+                    rivals(found, " or ")
                 ),
             };
             format!(
                 "Unexplained: {missing} remains{}: {} times the noise of the sensor. No effect \
-                 in the library accounts for it.",
+                 of the library accounts for this error.",
                 last.places.first().map_or(String::new(), remains_at),
                 significant(found.remainder, 2)
             )
@@ -85,12 +85,12 @@ pub(super) fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
 }
 
 /// "body-presliding-friction from body-coulomb-friction + body-softening-spring".
-fn alternatives(found: &Diagnosis) -> String {
+fn rivals(found: &Diagnosis, between: &str) -> String {
     let sets = found.ambiguous_between.iter();
     let sets: Vec<String> = sets
         .map(|set| words::set(set.iter().map(|effect| effect.name())))
         .collect();
-    sets.join(" from ")
+    sets.join(between)
 }
 
 /// The model that is used while a tie is open, and the reason.
@@ -104,21 +104,15 @@ fn until_decided(found: &Diagnosis) -> String {
         return String::new();
     }
     format!(
-        " Until an experiment decides, the model predicts with {}, the most common of them ({}).",
+        " Until an experiment decides between them, the model uses {}, the most common one ({}).",
         names.join(" + "),
         reasons.join("; ")
     )
 }
 
-/// " at about 0.15 rad (angle 0.1 to 0.2 rad in free swing 52 deg)".
+/// " at angle 0.1 to 0.2 rad in free swing 52 deg".
 fn remains_at(place: &FailurePlace) -> String {
-    format!(
-        " at about {} {} ({} in {})",
-        significant(place.middle(), 2),
-        place.coordinate.unit(),
-        words::place(place),
-        place.experiment
-    )
+    format!(" at {} in {}", words::place(place), place.experiment)
 }
 
 /// The effects of the last model that are not certain.

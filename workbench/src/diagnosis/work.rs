@@ -76,9 +76,7 @@ impl Session {
             let remains = RemainsReport::new(&found.remains, self.problem(), design.as_ref());
             report.remains = Some(remains);
             if found.contradictions.is_empty() {
-                (progress.say)(
-                    "looking for the coordinate over which the missing torque stands best",
-                );
+                (progress.say)("looking for the coordinate that describes the missing torque best");
                 report.missing_torque = self.missing_torque(&last_fit);
             }
         }

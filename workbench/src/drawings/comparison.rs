@@ -1,16 +1,35 @@
 //! Figures of a model compared with the measurements: one per experiment, and the residuals in which it fails.
 
-use identify::{Coordinate, Output, ResidualBreakdown, ResidualKind};
+use identify::{Output, ResidualBreakdown, ResidualKind};
 
-use crate::comparison::{ComparisonReport, ExperimentCurves, FailurePlace};
+use crate::comparison::{ComparisonReport, ExperimentCurves};
 use crate::error::Error;
 use crate::named::Named;
 use crate::numbers::{significant, with_prefix};
 use crate::output_file::{OutputFile, file_name};
+use crate::shading::Shading;
 use crate::words::spoken;
 
 /// Largest number of figures of broken-down residuals.
 const MOST_BREAKDOWNS: usize = 4;
+
+/// The shaded stretches. They are often many and narrow, so that only the longest has the label.
+fn regions_of(shading: &Shading) -> Vec<figures::Region<'_>> {
+    let length = |[from, to]: &[f64; 2]| to - from;
+    let stretches = &shading.stretches_s;
+    let longest = stretches
+        .iter()
+        .max_by(|a, b| length(a).total_cmp(&length(b)));
+    let region = |stretch: &[f64; 2]| figures::Region {
+        from: stretch[0],
+        until: stretch[1],
+        label: match longest {
+            Some(longest) if longest == stretch => &shading.text,
+            _ => "",
+        },
+    };
+    stretches.iter().map(region).collect()
+}
 
 impl ComparisonReport {
     /// Every experiment with prediction and residual on one time axis, and the most significant residuals
@@ -77,27 +96,8 @@ impl ComparisonReport {
             .iter()
             .map(|(at, label)| figures::Marker { at: *at, label })
             .collect();
-        let in_time: Vec<(&FailurePlace, String)> = self
-            .places
-            .iter()
-            .filter(|place| {
-                place.significant
-                    && place.experiment == experiment.experiment
-                    && place.coordinate == Coordinate::Time
-            })
-            .map(|place| {
-                let label = format!("{:.0} % of the error", 100.0 * place.share_of_error);
-                (place, label)
-            })
-            .collect();
-        let regions: Vec<figures::Region> = in_time
-            .iter()
-            .map(|(place, label)| figures::Region {
-                from: place.from,
-                until: place.to,
-                label,
-            })
-            .collect();
+        let shading = self.shading(&experiment.experiment);
+        let regions = shading.as_ref().map_or(vec![], regions_of);
         Ok(figures::overlay(&figures::Overlay {
             title: &format!("{}: {}", self.bench, experiment.experiment),
             subtitle: &format!("Model with {}", self.effects.join(", ")),

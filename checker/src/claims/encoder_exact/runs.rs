@@ -7,7 +7,7 @@ use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
 use crate::language::module::Module;
 
-/// Samples before an axis begins again at another place.
+/// Number of samples after which an axis starts anew at another place.
 const RUN: usize = 300;
 
 /// Runs every encoder of the module.

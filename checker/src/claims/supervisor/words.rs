@@ -40,7 +40,7 @@ pub(crate) fn near(words: &NamedWords, name: &str, wanted: f64) -> Result<(), St
         Ok(())
     } else {
         Err(format!(
-            "LIMITS.{name} is {found}, its number makes it {wanted:.1}"
+            "LIMITS.{name} is {found}, but its stated number gives {wanted:.1}"
         ))
     }
 }

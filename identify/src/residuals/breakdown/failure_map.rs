@@ -68,6 +68,9 @@ pub struct FailureRegion {
     pub from: f64,
     /// Upper end.
     pub to: f64,
+    /// The stretches of the log's time in which the coordinate lies in the region: first and last instant, s, in
+    /// rising order.
+    pub stretches_s: Vec<[f64; 2]>,
     /// Share of this record's squared error above the noise that lies in the region, from 0 to 1.
     pub share_of_error: f64,
     /// Squared error above the noise in the region, in units of the squared noise of one value.

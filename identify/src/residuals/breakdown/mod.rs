@@ -28,6 +28,7 @@ mod failure_map;
 mod output;
 mod series;
 mod steps;
+mod stretches;
 mod torque;
 
 use plant::Model;
@@ -159,6 +160,9 @@ pub fn breakdown(
         map.regions.retain(|region| region.is_significant);
     }
     map.regions.truncate(MOST_REGIONS);
+    for region in &mut map.regions {
+        region.stretches_s = context.stretches_of(region);
+    }
     map
 }
 

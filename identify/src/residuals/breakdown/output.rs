@@ -84,6 +84,7 @@ impl Context<'_> {
                     coordinate,
                     from: edges[from],
                     to: edges[to + 1],
+                    stretches_s: vec![],
                     share_of_error: (size / all.max(positive).max(1e-300)).clamp(0.0, 1.0),
                     size,
                     is_significant,

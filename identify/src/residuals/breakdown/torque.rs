@@ -149,6 +149,7 @@ impl Context<'_> {
                     coordinate,
                     from: edges[from].max(lowest),
                     to: edges[to + 1].min(highest),
+                    stretches_s: vec![],
                     share_of_error: (sum / excess).clamp(0.0, 1.0),
                     size: sum,
                     is_significant: energy.iter().sum::<f64>()
