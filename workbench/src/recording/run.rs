@@ -37,7 +37,9 @@ const RUNNING: u8 = 2;
 /// The status of the controller in words.
 pub(super) fn status_text(status: u8) -> String {
     let text = match status {
-        NOT_ALIGNED => "the attitude is not known: hold the body still for a moment, upright where an encoder on the pivot shows it",
+        NOT_ALIGNED => {
+            "the attitude is not known: hold the body still for a moment, upright where an encoder on the pivot shows it"
+        }
         READY => "ready, but not armed: hold the body upright and still",
         RUNNING => "running",
         3 => "tripped: the body leaned too far",
@@ -283,8 +285,8 @@ impl<'w> Run<'w> {
             status = frame.status;
             // An encoder on the pivot shows the angle from its first count on, wherever the body is.
             let is_known = status != NOT_ALIGNED || self.words.has_pivot_encoder;
-            let is_begun = (!part.needs_running || status == RUNNING)
-                && (!part.needs_attitude || is_known);
+            let is_begun =
+                (!part.needs_running || status == RUNNING) && (!part.needs_attitude || is_known);
             if is_begun {
                 return Ok(Some(frame));
             }
