@@ -1,7 +1,8 @@
-// The emitted controller around the sensors of its bench: BODY_WORDS; WHEEL_WORDS. The drive takes its current or its
-// voltage from a PWM. Registers are those of the parts' data sheets. Compiled with Arduino's AVR core; the ESP32's part
-// with no core, and nothing was tried on a bench. Take the wheel off, or the supply's current limit down, for the first
-// power-on.
+// The emitted controller around the sensors of its bench:
+// BODY_WORDS; WHEEL_WORDS.
+// The drive takes its current or its voltage from a PWM. Registers are those of the parts' data sheets. Compiled with
+// Arduino's AVR core; the ESP32's part with no core, and nothing was tried on a bench. Take the wheel off, or the
+// supply's current limit down, for the first power-on.
 //
 // What this program cannot know is marked YOUR READING: until you have written it there, the controller is told of a
 // fault in each step, and nothing is driven.
