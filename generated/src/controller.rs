@@ -176,11 +176,9 @@ impl Controller {
         }
     }
 
-    /// The window with one sample more; a full one sets the attitude.
+    /// The window with one sample more; a full one sets the attitude in the step after it, since both together
+    /// would be the longest step of all.
     fn align(&mut self, sample: &Sample) {
-        let up = self.attitude.reading(sample.accel);
-        let is_quiet = self.attitude.is_quiet(sample.gyro, sample.accel);
-        self.window = gathered(&self.window, up, is_quiet, &LIMITS);
         if self.window.count >= LIMITS.window {
             self.attitude.align_to(self.window.sum);
             self.window = EMPTY_WINDOW;
@@ -188,6 +186,10 @@ impl Controller {
             if self.status == Status::NotAligned {
                 self.status = Status::Ready;
             }
+        } else {
+            let up = self.attitude.reading(sample.accel);
+            let is_quiet = self.attitude.is_quiet(sample.gyro, sample.accel);
+            self.window = gathered(&self.window, up, is_quiet, &LIMITS);
         }
     }
 

@@ -17,6 +17,9 @@
 //! | 30–41 | 3 × i32 | angle from upright, rate, wheel speed: words of the emitted module |
 //! | 42–43 | u16 | CRC |
 //!
+//! Where an encoder on the pivot shows the body, its count stands in the place of the gyroscope's x, as its bits; the
+//! gyroscope's y and z and the accelerometer are −32768.
+//!
 //! # From program to firmware: [`Command`]
 //! | bytes | type | field |
 //! |---|---|---|

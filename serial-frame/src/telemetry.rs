@@ -6,7 +6,8 @@ use crate::{Frame, VERSION};
 /// Bytes of the message with its CRC.
 pub const TELEMETRY_BYTES: usize = 44;
 
-/// In each component of the magnetometer: there is no new reading.
+/// In each component of the magnetometer: there is no new reading. In a component of the others: the bench has no such
+/// sensor.
 pub const NO_FIELD: i16 = i16::MIN;
 
 /// One step of the firmware: its readings, its state, and the duty that it sent to the drive.
@@ -18,7 +19,7 @@ pub struct Telemetry {
     pub sequence: u16,
     /// When the sensors were read, µs; wraps.
     pub time_us: u32,
-    /// Gyroscope x y z, raw counts.
+    /// Gyroscope x y z, raw counts; with an encoder on the pivot its count as its bits, and twice [`NO_FIELD`].
     pub gyro: [i16; 3],
     /// Accelerometer x y z, raw counts.
     pub accel: [i16; 3],

@@ -6,7 +6,7 @@ use super::items::{Function, FunctionKey, Items, Passing};
 use super::scope::{Place, Scope};
 use super::statement::Target;
 use super::types::{Key, Type, type_name};
-use super::{Result, Untranslatable, comments, constants, library, place};
+use super::{Result, Untranslatable, comments, constants, library, place, sketch};
 use crate::file::{EmittedCrate, EmittedFile};
 
 /// The functions that a firmware calls: module, structure, name in Rust, name in C.
@@ -175,13 +175,7 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
         file("src/flywheel.c", source),
     ];
     files.extend(library::files(&emitted.name(), &title));
-    // The sketch reads the inertial sensors of the thesis' bench, which a body with an encoder does not have.
-    if !items
-        .structs
-        .contains_key(&("attitude".to_string(), "Attitude".to_string()))
-    {
-        files.retain(|file| !file.path.ends_with(".ino"));
-    }
+    files.push(sketch::file(emitted));
     files.push(file("certificate.json", certificate(emitted)?));
     Ok(EmittedCrate { files })
 }

@@ -3,7 +3,7 @@
 use crate::crate_name::CrateName;
 use crate::file::{EmittedFile, MARK};
 
-/// README, `library.properties` (Arduino), `library.json` (PlatformIO) and the example sketch.
+/// README, `library.properties` (Arduino) and `library.json` (PlatformIO).
 pub fn files(name: &CrateName, title: &str) -> Vec<EmittedFile> {
     let library = name.of_library();
     let file = |path: &str, contents: String| EmittedFile {
@@ -14,10 +14,6 @@ pub fn files(name: &CrateName, title: &str) -> Vec<EmittedFile> {
         file("README.md", readme(library, title)),
         file("library.properties", library_properties(library)),
         file("library.json", library_json(library)),
-        file(
-            "examples/flywheel/flywheel.ino",
-            format!("// {MARK}; do not edit.\n{}", include_str!("example.ino")),
-        ),
     ]
 }
 
@@ -42,7 +38,7 @@ uint16_t tick(const flywheel_sample_t *sample, uint8_t sensors_answer, uint8_t u
 }}
 ```
 
-`examples/flywheel/flywheel.ino` is a whole sketch. `certificate.json` states what is claimed of the controller; `flywheel prove` checks it on the Rust that `flywheel generate` writes without `--language c`, of which this is a translation.
+`examples/flywheel/flywheel.ino` is a whole sketch for the sensors of the bench; where it says YOUR READING, it is for you to write. `certificate.json` states what is claimed of the controller; `flywheel prove` checks it on the Rust that `flywheel generate` writes without `--language c`, of which this is a translation.
 
 Do not change a file here by hand. Change `model.toml` or `bench.toml` and run `flywheel generate` again.
 "#

@@ -22,6 +22,7 @@
 //! | `comments` | documentation |
 //! | `files` | header and source, and the order of all files |
 //! | `library` | README, and the descriptions that Arduino and PlatformIO read |
+//! | `sketch` | the example for Arduino, with the reading of the bench's sensors |
 
 mod call;
 mod comments;
@@ -33,6 +34,7 @@ mod items;
 mod library;
 mod place;
 mod scope;
+mod sketch;
 mod statement;
 mod types;
 

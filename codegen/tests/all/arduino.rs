@@ -1,52 +1,114 @@
-//! The example sketch as Arduino builds it: with Arduino's AVR core, to an image that links.
+//! The example sketch as Arduino builds it, with `firmware/arduino-link`: with Arduino's AVR core, to an image that links.
 
-use std::ffi::OsStr;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
+use codegen::spec::ModuleSpec;
 use codegen::{c99, generate};
 
+use crate::benches::{with_body_encoder, with_driver, with_voltage, with_wheel_encoder};
 use crate::thesis;
 
 /// Arduino's AVR core, as Debian has it.
 const CORE: &str = env!("ARDUINO_AVR");
 
-/// Files of a folder with one of these endings.
-fn sources(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).expect("a folder of the core");
-    let mut files: Vec<PathBuf> = entries
-        .map(|entry| entry.expect("an entry").path())
-        .collect();
-    files.retain(|file| {
-        let ending = file.extension().and_then(OsStr::to_str);
-        ending.is_some_and(|ending| endings.contains(&ending))
-    });
-    files.sort();
-    files
-}
-
-fn run(command: &mut Command) -> String {
-    let result = command.output().expect("the compiler runs");
-    let said = String::from_utf8_lossy(&result.stderr).into_owned();
-    assert!(result.status.success(), "{command:?}: {said}");
-    said
-}
-
-/// Bytes of the sections that go into flash.
-fn flash_bytes(image: &Path) -> usize {
-    let table = Command::new("avr-size")
-        .arg(image)
+/// Bytes of flash of the image for a library; a warning in the library or the sketch ends the test. The core's objects are
+/// kept in `target`.
+fn flash_bytes(options: &[&str], library: &Path, target: &Path) -> usize {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/arduino-link");
+    let result = Command::new(script)
+        .args(options)
+        .arg(library)
+        .env("ARDUINO_AVR", CORE)
+        .env("ARDUINO_TARGET", target)
         .output()
-        .expect("avr-size");
-    let text = String::from_utf8_lossy(&table.stdout).into_owned();
-    let row = text.lines().nth(1).expect("a row of sizes");
-    row.split_whitespace()
-        .take(2)
-        .map(|bytes| bytes.parse::<usize>().expect("a size"))
-        .sum()
+        .expect("the script starts");
+    let said = String::from_utf8_lossy(&result.stderr);
+    assert!(result.status.success() && said.is_empty(), "{said}");
+    let text = String::from_utf8_lossy(&result.stdout).into_owned();
+    let size = text.lines().find_map(|line| line.strip_prefix("flash "));
+    let bytes = size.and_then(|size| size.split(' ').next()?.parse().ok());
+    bytes.unwrap_or_else(|| panic!("no size: {text}"))
 }
 
+/// A bench: its specification, what its documentation says of the hardware, texts that its sketch has, and whether it
+/// leaves readings to the user.
+struct Bench {
+    spec: ModuleSpec,
+    registers: &'static [&'static str],
+    has: &'static [&'static str],
+    is_left_to_the_user: bool,
+}
+
+fn all_benches() -> [Bench; 5] {
+    [
+        Bench {
+            spec: thesis::spec(),
+            registers: &[
+                "gyroscope: FXAS21002, ±2000 °/s",
+                "accelerometer: FXOS8700, ±8 g",
+                "drive: duty 6554 to 58982 of a timer of 16 bits, 32768 without current",
+            ],
+            has: &[
+                "GYRO = 0x21",
+                "ACCEL = 0x1F",
+                "WHEEL_SPEED = 0x48",
+                "DUTY_BITS = 16;",
+            ],
+            is_left_to_the_user: false,
+        },
+        Bench {
+            spec: with_body_encoder(thesis::spec()),
+            registers: &["body angle: encoder counts 0 to 4095, 4096 a turn"],
+            has: &[
+                "ENCODER = 0x36",
+                "sample.body_count = word_of",
+                "flywheel_angle(&controller)",
+            ],
+            is_left_to_the_user: false,
+        },
+        Bench {
+            spec: with_wheel_encoder(8),
+            registers: &[
+                "gyroscope: MPU-6050, ±2000 °/s",
+                "accelerometer: MPU-6050, ±8 g",
+                "drive: duty 410 to 3686 of a timer of 12 bits, 2048 without current",
+                "wheel speed: encoder counts 0 to 4095, 4096 a turn",
+            ],
+            has: &[
+                "BODY = 0x68",
+                "sample.wheel_count = word_of",
+                "DUTY_BITS = 12;",
+            ],
+            is_left_to_the_user: false,
+        },
+        // Two AS5600 have one address.
+        Bench {
+            spec: with_body_encoder(with_wheel_encoder(8)),
+            registers: &[
+                "body angle: encoder counts 0 to 4095, 4096 a turn",
+                "wheel speed: encoder counts 0 to 4095, 4096 a turn",
+            ],
+            has: &[
+                "sample.body_count = word_of",
+                "YOUR READING: sample.wheel_count",
+            ],
+            is_left_to_the_user: true,
+        },
+        // Parts that nobody names, and a driver.
+        Bench {
+            spec: with_voltage(with_driver()),
+            registers: &[],
+            has: &[
+                "YOUR READING: sample.gyro",
+                "YOUR READING: sample.wheel_speed",
+            ],
+            is_left_to_the_user: true,
+        },
+    ]
+}
+
+/// Each bench's sketch on an Uno, that of the thesis on a Mega too.
 #[test]
 #[cfg_attr(
     not(all(have_arduino_avr, have_cross_gcc)),
@@ -54,74 +116,29 @@ fn flash_bytes(image: &Path) -> usize {
 )]
 fn the_sketch_links_with_arduinos_avr_core() {
     let folder = tempfile::tempdir().expect("a folder");
-    let emitted = generate(&thesis::spec()).expect("an emitted crate");
-    let library = c99::emit(&emitted).expect("a translation");
-    library.write(folder.path()).expect("written");
-    let sketch = folder.path().join("examples/flywheel/flywheel.ino");
-    let sketch = fs::read_to_string(sketch).expect("the sketch");
-    // What Arduino puts before a sketch.
-    let translated = folder.path().join("flywheel.ino.cpp");
-    fs::write(&translated, format!("#include <Arduino.h>\n{sketch}")).expect("written");
-    let core = Path::new(CORE);
-    // Uno and Mega, and what each has of flash beside its boot loader.
-    for (chip, variant, flash) in [
-        ("atmega328p", "standard", 32_256),
-        ("atmega2560", "mega", 253_952),
-    ] {
-        let objects = folder.path().join(chip);
-        fs::create_dir(&objects).expect("a folder");
-        let includes = [
-            core.join("cores/arduino"),
-            core.join("variants").join(variant),
-            core.join("libraries/Wire/src"),
-            folder.path().join("src"),
-        ];
-        let mut files = vec![translated.clone(), folder.path().join("src/flywheel.c")];
-        files.extend(sources(&core.join("cores/arduino"), &["c", "cpp", "S"]));
-        files.extend(sources(&core.join("libraries/Wire/src"), &["cpp"]));
-        files.extend(sources(&core.join("libraries/Wire/src/utility"), &["c"]));
-        for file in &files {
-            let is_cpp = file.extension() == Some(OsStr::new("cpp"));
-            let is_ours = file.starts_with(folder.path());
-            let mut compiler = Command::new(if is_cpp { "avr-g++" } else { "avr-gcc" });
-            // The options of the core's platform.txt.
-            compiler
-                .arg(format!("-mmcu={chip}"))
-                .args(["-c", "-Os", "-ffunction-sections", "-fdata-sections"])
-                .args(["-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_ARCH_AVR"])
-                .args(includes.iter().map(|path| format!("-I{}", path.display())));
-            if is_cpp {
-                compiler.args(["-std=gnu++11", "-fpermissive", "-fno-exceptions"]);
-                compiler.arg("-fno-threadsafe-statics");
+    // What each chip has of flash beside its boot loader.
+    for (options, flash, count) in [(&[][..], 32_256, 5), (&["--mega"], 253_952, 1)] {
+        for (index, mut bench) in all_benches().into_iter().take(count).enumerate() {
+            let registers = bench.registers.iter().map(ToString::to_string);
+            bench.spec.hardware.registers = registers.collect();
+            let emitted = generate(&bench.spec).expect("an emitted crate");
+            let library = c99::emit(&emitted).expect("a translation");
+            let own = folder.path().join(format!("library-{index}"));
+            library.write(&own).expect("written");
+            let sketch = library
+                .file("examples/flywheel/flywheel.ino")
+                .expect("the sketch");
+            for text in bench.has {
+                assert!(sketch.contains(text), "bench {index}: {text}\n{sketch}");
             }
-            if is_ours {
-                compiler.args(["-Wall", "-Wextra"]);
-            } else {
-                // Debian's compiler is older than its core, and names this only for C.
-                compiler.arg("-DDECIMAL_DIG=__DECIMAL_DIG__");
-            }
-            let name = file.file_name().expect("a name").to_string_lossy();
-            let said = run(compiler
-                .arg(file)
-                .arg("-o")
-                .arg(objects.join(format!("{name}.o"))));
-            if is_ours {
-                let own: Vec<&str> = said
-                    .lines()
-                    .filter(|line| line.contains("flywheel"))
-                    .collect();
-                assert_eq!(own, [""; 0], "{chip}");
-            }
+            let is_left = sketch.contains("\n  // YOUR READING");
+            assert_eq!(
+                is_left, bench.is_left_to_the_user,
+                "bench {index}\n{sketch}"
+            );
+            let bytes = flash_bytes(options, &own, &folder.path().join("target"));
+            println!("bench {index} {options:?}: {bytes} bytes");
+            assert!(bytes < flash, "bench {index} {options:?}: {bytes} bytes");
         }
-        let image = objects.join("image.elf");
-        run(Command::new("avr-gcc")
-            .arg(format!("-mmcu={chip}"))
-            .args(["-Os", "-Wl,--gc-sections", "-o"])
-            .arg(&image)
-            .args(sources(&objects, &["o"]))
-            .arg("-lm"));
-        let bytes = flash_bytes(&image);
-        println!("{chip}: {bytes} bytes");
-        assert!(bytes < flash, "{chip}: {bytes} bytes");
     }
 }

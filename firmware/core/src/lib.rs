@@ -18,11 +18,10 @@
 
 mod orders;
 mod reading;
+mod shape;
 
 use embedded_hal::pwm::SetDutyCycle;
-use generated::{
-    Controller, Current, Duty, SAMPLE_TIME_US, Sample, Status, ZERO_CURRENT, wheel_speed,
-};
+use generated::{Controller, Current, Duty, SAMPLE_TIME_US, Status, ZERO_CURRENT};
 use serial_frame::{Frame, Receiver, Task, Telemetry};
 
 pub use orders::Orders;
@@ -63,6 +62,7 @@ pub struct LoopCore {
     last_tick_us: Option<u32>,
     /// The last readings of the sensors; sent again while a sensor fails.
     last: Reading,
+    wheel_speed: shape::WheelSpeed,
 }
 
 impl LoopCore {
@@ -75,6 +75,7 @@ impl LoopCore {
             sequence: 0,
             last_tick_us: None,
             last: Reading::NONE,
+            wheel_speed: shape::WheelSpeed::new(),
         }
     }
 
@@ -101,6 +102,7 @@ impl LoopCore {
         let reading = sensors.read();
         let fault = late.or(reading.is_err().then_some(Fault::Sensor));
         if let Ok(reading) = reading {
+            self.wheel_speed.take(&reading);
             self.last = reading;
         }
         self.follow(now_us);
@@ -144,7 +146,7 @@ impl LoopCore {
     }
 
     fn step(&mut self) -> Duty {
-        let sample: Sample = self.last.sample();
+        let sample = shape::sample(&self.last);
         match self.orders.task() {
             Task::Drive { .. } => {
                 let current = Current::from_bits(self.orders.current_word());
@@ -161,19 +163,20 @@ impl LoopCore {
         if !self.orders.is_frame_due() {
             return None;
         }
-        let attitude = self.controller.attitude();
+        let [angle, rate] = shape::body_words(&self.controller);
+        let [gyro, accel] = shape::inertial_words(&self.last);
         let telemetry = Telemetry {
             status: self.controller.status() as u8,
             sequence,
             time_us: now_us,
-            gyro: self.last.gyro,
-            accel: self.last.accel,
+            gyro,
+            accel,
             mag: self.last.mag,
             wheel: self.last.wheel,
             duty: duty.0,
-            angle: attitude.angle().to_bits(),
-            rate: attitude.rate().to_bits(),
-            wheel_speed: wheel_speed(self.last.wheel).to_bits(),
+            angle,
+            rate,
+            wheel_speed: self.wheel_speed.word(),
         };
         Some(telemetry.frame())
     }

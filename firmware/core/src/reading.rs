@@ -1,9 +1,7 @@
-//! The readings of the sensors, and their conversion to a sample of the emitted module. For a bench with other sensors
-//! (encoders, a drive that tells the speed) this file is the one to change.
+//! The readings of the sensors.
 
-use generated::Sample;
-
-/// Raw counts of one instant.
+/// Raw counts of one instant. A bench fills what its sensors give; `shape.rs` takes from it what the emitted module
+/// is made for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
     /// Gyroscope x y z.
@@ -12,6 +10,8 @@ pub struct Reading {
     pub accel: [i16; 3],
     /// Magnetometer x y z, where there is a new reading.
     pub mag: Option<[i16; 3]>,
+    /// The count of an encoder on the pivot.
+    pub body_count: u16,
     /// The wheel's sensor: counts of a converter, of an encoder, or a signed speed as its bits.
     pub wheel: u16,
 }
@@ -22,18 +22,9 @@ impl Reading {
         gyro: [0; 3],
         accel: [0; 3],
         mag: None,
+        body_count: 0,
         wheel: 0,
     };
-
-    /// The sample of a module for inertial sensors and a converter.
-    pub(crate) fn sample(&self) -> Sample {
-        Sample {
-            gyro: self.gyro,
-            accel: self.accel,
-            mag: self.mag,
-            wheel_adc: self.wheel,
-        }
-    }
 }
 
 /// The sensors of a board.

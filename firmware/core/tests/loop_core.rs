@@ -1,13 +1,15 @@
-//! The loop with sensors that are right, late, wrong or silent.
+//! The loop with sensors that are right, late, wrong or silent. `other-sensors` beside this file runs the same tests
+//! around modules for other sensors.
 
 use std::convert::Infallible;
 
 use embedded_hal::pwm::{Error, ErrorKind, ErrorType, SetDutyCycle};
-use generated::{SAMPLE_TIME_US, Status, ZERO_CURRENT};
+use generated::constants::LIMITS;
+use generated::{Angle, SAMPLE_TIME_US, Status, ZERO_CURRENT};
 use loop_core::{Fault, LoopCore, Reading, Sensors};
-use serial_frame::{Command, Frame, Receiver, Task, Telemetry};
+use serial_frame::{Command, Frame, NO_FIELD, Receiver, Task, Telemetry};
 
-/// A body that stands upright, with a count of noise on the gyroscope.
+/// A body that stands upright, with a count of noise on the gyroscope or on the encoder of the pivot.
 #[derive(Default)]
 struct Upright {
     step: u32,
@@ -29,14 +31,23 @@ impl Sensors for Upright {
             gyro: [(self.step % 2) as i16, 0, 0],
             accel: UP,
             mag: None,
-            // No speed on the thesis' converter, 6594.5/8.53108.
-            wheel: 773,
+            body_count: UPRIGHT + (self.step % 2) as u16,
+            wheel: WHEEL_AT_REST,
         })
     }
 }
 
 /// What the accelerometer of the thesis' bench says upright: 1 g along the body's x.
 const UP: [i16; 3] = [4096, 0, 0];
+/// `zero` of the benches with an encoder on the pivot.
+const UPRIGHT: u16 = 773;
+/// No speed on the thesis' converter, 6594.5/8.53108; an encoder's count that stands still.
+#[cfg(not(feature = "wheel-driver"))]
+const WHEEL_AT_REST: u16 = 773;
+#[cfg(feature = "wheel-driver")]
+const WHEEL_AT_REST: u16 = 0;
+
+const HAS_PIVOT: bool = cfg!(feature = "pivot-encoder");
 
 #[derive(Default)]
 struct Timer {
@@ -257,11 +268,20 @@ fn a_sensor_that_fails_trips_until_a_new_order_and_the_attitude_is_found_anew() 
     assert_eq!(bench.core.status(), Status::Running);
 }
 
+/// A gyroscope without noise; a count of the pivot that stands still under a current which moves the body: a bus or an
+/// AS5600 that gives the same word for ever.
 #[test]
-fn a_frozen_gyroscope_trips() {
+fn a_frozen_sensor_of_the_body_trips() {
     let mut bench = Bench::driven();
     bench.sensors.is_frozen = true;
-    bench.run(60);
+    // More than half of the limit is left over, so that a body that is free to turn does.
+    let task = Task::Drive {
+        current_ua: 1_500_000,
+    };
+    bench.order(task, 60_000);
+    bench.run(LIMITS.frozen_steps.unsigned_abs() - 2);
+    assert_eq!(bench.core.status(), Status::Running);
+    bench.run(4);
     assert_eq!(bench.core.status(), Status::TrippedFrozen);
     bench.assert_still();
 }
@@ -295,10 +315,19 @@ fn every_step_has_its_number_and_its_words() {
     );
     let last = bench.sent.last().expect("frames");
     assert_eq!(last.status, Status::Running as u8);
-    assert_eq!(last.accel, UP);
+    assert_eq!(last.accel, if HAS_PIVOT { [NO_FIELD; 3] } else { UP });
     assert_eq!(last.duty, bench.timer.duty);
-    // Upright and at rest: the words are of radians in Q29, below 1 mrad.
-    assert!(last.angle.abs() < 1 << 19, "{}", last.angle);
+    // Upright and at rest: below 1 mrad, or within the encoder's count of noise.
+    let angle_rad = f64::from(last.angle) / f64::from(1 << Angle::FRAC_NBITS);
+    let count_rad = std::f64::consts::TAU / 4096.0;
+    let off_rad = if HAS_PIVOT { 1.01 * count_rad } else { 1e-3 };
+    assert!(angle_rad.abs() < off_rad, "{angle_rad}");
+    if HAS_PIVOT {
+        let count = last.gyro[0].cast_unsigned();
+        assert!((UPRIGHT..=UPRIGHT + 1).contains(&count), "{count}");
+        let counted_rad = f64::from(count - UPRIGHT) * count_rad;
+        assert!((angle_rad - counted_rad).abs() < 1e-6, "{angle_rad}");
+    }
     // Every fifth step.
     let before = bench.sent.len();
     let command = Command {

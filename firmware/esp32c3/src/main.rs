@@ -9,14 +9,20 @@
 #![no_std]
 #![no_main]
 
-mod bench;
 mod outbox;
 
 use core::cell::RefCell;
 use core::panic::PanicInfo;
 
+#[cfg(not(feature = "pivot-encoder"))]
+use bench_sensors::InertialBench;
+#[cfg(feature = "pivot-encoder")]
+use bench_sensors::PivotBench;
+#[cfg(feature = "wheel-driver")]
+use bench_sensors::YourWheel as Wheel;
 use embedded_hal_bus::i2c::RefCellDevice;
 use esp_hal::clock::CpuClock;
+#[cfg(not(feature = "pivot-encoder"))]
 use esp_hal::delay::Delay;
 use esp_hal::gpio::DriveMode;
 use esp_hal::i2c::master::{Config as I2cConfig, I2c};
@@ -27,11 +33,20 @@ use esp_hal::time::{Instant, Rate};
 use esp_hal::usb::usb_serial_jtag::UsbSerialJtag;
 use generated::SAMPLE_TIME_US;
 use loop_core::LoopCore;
+#[cfg(not(any(feature = "wheel-encoder", feature = "wheel-driver")))]
+use sensor_drivers::Ads1015 as Wheel;
+#[cfg(feature = "wheel-encoder")]
+use sensor_drivers::As5600 as Wheel;
 
-use crate::bench::Bench;
 use crate::outbox::Outbox;
 
 esp_bootloader_esp_idf::esp_app_desc!();
+
+#[cfg(all(feature = "pivot-encoder", feature = "wheel-encoder"))]
+compile_error!(
+    "two AS5600 have one address and this chip one bus: another sensor for the wheel, or a part that switches the \
+     bus, with its `WheelPart` in firmware/benches/src/wheel.rs"
+);
 
 /// Frequency of the duty: the drive's input takes 10 Hz to 5 kHz; the higher, the sooner it knows.
 const DUTY_KHZ: u32 = 4;
@@ -71,7 +86,10 @@ fn main() -> ! {
         panic!("frequency of duty or bus out of the chip's range");
     };
     let bus = RefCell::new(bus.with_sda(peripherals.GPIO4).with_scl(peripherals.GPIO5));
-    let mut bench = Bench::new(RefCellDevice::new(&bus), Delay::new());
+    #[cfg(not(feature = "pivot-encoder"))]
+    let mut bench = InertialBench::<_, _, Wheel>::new(RefCellDevice::new(&bus), Delay::new());
+    #[cfg(feature = "pivot-encoder")]
+    let mut bench = PivotBench::<_, Wheel>::new(RefCellDevice::new(&bus));
 
     let mut core = LoopCore::new();
     let mut outbox = Outbox::new();

@@ -92,6 +92,7 @@ fn reading(words: [u8; 20]) -> Reading {
         gyro: axes(0),
         accel: axes(3),
         mag: (mag != [NO_FIELD; 3]).then_some(mag),
+        body_count: 0,
         wheel: u16::from_le_bytes(word(9)),
     }
 }

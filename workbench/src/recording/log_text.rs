@@ -36,16 +36,24 @@ pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
     text
 }
 
-/// A recording of raw counts for bring-up.
-pub(super) fn raw_counts(rows: &[Row]) -> String {
-    let mut text = String::from("gx,gy,gz,ax,ay,az,wheel,duty,time_s,lost_frames\n");
+/// A recording of raw counts for bring-up, with the columns that `[bring_up]` asks of the bench.
+pub(super) fn raw_counts(rows: &[Row], has_pivot_encoder: bool) -> String {
+    let of_body = match has_pivot_encoder {
+        true => "body",
+        false => "gx,gy,gz,ax,ay,az",
+    };
+    let mut text = format!("{of_body},wheel,duty,time_s,lost_frames\n");
     for row in rows {
         let frame = &row.frame;
         let [gx, gy, gz] = frame.gyro;
         let [ax, ay, az] = frame.accel;
+        let body = match has_pivot_encoder {
+            true => gx.cast_unsigned().to_string(),
+            false => format!("{gx},{gy},{gz},{ax},{ay},{az}"),
+        };
         let _ = writeln!(
             text,
-            "{gx},{gy},{gz},{ax},{ay},{az},{},{},{:.6},{}",
+            "{body},{},{},{:.6},{}",
             frame.wheel, frame.duty, row.time_s, row.lost_before
         );
     }
@@ -60,6 +68,8 @@ pub(super) fn hanging_angle_rad(from_upright_rad: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use serial_frame::Telemetry;
+
     use super::*;
 
     #[test]
@@ -72,5 +82,27 @@ mod tests {
             );
             assert!(got.abs() <= PI);
         }
+    }
+
+    /// The count of an encoder on the pivot stands in the frame as its bits: the largest one is −1 there.
+    #[test]
+    fn the_count_of_the_pivot_is_the_column_that_bring_up_reads() {
+        let none = serial_frame::NO_FIELD;
+        let frame = Telemetry {
+            gyro: [-1, none, none],
+            accel: [none; 3],
+            wheel: 773,
+            duty: 32_768,
+            ..Telemetry::default()
+        };
+        let row = Row {
+            time_s: 0.001,
+            frame,
+            lost_before: 2,
+        };
+        assert_eq!(
+            raw_counts(&[row], true),
+            "body,wheel,duty,time_s,lost_frames\n65535,773,32768,0.001000,2\n"
+        );
     }
 }

@@ -172,7 +172,7 @@ fn kept(
     let path = outline.folder.join(&file);
     let from_s = start::of(part, &got.rows, words, &mut notes);
     let text = match part.bring_up {
-        Some(_) => log_text::raw_counts(&got.rows),
+        Some(_) => log_text::raw_counts(&got.rows, words.has_pivot_encoder),
         None => log_text::log(part.kind, &got.rows, words),
     };
     bench_files::write_atomically(&path, text.as_bytes())?;

@@ -37,11 +37,13 @@ const RUNNING: u8 = 2;
 /// The status of the controller in words.
 pub(super) fn status_text(status: u8) -> String {
     let text = match status {
-        NOT_ALIGNED => "the attitude is not known: hold the body still for a moment",
+        NOT_ALIGNED => {
+            "the attitude is not known: hold the body still for a moment, upright where an encoder on the pivot shows it"
+        }
         READY => "ready, but not armed: hold the body upright and still",
         RUNNING => "running",
         3 => "tripped: the body leaned too far",
-        4 => "tripped: the gyroscope's words stood still",
+        4 => "tripped: the gyroscope's words, or the counts of the pivot's encoder, stood still",
         5 => "tripped: gyroscope or accelerometer at the end of its range",
         6 => "tripped: the wheel's speed at the ends of its sensor",
         7 => "tripped: the accelerometer showed no gravity",
@@ -281,8 +283,10 @@ impl<'w> Run<'w> {
             };
             sample(&self.in_si(&frame, None));
             status = frame.status;
-            let is_begun = (!part.needs_running || status == RUNNING)
-                && (!part.needs_attitude || status != NOT_ALIGNED);
+            // An encoder on the pivot shows the angle from its first count on, wherever the body is.
+            let is_known = status != NOT_ALIGNED || self.words.has_pivot_encoder;
+            let is_begun =
+                (!part.needs_running || status == RUNNING) && (!part.needs_attitude || is_known);
             if is_begun {
                 return Ok(Some(frame));
             }

@@ -4,7 +4,7 @@ use bench_files::{BenchOutline, ModelFile, Problem};
 use checker::certificate::Certificate;
 use codegen::exact::ShortestDecimal;
 use codegen::format::Format;
-use codegen::hardware::{RateNeeds, WheelSensor};
+use codegen::hardware::{BodySensor, RateNeeds, WheelSensor};
 use codegen::spec::{PhysicalRanges, PwmDrive};
 use serial_frame::Telemetry;
 
@@ -18,6 +18,8 @@ pub(super) struct Words {
     /// rad, rad/s, rad/s per unit of the angle's, the rate's and the wheel speed's word.
     units: [f64; 3],
     drive: PwmDrive,
+    /// Whether an encoder on the pivot shows the body: the frame then has its count in the place of the gyroscope's x.
+    pub has_pivot_encoder: bool,
     /// Whether the wheel's word has a sign.
     is_wheel_signed: bool,
     /// Counts at or beyond which the wheel's speed may be any; `None` for an encoder, of which one count says nothing.
@@ -79,6 +81,7 @@ impl Words {
         Ok(Words {
             units,
             drive: *drive,
+            has_pivot_encoder: matches!(found.sensors.body, BodySensor::Encoder(_)),
             is_wheel_signed: found.sensors.wheel == WheelSensor::Driver,
             wheel_ends: match found.sensors.wheel {
                 WheelSensor::Encoder(_) => None,

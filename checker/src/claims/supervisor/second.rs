@@ -325,9 +325,23 @@ impl<'a> Supervisor<'a> {
         Ok((f.constant("constants", "ZERO_CURRENT")?[0], next))
     }
 
-    /// The window with a sample more; a full one sets the attitude.
+    /// The window with a sample more; a full one sets the attitude in the step after it.
     fn gather(&self, next: &mut [i128], sample: &Sample, up: &[i128]) -> Result<(), String> {
         let window = self.layout.window();
+        if next[window] >= self.limit("window")? {
+            let sum = next[window + 4..window + 7].to_vec();
+            let attitude = self.f.call(
+                "Attitude::align_to",
+                &[&next[..self.layout.attitude], &sum[..]].concat(),
+            )?;
+            next[..self.layout.attitude].copy_from_slice(&attitude);
+            next[window..window + 7].fill(0);
+            next[self.layout.aligned()] = 1;
+            if next[self.layout.status()] == 0 {
+                next[self.layout.status()] = READY;
+            }
+            return Ok(());
+        }
         if !self.is_quiet(sample, up)? {
             next[window..window + 7].fill(0);
             return Ok(());
@@ -346,19 +360,6 @@ impl<'a> Supervisor<'a> {
             next[window] = 1;
             next[window + 1..window + 4].copy_from_slice(up);
             next[window + 4..window + 7].copy_from_slice(&share);
-        }
-        if next[window] >= self.limit("window")? {
-            let sum = next[window + 4..window + 7].to_vec();
-            let attitude = self.f.call(
-                "Attitude::align_to",
-                &[&next[..self.layout.attitude], &sum[..]].concat(),
-            )?;
-            next[..self.layout.attitude].copy_from_slice(&attitude);
-            next[window..window + 7].fill(0);
-            next[self.layout.aligned()] = 1;
-            if next[self.layout.status()] == 0 {
-                next[self.layout.status()] = READY;
-            }
         }
         Ok(())
     }

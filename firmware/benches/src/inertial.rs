@@ -1,30 +1,28 @@
-//! The sensors of this bench: FXAS21002, FXOS8700 and ADS1015 on one bus, as in the thesis. For other
-//! parts this file is the one to change; `[hardware]` in bench.toml must say the same.
+//! The bench of the thesis: FXAS21002 and FXOS8700 on one bus, and a part for the wheel.
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
-use esp_hal::delay::Delay;
 use loop_core::{Reading, Sensors};
-use sensor_drivers::{Ads1015, Fxas21002, Fxos8700};
+use sensor_drivers::{Fxas21002, Fxos8700};
 
-/// The parts that were begun.
-pub struct Bench<B> {
+use crate::wheel::WheelPart;
+use crate::{Failed, kept};
+
+/// The parts that were begun; `W` is that of the wheel.
+pub struct InertialBench<B, D, W> {
     bus: B,
-    delay: Delay,
+    delay: D,
     gyro: Option<Fxas21002>,
     accel: Option<Fxos8700>,
-    wheel: Option<Ads1015>,
+    wheel: Option<W>,
     last: Reading,
     is_even: bool,
 }
 
-/// A part is missing, or failed just now.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Failed;
-
-impl<B: I2c> Bench<B> {
+impl<B: I2c, D: DelayNs, W: WheelPart> InertialBench<B, D, W> {
     /// Begins the parts that answer.
-    pub fn new(bus: B, delay: Delay) -> Self {
-        let mut bench = Bench {
+    pub fn new(bus: B, delay: D) -> Self {
+        let mut bench = InertialBench {
             bus,
             delay,
             gyro: None,
@@ -51,12 +49,12 @@ impl<B: I2c> Bench<B> {
             self.accel = Fxos8700::new(&mut self.bus).ok();
         }
         if self.wheel.is_none() {
-            self.wheel = Ads1015::new(&mut self.bus).ok();
+            self.wheel = W::begin(&mut self.bus).ok();
         }
     }
 }
 
-impl<B: I2c> Sensors for Bench<B> {
+impl<B: I2c, D: DelayNs, W: WheelPart> Sensors for InertialBench<B, D, W> {
     type Error = Failed;
 
     /// Gyroscope and wheel in each step, accelerometer and field in every other: they have 400 new readings a
@@ -73,19 +71,5 @@ impl<B: I2c> Sensors for Bench<B> {
             self.last.mag = both.mag;
         }
         Ok(self.last)
-    }
-}
-
-/// Reads a part. A part that fails counts as missing until it is started again.
-fn kept<P, T, E>(
-    part: &mut Option<P>,
-    read: impl FnOnce(&mut P) -> Result<T, E>,
-) -> Result<T, Failed> {
-    match part.as_mut().map(read) {
-        Some(Ok(value)) => Ok(value),
-        _ => {
-            *part = None;
-            Err(Failed)
-        }
     }
 }

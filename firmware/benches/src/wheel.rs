@@ -1,0 +1,57 @@
+//! The sensor of the wheel.
+
+use embedded_hal::i2c::I2c;
+use sensor_drivers::{Ads1015, As5600, Error};
+
+/// A part that shows the wheel.
+pub trait WheelPart: Sized {
+    /// Begins the part.
+    ///
+    /// # Errors
+    /// No such part answers.
+    fn begin<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>>;
+
+    /// The latest reading: counts of a converter or an encoder, or a driver's signed speed as its bits.
+    ///
+    /// # Errors
+    /// The part failed.
+    fn read<B: I2c>(&mut self, bus: &mut B) -> Result<u16, Error<B::Error>>;
+}
+
+/// On the drive's output of the speed, `kind = "converter"`.
+impl WheelPart for Ads1015 {
+    fn begin<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>> {
+        Ads1015::new(bus)
+    }
+
+    fn read<B: I2c>(&mut self, bus: &mut B) -> Result<u16, Error<B::Error>> {
+        Ads1015::read(self, bus)
+    }
+}
+
+/// On the wheel's shaft, `kind = "encoder"`. All AS5600 have one address: not beside another on the same bus.
+impl WheelPart for As5600 {
+    fn begin<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>> {
+        As5600::new(bus)
+    }
+
+    fn read<B: I2c>(&mut self, bus: &mut B) -> Result<u16, Error<B::Error>> {
+        As5600::read(self, bus)
+    }
+}
+
+/// Your own reading, such as the speed that the motor's driver sends (`kind = "driver"`): write it here. Until
+/// then it fails, and nothing is driven.
+#[derive(Debug)]
+pub struct YourWheel;
+
+impl WheelPart for YourWheel {
+    fn begin<B: I2c>(_bus: &mut B) -> Result<Self, Error<B::Error>> {
+        Ok(YourWheel)
+    }
+
+    fn read<B: I2c>(&mut self, _bus: &mut B) -> Result<u16, Error<B::Error>> {
+        // YOUR READING: `Ok(speed.cast_unsigned())` with the i16 that the driver sent.
+        Err(Error::Stuck)
+    }
+}
