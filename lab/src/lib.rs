@@ -14,6 +14,7 @@
 //! | `work`, `running` | one long computation at a time, with progress and cancel |
 //! | `picture` | curves as a screen can show them: least and largest value a pixel |
 //! | `facts`, `design_facts`, `why_facts` | what the page is told, as JSON |
+//! | `help` | the guide as pages of the lab |
 //! | `shared` | what every answer needs |
 //! | `routes`, `socket` | the addresses of the server, and the socket for sliders |
 //! | `report`, `report_conclusion`, `report_findings`, `html` | the bench as one HTML file |
@@ -27,6 +28,7 @@ mod error;
 mod facts;
 mod folder;
 mod guard;
+mod help;
 mod html;
 mod picture;
 mod preview;

@@ -18,7 +18,7 @@ use crate::guard::{ENTER, guarded};
 use crate::report_findings::Findings;
 use crate::shared::Shared;
 use crate::work::{self, Task};
-use crate::{assets, facts, folder, socket};
+use crate::{assets, facts, folder, help, socket};
 
 /// Largest body of a request, bytes. The page sends names and numbers only.
 const LARGEST_BODY: usize = 256 * 1024;
@@ -36,6 +36,8 @@ pub fn router(shared: Shared) -> Router {
             get(async |Path(name): Path<String>| asset(&name)),
         )
         .route("/assets/plotly.js", get(async || assets::plot_library()))
+        .route("/help", get(help::first))
+        .route("/help/{*path}", get(help::file))
         .route("/api/state", get(state))
         .route("/api/benches", get(benches))
         .route("/api/effects", get(async || Json(facts::effects())))

@@ -41,6 +41,7 @@ fn only_the_page_itself_may_ask() {
         "/assets/app.js",
         "/api/state",
         "/api/report",
+        "/help/README.md",
         "/socket",
         "/no/such",
     ] {
@@ -246,4 +247,33 @@ fn files_outside_the_bench_folder_are_refused() {
         assert!(failure.contains("lies outside"), "{failure}");
     }
     assert!(!place.path().join("elsewhere.toml").exists());
+}
+
+/// The help carries the guide and nothing else.
+#[test]
+fn the_help_is_the_guide_alone() {
+    let lab = Running::entered(None);
+    let host = lab.host();
+    let get = |path: &str| {
+        let headers = [("Host", host.as_str()), ("Cookie", lab.cookie.as_str())];
+        send(lab.port, "GET", path, &headers, "")
+    };
+    let first = get("/help");
+    assert_eq!(first.status, 303);
+    assert_eq!(first.header("location"), Some("/help/README.md"));
+    let page = get("/help/README.md");
+    assert_eq!(page.status, 200);
+    assert!(
+        page.body
+            .contains("<nav aria-label=\"Pages of the guide\">")
+    );
+    assert_eq!(get("/help/effects/motor-lag.svg").status, 200);
+    for path in [
+        "/help/no-such.md",
+        "/help/../Cargo.toml",
+        "/help/..%2f..%2fCargo.toml",
+        "/help/effects",
+    ] {
+        assert_eq!(get(path).status, 404, "{path}");
+    }
 }

@@ -13,7 +13,7 @@ use super::{root, text};
 const PAGE: &str = "docs/guide/carrying-on.md";
 
 /// Folders of the root that no example needs.
-const LEFT_OUT: [&str; 4] = [".git", "target", "docs", "embedded"];
+const LEFT_OUT: [&str; 3] = [".git", "target", "embedded"];
 
 /// One block of an example.
 struct Step {
