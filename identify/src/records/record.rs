@@ -3,12 +3,14 @@
 
 use std::sync::OnceLock;
 
-use bench_files::{CurrentMeaning, Experiment};
+use bench_files::{CurrentMeaning, Experiment, Note};
 pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
 use super::averages::{blocks, means, middles};
-use super::noise::{least_noise_std, noise_by_differences, resolution, steps_of_command};
+use super::noise::{
+    least_noise_std, noise_by_differences, resolution, steps_of_command, without_floor,
+};
 
 /// One measured channel.
 #[derive(Clone, Debug)]
@@ -223,7 +225,30 @@ impl Record {
         if let Some(angle_rad) = &log.wheel_angle_rad {
             record.set_wheel_angles(angle_rad);
         }
+        if experiment.report.notes.contains(&Note::SpeedFromAngle) {
+            record.speed_is_of_angle();
+        }
         record
+    }
+
+    /// Gives a wheel speed that was computed from the wheel's angle the noise that this makes of the angle's: a difference
+    /// of two samples over the time between them. Such noise is correlated, and looks smaller in differences of the speed.
+    fn speed_is_of_angle(&mut self) {
+        let (Some(noise_rad), [first, .., last]) = (self.turned_noise_rad, &self.time_s[..]) else {
+            return;
+        };
+        let step_s = (last - first) / (self.time_s.len() - 1) as f64;
+        let speed = self
+            .channels
+            .iter_mut()
+            .find(|channel| channel.output == Output::WheelSpeed);
+        if let Some(speed) = speed {
+            speed.set_noise(
+                speed
+                    .noise_std
+                    .max(noise_rad * 2f64.sqrt() / (2.0 * step_s)),
+            );
+        }
     }
 
     /// States the wheel's angle in rad as measured at every sample, unwrapped. Missing samples lie on the straight line
@@ -249,7 +274,8 @@ impl Record {
             }
         };
         let angles: Vec<f64> = (0..self.len()).map(between).collect();
-        self.turned_noise_rad = Some(noise_by_differences(&angles, &self.kinks()).std);
+        let noise_rad = without_floor(&angles, &self.kinks()).map_or(0.0, |noise| noise.std);
+        self.turned_noise_rad = Some(noise_rad.max(resolution(&angles) / 12f64.sqrt()));
         self.turned_rad = Some(angles);
     }
 
