@@ -89,16 +89,25 @@ pub fn degrees(angle_rad: f64) -> String {
     format!("{}°", significant(angle_rad.to_degrees(), 3))
 }
 
-/// A complex number as `a + bj`, or `a` where it is real.
+/// A complex number as `a + bj`, or `a` where it is real, with six digits: for matrices and their eigenvalues.
 pub fn complex(re: f64, im: f64) -> String {
+    complex_with(re, im, 6)
+}
+
+/// A complex number for a sentence: at most four significant digits.
+pub fn complex_number(re: f64, im: f64) -> String {
+    complex_with(re, im, DIGITS)
+}
+
+fn complex_with(re: f64, im: f64, digits: usize) -> String {
     if im == 0.0 {
-        return significant(re, 6);
+        return significant(re, digits);
     }
     let sign = if im < 0.0 { '−' } else { '+' };
     format!(
         "{} {sign} {}j",
-        significant(re, 6),
-        significant(im.abs(), 6)
+        significant(re, digits),
+        significant(im.abs(), digits)
     )
 }
 

@@ -13,6 +13,10 @@ const AT_LIMIT: usize = 4;
 /// in steps of the column. A smaller one is a turning point.
 const BEYOND_NOISE: f64 = 8.0;
 const BEYOND_STEPS: f64 = 3.0;
+/// Smallest number of equal samples at the end of a log that show a limit, where the noise before them is larger than so
+/// many steps of the column. Noise of two steps repeats a sample once in five times, and never so often in a row.
+const STUCK: usize = 20;
+const NOISY_STEPS: f64 = 2.0;
 /// Share of samples at a limit above which results from the channel are wrong.
 const CLIPPED_SHARE: f64 = 0.02;
 /// Smallest number of equal samples of a frozen channel.
@@ -141,12 +145,19 @@ impl<'s> Series<'s> {
                 at_limit += run.until - run.from;
             }
         }
-        if at_limit == 0 {
+        let last = self.stuck_at_the_end(channel);
+        if at_limit + last == 0 {
             return None;
         }
-        let share = at_limit as f64 / self.samples.len() as f64;
+        let share = (at_limit + last) as f64 / self.samples.len() as f64;
+        let how = if at_limit > 0 {
+            "but the motion goes beyond it"
+        } else {
+            "to the end of the log and without the noise that they had before"
+        };
         let sentence = format!(
-            "{at_limit} samples of the {} stand at its limit ({} to {}), but the motion goes beyond it",
+            "{} samples of the {} stand at its limit ({} to {}), {how}",
+            at_limit + last,
             spoken(channel),
             short(self.low),
             short(self.high)
@@ -161,6 +172,30 @@ impl<'s> Series<'s> {
                 "exclude that part with from and until, or use a larger range of the sensor",
             ),
         )
+    }
+
+    /// The equal samples at the end of a log of the wheel's speed that stopped rising at the limit of its sensor. A wheel
+    /// that turns steadily shows the noise that it showed before; one at rest may show none, but is not at the limit.
+    fn stuck_at_the_end(&self, channel: Channel) -> usize {
+        let largest = self.low.abs().max(self.high.abs());
+        let stuck = self
+            .runs(STUCK)
+            .pop()
+            .filter(|run| run.until == self.samples.len())
+            .filter(|run| {
+                let value = self.samples[run.from];
+                let before = &self.samples[..run.from];
+                let rises = self
+                    .slope_before(run)
+                    .is_some_and(|slope| slope * value > 0.0);
+                value.abs() == largest
+                    && rises
+                    && noise_std(before) > NOISY_STEPS * resolution(before)
+            });
+        match stuck {
+            Some(run) if channel == Channel::WheelSpeed => run.until - run.from,
+            _ => 0,
+        }
     }
 
     fn frozen(&self, channel: Channel) -> Option<Finding> {
@@ -268,8 +303,13 @@ impl<'s> Series<'s> {
         // With steps of many counts, equal neighbours come neither from rounding nor from rest.
         let is_large = |k: usize| steps.get(k).is_some_and(|step| *step >= 10.0 * self.step);
         let moved = (0..steps.len()).filter(|k| is_large(*k)).count();
+        // At a limit the sensor repeats what it cannot exceed.
+        let at_limit = |k: usize| [self.low, self.high].contains(&self.samples[k]);
         let repeats = (0..steps.len())
-            .filter(|&k| steps[k] == 0.0 && (is_large(k + 1) || k > 0 && is_large(k - 1)))
+            .filter(|&k| {
+                let beside = is_large(k + 1) || k > 0 && is_large(k - 1);
+                steps[k] == 0.0 && beside && !at_limit(k)
+            })
             .count();
         let repeated = repeats as f64 / (repeats + moved).max(1) as f64;
         if moved < 20 || repeated < REPEATED {

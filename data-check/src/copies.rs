@@ -30,6 +30,10 @@ pub(crate) fn check(views: &[View], out: &mut Vec<Finding>) {
     }
 }
 
+/// Two samples are the same if they differ by less than this share of the range of their stretch: the files may have
+/// other units and other digits. Noise of another recording differs by more, or it would not be seen in the file.
+const ROUNDED: f64 = 1e-4;
+
 /// Whether one log contains a stretch from the middle of the other.
 fn shared(first: &View, second: &View) -> bool {
     [Channel::Angle, Channel::Rate, Channel::WheelSpeed]
@@ -53,5 +57,13 @@ fn contains(whole: &[f64], part: &[f64]) -> bool {
     high > low
         && 2 * changes > IN_A_ROW
         && stretch.iter().all(|value| value.is_finite())
-        && whole.windows(IN_A_ROW).any(|window| window == stretch)
+        && whole
+            .windows(IN_A_ROW)
+            .any(|window| is_the_same(window, stretch, ROUNDED * (high - low)))
+}
+
+/// Whether two stretches differ by rounding alone.
+fn is_the_same(window: &[f64], stretch: &[f64], within: f64) -> bool {
+    let mut pairs = window.iter().zip(stretch);
+    pairs.all(|(a, b)| (a - b).abs() <= within)
 }

@@ -1,5 +1,7 @@
 //! The errors of a design, each with its remedy.
 
+use bench_files::numbers::{complex_number, number};
+
 /// The reason why no controller could be designed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
@@ -44,8 +46,9 @@ pub enum DesignError {
     },
     /// The input cannot reach an unstable mode.
     #[error(
-        "the motor cannot stabilise this model: it does not reach the mode at {re:.6}{im:+.6}j \
-         (relative reach {reach:.1e}); check the torque constant and the inertias"
+        "the motor cannot stabilise this model: it does not reach the mode at {} \
+         (relative reach {reach:.1e}); check the torque constant and the inertias",
+        complex_number(*re, *im)
     )]
     NotStabilisable {
         /// Real part of the mode's eigenvalue.
@@ -57,9 +60,9 @@ pub enum DesignError {
     },
     /// An unstable mode does not enter the cost, so the minimum leaves the mode uncontrolled.
     #[error(
-        "the gains that minimise this cost leave the loop unstable (largest pole modulus \
-         {spectral_radius:.6}): a state weight of zero hides an unstable mode; give every state \
-         a weight greater than zero"
+        "the gains that minimise this cost leave the loop unstable (largest pole modulus {}): a \
+         state weight of zero hides an unstable mode; give every state a weight greater than zero",
+        modulus(*spectral_radius)
     )]
     WeightsHideUnstableMode {
         /// Largest modulus of the closed-loop poles.
@@ -122,7 +125,10 @@ pub enum DesignError {
         cure: &'static str,
     },
     /// A loop that must be stable is unstable.
-    #[error("the loop {loop_name} is unstable (largest pole modulus {spectral_radius:.6}); {cure}")]
+    #[error(
+        "the loop {loop_name} is unstable (largest pole modulus {}); {cure}",
+        modulus(*spectral_radius)
+    )]
     UnstableLoop {
         /// Which loop, in words.
         loop_name: &'static str,
@@ -165,6 +171,18 @@ pub enum DesignError {
     },
 }
 
+/// The modulus of a pole, where what counts is its distance from one: of a slow mode that distance lies beyond the
+/// fourth digit.
+fn modulus(modulus: f64) -> String {
+    let beyond = modulus - 1.0;
+    if beyond != 0.0 && beyond.abs() < 0.01 {
+        let sign = if beyond < 0.0 { '−' } else { '+' };
+        format!("1 {sign} {}", number(beyond.abs()))
+    } else {
+        number(modulus)
+    }
+}
+
 /// The shortest sample time that is advised, in s: what the 2,400 instructions of the emitted step's longest path
 /// (docs/cost.md) take at 120 MHz.
 const SHORTEST_ADVISED_S: f64 = 20e-6;
@@ -181,5 +199,31 @@ fn shorter_or_slower(longest_s: f64, current_weight: f64, larger_weight: Option<
         format!("use {slower}")
     } else {
         format!("use a sample time of at most {longest_s} s, or {slower}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poles_have_at_most_four_digits_and_keep_their_distance_from_one() {
+        let unreached = DesignError::NotStabilisable {
+            re: 9.475_773_72,
+            im: 0.0,
+            reach: 1e-12,
+        };
+        assert!(unreached.to_string().contains("the mode at 9.476 ("));
+        let radius = |spectral_radius| {
+            DesignError::UnstableLoop {
+                loop_name: "with friction",
+                spectral_radius,
+                cure: "…",
+            }
+            .to_string()
+        };
+        assert!(radius(1.094_123_4).contains("modulus 1.094)"));
+        assert!(radius(1.000_012_345_6).contains("modulus 1 + 1.235e-5)"));
+        assert!(radius(1.0).contains("modulus 1)"));
     }
 }

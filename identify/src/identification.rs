@@ -1,6 +1,7 @@
 //! The identification: from a bench to a fitted model with all statements about it.
 
-use plant::{EffectId, LearnedCoordinate, Model};
+use bench_files::numbers::number;
+use plant::{EffectId, Instant, LearnedCoordinate, Model, Smoothing};
 use rayon::prelude::*;
 
 use crate::bench::{FitProblem, IdentifyError};
@@ -8,11 +9,12 @@ use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictio
 use crate::extension::{carry_over, extend};
 use crate::first_fit::first_fit;
 use crate::fit::{
-    Effort, Minimum, PredictedSeries, Unknowns, Window, cost, failed_series, joined, refit, traces,
+    Effort, Minimum, PredictedSeries, Unknowns, Window, acts, cost, failed_series, joined, refit,
+    traces,
 };
 use crate::learned::learn;
 use crate::progress::Progress;
-use crate::records::Record;
+use crate::records::{Output, Record};
 use crate::residuals::{FoundPush, PushModel, find_pushes};
 use crate::statements::{cautions, statements};
 
@@ -116,6 +118,9 @@ pub fn fit_until(
     let model = &model;
     progress.check()?;
     if !minimum.cost.is_finite() {
+        if let Some(error) = not_finite(&records, model) {
+            return Err(error);
+        }
         let suspect = records
             .first()
             .map_or(String::new(), |record| record.name.clone());
@@ -124,6 +129,53 @@ pub fn fit_until(
     let found = identification(problem, model, minimum, None);
     progress.check()?;
     Ok(found)
+}
+
+/// The effect from outside the library whose torque is not finite at the start of its parameters, at the first sample of
+/// the logs where that is so.
+fn not_finite(records: &[&Record], model: &Model) -> Option<IdentifyError> {
+    let outsiders = model
+        .effects()
+        .iter()
+        .filter(|effect| matches!(effect, EffectId::External(_)));
+    for &effect in outsiders {
+        let p = effect.info().starts[0];
+        for record in records.iter().filter(|record| acts(effect, record.kind)) {
+            let of = |output: Output, k: usize| {
+                record
+                    .channel(output)
+                    .map_or(0.0, |channel| channel.samples[k])
+            };
+            for k in 0..record.len() {
+                let at = Instant {
+                    angle_rad: of(Output::Angle, k),
+                    rate_rad_s: of(Output::Rate, k),
+                    wheel_angle_rad: record.wheel_angle_before(k),
+                    wheel_speed_rad_s: of(Output::WheelSpeed, k),
+                    current_a: record.current_a.get(k).copied().unwrap_or(0.0),
+                    memory: 0.0,
+                };
+                let motion = [
+                    ("angle", at.angle_rad, "rad"),
+                    ("rate", at.rate_rad_s, "rad/s"),
+                    ("wheel_angle", at.wheel_angle_rad, "rad"),
+                    ("wheel_speed", at.wheel_speed_rad_s, "rad/s"),
+                    ("current", at.current_a, "A"),
+                ];
+                let is_whole = motion.iter().all(|(_, value, _)| value.is_finite());
+                if is_whole && !effect.torque(p, &at, &Smoothing::SIMULATION).is_finite() {
+                    let words = motion
+                        .map(|(name, value, unit)| format!("{name} {} {unit}", number(value)));
+                    return Some(IdentifyError::EffectNotFinite {
+                        effect: effect.name(),
+                        experiment: record.name.clone(),
+                        at: words.join(", "),
+                    });
+                }
+            }
+        }
+    }
+    None
 }
 
 /// A fit with the torque that its model lacks learned over these coordinates, one after the other.

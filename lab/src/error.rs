@@ -7,6 +7,9 @@ use std::path::PathBuf;
 /// The reason why the lab cannot run.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// The bench that was to be opened is not there, or one of its files lies outside its folder.
+    #[error("{0}")]
+    Bench(String),
     /// The port is taken, or not allowed.
     #[error(
         "cannot listen on {address}: {source}; --port N names another port, none lets the system choose"

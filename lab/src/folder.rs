@@ -27,7 +27,7 @@ pub fn of_bench(path: &Path) -> Result<PathBuf, String> {
     if !named.is_file() {
         return Err(format!(
             "{}: there is no bench.toml; a bench is a folder with a bench.toml and its logs",
-            folder.display()
+            path.display()
         ));
     }
     within(&folder, &named)?;

@@ -41,8 +41,11 @@ impl Lab {
     /// Listens on the loopback address and begins to open the bench.
     ///
     /// # Errors
-    /// [`Error::Listen`], [`Error::Door`].
+    /// [`Error::Bench`], [`Error::Listen`], [`Error::Door`].
     pub fn start(settings: &Settings) -> Result<Lab, Error> {
+        if let Some(bench) = &settings.bench {
+            crate::folder::of_bench(bench).map_err(Error::Bench)?;
+        }
         let address = SocketAddr::from((Ipv4Addr::LOCALHOST, settings.port.unwrap_or(0)));
         let listen = |source| Error::Listen { address, source };
         let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -63,7 +66,7 @@ impl Lab {
             desk: desk.clone(),
         };
         if let Some(bench) = &settings.bench {
-            // If it cannot be opened, the page shows the reason.
+            // What is wrong with its files, the page shows and mends.
             let _ = work::open(&desk, bench.clone());
         }
         Ok(Lab {

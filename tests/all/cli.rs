@@ -160,6 +160,10 @@ fn bad_input_is_refused_with_one_message() {
         &["nowhere", "no such bench"],
     );
     refused(
+        ["lab", "--no-open", &path("nowhere")],
+        &["nowhere", "bench"],
+    );
+    refused(
         ["design", &path("nowhere.toml")],
         &["nowhere.toml", "no such file"],
     );

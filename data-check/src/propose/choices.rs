@@ -76,7 +76,7 @@ pub fn units_of(channel: Channel) -> &'static [&'static str] {
         Channel::Time => &["s", "ms", "us", "ns"],
         Channel::Angle => &["rad", "mrad", "deg", "rev"],
         Channel::WheelAngle => &["rad", "mrad", "deg", "rev"],
-        Channel::Rate | Channel::WheelSpeed => &["rad/s", "mrad/s", "deg/s", "rpm"],
+        Channel::Rate | Channel::WheelSpeed => &["rad/s", "mrad/s", "deg/s", "rpm", "rev/s"],
         Channel::Current => &["A", "mA"],
     }
 }

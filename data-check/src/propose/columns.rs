@@ -16,7 +16,7 @@ pub(super) struct Mapped {
 }
 
 /// Endings of column names that state a unit, longest first.
-const ENDINGS: [(&str, &str); 17] = [
+const ENDINGS: [(&str, &str); 22] = [
     ("_mrad_s", "mrad/s"),
     ("_rad_s", "rad/s"),
     ("_deg_s", "deg/s"),
@@ -25,9 +25,14 @@ const ENDINGS: [(&str, &str); 17] = [
     ("_rads", "rad/s"),
     ("_dps", "deg/s"),
     ("_rpm", "rpm"),
+    ("_rev_s", "rev/s"),
+    ("_rps", "rev/s"),
     ("_mrad", "mrad"),
     ("_rad", "rad"),
     ("_deg", "deg"),
+    ("_turns", "rev"),
+    ("_revs", "rev"),
+    ("_rev", "rev"),
     ("_ms", "ms"),
     ("_us", "us"),
     ("_ns", "ns"),
@@ -90,12 +95,15 @@ const RATE: [&str; 10] = [
 const ANGLE: [&str; 9] = [
     "angle", "pend", "theta", "alpha", "pitch", "winkel", "tilt", "deg", "pos",
 ];
+/// What the wheel's angle is called, beside the words for the wheel.
+const TURNED: [&str; 6] = ["angle", "pos", "winkel", "turn", "encoder", "count"];
 const CURRENT: [&str; 5] = ["current", "curr", "strom", "amp", "i_mot"];
 const TIME: [&str; 5] = ["time", "zeit", "millis", "stamp", "t_"];
 
 /// The channel that name and unit suggest.
 fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
-    let lower = name.to_lowercase();
+    // A sample is no ampere.
+    let lower = name.to_lowercase().replace("sample", "");
     let has = |parts: &[&str]| parts.iter().any(|part| lower.contains(part));
     let of_wheel = has(&WHEEL);
     match unit.map(quantity) {
@@ -108,6 +116,7 @@ fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
         Some(Quantity::Speed) => Some(Channel::WheelSpeed),
         None if lower == "t" || has(&TIME) => Some(Channel::Time),
         None if has(&CURRENT) || lower == "i" => Some(Channel::Current),
+        None if of_wheel && has(&TURNED) => Some(Channel::WheelAngle),
         None if of_wheel => Some(Channel::WheelSpeed),
         None if has(&RATE) => Some(Channel::Rate),
         None if has(&ANGLE) => Some(Channel::Angle),

@@ -41,10 +41,14 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
             Some("deg" | "deg/s") => PI / 180.0,
             Some("mrad" | "mrad/s" | "mA" | "ms") => 1e-3,
             Some("rpm") => PI / 30.0,
-            Some("rev") => 2.0 * PI,
+            Some("rev" | "rev/s") => 2.0 * PI,
             _ => 1.0,
         };
-        Some(table.columns[one.index].iter().map(|x| scale * x).collect())
+        let values = table.columns[one.index].iter().map(|x| scale * x);
+        Some(match channel {
+            Channel::Angle | Channel::WheelAngle => unwrapped(values),
+            _ => values.collect(),
+        })
     };
     let angle = samples(Channel::Angle);
     let body = angle.is_some() || samples(Channel::Rate).is_some();
@@ -136,6 +140,23 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         ));
     }
     guess
+}
+
+/// An angle in rad without the jumps of a sensor that starts again after a turn: between two samples the shorter way is
+/// taken.
+fn unwrapped(angle_rad: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut turns = 0.0;
+    let mut before: Option<f64> = None;
+    angle_rad
+        .map(|angle| {
+            if angle.is_finite() {
+                let step = before.map_or(0.0, |before| angle - before);
+                turns -= (step / (2.0 * PI)).round();
+                before = Some(angle);
+            }
+            angle + 2.0 * PI * turns
+        })
+        .collect()
 }
 
 /// Whether the wheel (speed in rad/s) is locked to a body that moves: a wheel that is free keeps its own motion while

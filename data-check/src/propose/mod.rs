@@ -191,6 +191,11 @@ fn name_in(folder: &Path, path: &Path) -> String {
 
 fn draft(name: String, file: String, table: &Table) -> Draft {
     let mut mapped = columns::mapped(table);
+    for angle in &mut mapped {
+        if matches!(angle.channel, Channel::Angle | Channel::WheelAngle) {
+            turn_of_360(angle, &table.columns[angle.index]);
+        }
+    }
     let mut questions = vec![];
     let time = mapped.iter().position(|one| one.channel == Channel::Time);
     match time {
@@ -243,6 +248,26 @@ fn draft(name: String, file: String, table: &Table) -> Draft {
         mapped,
         column_names: table.names.clone(),
         decided: false,
+    }
+}
+
+/// Fewest jumps by a turn that show its unit.
+const JUMPS: usize = 2;
+
+/// The unit of an angle without a stated one that starts again after 360: nothing else jumps by 360, time and again.
+fn turn_of_360(angle: &mut Mapped, values: &[f64]) {
+    if angle.unit.is_some() {
+        return;
+    }
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let (near, far) = steps
+        .filter(|step| *step > 180.0)
+        .partition::<Vec<f64>, _>(|step| (step / 360.0 - 1.0).abs() < 0.1);
+    if near.len() >= JUMPS && far.is_empty() {
+        angle.unit = Some("deg");
+        angle
+            .reason
+            .push_str(&format!("; it jumps {} times by 360: deg", near.len()));
     }
 }
 

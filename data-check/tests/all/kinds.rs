@@ -72,3 +72,51 @@ fn a_swing_with_a_driven_wheel_keeps_its_current() {
         proposal.text
     );
 }
+
+/// A free swing whose angle starts again at 360 below hanging, with an index for the lines: it is in degrees, needs no
+/// offset, and the index is no current.
+#[test]
+fn an_angle_that_starts_again_after_360_is_in_degrees() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("log.csv");
+    let mut text = "time_s,angle,sample\n".to_owned();
+    for k in 0..2000 {
+        let time = 0.02 * f64::from(k);
+        let angle = 40.0 * (-0.05 * time).exp() * (10.0 * time).cos();
+        text.push_str(&format!("{time:.2},{:.3},{k}\n", angle.rem_euclid(360.0)));
+    }
+    fs::write(&file, text).expect("a log");
+    let proposal = propose(folder.path(), &[file]).expect("a proposal");
+    let choices = &proposal.experiments[0].choices;
+    assert_eq!(choices.kind, "free-swing");
+    assert_eq!(choices.offset_rad, None);
+    let told: Vec<(&str, Option<&str>)> = choices
+        .columns
+        .iter()
+        .map(|one| (one.channel.as_str(), one.unit.as_deref()))
+        .collect();
+    assert_eq!(told, [("time", Some("s")), ("angle", Some("deg"))]);
+}
+
+/// What turns of a wheel are called is its angle, and no speed.
+#[test]
+fn turns_of_a_wheel_are_its_angle() {
+    for (name, unit) in [("wheel_rev", Some("rev")), ("wheel_pos", None)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("log.csv");
+        let mut text = format!("time_s,{name},current_A\n");
+        for k in 0..400 {
+            let time = 0.005 * f64::from(k);
+            let turns = 3.0 * time * time;
+            text.push_str(&format!("{time:.3},{:.5},0.3\n", turns % 1.0));
+        }
+        fs::write(&file, text).expect("a log");
+        let proposal = propose(folder.path(), &[file]).expect("a proposal");
+        let columns = &proposal.experiments[0].choices.columns;
+        let turns = columns.iter().find(|one| one.column == name).expect(name);
+        assert_eq!(
+            (turns.channel.as_str(), turns.unit.as_deref()),
+            ("wheel_angle", unit)
+        );
+    }
+}

@@ -353,6 +353,28 @@ fn copies_and_channels_that_lie() {
             logs.push(copy);
         });
         assert_found(seed, &found, FindingId::SameData, None, Severity::Warn);
+        // A copy that went through another program, which wrote degrees with four digits.
+        let found = spoilt(seed, |logs| {
+            let mut copy = logs[0].clone();
+            copy.name = "copy";
+            for column in ["angle_rad", "rate_rad_s"] {
+                let rounded = |x: &mut f64| *x = (*x * DEGREES * 1e4).round() / (DEGREES * 1e4);
+                copy.column(column).iter_mut().for_each(rounded);
+            }
+            logs.push(copy);
+        });
+        assert_found(seed, &found, FindingId::SameData, None, Severity::Warn);
+        // A spin-up that leaves the range of its sensor, and stays beyond it.
+        let found = spoilt(seed, |logs| {
+            let speed = logs[3].column("wheel_speed_rad_s");
+            let largest = speed.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            speed
+                .iter_mut()
+                .for_each(|x| *x = x.clamp(-0.5 * largest, 0.5 * largest));
+        });
+        assert_found(seed, &found, FindingId::Clipped, None, Severity::Refuse);
+        let stale = |finding: &Finding| finding.finding == FindingId::Stale;
+        assert!(!found.iter().any(stale), "seed {seed}: {found:#?}");
         let found = spoilt(seed, |logs| {
             let limit = 0.6
                 * logs[0]

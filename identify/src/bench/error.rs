@@ -21,6 +21,19 @@ pub enum IdentifyError {
         /// The experiment with the largest misfit at the start.
         suspect: String,
     },
+    /// An effect from outside the library has no finite torque where a log has been.
+    #[error(
+        "{effect} gives no finite torque where experiment \"{experiment}\" has been: {at}; its equation divides by zero \
+         there, takes a root or a logarithm of what is not positive, or grows without limit"
+    )]
+    EffectNotFinite {
+        /// The effect's name.
+        effect: &'static str,
+        /// The experiment.
+        experiment: String,
+        /// The first such instant, in words.
+        at: String,
+    },
     /// The fit has failed: its cost is not clearly below that of predicting the mean of every series.
     #[error(
         "the fit has failed: {}. No parameter of this fit is usable. Check units, signs and kind of {} in \

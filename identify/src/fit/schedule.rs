@@ -5,7 +5,7 @@
 //! (multiple shooting; Bock 1983), whose cost is nearly quadratic. It then lengthens the windows
 //! until one window spans the log.
 
-use plant::{Kind, Model, Timing, period_s};
+use plant::{EffectId, Kind, Model, Timing, period_s};
 
 use super::cogging::settled;
 use super::effort::{Effort, Outcome};
@@ -13,12 +13,48 @@ use super::score_test::score_test;
 use super::solver::{Minimum, minimise};
 use super::unknowns::{Unknowns, Window};
 use super::windows::{final_windows, windows};
-use crate::records::{Record, RecordedCurrent};
+use crate::records::{BALANCE_WINDOW_S, Record, RecordedCurrent};
 
 /// Factor by which windows grow from one stage to the next.
 const WINDOW_GROWTH: f64 = 4.0;
 /// Periods in the first windows.
 const FIRST_PERIODS: f64 = 2.0;
+
+/// How the windows grow.
+struct Growth {
+    /// Length of the first ones, s.
+    first_s: f64,
+    factor: f64,
+    /// Whether spin-ups are cut, too. They need it only where they are far from linear.
+    cuts_spin_ups: bool,
+}
+
+impl Growth {
+    /// The growth that a model asks for.
+    ///
+    /// A torque of any shape over the wheel's angle (a learned curve, an effect of the user's own) asks for more stages:
+    /// a wheel that is wrong by a share of a turn feels another torque, which takes it further, and over a whole log
+    /// the cost has a minimum for every turn that is lost. In windows of [`BALANCE_WINDOW_S`] the wheel's angle is the
+    /// measured one. Cogging has starts of its own ([`super::cogging`]).
+    fn for_model(model: &Model, values: &[f64]) -> Growth {
+        let by_turns = model.ranges().any(|(effect, _)| {
+            matches!(effect, EffectId::External(_)) && effect.info().uses_wheel_angle
+        });
+        if by_turns {
+            Growth {
+                first_s: BALANCE_WINDOW_S,
+                factor: 2.0,
+                cuts_spin_ups: true,
+            }
+        } else {
+            Growth {
+                first_s: FIRST_PERIODS * period_s(values),
+                factor: WINDOW_GROWTH,
+                cuts_spin_ups: false,
+            }
+        }
+    }
+}
 
 /// Fits from a first guess, by the schedule of growing windows. `effort` is that of the last stage; if it is cancelled,
 /// the schedule ends.
@@ -43,19 +79,21 @@ pub(crate) fn fit_in_stages(
     first: &mut dyn FnMut(&Minimum),
 ) -> Minimum {
     let unknowns = Unknowns::new(model, free);
+    let growth = Growth::for_model(model, &values);
     let longest_s = records
         .iter()
         .map(|record| match record.kind {
             // A spin-up is nearly linear in everything and needs no schedule.
-            Kind::SpinUp | Kind::Balance => 0.0,
-            Kind::FreeSwing | Kind::Driven => {
+            Kind::SpinUp if !growth.cuts_spin_ups => 0.0,
+            Kind::Balance => 0.0,
+            Kind::SpinUp | Kind::FreeSwing | Kind::Driven => {
                 let span_s =
                     record.time_s.last().unwrap_or(&0.0) - record.time_s.first().unwrap_or(&0.0);
                 span_s.min(record.window_s)
             }
         })
         .fold(0.0, f64::max);
-    let mut window_s = FIRST_PERIODS * period_s(&values);
+    let mut window_s = growth.first_s;
     let mut values = values;
     let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
     let mut is_first = true;
@@ -66,7 +104,9 @@ pub(crate) fn fit_in_stages(
             .iter()
             .zip(&current)
             .map(|(record, before)| match record.kind {
-                Kind::SpinUp => windows(record, &values, f64::INFINITY, before),
+                Kind::SpinUp if !growth.cuts_spin_ups => {
+                    windows(record, &values, f64::INFINITY, before)
+                }
                 _ => windows(record, &values, length_s, before),
             })
             .collect();
@@ -88,7 +128,7 @@ pub(crate) fn fit_in_stages(
         }
         values = minimum.values;
         current = minimum.windows;
-        window_s *= WINDOW_GROWTH;
+        window_s *= growth.factor;
     }
 }
 

@@ -73,11 +73,11 @@ fn with_memory<S: Scalar>(
 ) -> State<S> {
     let mut state = start;
     let first = window.samples.start;
-    if first == 0 {
-        return state;
-    }
     if model.find(|info| info.uses_wheel_angle).is_some() {
         state.wheel_angle_rad += S::constant(record.wheel_angle_before(first));
+    }
+    if first == 0 {
+        return state;
     }
     if let Some(distance_rad) = plant.memory_distance_rad() {
         let mut far = MEMORY_DISTANCES * distance_rad;

@@ -19,8 +19,8 @@ pub enum Nuisance {
     /// Zero of a quantised angle, rad. Whether the sensor rounds or truncates is unknown, so the zero of a channel with
     /// step q is known to ±q/2 only: a nuisance parameter with prior standard deviation q/√12.
     AngleZero,
-    /// Wheel angle at the start, relative to the integral of the measured wheel speed, rad. The integrated noise is a random
-    /// walk, so a window in the middle of a log does not know the wheel's angle exactly.
+    /// Wheel angle at the start, relative to the measured one, or else to the integral of the measured wheel speed, rad. The
+    /// integrated noise is a random walk, so a window in the middle of such a log does not know the wheel's angle exactly.
     WheelAngle,
     /// The share of its motion that the model had before the log began ([`plant::Plant::with_motion_before`]): a sensor
     /// with a delay shows it in the log. Only the window with the first sample has it.
@@ -82,6 +82,9 @@ impl Nuisance {
         match self {
             Nuisance::AngleZero => angle_quantum(record).map(|quantum| quantum / 12f64.sqrt()),
             Nuisance::WheelAngle => {
+                if let Some(noise_rad) = record.wheel_angle_noise_rad() {
+                    return Some(noise_rad.max(LEAST_WHEEL_ANGLE_STD_RAD));
+                }
                 let noise = record.channel(Output::WheelSpeed)?.noise_std;
                 let span_s = record.time_s[first] - record.time_s[0];
                 let steps = first.max(1) as f64;

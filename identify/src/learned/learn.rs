@@ -99,6 +99,15 @@ pub(crate) fn learn(
         found.is_some_and(|found| found.cost < GOOD * observations as f64)
     };
     let mut found: Option<Minimum> = None;
+    if coordinate == LearnedCoordinate::WheelAngle {
+        // The wheel has to be at the right place of the curve, turn after turn.
+        let start = starts(&larger, effect, &shifted);
+        keep_better(
+            &mut found,
+            fit_from_scratch(&records, &larger, start, &free, rough),
+        );
+        progress.check()?;
+    }
     for base in [&shifted, values] {
         if !is_good(&found) {
             let start = starts(&larger, effect, base);
@@ -110,12 +119,24 @@ pub(crate) fn learn(
         }
         progress.check()?;
     }
-    if !is_good(&found) {
+    if !is_good(&found) && coordinate != LearnedCoordinate::WheelAngle {
         // Over whole logs the cost has many minima: the windows grow from short ones.
         let start = starts(&larger, effect, &shifted);
         keep_better(
             &mut found,
             fit_from_scratch(&records, &larger, start, &free, rough),
+        );
+    }
+    if found
+        .as_ref()
+        .is_none_or(|found| found.cost >= minimum.cost)
+    {
+        // No start led below the model without the curve: from there it can only get better.
+        let start = carry_over(model, values, &larger, &vec![0.0; larger.parameter_count()]);
+        let windows = windows.clone();
+        keep_better(
+            &mut found,
+            refit(&records, &larger, start, windows, &free, rough),
         );
     }
     let mut found = found.ok_or_else(nothing)?;

@@ -58,11 +58,20 @@ pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEst
         };
     }
     let floor = least_noise_std(&finite);
+    let best = without_floor(samples, kinks);
+    NoiseEstimate {
+        std: best.map_or(floor, |best| best.std.max(floor)),
+        differences: best.map_or(0, |best| best.differences),
+    }
+}
 
+/// As [`noise_by_differences`], but not raised to a share of the signal's spread; `None` where there are too few samples.
+/// It is for what grows without limit, like the angle of a wheel.
+pub(crate) fn without_floor(samples: &[f64], kinks: &[usize]) -> Option<NoiseEstimate> {
     let mut best: Option<NoiseEstimate> = None;
     let mut differences = samples.to_vec();
     let mut binomial = 1.0;
-    for order in 1..=MAX_ORDER {
+    for order in 1..=MAX_ORDER.min(samples.len().saturating_sub(1)) {
         for k in 0..differences.len() - order {
             differences[k] = differences[k + 1] - differences[k];
         }
@@ -90,10 +99,7 @@ pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEst
             _ => best = Some(estimate),
         }
     }
-    NoiseEstimate {
-        std: best.map_or(floor, |best| best.std.max(floor)),
-        differences: best.map_or(0, |best| best.differences),
-    }
+    best
 }
 
 /// A difference between neighbouring samples beyond this many standard deviations of a difference is a step of the

@@ -3,12 +3,14 @@
 
 use std::sync::OnceLock;
 
-use bench_files::{CurrentMeaning, Experiment};
+use bench_files::{CurrentMeaning, Experiment, Note};
 pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
 use super::averages::{blocks, means, middles};
-use super::noise::{least_noise_std, noise_by_differences, resolution, steps_of_command};
+use super::noise::{
+    least_noise_std, noise_by_differences, resolution, steps_of_command, without_floor,
+};
 
 /// One measured channel.
 #[derive(Clone, Debug)]
@@ -126,8 +128,11 @@ pub struct Record {
     pub passes_over_the_top: bool,
     /// How many samples of the recorded log each sample here is the average of; 1 for a log as recorded.
     pub averaged_over: usize,
-    /// The wheel angles of [`Record::wheel_angles`], if more samples were available than this record has.
+    /// The wheel angles of [`Record::wheel_angles`], if they were measured, or if more samples were available than this
+    /// record has.
     turned_rad: Option<Vec<f64>>,
+    /// The noise of the measured wheel angle, rad; `None` if it was not measured.
+    turned_noise_rad: Option<f64>,
     past: Past,
 }
 
@@ -197,6 +202,7 @@ impl Record {
             passes_over_the_top,
             averaged_over: 1,
             turned_rad: None,
+            turned_noise_rad: None,
             past: Past::default(),
         }
     }
@@ -204,7 +210,7 @@ impl Record {
     /// Prepares an experiment that was loaded from disk.
     pub fn from_experiment(experiment: &Experiment) -> Record {
         let log = &experiment.log;
-        Record::new(
+        let mut record = Record::new(
             &experiment.name,
             experiment.kind,
             log.time_s.clone(),
@@ -215,7 +221,67 @@ impl Record {
             ],
             log.current_a.clone(),
             experiment.current_meaning == CurrentMeaning::Measured,
-        )
+        );
+        if let Some(angle_rad) = &log.wheel_angle_rad {
+            record.set_wheel_angles(angle_rad);
+        }
+        if experiment.report.notes.contains(&Note::SpeedFromAngle) {
+            record.speed_is_of_angle();
+        }
+        record
+    }
+
+    /// Gives a wheel speed that was computed from the wheel's angle the noise that this makes of the angle's: a difference
+    /// of two samples over the time between them. Such noise is correlated, and looks smaller in differences of the speed.
+    fn speed_is_of_angle(&mut self) {
+        let (Some(noise_rad), [first, .., last]) = (self.turned_noise_rad, &self.time_s[..]) else {
+            return;
+        };
+        let step_s = (last - first) / (self.time_s.len() - 1) as f64;
+        let speed = self
+            .channels
+            .iter_mut()
+            .find(|channel| channel.output == Output::WheelSpeed);
+        if let Some(speed) = speed {
+            speed.set_noise(
+                speed
+                    .noise_std
+                    .max(noise_rad * 2f64.sqrt() / (2.0 * step_s)),
+            );
+        }
+    }
+
+    /// States the wheel's angle in rad as measured at every sample, unwrapped. Missing samples lie on the straight line
+    /// between their neighbours. Nothing changes where none was measured.
+    pub fn set_wheel_angles(&mut self, measured_rad: &[f64]) {
+        let at: Vec<usize> = (0..measured_rad.len())
+            .filter(|&k| measured_rad[k].is_finite())
+            .collect();
+        if at.len() < 2 || measured_rad.len() != self.len() {
+            return;
+        }
+        let between = |k: usize| {
+            let after = at.partition_point(|&known| known < k);
+            match (after.checked_sub(1).map(|before| at[before]), at.get(after)) {
+                (_, Some(&after)) if after == k => measured_rad[k],
+                (Some(before), Some(&after)) => {
+                    let share = (self.time_s[k] - self.time_s[before])
+                        / (self.time_s[after] - self.time_s[before]);
+                    measured_rad[before] + share * (measured_rad[after] - measured_rad[before])
+                }
+                (Some(before), None) => measured_rad[before],
+                (None, after) => after.map_or(0.0, |&after| measured_rad[after]),
+            }
+        };
+        let angles: Vec<f64> = (0..self.len()).map(between).collect();
+        let noise_rad = without_floor(&angles, &self.kinks()).map_or(0.0, |noise| noise.std);
+        self.turned_noise_rad = Some(noise_rad.max(resolution(&angles) / 12f64.sqrt()));
+        self.turned_rad = Some(angles);
+    }
+
+    /// Standard deviation of the noise of the measured wheel angle, rad; `None` where it is the integral of the speed.
+    pub fn wheel_angle_noise_rad(&self) -> Option<f64> {
+        self.turned_noise_rad
     }
 
     /// A part of the record, as if it had been recorded on its own. The noise is that of the whole record.
@@ -270,6 +336,7 @@ impl Record {
         if self.channel(Output::WheelSpeed).is_some() {
             averaged.turned_rad = Some(means(self.wheel_angles(), &blocks));
         }
+        averaged.turned_noise_rad = self.turned_noise_rad;
         averaged.window_s = self.window_s;
         averaged.passes_over_the_top = self.passes_over_the_top;
         averaged.averaged_over = block * self.averaged_over;
@@ -298,6 +365,7 @@ impl Record {
         part.weight = pick(&self.weight);
         part.window_s = self.window_s;
         part.turned_rad = self.turned_rad.as_deref().map(pick);
+        part.turned_noise_rad = self.turned_noise_rad;
         part.averaged_over = self.averaged_over;
         part
     }
@@ -314,8 +382,9 @@ impl Record {
             .find(|channel| channel.output == output)
     }
 
-    /// Angle in rad by which the wheel has turned since the log began, at every sample: the integral of the measured wheel
-    /// speed (trapezoidal rule; a missing sample repeats the one before). Zeros if the wheel speed was not measured.
+    /// The wheel's angle in rad at every sample, as measured; if only its speed was, the angle by which it has turned since
+    /// the log began, the integral of the measured speed (trapezoidal rule; a missing sample repeats the one before). Zeros
+    /// if neither was measured.
     pub fn wheel_angles(&self) -> &[f64] {
         if let Some(turned_rad) = &self.turned_rad {
             return turned_rad;

@@ -18,3 +18,4 @@ mod sensors;
 mod simulated;
 mod solver;
 mod standard_errors;
+mod wheel_angle;

@@ -329,6 +329,28 @@ fn an_effect_of_ones_own_takes_part_like_a_built_in_one() {
     );
 }
 
+/// An effect that has no torque where the logs have been is named with the place, and the logs are not blamed.
+#[test]
+fn an_effect_without_a_finite_torque_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bench = folder.path().to_str().expect("a name");
+    write_bench(folder.path(), 1.0, "");
+    fs::create_dir(folder.path().join("effects")).expect("a folder");
+    done(["identify", bench]);
+    for torque in ["a*ln(rate)", "a/(angle - angle)", "a*sqrt(-1)"] {
+        let effect = format!(
+            "role = \"body\"\ntorque = \"{torque}\"\nfingerprint = \"none\"\n[parameters.a]\nunit = \"N m\"\nstart = \
+             1e-4\n"
+        );
+        fs::write(folder.path().join("effects/wrong.toml"), effect).expect("written");
+        let output = flywheel(["add", "own:wrong", "--bench", bench]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        let named = "own:wrong gives no finite torque where experiment \"swing\" has been: angle ";
+        assert!(message.contains(named), "{torque}: {message}");
+    }
+}
+
 #[test]
 fn effects_are_listed_and_explained() {
     let text = done(["effects"]);

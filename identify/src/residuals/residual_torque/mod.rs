@@ -1,6 +1,7 @@
 //! The missing torque, over time.
 
 mod motion;
+mod slopes;
 mod torque;
 mod undo;
 

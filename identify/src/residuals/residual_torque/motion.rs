@@ -179,8 +179,9 @@ impl MeasuredMotion {
 /// The wheel's angle at every sample, as the record has it, with `speed`, the true one behind the sensor. A simulated
 /// speed has no place in it: where a model is wrong by little, its error adds up to turns.
 fn turned(record: &Record, speed: &[f64]) -> Vec<f64> {
-    let Some(said) = record.channel(Output::WheelSpeed) else {
-        return record.wheel_angles().to_vec();
+    let said = match record.channel(Output::WheelSpeed) {
+        Some(said) if record.wheel_angle_noise_rad().is_none() => said,
+        _ => return record.wheel_angles().to_vec(),
     };
     let off = |k: usize| match speed[k] - said.samples[k] {
         off if off.is_finite() => off,

@@ -50,7 +50,7 @@ impl TorqueOn {
 
     /// Weights of α̈ − α̈_m and φ̈ − φ̈_m in kg m²; `None` if this kind of experiment holds still the body on which the
     /// torque acts.
-    fn inertias(self, kind: Kind, values: &[f64]) -> Option<(f64, f64)> {
+    pub(super) fn inertias(self, kind: Kind, values: &[f64]) -> Option<(f64, f64)> {
         let (total, wheel) = (values[TOTAL_INERTIA], values[WHEEL_INERTIA]);
         match (self, kind) {
             (TorqueOn::Body, Kind::FreeSwing) => Some((total, 0.0)),
@@ -124,51 +124,6 @@ impl MeasuredMotion {
                 residual_torque(record, &record.weight, self, model, values, on, shape)
             })
             .collect()
-    }
-}
-
-impl MeasuredMotion {
-    /// The derivative of every value of a missing torque with respect to each parameter, in the order of the parameter
-    /// vector: the torque that would be missing if only that parameter were wrong.
-    pub fn parameter_slopes(
-        &self,
-        record: &Record,
-        model: &Model,
-        values: &[f64],
-        missing: &ResidualTorque,
-    ) -> Vec<Vec<f64>> {
-        let mut slopes = vec![vec![0.0; values.len()]; missing.centres.len()];
-        let Some((of_body, of_wheel)) = missing.on.inertias(record.kind, values) else {
-            return slopes;
-        };
-        let modelled = |values: &[f64]| -> Vec<f64> {
-            let plant = Plant::new(model, values, record.kind);
-            self.state
-                .iter()
-                .map(|state| {
-                    let (body, wheel) = plant.derivative(state, state.current_a, 0.0);
-                    of_body * body + of_wheel * wheel
-                })
-                .collect()
-        };
-        let weights: Vec<Vec<f64>> = missing
-            .centres
-            .iter()
-            .map(|&centre| missing.weights(record, centre))
-            .collect();
-        let at = modelled(values);
-        for parameter in 0..values.len() {
-            let step = 1e-5 * values[parameter].abs().max(1e-9);
-            let mut moved = values.to_vec();
-            moved[parameter] += step;
-            let there = modelled(&moved);
-            for ((slopes, centre), weights) in slopes.iter_mut().zip(&missing.centres).zip(&weights)
-            {
-                let span = centre - missing.half..centre + missing.half;
-                slopes[parameter] = dot(weights, span.map(|k| (at[k] - there[k]) / step));
-            }
-        }
-        slopes
     }
 }
 
