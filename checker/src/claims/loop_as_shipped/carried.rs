@@ -8,7 +8,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-use crate::claims::loop_as_shipped::plant::SquareGrid;
+use crate::claims::loop_as_shipped::layout::SquareGrid;
 use crate::exact::grid::{BITS, Grid};
 use crate::exact::rational::{integer, power_of_two};
 use crate::exact::short::{SHORT_BITS, Short, TooLarge};
