@@ -190,7 +190,7 @@ const ON_THE_PIVOT: [(&str, [&str; 3]); 6] = [
 #[test]
 fn an_encoder_on_the_pivot() {
     for (name, hardware) in ON_THE_PIVOT {
-        let controller = holds_with(name, &hardware, &["region-of-attraction"], false);
+        let controller = holds_with(name, &hardware, &LATE_RATE, false);
         let source = text(&controller, "src/controller.rs");
         assert!(source.contains("pub body_count: u16,"), "{name}");
         assert!(!source.contains("gyro"), "{name}");
