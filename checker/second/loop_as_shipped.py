@@ -20,7 +20,7 @@ encoder on the wheel is its turn over the last n steps: this turn and those of t
 
 An encoder on the pivot shows the angle, off by e, and (angle - angle n steps ago)/(n T) as the rate. The angles that it showed in
 the last n steps are states of z, so that an error e acts on the angle and the rate of its sample, and n steps later on the rate
-alone. There is no filter then.
+alone. The readings of the window before the start are off by half a count: each acts once, in the first n steps. There is no filter.
 
 For a row C and an input v, T (|C v| + |C F v| + |C F^2 v| + ...) bounds what the input does. Later terms than
 those added up are bounded by a power of F whose weighted norm is at most 1/2.
@@ -258,8 +258,8 @@ class Responses:
         reading[3] = error
         if plant.shown:
             reading[turns] = ONE
-            columns.append(reading)
-        reads = [0] * 8
+            columns += [reading, unit(order - 1)]
+        reads, before, recent = [0] * 8, [0] * 8, [[0] * max(1, plant.shown) for _ in range(8)]
         places = [[(j, x) for j, x in enumerate(c) if x] for c in rows]
         twins = [next(k for k in range(8) if rows[k] == c) for c in rows]
         # A line with a single one moves an entry on.
@@ -286,14 +286,17 @@ class Responses:
                     if i == 0 and term > kick[index]:
                         kick[index] = term
                 if plant.shown:
-                    reads[index] += seen[index][-1]
+                    reads[index] += seen[index][-2]
+                    recent[index][step % plant.shown] = seen[index][-1]
+                    before[index] = max(before[index], sum(recent[index]))
             columns = [after(column) for column in columns]
         largest = max(weights)
         # Each step is off by less than this in an entry: products of numbers below 2^30, and a unit of F's entries.
         drift = Fraction(1, 1 << (BITS - 40)) * largest * total
         size = lambda some: sum(max(w * real(abs(x)) for w, x in zip(weights, c)) for c in some) + drift
         late = [size(columns[:1])] + [size(columns[1 + PARTS * i : 1 + PARTS * (i + 1)]) for i in range(3)]
-        late.append(size(columns[1 + PARTS * acting :]))
+        first_reading = 1 + PARTS * acting
+        late += [size(columns[first_reading : first_reading + 1]), size(columns[first_reading + 1 :])]
         norms = [sum(real(abs(x)) / w for x, w in zip(c, weights)) for c in rows]
 
         def settled(index, group, value):
@@ -308,6 +311,7 @@ class Responses:
         self.sums = [[t * settled(i, j + 1, sums[j][i]) for i in range(8)] for j in range(3)]
         self.kick = [t * settled(i, 1, kick[i]) for i in range(8)]
         self.reading = [settled(i, 4, reads[i]) for i in range(8)]
+        self.before = [settled(i, 5, before[i]) for i in range(8)]
 
 
 class Errors:
@@ -333,7 +337,7 @@ class Errors:
             sum(abs(x) * y for x, y in zip(gains, words)) + unit for gains in (plant.held, plant.n)
         )
         self.rounding += duty
-        self.reading = Fraction(0)
+        self.reading = self.at_rest = Fraction(0)
         self.t, self.pivot = plant.t, plant.pivot is not None
         if self.pivot:
             self.on_the_pivot(certificate, plant, steps)
@@ -343,7 +347,7 @@ class Errors:
     def on_the_pivot(self, certificate, plant, steps):
         """The errors of an encoder on the pivot: of a reading, and so of the rate, which is the difference of two."""
         count = 2 * PI / abs(Fraction(plant.pivot["counts_per_turn"]))
-        self.reading, self.of_reading = count * steps, abs(plant.of_reading)
+        self.reading, self.at_rest, self.of_reading = count * steps, count / 2, abs(plant.of_reading)
         self.rate = 2 * self.reading / (plant.shown * self.t) + self.rate_word
         ranges = [Fraction(entry["range"]) for entry in certificate["inputs"]]
         wrap = 2 ** plant.pivot["bits"] * count * Fraction(99, 100)
@@ -455,7 +459,7 @@ def settled(plant, errors, rows, current):
     raise NotShown("the age of the gyroscope's readings feeds on itself")
 
 
-def following(plant, responses, errors, rows, start):
+def following(plant, responses, errors, rows, start, before):
     """What bounds follow at the next sample from those that held until now; states between, current, what is within."""
     sine = lambda angle: plant.g * angle**3 / 6
     # Nothing above the end of the drive; and by that, nothing above what is to be held and its error.
@@ -467,7 +471,8 @@ def following(plant, responses, errors, rows, start):
     found = [
         short(
             start * responses.peak[i] + sums[0][i] * (noise + late) + sums[1][i] * body
-            + sums[2][i] * plant.wheel_dry + responses.reading[i] * errors.reading + responses.kick[i] * responses.first * start / 8
+            + sums[2][i] * plant.wheel_dry + responses.reading[i] * errors.reading
+            + responses.before[i] * before + responses.kick[i] * responses.first * start / 8
         )
         for i in range(8)
     ]  # fmt: skip
@@ -480,10 +485,10 @@ def following(plant, responses, errors, rows, start):
 
 def closing(plant, responses, errors, start):
     """Bounds that keep themselves, or None."""
-    rows = [short(start * x) for x in responses.peak]
+    rows = [short(start * x + y * errors.at_rest) for x, y in zip(responses.peak, responses.before)]
     for _ in range(200):
         try:
-            found, b, asked, inside = following(plant, responses, errors, rows, start)
+            found, b, asked, inside = following(plant, responses, errors, rows, start, errors.at_rest)
         except NotShown:
             return None
         if not inside or asked >= plant.limit or b[0] * plant.g >= abs(plant.b[1]) * plant.limit:
@@ -511,7 +516,7 @@ def check(certificate):
         rows, b, command = closing(plant, responses, noisy, start)
         bounds = [max(x, y) for x, y in zip(bounds, b + [command])]
         for _ in range(200):
-            found, b, asked, _ = following(plant, responses, quiet, rows, Fraction(0))
+            found, b, asked, _ = following(plant, responses, quiet, rows, Fraction(0), Fraction(0))
             done = all(new * (1 + Fraction(1, 1 << 12)) >= old for new, old in zip(found, rows))
             rows = [min(x, y) for x, y in zip(found, rows)]
             if done:

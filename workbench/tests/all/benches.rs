@@ -14,17 +14,18 @@ pub(crate) const CONVERTER: &str = "[hardware.wheel_speed]\nkind = \"converter\"
      high = 4095\n";
 const DRIVER: &str =
     "[hardware.wheel_speed]\nkind = \"driver\"\nscale = 0.1047198\nlargest = 700.0\n";
-const WHEEL_ENCODER: &str =
+pub(crate) const WHEEL_ENCODER: &str =
     "[hardware.wheel_speed]\nkind = \"encoder\"\npart = \"AS5600\"\nwindow = 8\n";
 /// It counts backwards.
 const REVERSED_ENCODER: &str = "[hardware.wheel_speed]\nkind = \"encoder\"\npart = \"AS5600\"\n\
      counts_per_turn = -4096\nwindow = 5\nlargest = 600.0\n";
-const CURRENT: &str = "[hardware.drive]\npart = \"ESCON 24/2\"\namperes_per_count = 8.39246e-5\n";
+pub(crate) const CURRENT: &str =
+    "[hardware.drive]\npart = \"ESCON 24/2\"\namperes_per_count = 8.39246e-5\n";
 pub(crate) const VOLTAGE: &str = "[hardware.drive]\npart = \"SimpleFOC voltage\"\nsupply_voltage = 24.0\n\
      winding_resistance = 2.3\n";
 
 /// On the pivot, in place of gyroscope and accelerometer.
-const PIVOT_ENCODER: &str =
+pub(crate) const PIVOT_ENCODER: &str =
     "[hardware.angle]\nkind = \"encoder\"\npart = \"AS5600\"\nzero = 2048\n";
 /// It counts backwards, and upright is near the end of its count.
 const REVERSED_PIVOT: &str = "[hardware.angle]\nkind = \"encoder\"\ncounts_per_turn = -16384\nbits = 14\n\

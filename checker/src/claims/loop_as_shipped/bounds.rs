@@ -175,6 +175,7 @@ fn following(
     errors: &SensorErrors,
     rows: &[BigRational; ROWS],
     start: &BigRational,
+    before: &BigRational,
 ) -> Result<Following, Open> {
     // The drive holds nothing above its end but what it is off; and by that, nothing above what it is to hold and its
     // error.
@@ -193,6 +194,7 @@ fn following(
             + &responses.sums[1][row] * &body
             + &responses.sums[2][row] * &model.wheel_dry
             + &responses.reading[row] * &errors.reading
+            + &responses.before[row] * before
             + &responses.kick[row] * &first)
     });
     let of_law = errors
@@ -242,10 +244,11 @@ fn closing(
     errors: &SensorErrors,
     start: &BigRational,
 ) -> Result<Bounds, Open> {
-    let mut rows: [BigRational; ROWS] =
-        std::array::from_fn(|row| up(start * &responses.start[row]));
+    let mut rows: [BigRational; ROWS] = std::array::from_fn(|row| {
+        up(start * &responses.start[row] + &responses.before[row] * &errors.at_rest)
+    });
     for _ in 0..ROUNDS {
-        let next = following(model, responses, errors, &rows, start)?;
+        let next = following(model, responses, errors, &rows, start, &errors.at_rest)?;
         let command = next.asked.clone();
         if command >= model.limit {
             return Err(Open::TooLarge("the command may reach its limit".to_owned()));
@@ -327,7 +330,8 @@ pub fn kept_up(
     let not_shown = |open: Open| NoBounds::NotShown(open.why());
     let mut kept = bounds.clone();
     for _ in 0..ROUNDS {
-        let next = following(model, responses, errors, &kept.rows, &none).map_err(not_shown)?;
+        let next =
+            following(model, responses, errors, &kept.rows, &none, &none).map_err(not_shown)?;
         let settles = next
             .rows
             .iter()

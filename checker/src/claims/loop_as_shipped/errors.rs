@@ -31,6 +31,8 @@ pub struct SensorErrors {
     pub body: BodyErrors,
     /// Of the newest reading of an encoder on the pivot (rad); zero without one.
     pub reading: BigRational,
+    /// Of its readings while the body is at rest, before it is armed: half a count (rad).
+    pub at_rest: BigRational,
     /// Of the wheel's speed (rad/s).
     pub wheel_speed: BigRational,
     /// Rounding of words, sum and duty in what the drive holds (A).
@@ -157,6 +159,7 @@ impl SensorErrors {
         let readings = integer(if wheel.encoder.is_some() { 2 } else { 1 });
         Ok(SensorErrors {
             body,
+            at_rest: up(&reading * half() / &steps),
             reading,
             wheel_speed: up(wheel.rad_s_per_count.value.abs() * &steps * readings),
             rounding: up(in_words(&held) + law.unit() + duty),

@@ -133,6 +133,16 @@ impl Layout {
         Some(found)
     }
 
+    /// An error of 1 rad of the oldest reading that the window holds. An error of a younger one becomes this later, so that the
+    /// errors of all readings before the start act in [`Layout::angles`]' many steps one after the other. `None` without an
+    /// encoder on the pivot.
+    pub fn oldest_reading(&self) -> Option<Vec<Grid>> {
+        self.pivot?;
+        let mut found = vec![Grid::zero(); self.order()];
+        found[self.angles().end - 1] = BigInt::from(1) << BITS;
+        Some(found)
+    }
+
     /// F: the plant with the old input until the delay is over, and with `held` of z from then on.
     pub fn closed(
         &self,

@@ -19,7 +19,8 @@
 //!
 //! **Encoder on the pivot.** It takes the place of the filter. Its rate is the difference of two angles that it showed,
 //! M steps apart; what it showed in the last M steps are M states more ([`layout`]). An error of a reading is an input of
-//! its own, since the loop knows what it does later. Before it is armed the body has been at rest for the window.
+//! its own, since the loop knows what it does later. Before it is armed the body has been at rest for the window, and the
+//! readings in it are off by half a count at most.
 //!
 //! **Delay.** It is a part d of the sample time, 0 ≤ d ≤ 1, which stays within one quarter of the sample at all steps.
 //! At the middle of each quarter the loop in z = (x, w of the last step) is z⁺ = F z. The deviation of d from the

@@ -45,6 +45,8 @@ pub struct Responses {
     pub sums: [[BigRational; ROWS]; 3],
     /// Σ of what an error of 1 rad of one reading of an encoder on the pivot does; zero without one.
     pub reading: [BigRational; ROWS],
+    /// The largest of what errors of 1 rad of all readings in the window before the start do.
+    pub before: [BigRational; ROWS],
     /// The largest of the terms of the current.
     pub kick: [BigRational; ROWS],
 }
@@ -63,14 +65,19 @@ impl Responses {
         };
         let short = ShortLoop::of(&model.f, &rows).map_err(too_large)?;
         let from_start = short
-            .carry(&[model.layout.at_rest()], steps)
+            .carry(&[model.layout.at_rest()], steps, 1)
             .map_err(too_large)?;
         let mut from_inputs: [Carried; 3] = Default::default();
         for (carried, columns) in from_inputs.iter_mut().zip(&model.inputs) {
-            *carried = short.carry(columns, steps).map_err(too_large)?;
+            *carried = short.carry(columns, steps, 1).map_err(too_large)?;
         }
         let readings = model.reading.as_slice();
-        let from_readings = short.carry(readings, steps).map_err(too_large)?;
+        let from_readings = short.carry(readings, steps, 1).map_err(too_large)?;
+        let oldest = model.layout.oldest_reading();
+        let span = model.layout.angles().len().max(1);
+        let before = short
+            .carry(oldest.as_slice(), steps, span)
+            .map_err(too_large)?;
 
         let weight = decay.weights.iter().max().cloned().unwrap_or_default();
         let norms: Vec<BigRational> = rows.iter().map(|row| decay.row_norm(row)).collect();
@@ -114,6 +121,7 @@ impl Responses {
                     short_above(t * (sum + beyond(index, input)))
                 })
             }),
+            before: std::array::from_fn(|index| settled(index, &before, &most(&before, index))),
             reading: std::array::from_fn(|index| {
                 settled(index, &from_readings, &from_readings.sum[index])
             }),
