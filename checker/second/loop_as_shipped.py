@@ -18,6 +18,10 @@ A voltage drive holds V = R u + k_e (wheel speed), and the current that flows is
 V/R, with A - (k_e/R) B (0, 0, 1) and N + (k_e/R) (0, 0, 1), and the end of the supply as one limit more. The speed of an
 encoder on the wheel is its turn over the last n steps: this turn and those of the last n - 1 steps are states of z.
 
+An encoder on the pivot shows the angle, off by e, and (angle - angle n steps ago)/(n T) as the rate. The angles that it showed in
+the last n steps are states of z, so that an error e acts on the angle and the rate of its sample, and n steps later on the rate
+alone. The readings of the window before the start are off by half a count: each acts once, in the first n steps. There is no filter.
+
 For a row C and an input v, T (|C v| + |C F v| + |C F^2 v| + ...) bounds what the input does. Later terms than
 those added up are bounded by a power of F whose weighted norm is at most 1/2.
 
@@ -37,6 +41,7 @@ from math import factorial, isqrt
 BITS = 140
 ONE = 1 << BITS
 PARTS, LATER = 3, 12
+PI = Fraction(355, 113)  # above pi, by less than a ten-millionth of it
 MODEL = {
     "total_inertia", "wheel_inertia", "gravity_torque", "torque_constant",
     "body_viscous_friction", "wheel_viscous_friction",
@@ -141,6 +146,11 @@ class Plant:
         self.window = None if encoder is None else encoder["window"]
         if self.window is not None and not 1 <= self.window <= 16:
             raise Contradiction("the encoder's window is not 1 to 16 steps")
+        encoder = self.pivot = certificate["hardware"].get("body_encoder")
+        self.shown = 0 if encoder is None else encoder["window"]
+        if encoder is not None and not 1 <= self.shown <= 16:
+            raise Contradiction("the window of the encoder on the pivot is not 1 to 16 steps")
+        self.of_reading = self.n[0] + self.n[1] / (self.shown * self.t) if encoder else Fraction(0)
         self.dry = max(of("body_coulomb_torque"), of("body_breakaway_torque")) / d
         self.wheel_dry = of("wheel_coulomb_torque") + of("cogging_torque")
         self.current_off = of("dead_zone") + of("current_offset")
@@ -148,22 +158,28 @@ class Plant:
 
     def row(self, gains):
         """Gains of the states as a row of z."""
-        if self.window is None:
-            return gains + [Fraction(0)]
-        turn = gains[2] / (self.window * self.t)
-        return gains[:2] + [Fraction(0)] * 2 + [turn] + [Fraction(0)] * (self.window - 1)
+        found = gains + [Fraction(0)]
+        if self.window is not None:
+            turn = gains[2] / (self.window * self.t)
+            found = gains[:2] + [Fraction(0)] * 2 + [turn] + [Fraction(0)] * (self.window - 1)
+        if self.shown:
+            slope = gains[1] / (self.shown * self.t)
+            found[:2] = [gains[0] + slope, Fraction(0)]
+            found += [Fraction(0)] * (self.shown - 1) + [-slope]
+        return found
 
     def column(self, change):
         """A change of the plant's states as one of z: the turn counts in the window and as the newest."""
         window = self.window or 0
-        return change[:3] + [0] + ([change[3]] * 2 + [0] * window)[:window]
+        return change[:3] + [0] + ([change[3]] * 2 + [0] * window)[:window] + [0] * self.shown
 
 
 class Responses:
     """The worst that start and inputs do to each row."""
 
     def __init__(self, plant, eighths):
-        t, n, order = plant.t, plant.held, 4 + (plant.window or 0)
+        t, n, turns = plant.t, plant.held, 4 + (plant.window or 0)
+        order = turns + plant.shown
         ad, whole = exponential(plant.a, plant.b, t)
         _, new = exponential(plant.a, plant.b, t * (8 - eighths) / 8)
         exact = plant.row(n)
@@ -179,11 +195,13 @@ class Responses:
         unit = lambda place: [ONE * (j == place) for j in range(order)]
         f = [moved(0), moved(1), moved(2), row]
         if plant.window is not None:
-            f.append([x + ONE * (j > 4) for j, x in enumerate(moved(3))])
-            f += [moved(3) if place == 5 else unit(place - 1) for place in range(5, order)]
+            f.append([x + ONE * (4 < j < turns) for j, x in enumerate(moved(3))])
+            f += [moved(3) if place == 5 else unit(place - 1) for place in range(5, turns)]
+        f += [unit(0 if place == turns else place - 1) for place in range(turns, order)]
         turn = abs(exact[4]) if plant.window else Fraction(0)
         speed = turn * t * plant.window if plant.window else abs(n[2])
-        weights = [abs(n[0]), abs(n[1]), speed, Fraction(1)] + [turn] * (order - 4)
+        weights = [abs(exact[0]), abs(exact[1]), speed, Fraction(1)] + [turn] * (turns - 4)
+        weights += [abs(exact[-1])] * plant.shown
         weights = [weight or Fraction(1) for weight in weights]
         ratios = [[-(-x.numerator * y.denominator * ONE // (x.denominator * y.numerator)) for y in weights] for x in weights]
         norm = lambda m: real(
@@ -213,7 +231,8 @@ class Responses:
         rows = [unit(0), unit(1), unit(2), row, [x - ONE * (j == 3) for j, x in enumerate(row)]]
         rows += [[grid(x) for x in fall[:3] + [push] + fall[4:]]]
         rows += [[grid(x + push * y) for x, y in zip(fall, exact)], [grid(x) for x in plant.row(plant.n)]]
-        columns, later = [unit(0)], []
+        # At rest the encoder on the pivot has shown the start all the time.
+        columns, later = [[ONE * (j == 0 or j >= turns) for j in range(order)]], []
         for v in plant.inputs:
             size = Fraction(0)
             for k in range(LATER):
@@ -232,6 +251,15 @@ class Responses:
         # What does not act on the wheel is not carried along.
         acting = 3 if plant.wheel_dry else 2
         columns = columns[: 1 + PARTS * acting]
+        # An error of 1 rad of one reading: at once, and in the angles that the encoder has shown.
+        error = grid(plant.of_reading)
+        change = [new[i] * error >> BITS for i in range(4)]
+        reading = plant.column(change)
+        reading[3] = error
+        if plant.shown:
+            reading[turns] = ONE
+            columns += [reading, unit(order - 1)]
+        reads, before, recent = [0] * 8, [0] * 8, [[0] * max(1, plant.shown) for _ in range(8)]
         places = [[(j, x) for j, x in enumerate(c) if x] for c in rows]
         twins = [next(k for k in range(8) if rows[k] == c) for c in rows]
         # A line with a single one moves an entry on.
@@ -257,17 +285,23 @@ class Responses:
                     sums[i][index] += term
                     if i == 0 and term > kick[index]:
                         kick[index] = term
+                if plant.shown:
+                    reads[index] += seen[index][-2]
+                    recent[index][step % plant.shown] = seen[index][-1]
+                    before[index] = max(before[index], sum(recent[index]))
             columns = [after(column) for column in columns]
         largest = max(weights)
         # Each step is off by less than this in an entry: products of numbers below 2^30, and a unit of F's entries.
         drift = Fraction(1, 1 << (BITS - 40)) * largest * total
         size = lambda some: sum(max(w * real(abs(x)) for w, x in zip(weights, c)) for c in some) + drift
         late = [size(columns[:1])] + [size(columns[1 + PARTS * i : 1 + PARTS * (i + 1)]) for i in range(3)]
+        first_reading = 1 + PARTS * acting
+        late += [size(columns[first_reading : first_reading + 1]), size(columns[first_reading + 1 :])]
         norms = [sum(real(abs(x)) / w for x, w in zip(c, weights)) for c in rows]
 
         def settled(index, group, value):
             found = real(value) + norms[index] * (late[group] * total + drift * steps * PARTS)
-            if group:
+            if 1 <= group <= 3:
                 rest = beyond * max(abs(x) for x in plant.inputs[group - 1]) * largest
                 found += (later[group - 1] + rest) * norms[index] * total
             return short(found)
@@ -276,6 +310,8 @@ class Responses:
         self.first = settled(4, 0, first)
         self.sums = [[t * settled(i, j + 1, sums[j][i]) for i in range(8)] for j in range(3)]
         self.kick = [t * settled(i, 1, kick[i]) for i in range(8)]
+        self.reading = [settled(i, 4, reads[i]) for i in range(8)]
+        self.before = [settled(i, 5, before[i]) for i in range(8)]
 
 
 class Errors:
@@ -284,6 +320,42 @@ class Errors:
     def __init__(self, certificate, plant, noisy):
         hardware = certificate["hardware"]
         steps = Fraction(3, 2) if noisy else Fraction(1, 2)
+        wheel = hardware["wheel_speed"]
+        ends = [
+            Fraction(wheel["rad_s_per_count"]) * wheel[end] + Fraction(wheel["rad_s_at_zero"])
+            for end in ("low_counts", "high_counts")
+        ]
+        self.wheel_range = min(map(abs, ends)) if ends[0] * ends[1] < 0 else Fraction(0)
+        # An encoder's turn is the difference of two readings.
+        readings = 1 if plant.window is None else 2
+        self.wheel = abs(Fraction(wheel["rad_s_per_count"])) * steps * readings
+        words = [Fraction(1, 2 ** entry["fraction_bits"]) for entry in certificate["inputs"]]
+        self.rate_word = words[1]
+        unit = Fraction(1, 2 ** certificate["output"]["fraction_bits"])
+        duty = abs(Fraction(certificate["drive"]["amperes_per_count"])) * Fraction(51, 100)
+        self.rounding, self.asked_rounding = (
+            sum(abs(x) * y for x, y in zip(gains, words)) + unit for gains in (plant.held, plant.n)
+        )
+        self.rounding += duty
+        self.reading = self.at_rest = Fraction(0)
+        self.t, self.pivot = plant.t, plant.pivot is not None
+        if self.pivot:
+            self.on_the_pivot(certificate, plant, steps)
+        else:
+            self.inertial(hardware, certificate["gyro_rate_hz"], steps, noisy)
+
+    def on_the_pivot(self, certificate, plant, steps):
+        """The errors of an encoder on the pivot: of a reading, and so of the rate, which is the difference of two."""
+        count = 2 * PI / abs(Fraction(plant.pivot["counts_per_turn"]))
+        self.reading, self.at_rest, self.of_reading = count * steps, count / 2, abs(plant.of_reading)
+        self.rate = 2 * self.reading / (plant.shown * self.t) + self.rate_word
+        ranges = [Fraction(entry["range"]) for entry in certificate["inputs"]]
+        wrap = 2 ** plant.pivot["bits"] * count * Fraction(99, 100)
+        self.rate_range = min(ranges[1], (wrap / 2 - 2 * self.reading) / self.t)
+        self.angle_range = min(ranges[0], wrap / 2) - self.reading
+
+    def inertial(self, hardware, rate, steps, noisy):
+        """The errors of gyroscope and accelerometer."""
 
         def sensor(name):
             clips = [abs(clip) for clip in hardware[name]["clip_counts"] if clip]
@@ -293,7 +365,7 @@ class Errors:
 
         self.gyro_axis, self.gyro = sensor("gyroscope")
         _, self.accel = sensor("accelerometer")
-        beta, rate = Fraction(hardware["beta_rad_s"]), certificate["gyro_rate_hz"]
+        beta = Fraction(hardware["beta_rad_s"])
         if beta <= 0:
             raise Contradiction("the filter never corrects")
         if Fraction(hardware["drift_time_s"]) < 20:
@@ -318,28 +390,11 @@ class Errors:
         self.rate_range = min(space / abs(line[2]) for space, line in zip(room, counts) if line[2])
         counts, room = per_unit("accelerometer")
         self.accel_range = min(space / root(sum(x * x for x in line), True) for space, line in zip(room, counts))
-        wheel = hardware["wheel_speed"]
-        ends = [
-            Fraction(wheel["rad_s_per_count"]) * wheel[end] + Fraction(wheel["rad_s_at_zero"])
-            for end in ("low_counts", "high_counts")
-        ]
-        self.wheel_range = min(map(abs, ends)) if ends[0] * ends[1] < 0 else Fraction(0)
-        self.turn, self.t = 2 * beta * plant.t, plant.t
+        self.turn = 2 * beta * self.t
         self.drift = beta / 10 if noisy else Fraction(0)
         self.age = 1 / Fraction(rate) if rate is not None and Fraction(rate) > 0 else Fraction(0)
-        # An encoder's turn is the difference of two readings.
-        readings = 1 if plant.window is None else 2
-        self.wheel = abs(Fraction(hardware["wheel_speed"]["rad_s_per_count"])) * steps * readings
         self.lever = root(sum(Fraction(x) ** 2 for x in hardware["lever_arm_m"]), True)
         self.g = Fraction(hardware["gravity_m_s2"])
-        words = [Fraction(1, 2 ** entry["fraction_bits"]) for entry in certificate["inputs"]]
-        self.rate_word = words[1]
-        unit = Fraction(1, 2 ** certificate["output"]["fraction_bits"])
-        duty = abs(Fraction(certificate["drive"]["amperes_per_count"])) * Fraction(51, 100)
-        self.rounding, self.asked_rounding = (
-            sum(abs(x) * y for x, y in zip(gains, words)) + unit for gains in (plant.held, plant.n)
-        )
-        self.rounding += duty
 
     def filter(self, acceleration, rate):
         moved = 2 * self.lever * (2 * acceleration + rate * rate) + self.lever * self.gyro / self.t
@@ -359,10 +414,20 @@ class Errors:
             square = max(square, 1 - other * other)
         return max(eta / root(square, False), 2 * self.turn) + self.turn + delta + Fraction(1, 10**6)
 
+    def off(self, acceleration):
+        """By how much a shown rate is off."""
+        return self.rate if self.pivot else self.gyro_axis + self.drift + self.age * acceleration + self.rate_word
+
     def weighted(self, gains, acceleration, rate):
-        angle = self.filter(acceleration, rate)
-        speed = self.gyro_axis + self.drift + self.age * acceleration + self.rate_word
-        return sum(abs(x) * y for x, y in zip(gains, (angle, speed, self.wheel)))
+        """All errors of the command but those of a reading of the pivot's encoder."""
+        wheel = abs(gains[2]) * self.wheel
+        if self.pivot:
+            return wheel
+        return abs(gains[0]) * self.filter(acceleration, rate) + abs(gains[1]) * self.off(acceleration) + wheel
+
+    def at_once(self):
+        """What an error of a reading does to the command of its own sample."""
+        return self.of_reading * self.reading if self.pivot else Fraction(0)
 
 
 def settled(plant, errors, rows, current):
@@ -386,7 +451,7 @@ def settled(plant, errors, rows, current):
     plain += plant.dry + sine(b[0]) + strength * plant.wheel_dry
     noise = Fraction(0)
     for _ in range(200):
-        acceleration = plain + abs(plant.b[1]) * noise
+        acceleration = plain + abs(plant.b[1]) * (noise + errors.at_once())
         more = errors.weighted(plant.held, acceleration, b[1]) + errors.rounding + plant.current_off
         if more <= noise:
             return b, acceleration, noise
@@ -394,34 +459,36 @@ def settled(plant, errors, rows, current):
     raise NotShown("the age of the gyroscope's readings feeds on itself")
 
 
-def following(plant, responses, errors, rows, start):
+def following(plant, responses, errors, rows, start, before):
     """What bounds follow at the next sample from those that held until now; states between, current, what is within."""
     sine = lambda angle: plant.g * angle**3 / 6
     # Nothing above the end of the drive; and by that, nothing above what is to be held and its error.
     end = plant.reach + plant.current_off + errors.rounding
     _, _, noise = settled(plant, errors, rows, end)
-    b, acceleration, noise = settled(plant, errors, rows, min(end, rows[3] + noise))
-    body, late = plant.dry + sine(b[0]), rows[4] / 8
+    b, acceleration, noise = settled(plant, errors, rows, min(end, rows[3] + noise + errors.at_once()))
+    body, late = plant.dry + sine(b[0]), (rows[4] + errors.at_once()) / 8
     sums = responses.sums
     found = [
         short(
             start * responses.peak[i] + sums[0][i] * (noise + late) + sums[1][i] * body
-            + sums[2][i] * plant.wheel_dry + responses.kick[i] * responses.first * start / 8
+            + sums[2][i] * plant.wheel_dry + responses.reading[i] * errors.reading
+            + responses.before[i] * before + responses.kick[i] * responses.first * start / 8
         )
         for i in range(8)
     ]  # fmt: skip
-    asked = found[7] + errors.weighted(plant.n, acceleration, b[1]) + errors.asked_rounding
-    inside = b[1] + errors.gyro_axis + errors.drift + errors.age * acceleration + errors.rate_word < errors.rate_range
-    inside = inside and (plant.voltage is None or found[3] + noise < plant.reach)
+    asked = found[7] + errors.weighted(plant.n, acceleration, b[1]) + errors.at_once() + errors.asked_rounding
+    inside = b[1] + errors.off(acceleration) < errors.rate_range
+    inside = inside and (plant.voltage is None or found[3] + noise + errors.at_once() < plant.reach)
+    inside = inside and (not errors.pivot or b[0] < errors.angle_range)
     return found, b, asked, inside and b[2] + errors.wheel < errors.wheel_range
 
 
 def closing(plant, responses, errors, start):
     """Bounds that keep themselves, or None."""
-    rows = [short(start * x) for x in responses.peak]
+    rows = [short(start * x + y * errors.at_rest) for x, y in zip(responses.peak, responses.before)]
     for _ in range(200):
         try:
-            found, b, asked, inside = following(plant, responses, errors, rows, start)
+            found, b, asked, inside = following(plant, responses, errors, rows, start, errors.at_rest)
         except NotShown:
             return None
         if not inside or asked >= plant.limit or b[0] * plant.g >= abs(plant.b[1]) * plant.limit:
@@ -449,7 +516,7 @@ def check(certificate):
         rows, b, command = closing(plant, responses, noisy, start)
         bounds = [max(x, y) for x, y in zip(bounds, b + [command])]
         for _ in range(200):
-            found, b, asked, _ = following(plant, responses, quiet, rows, Fraction(0))
+            found, b, asked, _ = following(plant, responses, quiet, rows, Fraction(0), Fraction(0))
             done = all(new * (1 + Fraction(1, 1 << 12)) >= old for new, old in zip(found, rows))
             rows = [min(x, y) for x, y in zip(found, rows)]
             if done:

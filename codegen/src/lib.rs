@@ -106,7 +106,7 @@ pub fn generate_with(
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
         // The bound holds for `control` on the measured states. An observer that changes the angle, and an encoder on the
-        // pivot whose rate is half a window old, make other loops, for which it is not claimed.
+        // pivot whose window has states of its own, make other loops, for which it is not claimed.
         None if spec.hardware.bias_observer.is_some() || spec.hardware.body_encoder().is_some() => {
             None
         }

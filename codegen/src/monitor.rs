@@ -9,6 +9,12 @@
 //! - torques of friction, cogging, dead zone and offset, of any course up to their size;
 //! - for the body: one push, of the size from which the pendulum can just come back.
 //!
+//! **Encoder on the wheel.** It shows the mean speed over its window of N steps. While the wheel accelerates with at most Φ
+//! that is off by Φ N T/2, an error of the sensor like others, beside those of two counts. Φ is what the model, its
+//! errors included, allows at the ends of angle, rate, wheel speed and drive. A push changes the wheel's speed relative to
+//! the body at once, and the shown one within the window: for so long the sum is off by the push, one way. If all that
+//! leaves no room for a wheel that does not answer the largest current, a monitor would notice nothing and is refused.
+//!
 //! With a voltage drive the model is that of the held voltage ([`crate::held_voltage`]), and the duty is the voltage over the
 //! winding's resistance, which changes with its temperature: no error of it is stated.
 //!
@@ -17,11 +23,11 @@
 
 use attitude::AttitudeSpec;
 
+use crate::hardware::WheelSensor;
 use crate::held_voltage::HeldInput;
 use crate::helpers::motion::{MotionLimits, MotionRow};
 use crate::ir::IntegerLaw;
 use crate::refusal::Refusal;
-use crate::runtime_parts::WheelPart;
 use crate::spec::ModuleSpec;
 
 /// The time over which differences add up, about (s): a body that falls with a time constant of a tenth of a second
@@ -82,11 +88,6 @@ pub fn derive(
     monitor: &MonitorSpec,
 ) -> Result<MonitorNumbers, Refusal> {
     let refuse = |reason: String| Refusal::Monitor { reason };
-    if spec.parts().wheel == WheelPart::Encoder {
-        return Err(refuse(
-            "the monitor takes the wheel's speed without delay, which an encoder on the wheel does not give".to_owned(),
-        ));
-    }
     let Some(attitude) = spec.hardware.attitude() else {
         return Err(refuse(
             "the monitor takes the body's rate without delay, which an encoder on the pivot does not give".to_owned(),
@@ -134,10 +135,6 @@ pub fn derive(
         body[3].abs() * (shares.quotient(shares.torque, shares.body) + ROW_SHARE + late),
     ];
 
-    let errors = errors(spec, attitude, monitor);
-    let of_errors =
-        |row: &Row| -> f64 { (0..3).map(|i| row[i].abs() * errors[i]).sum::<f64>() * memory };
-    let steps_s = memory * spec.sample_time_s;
     let (fall, push) = (spec.a[1][0], spec.b[1].abs() * spec.current_limit_a);
     if fall.is_nan() || fall <= 0.0 {
         return Err(refuse(
@@ -145,11 +142,45 @@ pub fn derive(
         ));
     }
     let push_rad_s = push / fall.sqrt();
+    let mut errors = errors(spec, attitude, monitor);
+    let mut pushed_rad_s = 0.0;
+    if let WheelSensor::Encoder(encoder) = &spec.hardware.wheel {
+        // Of the wheel relative to the body: its own speed less the body's rate.
+        let ends = [
+            angle_trip,
+            spec.ranges.rate_rad_s,
+            spec.ranges.wheel_speed_rad_s,
+            most_a,
+        ];
+        let in_a_step: f64 = (0..4)
+            .map(|i| ((wheel[i] - body[i]).abs() + wheel_width[i] + body_width[i]) * ends[i])
+            .sum();
+        let acceleration =
+            in_a_step / spec.sample_time_s + torques.wheel_rad_s2 + torques.body_rad_s2;
+        let half_window_s = 0.5 * f64::from(encoder.window) * spec.sample_time_s;
+        errors[2] += acceleration * half_window_s;
+        pushed_rad_s = push_rad_s;
+    }
+    let of_errors = |row: &Row| -> f64 {
+        let pushed = row[2].abs() * pushed_rad_s;
+        ((0..3).map(|i| row[i].abs() * errors[i]).sum::<f64>() + pushed) * memory
+    };
+    let steps_s = memory * spec.sample_time_s;
     let wheel_limit_rad_s = 2.0 * (errors[1] + errors[2])
         + of_errors(&wheel)
         + wheel[3].abs() * late_a
         + torques.wheel_rad_s2 * steps_s
+        + pushed_rad_s
         + ROW_SHARE;
+    // What the largest current of the law does to the wheel within the memory, beside the width that runs with it.
+    let answer = (wheel[3].abs() - wheel_width[3]) * memory * spec.current_limit_a;
+    if pushed_rad_s > 0.0 && wheel_limit_rad_s >= answer {
+        return Err(refuse(format!(
+            "over the window of the wheel's encoder its speed may be off by so much ({:.1} rad/s) that a wheel which \
+             does not answer would not be noticed; a shorter window would help",
+            errors[2]
+        )));
+    }
     let body_limit_rad_s = 2.0 * errors[1]
         + of_errors(&body)
         + body[3].abs() * late_a
@@ -231,15 +262,20 @@ fn motion_row(weights: [f64; 4]) -> MotionRow {
     }
 }
 
-/// Largest errors of the measured states: noise, half a count, and what the filter leaves.
+/// Largest errors of the measured states: noise, half a count (a whole one of an encoder, whose turn is the difference of two),
+/// and what the filter leaves; without what a window is late.
 fn errors(spec: &ModuleSpec, attitude: &AttitudeSpec, monitor: &MonitorSpec) -> [f64; 3] {
     let gyro = &attitude.gyro.matrix;
     let count = gyro.row(2).iter().map(|entry| entry.abs()).sum::<f64>();
     let noise = monitor.noise_std.map(|std| NOISE_STDS * std);
+    let counts = match spec.hardware.wheel {
+        WheelSensor::Encoder(_) => 1.0,
+        _ => 0.5,
+    };
     [
         noise[0] + ANGLE_ERROR_RAD,
         noise[1] + 0.5 * count,
-        noise[2] + 0.5 * spec.hardware.wheel_speed_per_count.abs(),
+        noise[2] + counts * spec.hardware.wheel_speed_per_count.abs(),
     ]
 }
 

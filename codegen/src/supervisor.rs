@@ -166,6 +166,12 @@ pub fn frozen_count_s(spec: &ModuleSpec, encoder: &EncoderSpec) -> f64 {
     2.0 * (2.0 * distance / acceleration).sqrt()
 }
 
+/// The wheel's speed at which a count that is stuck upright has [`LEFT_OVER_SHARE`] of the largest current left over, rad/s:
+/// it shows neither angle nor rate, so that the command is −K₃ φ̇. Infinite where the law does not feed the speed back.
+pub fn stuck_upright_rad_s(spec: &ModuleSpec) -> f64 {
+    LEFT_OVER_SHARE * spec.current_limit_a / spec.gains[2].abs()
+}
+
 /// The words of the supervisor where an encoder shows the body.
 ///
 /// # Errors
@@ -391,11 +397,15 @@ pub fn documents_for_encoder(spec: &ModuleSpec, body: &BodyEncoder) -> Vec<Strin
             "",
             "A body that moves changes its count within the time for which it may stand still: by four counts, if only",
             "half of the current that gravity does not take accelerates it, and whichever way it ran before. A body that",
-            "is held fast by hand while the motor runs looks like a count that is stuck. An encoder that is stuck",
-            "under less current is noticed by what then follows: more current, or the wheel's largest speed.",
+            "is held fast by hand while the motor runs looks like a count that is stuck. So does a body at rest that dry",
+            "friction holds: an encoder that is stuck near upright asks for hardly any current, and is noticed only when",
         ]
         .map(str::to_owned),
     );
+    lines.push(format!(
+        "the wheel's speed asks for more. Stuck upright it lets the wheel come to {:.1} rad/s and what it gains in that time.",
+        stuck_upright_rad_s(spec)
+    ));
     lines
 }
 

@@ -187,7 +187,7 @@ pub const CLAIMS: &[ClaimStatement] = &[
     ClaimStatement {
         id: "monitor-silent",
         statement: "The monitor allows every motion of the linear model, with gravity as G sin(angle), whose parameters, sensors and torques are off by no more than stated, with one push on the body of the stated size within its memory.",
-        domain: "sensors off by 8 standard deviations of the stated noise and half a count, the angle by 0.02 rad more; parameters, and the winding resistance of a voltage drive, by 3 standard errors, or 10 % where none is stated; friction, cogging, dead zone and offset up to their torques; a current, or voltage, that acts up to two steps late; angles within the supervisor's limit",
+        domain: "sensors off by 8 standard deviations of the stated noise and half a count (an encoder on the wheel by a whole one, and by what its window is late), the angle by 0.02 rad more; parameters, and the winding resistance of a voltage drive, by 3 standard errors, or 10 % where none is stated; friction, cogging, dead zone and offset up to their torques; a current, or voltage, that acts up to two steps late; angles within the supervisor's limit, and with an encoder on the wheel rates and speeds within those that are shown",
         assumptions: "The current, or the voltage, is that of the duty: the drive is not at the end of its voltage. No sensor fails.",
         engine: EXACT,
         is_in_certificate: false,
@@ -242,9 +242,9 @@ pub const CLAIMS: &[ClaimStatement] = &[
     },
     ClaimStatement {
         id: "loop-as-shipped",
-        statement: "If the pendulum is armed at rest at any angle up to the stated one, it stays within the stated bounds, no command reaches the limit, and no voltage the end of the supply. The loop is the emitted step as a whole: from raw counts through filter and law to the duty.",
+        statement: "If the pendulum is armed at rest at any angle up to the stated one, it stays within the stated bounds, no command reaches the limit, and no voltage the end of the supply. The loop is the emitted step as a whole: from raw counts through filter (or an encoder on the pivot and its window) and law to the duty.",
         domain: "all time; every start up to that angle; gravity as G sin(angle); any torque of dry friction up to the stated one; every delay of up to one sample between measurement and current (or voltage) that stays within its quarter of the sample; every rounding; sensor errors of half a resolution step, and noise of one resolution step",
-        assumptions: "The parameters are the stated ones. Of a voltage drive: so are winding resistance and back-EMF, and the winding's inductance is neglected. The pivot is level. The drift of the gyroscope that remains is at most a twentieth of 2 beta (rad/s), and a reading is at most as old as the stated rate implies. A step of the filter is as accurate as `filter-accurate` states. No sensor fails.",
+        assumptions: "The parameters are the stated ones. Of a voltage drive: so are winding resistance and back-EMF, and the winding's inductance is neglected. The pivot is level, or the count of its encoder upright the stated one, and while the body is at rest before it is armed, that encoder is off by half a count at most. The drift of the gyroscope that remains is at most a twentieth of 2 beta (rad/s), and a reading is at most as old as the stated rate implies. A step of the filter is as accurate as `filter-accurate` states. No sensor fails.",
         engine: EXACT,
         is_in_certificate: false,
     },

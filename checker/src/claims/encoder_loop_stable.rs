@@ -38,8 +38,8 @@ type Polynomial = Vec<BigRational>;
 /// Why the argument of a claim about the loop does not hold this module; `None` where it may.
 pub(crate) fn other_loop(certificate: &Certificate) -> Option<String> {
     certificate.hardware.body_encoder().map(|_| {
-        "the body's rate is an encoder's, half a window old: the argument does not cover that; `encoder-loop-stable` \
-         speaks of the linear loop with it"
+        "the ellipsoid has the three states of the pendulum, not the angles that an encoder on the pivot showed in its \
+         window; `loop-as-shipped` bounds that loop from counts to duty"
             .to_owned()
     })
 }

@@ -381,9 +381,7 @@ fn loop_claims(
     let seconds = start.elapsed().as_secs_f64();
     table.row("loop-as-shipped", EXACT, shipped, seconds);
     let start = Instant::now();
-    let second = if let Some(why) = encoder_loop_stable::other_loop(certificate) {
-        ClaimOutcome::NotRun(why)
-    } else if settings.python {
+    let second = if settings.python {
         closed_loop_second::as_shipped_by_python(emitted)
     } else {
         ClaimOutcome::NotRun("switched off".to_owned())

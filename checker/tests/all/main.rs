@@ -15,6 +15,7 @@ mod length;
 mod mutants;
 mod nested;
 mod physical_signs;
+mod pivot;
 mod refusals;
 mod shipped;
 mod stability;

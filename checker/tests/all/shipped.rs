@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use checker::certificate::reader::Certificate;
 use checker::claims::closed_loop_second;
 use checker::claims::control_law::EmittedLaw;
+use checker::claims::loop_as_shipped::inertial::InertialErrors;
 use checker::claims::loop_as_shipped::{self, NoBounds, ShippedLoop};
 use checker::prove::Emitted;
 use checker::{ClaimOutcome, Module};
@@ -87,6 +88,8 @@ pub(crate) struct Pendulum {
     reach: f64,
     /// Steps of an encoder on the wheel.
     window: Option<usize>,
+    /// Steps of an encoder on the pivot, the error of a reading (rad) and its count (rad).
+    pivot: Option<(usize, f64, f64)>,
 }
 
 /// Largest |angle|, |rate|, |wheel speed| and |command| of a run, and of its last quarter.
@@ -106,6 +109,12 @@ impl Pendulum {
         let (theta, wheel) = (p("total_inertia"), p("wheel_inertia"));
         let t = real(&certificate.sample_time_s.value);
         let errors = &shown.errors;
+        let body = errors.inertial();
+        let filter = certificate.hardware.inertial();
+        let of_body = |pick: fn(&InertialErrors) -> &BigRational| {
+            body.map_or(0.0, |errors| real(pick(errors)))
+        };
+        let pivot = certificate.hardware.body_encoder();
         let voltage = certificate.drive.voltage.as_ref();
         let encoder = certificate.hardware.wheel_speed.encoder.as_ref();
         Pendulum {
@@ -119,18 +128,20 @@ impl Pendulum {
             t,
             gains: law.gains.each_ref().map(real),
             limit: real(&law.limit),
-            turn: 2.0 * real(&certificate.hardware.inertial().unwrap().beta_rad_s.value) * t,
+            turn: 2.0 * t * filter.map_or(0.0, |filter| real(&filter.beta_rad_s.value)),
             errors: [
-                real(&errors.accel) / 9.80665,
-                real(&errors.gyro_axis),
+                of_body(|errors| &errors.accel) / 9.80665,
+                of_body(|errors| &errors.gyro_axis),
                 real(&errors.wheel_speed),
-                real(&errors.drift),
+                of_body(|errors| &errors.drift),
             ],
-            age: real(&errors.age),
+            age: of_body(|errors| &errors.age),
+            pivot: pivot.map(|encoder| {
+                let count = std::f64::consts::TAU / real(&encoder.counts_per_turn.value).abs();
+                (encoder.window as usize, real(&errors.reading), count)
+            }),
             wheel_count: real(&certificate.hardware.wheel_speed.rad_s_per_count.value),
-            gyro_count: real(
-                &certificate.hardware.inertial().unwrap().gyroscope.matrix[2][2].value,
-            ),
+            gyro_count: filter.map_or(1.0, |filter| real(&filter.gyroscope.matrix[2][2].value)),
             duty_count: real(&certificate.drive.amperes_per_count.value),
             back_emf: voltage.map_or(0.0, |drive| {
                 real(&drive.back_emf_v_s.value) / real(&drive.winding_ohm.value)
@@ -168,6 +179,8 @@ impl Pendulum {
         let mut turned = 0.0;
         let mut turns = std::collections::VecDeque::from(vec![0.0; self.window.unwrap_or(0) + 1]);
         let mut rates = std::collections::VecDeque::from(vec![0.0; 200]);
+        let mut shown =
+            std::collections::VecDeque::from(vec![start; self.pivot.map_or(0, |p| p.0)]);
         let mut seen = Seen {
             whole: [0.0; 4],
             late: [0.0; 4],
@@ -204,6 +217,16 @@ impl Pendulum {
             }
             believed += self.t * seen_rate;
             believed -= self.turn * (believed - seen_direction).signum();
+            if let Some((window, most, count)) = self.pivot {
+                believed = match sensors {
+                    Sensors::Round => (x[0] / count).round() * count,
+                    // The loop's worst readings change sides as slowly as the loop, which `error` does.
+                    Sensors::Draw | Sensors::Push => x[0] + error(most),
+                };
+                let before = shown.pop_front().unwrap_or(believed);
+                shown.push_back(believed);
+                seen_rate = (believed - before) / (window as f64 * self.t);
+            }
             let [n1, n2, n3] = self.gains;
             let wished = n1 * believed + n2 * seen_rate + n3 * seen_speed;
             let command = wished.clamp(-self.limit, self.limit);

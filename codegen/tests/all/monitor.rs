@@ -13,6 +13,7 @@ use codegen::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::benches::{with_voltage, with_wheel_encoder};
 use crate::thesis;
 
 const NOISE: MonitorSpec = MonitorSpec {
@@ -68,9 +69,61 @@ fn the_limits_of_the_thesis_bench() {
 /// anywhere within, under the designed law and one push: always allowed.
 #[test]
 fn every_motion_within_the_uncertainty_is_allowed() {
-    let spec = thesis::spec();
-    let law = control::derive(&spec).unwrap();
-    let found = numbers(&spec);
+    allows_every_motion(&thesis::spec(), None);
+}
+
+/// The same with a speed that is the turn of an encoder over its window.
+#[test]
+fn every_motion_with_an_encoder_on_the_wheel_is_allowed() {
+    for window in [1, 8, 16] {
+        allows_every_motion(&with_wheel_encoder(window), Some(window as usize));
+    }
+}
+
+/// A wheel that does not answer is noticed all the same, with the law's largest current within the memory of the sums.
+#[test]
+fn a_dead_motor_is_noticed_through_an_encoder() {
+    let mut limits = Vec::new();
+    for window in [1, 8, 16] {
+        let spec = with_wheel_encoder(window);
+        let words = numbers(&spec).words;
+        let duty = (spec.current_limit_a / spec.drive.amperes_per_count) as i32;
+        let still = |duty: i32| Motion {
+            angle: 0,
+            rate: 0,
+            wheel_speed: 0,
+            duty,
+        };
+        let mut sums = NO_DIFFERENCE;
+        let mut noticed = None;
+        for step in 0..5 << words.leak {
+            sums = compared(&sums, &still(duty), &still(duty), &words);
+            if !agrees(&sums, &words) {
+                noticed = Some(step);
+                break;
+            }
+        }
+        println!("a window of {window}: noticed after {noticed:?} steps");
+        limits.push(noticed.expect("noticed"));
+    }
+    // The longer the window, the later.
+    assert!(limits.is_sorted(), "{limits:?}");
+}
+
+/// An encoder whose window leaves room for a wheel that does not answer: the voltage of a drive brakes and drives it by so much
+/// that its speed over the window may be far off.
+#[test]
+fn a_window_that_hides_everything_is_refused() {
+    let Err(Refusal::Monitor { reason }) = monitored(&with_voltage(with_wheel_encoder(16))) else {
+        panic!("a monitor that notices nothing");
+    };
+    assert!(reason.contains("window"), "{reason}");
+}
+
+/// Many runs of the bench, with the window of an encoder on the wheel where it has one: every motion is allowed.
+fn allows_every_motion(spec: &ModuleSpec, window: Option<usize>) {
+    let law = control::derive(spec).unwrap();
+    let found = numbers(spec);
     let words = found.words;
     let bits = [0, 1, 2].map(|i| f64::from(law.terms[i].input.format.fraction_bits).exp2());
     let (mut closest, mut steps) = (0.0_f64, 0);
@@ -98,11 +151,31 @@ fn every_motion_within_the_uncertainty_is_allowed() {
         let mut sent = vec![0.0; 3];
         let mut sums = NO_DIFFERENCE;
         let mut last: Option<Motion> = None;
+        let mut turned = 0.0;
+        let mut counts = std::collections::VecDeque::from(vec![0.0; window.unwrap_or(0) + 1]);
+        let speed_before = state[2];
         for step in 0..800 {
-            let noise = found.errors.map(&mut share);
+            let mut noise = found.errors.map(&mut share);
+            let mut speed = state[2];
+            if let Some(window) = window {
+                // It turns as it did before the controller was armed.
+                if step == 0 {
+                    for (back, count) in (0..=window).rev().zip(&mut counts) {
+                        *count = -(back as f64) * spec.sample_time_s * speed_before;
+                    }
+                } else {
+                    counts.pop_front();
+                    counts.push_back(turned);
+                }
+                let angle = std::f64::consts::TAU / 4096.0;
+                let rounded = |turn: f64| (turn / angle).round() * angle;
+                let turn = rounded(counts[window]) - rounded(counts[0]);
+                speed = turn / (window as f64 * spec.sample_time_s);
+                noise[2] = share(8.0 * NOISE.noise_std[2]);
+            }
             // The angle's error is a bias and noise; neither is beyond its share.
             let angle = state[0] + offset + noise[0] * 8e-3 / found.errors[0];
-            let measured = [angle, state[1] + noise[1], state[2] + noise[2]];
+            let measured = [angle, state[1] + noise[1], speed + noise[2]];
             let current: f64 = (0..3).map(|i| -spec.gains[i] * measured[i]).sum();
             let duty = (current.clamp(-2.0, 2.0) / spec.drive.amperes_per_count).round();
             let word = |i: usize| (measured[i] * bits[i]).round() as i32;
@@ -132,10 +205,13 @@ fn every_motion_within_the_uncertainty_is_allowed() {
                     (gravity * state[0].sin() - 2.12e-5 * state[1] + dry - on_wheel) / inertia;
                 state[0] += dt * state[1];
                 state[1] += dt * body;
+                turned += dt * state[2];
                 state[2] += dt * (on_wheel / wheel - body);
             }
             if step == push_at {
+                // On the body alone: the wheel's own speed stays.
                 state[1] += push;
+                state[2] -= push;
             }
             if state[0].abs() > 0.5 {
                 break;

@@ -11,8 +11,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use simulate::scenario::Scale;
 use simulate::{
-    EncoderOutput, Fault, Faulty, InterpretedController, RawController, RawLoop, RawSensors,
-    Scenario,
+    EncoderOutput, Fault, Faulty, InterpretedController, RawController, RawLoop, RawSample,
+    RawSensors, Scenario,
 };
 
 use crate::bench::{BASE, bench};
@@ -27,6 +27,11 @@ const HELD_STEPS: usize = 400;
 struct PivotBench {
     module: Module,
     encoder: EncoderSpec,
+    /// N = −K of the emitted law, and B of the model: body and wheel.
+    gains: [f64; 3],
+    push: [f64; 2],
+    /// A₂₁ of the model (1/s²).
+    fall: f64,
 }
 
 impl PivotBench {
@@ -90,7 +95,24 @@ impl PivotBench {
         PivotBench {
             module: Module::parse(&sources).unwrap(),
             encoder,
+            gains: [0, 1, 2].map(|i| -design.gains[i]),
+            push: [spec.b[1].abs(), spec.b[1] + spec.b[2]],
+            fall: spec.a[1][0],
         }
+    }
+
+    /// Current that holds a body at this angle (A): what gravity takes.
+    fn held_a(&self, angle_rad: f64) -> f64 {
+        self.fall / self.push[0] * angle_rad
+    }
+
+    /// The wheel's speed at which a count that is stuck at this angle has half of the largest current left over (rad/s).
+    ///
+    /// After its window a stuck count shows a constant angle c and no rate, so that the command is N₁ c + N₃ φ̇. Of that
+    /// gravity takes the held part at most. So more than half of the largest current is left over beyond this speed.
+    fn noticed_at_rad_s(&self, angle_rad: f64) -> f64 {
+        let of_angle = (self.gains[0] * angle_rad - self.held_a(angle_rad)).abs();
+        (0.5 * LIMIT_A + of_angle) / self.gains[2].abs()
     }
 
     fn limit(&self, name: &str) -> usize {
@@ -241,4 +263,113 @@ fn no_fault_drives_the_motor_for_longer_than_is_stated() {
         frozen_full <= own.limit("frozen_steps"),
         "{frozen_full} ms at full current"
     );
+}
+
+/// A count that is stuck upright, with a body that lies still: the wheel's speed feeds itself. u = N₃ φ̇ accelerates the wheel by
+/// (B₂ + B₃) u, less its friction, so that φ̇ grows with e^(λt), λ = (B₂ + B₃) N₃ − r_w/j_w; after ln(φ*/φ̇₀)/λ it is at the speed φ* at
+/// which half of the largest current is left over, and after the stated steps more the controller trips. Earlier nothing can
+/// tell: less current than dry friction holds leaves a sound encoder as still as a stuck one.
+#[test]
+fn a_count_stuck_upright_trips_when_the_wheel_has_spun_itself_up() {
+    let own = PivotBench::new();
+    // The converter of the thesis: rpm = 8.53108 count - 6594.5.
+    let per_count = 8.53108 * std::f64::consts::TAU / 60.0;
+    let zero_count = 6594.5 / 8.53108;
+    let frozen = own.limit("frozen_steps");
+    let friction = BASE[5] / BASE[1];
+    let growth = own.push[1] * own.gains[2] - friction;
+    for speed in [2.0_f64, -8.0, 30.0] {
+        let mut controller = own.controller();
+        let mut wheel = 0.0;
+        let mut steps = 0;
+        let mut tripped = None;
+        for _ in 0..4_000 {
+            let sample = RawSample {
+                body: ZERO,
+                gyro: [0; 3],
+                accel: [0; 3],
+                mag: None,
+                wheel: (wheel / per_count + zero_count).round() as i32,
+            };
+            let duty = controller.step(&sample).unwrap();
+            match controller.status().unwrap() {
+                RUNNING => steps += 1,
+                status if status > RUNNING => {
+                    tripped = Some(steps);
+                    break;
+                }
+                // It is armed with the wheel at rest, which a hand then turns.
+                _ => {
+                    if controller.arm().unwrap() {
+                        wheel = speed;
+                    }
+                }
+            }
+            let current = (f64::from(duty) - 32_768.0) * 2.2 / 26_214.0;
+            wheel += 1e-3 * (own.push[1] * current - friction * wheel);
+        }
+        let last = own.noticed_at_rad_s(0.0);
+        let wanted = (last / speed.abs()).ln() / growth * 1e3 + frozen as f64;
+        let found = tripped.expect("it trips") as f64;
+        println!(
+            "from {speed} rad/s: trips after {found} ms, derived {wanted:.0} ms, {wheel:.0} rad/s"
+        );
+        // The converter shows the speed to half a count.
+        let off = (1.0 + 0.5 * per_count / speed.abs()).ln() / growth * 1e3 + 10.0;
+        assert!((found - wanted).abs() < off, "{found} {wanted}");
+    }
+}
+
+/// Counts that are stuck while the body balances: no more than half of the largest current beyond what gravity takes at the shown
+/// angle flows for longer than the stated steps, and the wheel comes no further than that lets it, far below the end of its range.
+#[test]
+fn a_stuck_count_lets_the_motor_do_little() {
+    let own = PivotBench::new();
+    let plant: Plant<f64> = bench(true);
+    let seed = 20_261_130;
+    println!("seed {seed}");
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let frozen = own.limit("frozen_steps");
+    let (mut most, mut latest, mut trips) = (0.0_f64, 0, 0);
+    for run in 0..16 {
+        let from = HELD_STEPS + random.random_range(1..1500);
+        let on = own.on(&plant, seed + run);
+        let mut faulty = Faulty::new(own.controller(), Fault::BodyFrozen, from, [0, 0]);
+        faulty.body_counts = [ZERO, 4096];
+        let start_rad = random.random_range(-0.05..0.05);
+        // The body may swing on: no stop is modelled.
+        let trace = on.run(start_rad, 5.0, &mut faulty, false).unwrap();
+        // The trace begins at the release, what the controller said at the fault.
+        let released = from - HELD_STEPS;
+        let stuck = trace.angle_rad[released];
+        // The encoder is off by noise and half a count, and a sample later.
+        let angle = stuck.abs() + 4.0 * own.encoder.rad_per_count().abs();
+        // What the wheel gains in the stated steps, with the body's own fall and push.
+        let accelerated = (own.push[1] + own.push[0]) * LIMIT_A + own.fall;
+        let bound = own.noticed_at_rad_s(angle) + accelerated * 1e-3 * (frozen + 2) as f64;
+        let statuses = faulty.statuses();
+        let end = statuses
+            .iter()
+            .position(|status| *status > RUNNING)
+            .unwrap_or(statuses.len());
+        let mut left = 0;
+        for step in own.encoder.window as usize..end {
+            let Some(speed) = trace.wheel_speed_rad_s.get(released + step) else {
+                break;
+            };
+            let speed = speed.abs();
+            most = most.max(speed);
+            assert!(speed <= bound, "run {run}: {speed} rad/s of {bound}");
+            let current = (f64::from(faulty.duties()[step]) - 32_768.0) * 2.2 / 26_214.0;
+            let is_more = current.abs() > 0.5 * LIMIT_A + own.held_a(angle);
+            left = if is_more { left + 1 } else { 0 };
+            assert!(left <= frozen, "run {run}: {left} steps");
+        }
+        if end < statuses.len() {
+            trips += 1;
+            latest = latest.max(end);
+        }
+    }
+    println!("{trips} of 16 tripped, after {latest} ms at most; the wheel within {most:.0} rad/s");
+    assert!(trips > 8, "{trips}");
 }

@@ -10,6 +10,7 @@ mod learned;
 mod loops;
 mod magnet;
 mod monitored;
+mod pivot_attacks;
 mod results;
 mod session;
 mod sliders;

@@ -24,8 +24,8 @@ pub struct Bounds {
     pub states: [BigRational; 3],
     /// The command, errors included (A).
     pub command: BigRational,
-    /// Error of the filter (rad).
-    pub filter: BigRational,
+    /// Error of the shown angle: of the filter, or of a reading of an encoder on the pivot (rad).
+    pub angle: BigRational,
     rows: [BigRational; ROWS],
 }
 
@@ -127,13 +127,19 @@ fn between(growth: &Growth, rows: &[BigRational; ROWS], current: &BigRational) -
 struct Following {
     rows: [BigRational; ROWS],
     between: Between,
-    /// Errors of what the drive holds (A).
+    /// Errors of what the drive holds, all of them (A).
     noise: BigRational,
     /// The current that the law asks for, errors included (A).
     asked: BigRational,
 }
 
-/// The motion between samples while the drive holds at most `current`, and the error of what it holds.
+/// What a reading's error does at once (A).
+fn at_once(model: &Loop, errors: &SensorErrors) -> BigRational {
+    up(&model.at_once * &errors.reading)
+}
+
+/// The motion between samples while the drive holds at most `current`, and the error of what it holds apart from that of a
+/// reading, whose course the loop knows.
 fn settled(
     model: &Loop,
     growth: &Growth,
@@ -145,9 +151,10 @@ fn settled(
         .ok_or_else(|| Open::Grows("the motion between two samples does not settle".to_owned()))?;
     // The acceleration depends on the noise of the current, which depends on the acceleration.
     let plain = between.motion.acceleration.clone();
+    let of_reading = at_once(model, errors);
     let mut noise = BigRational::zero();
     for _ in 0..ROUNDS {
-        between.motion.acceleration = up(&plain + &growth.b[1] * &noise);
+        between.motion.acceleration = up(&plain + &growth.b[1] * (&noise + &of_reading));
         let next = errors
             .held(&between.motion)
             .map_err(|open| Open::TooLarge(open.to_string()))?
@@ -168,32 +175,36 @@ fn following(
     errors: &SensorErrors,
     rows: &[BigRational; ROWS],
     start: &BigRational,
+    before: &BigRational,
 ) -> Result<Following, Open> {
     // The drive holds nothing above its end but what it is off; and by that, nothing above what it is to hold and its
     // error.
     let growth = Growth::of(model);
     let end = up(&model.reach + &model.current_off + &errors.rounding);
     let (_, noise) = settled(model, &growth, errors, rows, &end)?;
-    let held = &rows[HELD] + noise;
+    let of_reading = at_once(model, errors);
+    let held = &rows[HELD] + noise + &of_reading;
     let (between, noise) = settled(model, &growth, errors, rows, &end.min(held))?;
     let body = &growth.dry + &between.sine;
-    let late = delay_off() * &rows[CHANGE];
+    let late = delay_off() * (&rows[CHANGE] + &of_reading);
     let first = delay_off() * &responses.first_change * start;
     let rows: [BigRational; ROWS] = std::array::from_fn(|row| {
         up(start * &responses.start[row]
             + &responses.sums[0][row] * (&noise + &late)
             + &responses.sums[1][row] * &body
             + &responses.sums[2][row] * &model.wheel_dry
+            + &responses.reading[row] * &errors.reading
+            + &responses.before[row] * before
             + &responses.kick[row] * &first)
     });
     let of_law = errors
         .asked(&between.motion)
         .map_err(|open| Open::TooLarge(open.to_string()))?;
     Ok(Following {
-        asked: &rows[ASKED] + of_law,
+        asked: &rows[ASKED] + of_law + &of_reading,
         rows,
         between,
-        noise,
+        noise: noise + of_reading,
     })
 }
 
@@ -222,7 +233,7 @@ impl Bounds {
             *own = own.clone().max(theirs);
         }
         all.command = all.command.max(other.command);
-        all.filter = all.filter.max(other.filter);
+        all.angle = all.angle.max(other.angle);
         all
     }
 }
@@ -233,10 +244,11 @@ fn closing(
     errors: &SensorErrors,
     start: &BigRational,
 ) -> Result<Bounds, Open> {
-    let mut rows: [BigRational; ROWS] =
-        std::array::from_fn(|row| up(start * &responses.start[row]));
+    let mut rows: [BigRational; ROWS] = std::array::from_fn(|row| {
+        up(start * &responses.start[row] + &responses.before[row] * &errors.at_rest)
+    });
     for _ in 0..ROUNDS {
-        let next = following(model, responses, errors, &rows, start)?;
+        let next = following(model, responses, errors, &rows, start, &errors.at_rest)?;
         let command = next.asked.clone();
         if command >= model.limit {
             return Err(Open::TooLarge("the command may reach its limit".to_owned()));
@@ -252,11 +264,9 @@ fn closing(
                 "the body may lean further than the current holds it".to_owned(),
             ));
         }
-        let [_, rate, speed] = &next.between.states;
-        if rate + errors.rate(&next.between.motion) >= errors.rate_range {
-            return Err(Open::TooLarge(
-                "the gyroscope may come to the end of its range".to_owned(),
-            ));
+        let [angle, rate, speed] = &next.between.states;
+        if let Some(why) = errors.beyond(angle, rate, &next.between.motion) {
+            return Err(Open::TooLarge(why.to_owned()));
         }
         if speed + &errors.wheel_speed >= errors.wheel_range {
             return Err(Open::TooLarge(
@@ -264,13 +274,13 @@ fn closing(
             ));
         }
         if next.rows.iter().zip(&rows).all(|(new, old)| new <= old) {
-            let filter = errors
-                .filter(&next.between.motion)
+            let angle = errors
+                .angle(&next.between.motion)
                 .map_err(|open| Open::TooLarge(open.to_string()))?;
             return Ok(Bounds {
                 states: next.between.states,
                 command,
-                filter,
+                angle,
                 rows,
             });
         }
@@ -320,7 +330,8 @@ pub fn kept_up(
     let not_shown = |open: Open| NoBounds::NotShown(open.why());
     let mut kept = bounds.clone();
     for _ in 0..ROUNDS {
-        let next = following(model, responses, errors, &kept.rows, &none).map_err(not_shown)?;
+        let next =
+            following(model, responses, errors, &kept.rows, &none, &none).map_err(not_shown)?;
         let settles = next
             .rows
             .iter()
@@ -329,7 +340,7 @@ pub fn kept_up(
         let rows = std::array::from_fn(|row| next.rows[row].clone().min(kept.rows[row].clone()));
         kept = Bounds {
             command: next.asked,
-            filter: errors.filter(&next.between.motion)?,
+            angle: errors.angle(&next.between.motion)?,
             states: next.between.states,
             rows,
         };

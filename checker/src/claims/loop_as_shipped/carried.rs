@@ -8,7 +8,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-use crate::claims::loop_as_shipped::plant::SquareGrid;
+use crate::claims::loop_as_shipped::layout::SquareGrid;
 use crate::exact::grid::{BITS, Grid};
 use crate::exact::rational::{integer, power_of_two};
 use crate::exact::short::{SHORT_BITS, Short, TooLarge};
@@ -28,7 +28,7 @@ const SUM_BITS: usize = 64;
 pub(crate) struct Carried {
     /// The sum over the columns of |C v|, for each row C.
     pub first: [BigRational; ROWS],
-    /// The largest of the same sums in later steps.
+    /// The largest of the same sums in later steps; of so many neighbouring steps together as were asked for.
     pub peak: [BigRational; ROWS],
     /// The sums of all steps together.
     pub sum: [BigRational; ROWS],
@@ -67,11 +67,16 @@ impl ShortLoop {
         })
     }
 
-    /// Carries the columns on for so many steps.
+    /// Carries the columns on for so many steps; a peak is of `span` neighbouring steps together.
     ///
     /// # Errors
     /// [`TooLarge`] where something grows to 2³¹ times the largest entry of the columns.
-    pub(crate) fn carry(&self, columns: &[Vec<Grid>], steps: usize) -> Result<Carried, TooLarge> {
+    pub(crate) fn carry(
+        &self,
+        columns: &[Vec<Grid>],
+        steps: usize,
+        span: usize,
+    ) -> Result<Carried, TooLarge> {
         let largest = columns.iter().flatten().map(Signed::abs).max();
         let largest = largest.unwrap_or_default();
         if largest.is_zero() {
@@ -103,14 +108,23 @@ impl ShortLoop {
         let mut first = [Short::ZERO; ROWS];
         let mut peak = [Short::ZERO; ROWS];
         let mut sum = [0_i128; ROWS];
+        let mut recent = vec![[Short::ZERO; ROWS]; span];
         for step in 0..steps {
             for (index, row) in self.rows.iter().enumerate() {
                 let mut term = Short::ZERO;
                 for column in &now {
                     term = term.plus(row.times(column)?.abs())?;
                 }
-                let most = if step == 0 { &mut first } else { &mut peak };
-                most[index] = most[index].max(term);
+                recent[step % span][index] = term;
+                if step == 0 {
+                    first[index] = term;
+                } else {
+                    let mut together = Short::ZERO;
+                    for terms in &recent {
+                        together = together.plus(terms[index])?;
+                    }
+                    peak[index] = peak[index].max(together);
+                }
                 // Below 2⁹⁵ units, for fewer than 2³¹ steps.
                 sum[index] += (term.units() >> (SHORT_BITS - SUM_BITS)) + 1;
             }

@@ -1,101 +1,72 @@
-//! The error of the command from sensors, filter, words and duty.
+//! The error of the command from sensors, words and duty.
 //!
-//! **Sensors.** A reading is off by at most half a resolution step, and noise adds at most one whole step. The
+//! A reading is off by at most half a resolution step, and noise adds at most one whole step. The
 //! resolution step of left-justified counts is the largest power of two that divides every count at which the sensor
 //! clips.
 //!
-//! **Filter.** v̂ is the direction up that the filter believes, v the true one, both seen from the sensor. A step turns v̂
-//! as the gyroscope says, off by at most δ, and then by a turn of c along the great circle towards the direction a that
-//! the accelerometer shows. c is at most C = 2βT, and at least 2/3 of it: the gradient's part along the quaternion itself is no
-//! longer than the part that turns (a factor of 1/√2), and the rest is slack. Let ∠(a, v) ≤ η, E = ∠(v̂, v), and φ the
-//! angle at v̂ between the ways to v and to a, sin φ ≤ η/E. A triangle on a sphere is no longer than in the plane, so
-//! after the turn
+//! Gyroscope and accelerometer show angle and rate by a filter ([`crate::claims::loop_as_shipped::inertial`]).
 //!
-//! E' ≤ E − c cos φ + c² sin² φ/(2 (E − c cos φ)),
+//! **Encoder on the pivot.** It shows the angle y, and (y(k) − y(k − M))/(M T) as the rate. Since the loop has the shown
+//! angles among its states, one error is left: that of the newest reading. What it does at once is kept apart from all
+//! other errors of the command, whose course is not known ([`crate::claims::loop_as_shipped::layout`]).
 //!
-//! which for E ≥ 2C is below E − δ where cos φ − (C/η) sin³ φ > δ/c, or where 1 − 3/2 sin² φ > δ/c. So above
-//! E* = max(2C, η/s), s = √(1 − (δ/c + C/η)²) or √(2/3 (1 − δ/c)), E falls, and from below a step leads at most to
-//! E* + C + δ. The window of quiet samples sets v̂ = a at the start. The angle about the pivot is off by no more than E.
-//! Where δ ≥ 2/3 C nothing closes.
-//!
-//! **Drift.** In one step the drift that the filter follows moves by at most 2βT over its time constant. The claim
-//! assumes that little drift remains, which is plausible only if the filter follows it slowly: with a time constant
-//! below 20 s the claim is not settled.
-//!
-//! **Ends of the sensors.** If a bound on a rate, an acceleration or the wheel speed lies beyond the range of its
+//! **Ends of the sensors.** If a bound on an angle, a rate, an acceleration or the wheel speed lies beyond the range of its
 //! sensor, the claim is not settled.
-//!
-//! **Gyroscope.** Its reading may be as old as the time between its samples. The rate is then off by the acceleration
-//! times that age, and the turn of a step by the acceleration times T times the larger of half a step and the age less
-//! half a step.
 
 use num_rational::BigRational;
-use num_traits::{One, Signed, Zero};
+use num_traits::{Signed, Zero};
 
-use crate::certificate::hardware::CertifiedSensor;
-use crate::certificate::reader::{Certificate, matrix};
+use crate::certificate::hardware::{CertifiedBody, CertifiedBodyEncoder};
+use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::exact::matrices::inverse;
-use crate::exact::rational::{half, integer, power, root_above, root_below, short_above as up};
+use crate::claims::loop_as_shipped::inertial::InertialErrors;
+use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
-/// Error of the filter's arithmetic in a step (rad): 2e-7 in each of four components (`filter-accurate`), twice that as
-/// an angle, and the same again for the rounding of the normalisation.
-fn arithmetic() -> BigRational {
-    integer(16) * power(10, -7)
-}
-
-/// Error of the arc tangent and of the words of the angle (rad; `filter-accurate`).
-fn angle_arithmetic() -> BigRational {
-    integer(1) * power(10, -6)
-}
-
-/// Shortest time constant of the followed drift (s): in the second that a motion lasts, the drift then moves by no more
-/// than a twentieth of 2β.
-const FASTEST_DRIFT_S: i128 = 20;
-
-/// Drift of the gyroscope that may remain, as a share of 2β.
-fn drift_share() -> BigRational {
-    BigRational::new(1.into(), 20.into())
-}
-
-/// The errors that the sensors may have, and the errors of the filter that follow from them.
+/// The errors that the sensors may have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorErrors {
-    /// Of an axis of the gyroscope (rad/s).
-    pub gyro_axis: BigRational,
-    /// Of its three axes together.
-    pub gyro: BigRational,
-    /// Of an axis of the accelerometer (m/s²).
-    pub accel_axis: BigRational,
-    /// Of its three axes together.
-    pub accel: BigRational,
+    /// Of what shows the body.
+    pub body: BodyErrors,
+    /// Of the newest reading of an encoder on the pivot (rad); zero without one.
+    pub reading: BigRational,
+    /// Of its readings while the body is at rest, before it is armed: half a count (rad).
+    pub at_rest: BigRational,
     /// Of the wheel's speed (rad/s).
     pub wheel_speed: BigRational,
-    /// Drift of the gyroscope that is left (rad/s).
-    pub drift: BigRational,
-    /// Age of a reading of the gyroscope (s).
-    pub age: BigRational,
     /// Rounding of words, sum and duty in what the drive holds (A).
     pub rounding: BigRational,
     /// Rounding of words and sum in the current that the law asks for (A).
     pub asked_rounding: BigRational,
     /// Half-words of the rate (rad/s).
     pub rate_word: BigRational,
-    /// Largest rate about the pivot that no axis of the gyroscope clips (rad/s).
-    pub rate_range: BigRational,
     /// Largest wheel speed that its sensor shows both ways (rad/s).
     pub wheel_range: BigRational,
-    accel_range: BigRational,
-    gravity: BigRational,
-    lever: BigRational,
-    t: BigRational,
-    turn: BigRational,
     /// Of what the drive holds.
     held: [BigRational; 3],
     /// Of the current that the law asks for.
     asked: [BigRational; 3],
+}
+
+/// The errors of what shows the body.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyErrors {
+    /// Gyroscope and accelerometer.
+    Inertial(Box<InertialErrors>),
+    /// An encoder on the pivot.
+    Pivot(PivotErrors),
+}
+
+/// The errors of an encoder on the pivot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PivotErrors {
+    /// Of the rate that two readings show, before it becomes a word (rad/s).
+    pub rate: BigRational,
+    /// Largest angle that is shown as it is (rad).
+    pub angle_range: BigRational,
+    /// Largest rate that is shown as it is: at the end of its word, or half a wrap in a step (rad/s).
+    pub rate_range: BigRational,
 }
 
 /// Bounds of a motion that enter the errors: the body's acceleration and rate, between samples too.
@@ -107,14 +78,32 @@ pub struct Motion {
     pub rate: BigRational,
 }
 
-/// Why no errors are known of the body's sensors.
-const NO_INERTIAL_SENSORS: &str = "an encoder shows the body";
+/// π, from above and from below.
+fn pi() -> [BigRational; 2] {
+    let ratio = |above: i32, below: i32| BigRational::new(above.into(), below.into());
+    [ratio(355, 113), ratio(333, 106)]
+}
 
-/// The largest power of two that divides every count.
-fn step_of(clips: &[i32; 3]) -> i128 {
-    let zeros = clips.iter().filter(|clip| **clip != 0);
-    let shift = zeros.map(|clip| clip.trailing_zeros()).min().unwrap_or(0);
-    1 << shift
+impl PivotErrors {
+    /// Those of readings that are off by so many counts, and the error of a reading (rad).
+    fn of(
+        certificate: &Certificate,
+        encoder: &CertifiedBodyEncoder,
+        counts: &BigRational,
+    ) -> (PivotErrors, BigRational) {
+        let [above, below] = pi().map(|pi| integer(2) * pi / encoder.counts_per_turn.value.abs());
+        let reading = up(counts * above);
+        let t = &certificate.sample_time_s.value;
+        let half_wrap = below * power_of_two(encoder.bits as i32 - 1);
+        let range = |index: usize| certificate.inputs[index].range.value.clone();
+        let both = integer(2) * &reading;
+        let errors = PivotErrors {
+            rate: up(&both / (integer(encoder.window.into()) * t)),
+            angle_range: half_wrap.clone().min(range(0)) - &reading,
+            rate_range: ((half_wrap - both) / t).min(range(1)),
+        };
+        (errors, reading)
+    }
 }
 
 impl SensorErrors {
@@ -128,66 +117,23 @@ impl SensorErrors {
         law: &EmittedLaw,
         with_noise: bool,
     ) -> Result<SensorErrors, NoBounds> {
-        let whole = &certificate.hardware;
-        let Some(hardware) = whole.inertial() else {
-            return Err(NoBounds::NotShown(NO_INERTIAL_SENSORS.to_owned()));
-        };
+        let hardware = &certificate.hardware;
         let steps = if with_noise {
             half() + integer(1)
         } else {
             half()
         };
-        let both = |sensor: &CertifiedSensor| {
-            let count = &steps * integer(step_of(&sensor.clip_counts));
-            let axes = [0, 1, 2].map(|row| {
-                let sum: BigRational = sensor.matrix[row].iter().map(|x| x.value.abs()).sum();
-                sum * &count
-            });
-            let squares: BigRational = axes.iter().map(|axis| axis * axis).sum();
-            let together = root_above(&squares).unwrap_or_default();
-            (axes.into_iter().max().unwrap_or_default(), together)
+        let (body, reading) = match &hardware.body {
+            CertifiedBody::Inertial(inertial) => {
+                let errors = InertialErrors::of(certificate, inertial, &steps, with_noise)?;
+                (BodyErrors::Inertial(Box::new(errors)), BigRational::zero())
+            }
+            CertifiedBody::Encoder(encoder) => {
+                let (errors, reading) = PivotErrors::of(certificate, encoder, &steps);
+                (BodyErrors::Pivot(errors), reading)
+            }
         };
-        let (gyro_axis, gyro) = both(&hardware.gyroscope);
-        let (accel_axis, accel) = both(&hardware.accelerometer);
-        let beta = &hardware.beta_rad_s.value;
-        if !beta.is_positive() {
-            return Err(NoBounds::Unphysical("the filter never corrects".to_owned()));
-        }
-        if hardware.drift_time_s.value < integer(FASTEST_DRIFT_S) {
-            return Err(NoBounds::NotShown(format!(
-                "the gyroscope's drift is followed within {} s: so fast that it follows the correction's ripple",
-                hardware.drift_time_s
-            )));
-        }
-        let singular = || NoBounds::Unphysical("a sensor's matrix is singular".to_owned());
-        let counts =
-            |sensor: &CertifiedSensor| inverse(&matrix(&sensor.matrix)).ok_or_else(singular);
-        let (of_gyro, of_accel) = (
-            counts(&hardware.gyroscope)?,
-            counts(&hardware.accelerometer)?,
-        );
-        let least = |ranges: Vec<BigRational>| ranges.into_iter().min().unwrap_or_default();
-        let room = |sensor: &CertifiedSensor, axis: usize| {
-            let bias = sensor.bias_counts[axis].value.abs();
-            integer(sensor.clip_counts[axis].into()) - bias - &steps * integer(16)
-        };
-        let rate_range = least(
-            (0..3)
-                .filter(|axis| !of_gyro[*axis][2].is_zero())
-                .map(|axis| room(&hardware.gyroscope, axis) / of_gyro[axis][2].abs())
-                .collect(),
-        );
-        let accel_range = least(
-            (0..3)
-                .map(|axis| {
-                    let row = &of_accel[axis];
-                    let squares: BigRational = row.iter().map(|entry| entry * entry).sum();
-                    room(&hardware.accelerometer, axis)
-                        / root_above(&squares).unwrap_or_else(BigRational::one)
-                })
-                .collect(),
-        );
-        let wheel = &whole.wheel_speed;
+        let wheel = &hardware.wheel_speed;
         let end = |counts: i32| {
             &wheel.rad_s_per_count.value * integer(counts.into()) + &wheel.rad_s_at_zero.value
         };
@@ -197,16 +143,6 @@ impl SensorErrors {
         } else {
             first.abs().min(last.abs())
         };
-        let t = certificate.sample_time_s.value.clone();
-        let age = match &certificate.gyro_rate_hz {
-            Some(rate) if rate.value.is_positive() => rate.value.recip(),
-            _ => BigRational::zero(),
-        };
-        let squares: BigRational = hardware
-            .lever_arm_m
-            .iter()
-            .map(|part| &part.value * &part.value)
-            .sum();
         let words = law.half_words();
         let count = certificate.drive.amperes_per_count.value.abs();
         // Half a count, and a hundredth for the words of the duty's line.
@@ -222,115 +158,88 @@ impl SensorErrors {
         // A reading is off by half a count and the noise; an encoder's turn is the difference of two readings.
         let readings = integer(if wheel.encoder.is_some() { 2 } else { 1 });
         Ok(SensorErrors {
-            gyro_axis: up(gyro_axis),
-            gyro: up(gyro),
-            accel_axis: up(accel_axis),
-            accel: up(accel),
+            body,
+            at_rest: up(&reading * half() / &steps),
+            reading,
             wheel_speed: up(wheel.rad_s_per_count.value.abs() * &steps * readings),
-            drift: if with_noise {
-                up(integer(2) * beta * drift_share())
-            } else {
-                BigRational::zero()
-            },
-            age: up(age),
             rounding: up(in_words(&held) + law.unit() + duty),
             asked_rounding: in_words(&asked) + law.unit(),
             rate_word: &words[1] * integer(2),
-            rate_range,
             wheel_range,
-            accel_range,
-            gravity: hardware.gravity_m_s2.value.clone(),
-            lever: up(root_above(&squares).unwrap_or_default()),
-            turn: integer(2) * beta * &t,
-            t,
             held,
             asked,
         })
     }
 
-    /// E: the angle by which the filter may be off (rad).
+    /// Those of gyroscope and accelerometer; `None` where an encoder shows the body.
+    pub fn inertial(&self) -> Option<&InertialErrors> {
+        match &self.body {
+            BodyErrors::Inertial(errors) => Some(errors),
+            BodyErrors::Pivot(_) => None,
+        }
+    }
+
+    /// The angle by which the shown one may be off (rad).
     ///
     /// # Errors
     /// [`NoBounds::NotShown`] if the correction of the filter is not faster than its disturbances.
-    pub fn filter(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
-        let not_shown = |why: &str| NoBounds::NotShown(why.to_owned());
-        // The correction for the lever arm lags. It is therefore not counted as a reduction, and may add an error of
-        // the same size.
-        let moved = integer(2)
-            * &self.lever
-            * (&motion.acceleration * integer(2) + &motion.rate * &motion.rate)
-            + &self.lever * &self.gyro / &self.t;
-        let off = up(&self.accel + moved);
-        if integer(2) * &off >= self.gravity {
-            return Err(not_shown(
-                "at the accelerometer the motion is as large as gravity: its lever arm is too long for the argument",
-            ));
+    pub fn angle(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
+        match &self.body {
+            BodyErrors::Inertial(errors) => errors.filter(motion),
+            BodyErrors::Pivot(_) => Ok(self.reading.clone()),
         }
-        if &self.gravity + &off >= self.accel_range {
-            return Err(not_shown(
-                "the accelerometer may come to the end of its range",
-            ));
-        }
-        // asin x ≤ x/(1 − x); a hundredth for sin η/sin E above η/E, E below a quarter of a radian.
-        let direction =
-            up(&off / (&self.gravity - &off) * BigRational::new(101.into(), 100.into()));
-        let half_step = &self.t * half();
-        let old = if self.age > self.t {
-            &self.age - &half_step
-        } else {
-            half_step
-        };
-        let step =
-            up(&self.t * (&self.gyro + &self.drift + &motion.acceleration * old) + arithmetic());
-        let least = &self.turn * BigRational::new(2.into(), 3.into());
-        let share = up(&step / least);
-        let one = BigRational::one();
-        if share >= one {
-            return Err(not_shown(
-                "drift and age of the gyroscope may turn the estimate faster than the filter's beta turns it back",
-            ));
-        }
-        // Two bounds of the largest sin φ = η/E at which a turn still outweighs the disturbances; the first is the
-        // better one if the turn of a step is short compared with η.
-        let first = up(&share + &self.turn / &direction);
-        let mut squared = (&one - &share) * BigRational::new(2.into(), 3.into());
-        if first < one {
-            squared = squared.max(&one - &first * &first);
-        }
-        let root = root_below(&squared).ok_or_else(|| not_shown("a negative square"))?;
-        if !root.is_positive() {
-            return Err(not_shown("the filter's correction is too slow"));
-        }
-        let settled = (direction / root).max(&self.turn * integer(2));
-        Ok(up(settled + &self.turn + step + angle_arithmetic()))
     }
 
-    /// ν: the error of what the drive holds (A) for such a motion, from all causes except the drive itself.
+    /// ν: the error of what the drive holds (A) for such a motion, from all causes except the drive itself, and except what a
+    /// reading of an encoder on the pivot does.
     ///
     /// # Errors
-    /// As [`SensorErrors::filter`].
+    /// As [`SensorErrors::angle`].
     pub fn held(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
         Ok(self.weighted(&self.held, motion)? + &self.rounding)
     }
 
-    /// The error of the current that the law asks for (A).
+    /// The error of the current that the law asks for (A), with the same exceptions.
     ///
     /// # Errors
-    /// As [`SensorErrors::filter`].
+    /// As [`SensorErrors::angle`].
     pub fn asked(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
         Ok(self.weighted(&self.asked, motion)? + &self.asked_rounding)
     }
 
     fn weighted(&self, gains: &[BigRational; 3], motion: &Motion) -> Result<BigRational, NoBounds> {
         let [n1, n2, n3] = gains;
-        let (angle, rate) = (self.filter(motion)?, self.rate(motion));
-        Ok(up(n1.abs() * angle
-            + n2.abs() * rate
-            + n3.abs() * &self.wheel_speed))
+        let wheel = n3.abs() * &self.wheel_speed;
+        let BodyErrors::Inertial(_) = &self.body else {
+            return Ok(up(wheel));
+        };
+        let (angle, rate) = (self.angle(motion)?, self.rate(motion));
+        Ok(up(n1.abs() * angle + n2.abs() * rate + wheel))
     }
 
     /// The error of the rate (rad/s).
     pub fn rate(&self, motion: &Motion) -> BigRational {
-        up(&self.gyro_axis + &self.drift + &self.age * &motion.acceleration + &self.rate_word)
+        let shown = match &self.body {
+            BodyErrors::Inertial(errors) => errors.rate(motion),
+            BodyErrors::Pivot(errors) => errors.rate.clone(),
+        };
+        up(shown + &self.rate_word)
+    }
+
+    /// Which sensor of the body such an angle (rad), a rate (rad/s) and a motion bring to the end of its range.
+    pub fn beyond(
+        &self,
+        angle: &BigRational,
+        rate: &BigRational,
+        motion: &Motion,
+    ) -> Option<&'static str> {
+        let rate = rate + self.rate(motion);
+        match &self.body {
+            BodyErrors::Inertial(errors) => (rate >= errors.rate_range)
+                .then_some("the gyroscope may come to the end of its range"),
+            BodyErrors::Pivot(errors) => (rate >= errors.rate_range
+                || *angle >= errors.angle_range)
+                .then_some("the encoder on the pivot may come to the end of what it shows"),
+        }
     }
 }

@@ -14,8 +14,13 @@
 //! ([`crate::claims::held_loop`]). The bounds then also stay below the end of the supply. R and k_e are the stated ones, and
 //! the winding's inductance is neglected.
 //!
-//! **Encoder on the wheel.** Its speed is the turn over the last N steps, and N states more say which ([`plant`]). What
+//! **Encoder on the wheel.** Its speed is the turn over the last N steps, and N states more say which ([`layout`]). What
 //! is read of the turn is off by the errors of two readings. Before it is armed the wheel has been at rest for the window.
+//!
+//! **Encoder on the pivot.** It takes the place of the filter. Its rate is the difference of two angles that it showed,
+//! M steps apart; what it showed in the last M steps are M states more ([`layout`]). An error of a reading is an input of
+//! its own, since the loop knows what it does later. Before it is armed the body has been at rest for the window, and the
+//! readings in it are off by half a count at most.
 //!
 //! **Delay.** It is a part d of the sample time, 0 ≤ d ≤ 1, which stays within one quarter of the sample at all steps.
 //! At the middle of each quarter the loop in z = (x, w of the last step) is z⁺ = F z. The deviation of d from the
@@ -39,6 +44,8 @@
 pub mod bounds;
 mod carried;
 pub mod errors;
+pub mod inertial;
+pub mod layout;
 pub mod plant;
 pub mod responses;
 
@@ -49,7 +56,7 @@ use crate::claims::control_law::EmittedLaw;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::rational::{power, rounded_up};
 use bounds::{Bounds, kept_up, largest_start};
-use errors::SensorErrors;
+use errors::{BodyErrors, SensorErrors};
 use plant::{DELAYS, Loop};
 use responses::Responses;
 
@@ -87,18 +94,29 @@ pub fn by_exact_arithmetic(
             let three = |value: &BigRational| rounded_up(value, 3);
             let bounds = &shown.bounds;
             let errors = &shown.errors;
+            let of_body = match &errors.body {
+                BodyErrors::Inertial(body) => format!(
+                    "error of the filter within {} rad; errors of the sensors within {} rad/s (gyroscope, an axis), {} m/s2 (accelerometer, an axis), {} rad/s (wheel), remaining drift {} rad/s",
+                    three(&bounds.angle),
+                    three(&body.gyro_axis),
+                    three(&body.accel_axis),
+                    three(&errors.wheel_speed),
+                    three(&body.drift),
+                ),
+                BodyErrors::Pivot(body) => format!(
+                    "errors of the sensors within {} rad (a reading of the pivot), {} rad/s (the rate of two readings), {} rad/s (wheel)",
+                    three(&errors.reading),
+                    three(&body.rate),
+                    three(&errors.wheel_speed),
+                ),
+            };
             let shipped = format!(
-                "armed at rest within {} rad: angle within {} rad, rate {} rad/s, wheel speed {} rad/s, current {} A; error of the filter within {} rad; errors of the sensors within {} rad/s (gyroscope, an axis), {} m/s2 (accelerometer, an axis), {} rad/s (wheel), remaining drift {} rad/s",
+                "armed at rest within {} rad: angle within {} rad, rate {} rad/s, wheel speed {} rad/s, current {} A; {of_body}",
                 rounded_down(&shown.start),
                 three(&bounds.states[0]),
                 three(&bounds.states[1]),
                 three(&bounds.states[2]),
                 three(&bounds.command),
-                three(&bounds.filter),
-                three(&errors.gyro_axis),
-                three(&errors.accel_axis),
-                three(&errors.wheel_speed),
-                three(&errors.drift),
             );
             let kept = &shown.kept_up;
             let kept_up = format!(

@@ -1,8 +1,4 @@
-//! The pendulum with viscous friction, sampled, under the emitted gains, for one delay.
-//!
-//! States of z: angle, rate, wheel speed, what the drive held one step before; and with an encoder on the wheel, whose
-//! speed is m/(N T), the turn m of the wheel over the last N steps and its turns in each of the last N − 1 steps,
-//! the newest first. A step's turn is that of the wheel's angle as a fourth state of the plant.
+//! The pendulum with viscous friction, sampled, under the emitted gains, for one delay. Its states z are those of [`Layout`].
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -12,6 +8,7 @@ use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::{back_emf, braked, check_back_emf, held_gains, reach};
 use crate::claims::loop_as_shipped::NoBounds;
+use crate::claims::loop_as_shipped::layout::{Layout, PLANT, SquareGrid};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{integer, power};
 
@@ -23,12 +20,6 @@ pub fn delay_off() -> BigRational {
     BigRational::new(1.into(), 8.into())
 }
 
-/// States without an encoder: angle, rate, wheel speed, and what the drive held one step before.
-const PLAIN: usize = 4;
-
-/// States of the plant: angle, rate, wheel speed, wheel angle.
-const PLANT: usize = 4;
-
 /// Terms of the exponential series; |A| T ≤ 8 leaves less than 2⁻¹⁴⁴ after so many.
 const TERMS: i128 = 120;
 
@@ -37,9 +28,6 @@ pub const PARTS: usize = 3;
 
 /// Terms after the first [`PARTS`] that are bounded by their size; all later terms together are far smaller.
 const LATER: usize = 12;
-
-/// Longest window of an encoder, in steps.
-const WINDOW_MAX: u32 = 16;
 
 /// Parameters that enter A and B.
 const OF_THE_MODEL: [&str; 6] = [
@@ -68,9 +56,6 @@ const SHAPES: [&str; 4] = [
     "cogging_phase",
 ];
 
-/// A square matrix on the grid, row by row.
-pub type SquareGrid = Vec<Vec<Grid>>;
-
 /// One loop.
 #[derive(Clone, Debug)]
 pub struct Loop {
@@ -82,6 +67,8 @@ pub struct Loop {
     pub a: [[BigRational; 3]; 3],
     /// B.
     pub b: [BigRational; 3],
+    /// Which states z has.
+    pub layout: Layout,
     /// What the drive holds for z: N of z, and the back-EMF's share where the drive sets a voltage.
     pub held: Vec<BigRational>,
     /// The current that the law asks for: N of z.
@@ -98,6 +85,11 @@ pub struct Loop {
     pub wheel_dry: BigRational,
     /// The largest error of the current from the drive's dead zone and offset (A).
     pub current_off: BigRational,
+    /// What an error of 1 rad of one reading of an encoder on the pivot adds at once to the current (A), either sign; zero
+    /// without one. It is the same for what the drive holds: the back-EMF's share knows no angle.
+    pub at_once: BigRational,
+    /// The same as a change of z, from the next sample on; `None` without such an encoder.
+    pub reading: Option<Vec<Grid>>,
     /// F on the grid.
     pub f: SquareGrid,
     /// Terms A^k v T^k/k! on the grid, of B, e and e_w, as columns of z.
@@ -204,11 +196,15 @@ impl Loop {
         let (ad, whole) = sampled(&a, &b, &t)?;
         // The effect of the new command in the rest of the sample, after the delay.
         let (_, new) = sampled(&a, &b, &(&t - late))?;
-        let window = window(certificate)?;
-        let of_states = |gains: &[BigRational; 3]| of_states(gains, window, &t);
-        let held = of_states(&held_gains(&law.gains, &back_emf));
-        let asked = of_states(&law.gains);
-        let f = closed(&ad, &whole, &new, &held, window);
+        let layout = Layout::of(certificate)?;
+        let held = layout.row(&held_gains(&law.gains, &back_emf), &t);
+        let asked = layout.row(&law.gains, &t);
+        let f = layout.closed(&ad, &whole, &new, &held);
+        let reading = layout.reading(&new, &held[0]);
+        let at_once = match reading {
+            Some(_) => held[0].abs(),
+            None => zero(),
+        };
 
         let directions = [
             b.clone(),
@@ -237,7 +233,7 @@ impl Loop {
             let mut term = [angle, rate, speed, zero()];
             for k in 0..LATER {
                 match inputs[index].get_mut(k) {
-                    Some(part) => *part = column(&term.each_ref().map(on_grid), window),
+                    Some(part) => *part = layout.column(&term.each_ref().map(on_grid)),
                     None => later[index] += largest(&term),
                 }
                 term = [0, 1, 2, 3].map(|i| {
@@ -268,8 +264,11 @@ impl Loop {
             gravity,
             a,
             b,
+            layout,
             held,
             asked,
+            at_once,
+            reading,
             f,
             inputs,
             later,
@@ -293,88 +292,6 @@ fn is_gravity_of_the_model(
             crate::exact::rational::rounded_up(gravity, 7)
         )))
     }
-}
-
-/// Steps of the encoder's window; none without an encoder on the wheel.
-fn window(certificate: &Certificate) -> Result<Option<usize>, NoBounds> {
-    match &certificate.hardware.wheel_speed.encoder {
-        None => Ok(None),
-        Some(encoder) if (1..=WINDOW_MAX).contains(&encoder.window) => {
-            Ok(Some(encoder.window as usize))
-        }
-        Some(encoder) => Err(NoBounds::Unphysical(format!(
-            "the encoder's window is {} steps; it is 1 to {WINDOW_MAX}",
-            encoder.window
-        ))),
-    }
-}
-
-/// A row of gains as a row of z: the wheel's speed is that of the sample, or the turn over the window.
-fn of_states(gains: &[BigRational; 3], window: Option<usize>, t: &BigRational) -> Vec<BigRational> {
-    let [angle, rate, speed] = gains.clone();
-    let zero = BigRational::zero;
-    match window {
-        None => vec![angle, rate, speed, zero()],
-        Some(window) => {
-            let of_turn = speed / (integer(window as i128) * t);
-            let mut row = vec![angle, rate, zero(), zero(), of_turn];
-            row.resize_with(PLAIN + window, zero);
-            row
-        }
-    }
-}
-
-/// What a change of the plant's states is as a change of z: the turn of the wheel counts in the window and as the newest.
-fn column(plant: &[Grid; PLANT], window: Option<usize>) -> Vec<Grid> {
-    let [angle, rate, speed, turn] = plant.clone();
-    let mut found = vec![angle, rate, speed, Grid::zero()];
-    if let Some(window) = window {
-        found.resize_with(PLAIN + window, Grid::zero);
-        // The window, and the newest of the single turns where there are any.
-        for entry in found.iter_mut().skip(PLAIN).take(2) {
-            entry.clone_from(&turn);
-        }
-    }
-    found
-}
-
-/// F: the plant with the old input until the delay is over, and with `held` of z from then on.
-fn closed(
-    ad: &[[Grid; PLANT]; PLANT],
-    whole: &[Grid; PLANT],
-    new: &[Grid; PLANT],
-    held: &[BigRational],
-    window: Option<usize>,
-) -> SquareGrid {
-    let row: Vec<Grid> = held.iter().map(on_grid).collect();
-    let order = row.len();
-    let of_plant = |i: usize| -> Vec<Grid> {
-        let mut found: Vec<Grid> = row.iter().map(|gain| times(&new[i], gain)).collect();
-        for (entry, own) in found.iter_mut().zip(&ad[i][..3]) {
-            *entry += own;
-        }
-        found[3] += &whole[i] - &new[i];
-        found
-    };
-    let mut f = vec![of_plant(0), of_plant(1), of_plant(2), row.clone()];
-    if window.is_some() {
-        let one = BigInt::from(1) << BITS;
-        // The new turn, and all turns that stay in the window.
-        let mut sum = of_plant(3);
-        for entry in sum.iter_mut().skip(PLAIN + 1) {
-            *entry += &one;
-        }
-        f.push(sum);
-        for place in PLAIN + 1..order {
-            let mut next = vec![Grid::zero(); order];
-            match place == PLAIN + 1 {
-                true => next = of_plant(3),
-                false => next[place - 1].clone_from(&one),
-            }
-            f.push(next);
-        }
-    }
-    f
 }
 
 /// exp(A t) and ∫ exp(A s) B ds over 0 ≤ s ≤ t, on the grid, with the wheel's angle as the last state.

@@ -13,7 +13,8 @@ use num_traits::{One, Signed, Zero};
 
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::carried::{Carried, ROWS, ShortLoop};
-use crate::claims::loop_as_shipped::plant::{Loop, SquareGrid, product};
+use crate::claims::loop_as_shipped::layout::SquareGrid;
+use crate::claims::loop_as_shipped::plant::{Loop, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
 use crate::exact::rational::{half, integer, power_of_two, short_above};
 use crate::exact::short::TooLarge;
@@ -42,6 +43,10 @@ pub struct Responses {
     pub first_change: BigRational,
     /// Σ of what a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on the wheel do.
     pub sums: [[BigRational; ROWS]; 3],
+    /// Σ of what an error of 1 rad of one reading of an encoder on the pivot does; zero without one.
+    pub reading: [BigRational; ROWS],
+    /// The largest of what errors of 1 rad of all readings in the window before the start do.
+    pub before: [BigRational; ROWS],
     /// The largest of the terms of the current.
     pub kick: [BigRational; ROWS],
 }
@@ -54,19 +59,25 @@ impl Responses {
     pub fn of(model: &Loop) -> Result<Responses, NoBounds> {
         let decay = Decay::of(model)?;
         let rows = rows(model);
-        let order = model.f.len();
-        let mut tilted = vec![Grid::zero(); order];
-        tilted[0] = BigInt::one() << BITS;
         let steps = decay.m * LENGTHS;
         let too_large = |_: TooLarge| {
             NoBounds::NotShown("a response of the loop is too large for the argument".to_owned())
         };
         let short = ShortLoop::of(&model.f, &rows).map_err(too_large)?;
-        let from_start = short.carry(&[tilted], steps).map_err(too_large)?;
+        let from_start = short
+            .carry(&[model.layout.at_rest()], steps, 1)
+            .map_err(too_large)?;
         let mut from_inputs: [Carried; 3] = Default::default();
         for (carried, columns) in from_inputs.iter_mut().zip(&model.inputs) {
-            *carried = short.carry(columns, steps).map_err(too_large)?;
+            *carried = short.carry(columns, steps, 1).map_err(too_large)?;
         }
+        let readings = model.reading.as_slice();
+        let from_readings = short.carry(readings, steps, 1).map_err(too_large)?;
+        let oldest = model.layout.oldest_reading();
+        let span = model.layout.angles().len().max(1);
+        let before = short
+            .carry(oldest.as_slice(), steps, span)
+            .map_err(too_large)?;
 
         let weight = decay.weights.iter().max().cloned().unwrap_or_default();
         let norms: Vec<BigRational> = rows.iter().map(|row| decay.row_norm(row)).collect();
@@ -109,6 +120,10 @@ impl Responses {
                     let sum = settled(index, carried, &carried.sum[index]);
                     short_above(t * (sum + beyond(index, input)))
                 })
+            }),
+            before: std::array::from_fn(|index| settled(index, &before, &most(&before, index))),
+            reading: std::array::from_fn(|index| {
+                settled(index, &from_readings, &from_readings.sum[index])
             }),
             kick: std::array::from_fn(|index| {
                 let carried = &from_inputs[0];
@@ -230,17 +245,18 @@ impl Decay {
 }
 
 /// A state's share of what the drive holds makes the states comparable. The wheel's speed counts as much as the speed that
-/// an encoder shows, and each turn as the turn over the window.
+/// an encoder shows, and each turn as the turn over the window; the angles that an encoder on the pivot showed, as the oldest.
 fn weights(model: &Loop) -> Vec<BigRational> {
     let share = |place: usize| model.held.get(place).map(Signed::abs).unwrap_or_default();
-    let order = model.f.len();
-    let of_turn = share(4);
-    let speed = match order > 4 {
-        true => &of_turn * &model.t * integer(order as i128 - 4),
-        false => share(2),
+    let (turns, angles) = (model.layout.turns(), model.layout.angles());
+    let of_turn = share(turns.start);
+    let speed = match turns.is_empty() {
+        false => &of_turn * &model.t * integer(turns.len() as i128),
+        true => share(2),
     };
     let mut weights = vec![share(0), share(1), speed, BigRational::one()];
-    weights.resize(order, of_turn);
+    weights.resize(turns.end, of_turn);
+    weights.resize(angles.end, share(angles.end - 1));
     for weight in weights.iter_mut().filter(|weight| weight.is_zero()) {
         *weight = BigRational::one();
     }

@@ -6,7 +6,9 @@
 //! 2ᵐ |a| max |n|. So does any torque of bounded size. A current that acts up to two steps late leaves the
 //! currents of these two steps, and a share (1 − 2⁻ᵐ)⁻² − 1 of all that is remembered. Numbers of the model that
 //! are off by a share leave this share of what they multiply, which the width adds up with the same memory. One
-//! push changes the body's rate once. All this is derived here a second time.
+//! push changes the body's rate once. An encoder on the wheel shows a speed that is off by half its window times the
+//! largest acceleration, found at the ends of angle, rate, speed and drive with all widths and torques, and by two
+//! counts; a push shows late in it, which leaves the push once. All this is derived here a second time.
 
 use num_traits::ToPrimitive;
 
@@ -168,6 +170,8 @@ struct Wanted {
     /// Largest share by which gravity is less than its linear form.
     sine: f64,
     push_rad_s: f64,
+    /// Of an encoder on the wheel: half its window (s), and the ends of angle, rate and wheel speed.
+    window: Option<(f64, [f64; 3])>,
     /// The most that the drive holds.
     most_a: f64,
     period_s: f64,
@@ -257,6 +261,15 @@ impl Wanted {
         let gyro = inertial.gyroscope.matrix[2].each_ref().map(real);
         let converter = real(&certificate.hardware.wheel_speed.rad_s_per_count).abs();
         let count = gyro.iter().map(|entry| entry.abs()).sum::<f64>();
+        let period_s = real(&certificate.sample_time_s);
+        let encoder = certificate.hardware.wheel_speed.encoder.as_ref();
+        let range = |index: usize| real(&certificate.inputs[index].range);
+        let window = encoder.map(|encoder| {
+            let half_s = f64::from(encoder.window) * period_s / 2.0;
+            (half_s, [angle, range(1), range(2)])
+        });
+        // A turn is the difference of two counts.
+        let readings = if window.is_some() { 2.0 } else { 1.0 };
         Ok(Wanted {
             body: [step(1, 0), step(1, 1), step(1, 2), input[1]],
             wheel: [
@@ -268,7 +281,7 @@ impl Wanted {
             errors: [
                 NOISE_STDS * noise_std[0] + ANGLE_ERROR_RAD,
                 NOISE_STDS * noise_std[1] + count / 2.0,
-                NOISE_STDS * noise_std[2] + converter / 2.0,
+                NOISE_STDS * noise_std[2] + readings * converter / 2.0,
             ],
             on_body: [
                 over(share("gravity_torque"), body_share) + ROW_SHARE,
@@ -287,7 +300,8 @@ impl Wanted {
             sine: angle * angle / 6.0,
             push_rad_s: push / fall.sqrt(),
             most_a: held.reach.as_ref().map_or(limit_a, number),
-            period_s: real(&certificate.sample_time_s),
+            period_s,
+            window,
         })
     }
 
@@ -297,18 +311,47 @@ impl Wanted {
         let magnitude = |row: &[f64; 4]| row.map(f64::abs);
         let (body, wheel) = (magnitude(&self.body), magnitude(&self.wheel));
         let [gravity, motor, friction] = self.on_body;
+        let widths_of_body = [
+            body[0] * (gravity + self.sine),
+            2.0 * body[1],
+            body[2] * friction,
+            body[3] * (motor + late),
+        ];
+        let widths_of_wheel = [
+            wheel[0],
+            wheel[1],
+            wheel[2] * self.on_wheel[1],
+            wheel[3] * (self.on_wheel[0] + late),
+        ];
+        let mut errors = self.errors;
+        let mut pushed = 0.0;
+        if let Some((half_s, ends)) = self.window {
+            // The wheel relative to the body accelerates no more than this, at the ends of everything.
+            let mut most = self.torques[0] + self.torques[1];
+            let all = [ends[0], ends[1], ends[2], self.most_a];
+            for (column, end) in all.into_iter().enumerate() {
+                let nominal = (self.wheel[column] - self.body[column]).abs();
+                let width = widths_of_wheel[column] + widths_of_body[column];
+                most += end * (nominal + width) / self.period_s;
+            }
+            errors[2] += most * half_s;
+            // A push shows in the wheel's speed within the window.
+            pushed = self.push_rad_s;
+        }
         let of_errors = |row: &[f64; 4]| -> f64 {
-            let terms = row.iter().zip(self.errors);
-            memory * terms.map(|(entry, error)| entry * error).sum::<f64>()
+            let terms = row.iter().zip(errors);
+            let sum = terms.map(|(entry, error)| entry * error).sum::<f64>();
+            memory * (sum + row[2] * pushed)
         };
         let of_torque = |torque: f64| torque * memory * self.period_s;
         let late_a = LATE_STEPS * self.most_a;
-        let [_, rate, speed] = self.errors;
+        let [_, rate, speed] = errors;
         let limits = [
             2.0 * (rate + speed)
                 + of_errors(&wheel)
                 + wheel[3] * late_a
                 + of_torque(self.torques[0])
+                + pushed
                 + ROW_SHARE,
             2.0 * rate
                 + of_errors(&body)
@@ -323,18 +366,8 @@ impl Wanted {
         Ok(Rows {
             body: self.body,
             wheel: self.wheel,
-            body_width: [
-                body[0] * (gravity + self.sine),
-                2.0 * body[1],
-                body[2] * friction,
-                body[3] * (motor + late),
-            ],
-            wheel_width: [
-                wheel[0],
-                wheel[1],
-                wheel[2] * self.on_wheel[1],
-                wheel[3] * (self.on_wheel[0] + late),
-            ],
+            body_width: widths_of_body,
+            wheel_width: widths_of_wheel,
             limits,
         })
     }
