@@ -1,0 +1,233 @@
+//! The C, damaged in one place: the answers, the numbers or the compiler notice it.
+
+use std::fs;
+use std::process::Command;
+
+use codegen::{EmittedCrate, c99};
+
+use super::numbers::Expected;
+use super::{answers, compile, difference, mounted_at, rust_harness, with_everything, written};
+
+/// Every number of the C is changed in its last digit, one at a time: the comparison of the numbers notices each.
+#[test]
+fn any_damaged_number_is_noticed() {
+    let emitted = with_everything();
+    let c = c99::emit(&emitted).expect("a translation");
+    let file = |path| c.file(path).expect("a file");
+    let (header, source) = (file("src/flywheel.h"), file("src/flywheel.c"));
+    let expected = Expected::of(&emitted);
+    let damaged = mutants(source, Damage::Numbers);
+    assert!(damaged.len() > 300, "{}", damaged.len());
+    let unnoticed: Vec<&String> = damaged
+        .iter()
+        .filter(|(_, text)| expected.difference(header, text).is_none())
+        .map(|(line, _)| line)
+        .collect();
+    // An index beyond its array or to another element is no number of the Rust: the compiler and the answers see it.
+    let others: Vec<&&String> = unnoticed
+        .iter()
+        .filter(|line| !line.contains('['))
+        .collect();
+    assert!(others.is_empty(), "{others:#?}");
+}
+
+/// Damages an operator of the C, one at a time; the comparison or the compiler must notice. Every 12th place.
+#[test]
+#[cfg_attr(not(have_gcc), ignore = "needs gcc")]
+fn damaged_operators_are_noticed() {
+    damage(12, 5, &[Damage::Operators]);
+}
+
+/// As above, every place, every cast, and every number changed in its last digit; of a number the comparison of the numbers
+/// may notice it. It takes some minutes.
+#[test]
+#[ignore = "run apart: some minutes"]
+fn any_damage_is_noticed() {
+    damage(1, 0, &[Damage::Operators, Damage::Casts, Damage::Numbers]);
+}
+
+/// What is damaged.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Damage {
+    Operators,
+    /// Casts to 64 bits.
+    Casts,
+    Numbers,
+}
+
+/// A bench whose C is damaged, in a folder of its own.
+struct Subject {
+    folder: tempfile::TempDir,
+    emitted: EmittedCrate,
+    translated: EmittedCrate,
+}
+
+impl Subject {
+    fn new(emitted: EmittedCrate) -> Subject {
+        let folder = tempfile::tempdir().expect("a folder");
+        let translated = written(&emitted, folder.path());
+        Subject {
+            folder,
+            emitted,
+            translated,
+        }
+    }
+
+    fn source(&self) -> &str {
+        self.translated.file("src/flywheel.c").expect("the source")
+    }
+
+    fn mutants(&self, kinds: &[Damage]) -> Vec<(String, String)> {
+        let of_kind = |kind: &Damage| mutants(self.source(), *kind);
+        kinds.iter().flat_map(of_kind).collect()
+    }
+
+    /// What the Rust answers to these calls of a seed.
+    fn rust(&self, (seed, calls): (u64, usize)) -> Vec<[i32; 8]> {
+        let mut harness = rust_harness(&self.emitted, self.folder.path());
+        let rust = answers(&mut harness, seed, calls);
+        assert_eq!(rust.len(), calls, "the harness in Rust has ended");
+        rust
+    }
+
+    /// Puts this text in the place of the source; whether it compiles.
+    fn compiles(&self, text: &str) -> bool {
+        fs::write(self.folder.path().join("src/flywheel.c"), text).expect("written");
+        compile(self.folder.path(), "-O1").is_ok()
+    }
+
+    /// Whether what was compiled last answers otherwise than the Rust.
+    fn differs(&self, (seed, calls): (u64, usize), rust: &[[i32; 8]]) -> bool {
+        let mut harness = Command::new(self.folder.path().join("harness"));
+        difference(&answers(&mut harness, seed, calls), rust).is_some()
+    }
+}
+
+/// Seed and number of the calls that notice nearly every damage.
+const FEW: (u64, usize) = (11, 60_000);
+/// For those that few calls do not notice: a bias that is rounded otherwise changes one duty in a thousand.
+const MANY: (u64, usize) = (12, 1_500_000);
+
+/// `FLYWHEEL_DAMAGE=TEXT` damages only lines that contain the text.
+fn damage(every: usize, first: usize, kinds: &[Damage]) {
+    let subject = Subject::new(with_everything());
+    // Its angles wrap the other way.
+    let other = Subject::new(mounted_at(-0.05));
+    let rust = subject.rust(FEW);
+    let (mut rust_many, mut rust_other) = (None, None);
+    let header = subject.translated.file("src/flywheel.h");
+    let header = header.expect("the header");
+    let expected = Expected::of(&subject.emitted);
+    let mutants = subject.mutants(kinds);
+    let of_other = other.mutants(kinds);
+    assert!(mutants.len() > 300, "{}", mutants.len());
+    assert_eq!(mutants.len(), of_other.len());
+    let only = std::env::var("FLYWHEEL_DAMAGE").unwrap_or_default();
+    let mut unnoticed = vec![];
+    let both = mutants.iter().zip(&of_other).skip(first).step_by(every);
+    for ((line, text), (_, text_of_other)) in both.filter(|((line, _), _)| line.contains(&only)) {
+        let is_noticed = expected.difference(header, text).is_some()
+            || !subject.compiles(text)
+            || subject.differs(FEW, &rust)
+            || subject.differs(MANY, rust_many.get_or_insert_with(|| subject.rust(MANY)))
+            || !other.compiles(text_of_other)
+            || other.differs(FEW, rust_other.get_or_insert_with(|| other.rust(FEW)));
+        if !is_noticed {
+            // A run that is broken off has said what it found.
+            println!("unnoticed: {line}");
+            unnoticed.push(line.clone());
+        }
+    }
+    let count = unnoticed.len();
+    assert!(
+        count == 0,
+        "{count} of {} unnoticed:\n{}",
+        mutants.len(),
+        unnoticed.join("\n")
+    );
+}
+
+/// The source with one number, cast or operator changed, and the line where that is.
+fn mutants(source: &str, damage: Damage) -> Vec<(String, String)> {
+    let mut found = vec![];
+    let mut offset = 0;
+    let mut is_comment = false;
+    for line in source.split_inclusive('\n') {
+        let code = line.trim_start();
+        let starts = code.starts_with("/*");
+        if !(starts || is_comment || code.starts_with('#') && !code.starts_with("#define")) {
+            for (place, length, new) in changes(line, damage) {
+                let at = offset + place;
+                let text = format!("{}{new}{}", &source[..at], &source[at + length..]);
+                found.push((format!("{} -> {new}", line.trim_end()), text));
+            }
+        }
+        is_comment = (is_comment || starts) && !code.contains("*/");
+        offset += line.len();
+    }
+    found
+}
+
+/// Place, length and replacement of everything in a line that can be changed.
+fn changes(line: &str, damage: Damage) -> Vec<(usize, usize, String)> {
+    let mut changes = vec![];
+    if damage == Damage::Numbers {
+        return changed_numbers(line);
+    }
+    for (old, new) in [
+        (" + ", " - "),
+        (" - ", " + "),
+        (" * ", " + "),
+        (" >> ", " << "),
+        (" < ", " >= "),
+        (" > ", " <= "),
+        (" <= ", " > "),
+        (" >= ", " < "),
+        (" == ", " != "),
+        (" && ", " || "),
+        (" || ", " && "),
+        ("(int64_t)", "(int32_t)"),
+        ("!", ""),
+    ] {
+        for (place, _) in line.match_indices(old) {
+            // Whether another operand widens the product too the text does not say: casts are damaged apart.
+            if (old == "(int64_t)") != (damage == Damage::Casts) {
+                continue;
+            }
+            // The vectors are scaled by steps that ask again: the first question only saves time.
+            if old == " && " && line.contains("INT32_C(0x4000000)) && ") {
+                continue;
+            }
+            changes.push((place, old.len(), new.to_string()));
+        }
+    }
+    changes
+}
+
+/// The same for the last digit of every number.
+fn changed_numbers(line: &str) -> Vec<(usize, usize, String)> {
+    let mut changes = vec![];
+    let bytes = line.as_bytes();
+    for place in 0..bytes.len() {
+        let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_hexdigit);
+        let is_name = |at: usize| bytes[at].is_ascii_alphanumeric() || bytes[at] == b'_';
+        let is_last = bytes[place].is_ascii_digit() && !is_digit(place + 1);
+        let start = (0..=place).rev().find(|&at| at == 0 || !is_name(at - 1));
+        let is_number = start.is_some_and(|start| bytes[start].is_ascii_digit());
+        let ends = bytes
+            .get(place + 1)
+            .is_none_or(|next| !next.is_ascii_alphabetic() || *next == b'u');
+        // A longer array does the same.
+        let is_length = start.is_some_and(|start| start > 0 && bytes[start - 1] == b'[')
+            && line.contains("_t ");
+        if is_last && is_number && ends && !is_length && bytes.get(place + 1) != Some(&b'x') {
+            let digit = if bytes[place] == b'9' {
+                b'8'
+            } else {
+                bytes[place] + 1
+            };
+            changes.push((place, 1, char::from(digit).to_string()));
+        }
+    }
+    changes
+}
