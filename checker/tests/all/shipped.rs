@@ -390,6 +390,23 @@ fn altered(pointer: &str, value: serde_json::Value) -> Result<ShippedLoop, NoBou
     loop_as_shipped::check(&Certificate::parse(&json.to_string()).unwrap(), &law)
 }
 
+/// Masses and lengths of a bench give its model one parameter more, which no equation of motion has.
+#[test]
+fn what_follows_from_other_parameters_changes_nothing() {
+    let text = std::fs::read_to_string("../generated/certificate.json").unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut parameters = json["parameters"].as_array().unwrap().clone();
+    let derived = ("body_inertia", "1.5e-4", "1e-8", "kg m2");
+    let (name, value, std, unit) = derived;
+    parameters.push(serde_json::json!({"name": name, "value": value, "std": std, "unit": unit}));
+    let outcome = altered("/parameters", parameters.into()).unwrap();
+    assert_eq!(
+        outcome.start,
+        shown().start,
+        "the largest start is that without it"
+    );
+}
+
 /// A module that falls with every other row proved: a fast filter beside an accelerometer that the motion shakes.
 #[test]
 fn a_fast_filter_on_a_lever_arm_is_not_proved() {

@@ -56,6 +56,9 @@ const SHAPES: [&str; 4] = [
     "cogging_phase",
 ];
 
+/// What a report computes from other parameters and from masses and lengths; no equation of motion has it.
+const DERIVED: [&str; 1] = ["body_inertia"];
+
 /// One loop.
 #[derive(Clone, Debug)]
 pub struct Loop {
@@ -123,6 +126,7 @@ impl Loop {
                 &ON_THE_WHEEL,
                 &OF_THE_CURRENT,
                 &SHAPES,
+                &DERIVED,
             ]
             .iter()
             .any(|list| list.contains(&name))
