@@ -3,9 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::emit::constants_parts::{
-    duty, encoder, encoder_documents, field, line, wheel_document, wheel_encoder, zero_documents,
-};
+use crate::emit::constants_parts::{encoder, encoder_documents, field, line, wheel_and_drive};
 use crate::emit::{inner_docs, integer, outer_docs};
 use crate::exact::ShortestDecimal;
 use crate::hardware::BodyEncoder;
@@ -62,12 +60,7 @@ pub(super) fn tokens(
             .to_owned(),
     ]);
     let holding = line(&own.holding);
-    let wheel_docs = outer_docs(&[wheel_document(spec, law)]);
-    let wheel_line = line(&words.wheel_speed);
-    let wheel_encoder = wheel_encoder(spec, words);
-    let (duty_type, duty) = duty(spec, law, words);
-    let zero = integer(words.zero_current.into());
-    let zero_docs = outer_docs(&zero_documents(spec));
+    let (duty_type, wheel_and_drive) = wheel_and_drive(spec, law, words);
     let limit_docs = outer_docs(&supervisor::documents_for_encoder(spec, body));
     let limits = limits(&own.limits);
     let micros = integer(words.sample_time_us.into());
@@ -87,12 +80,7 @@ pub(super) fn tokens(
         pub const BODY_RATE_LINE: Line = #rate_line;
         #holding_docs
         pub const HOLDING_LINE: Line = #holding;
-        #wheel_docs
-        pub const WHEEL_SPEED_LINE: Line = #wheel_line;
-        #wheel_encoder
-        #duty
-        #zero_docs
-        pub const ZERO_CURRENT: u16 = #zero;
+        #wheel_and_drive
         #limit_docs
         pub const LIMITS: Limits = #limits;
     }

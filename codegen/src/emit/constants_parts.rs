@@ -13,8 +13,31 @@ use crate::helpers::plane::Plane;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
+/// The constants of the wheel's sensor and of the drive, and before them the types that they need of the drive.
+pub(super) fn wheel_and_drive(
+    spec: &ModuleSpec,
+    law: &IntegerLaw,
+    words: &HardwareWords,
+) -> (Option<TokenStream>, TokenStream) {
+    let wheel_docs = outer_docs(&[wheel_document(spec, law)]);
+    let wheel_line = line(&words.wheel_speed);
+    let wheel_encoder = wheel_encoder(spec, words);
+    let (duty_type, duty) = duty(spec, law, words);
+    let zero = integer(words.zero_current.into());
+    let zero_docs = outer_docs(&zero_documents(spec));
+    let constants = quote! {
+        #wheel_docs
+        pub const WHEEL_SPEED_LINE: Line = #wheel_line;
+        #wheel_encoder
+        #duty
+        #zero_docs
+        pub const ZERO_CURRENT: u16 = #zero;
+    };
+    (duty_type, constants)
+}
+
 /// What the words of the wheel's sensor mean.
-pub(super) fn wheel_document(spec: &ModuleSpec, law: &IntegerLaw) -> String {
+fn wheel_document(spec: &ModuleSpec, law: &IntegerLaw) -> String {
     let number = |value: f64| ShortestDecimal::new(value).text;
     let hardware = &spec.hardware;
     format!(
@@ -32,7 +55,7 @@ pub(super) fn wheel_document(spec: &ModuleSpec, law: &IntegerLaw) -> String {
 }
 
 /// The constant of the wheel's encoder, where there is one.
-pub(super) fn wheel_encoder(spec: &ModuleSpec, words: &HardwareWords) -> Option<TokenStream> {
+fn wheel_encoder(spec: &ModuleSpec, words: &HardwareWords) -> Option<TokenStream> {
     let (WheelSensor::Encoder(stated), Some(numbers)) =
         (&spec.hardware.wheel, &words.wheel_encoder)
     else {
@@ -53,7 +76,7 @@ pub(super) fn wheel_encoder(spec: &ModuleSpec, words: &HardwareWords) -> Option<
 }
 
 /// The duty's words, and the import of their type where it is another than that of other lines.
-pub(super) fn duty(
+fn duty(
     spec: &ModuleSpec,
     law: &IntegerLaw,
     words: &HardwareWords,
@@ -103,7 +126,7 @@ pub(super) fn duty(
 }
 
 /// The duty while the controller does not run.
-pub(super) fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
+fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
     let Some(voltage) = &spec.drive.voltage else {
         return vec!["Duty at zero current.".to_owned()];
     };

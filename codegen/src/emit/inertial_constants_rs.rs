@@ -4,9 +4,7 @@ use attitude::AttitudeSpec;
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::emit::constants_parts::{
-    array, duty, field, line, stated, wheel_document, wheel_encoder, zero_documents,
-};
+use crate::emit::constants_parts::{array, field, line, stated, wheel_and_drive};
 use crate::emit::{inner_docs, integer, outer_docs};
 use crate::exact::ShortestDecimal;
 use crate::hardware_words::{HardwareWords, InertialWords};
@@ -99,16 +97,11 @@ pub(super) fn tokens(
         "From half-angles a step in Q32 to the word of the rate ({}).",
         rate.input.format.type_name()
     )]);
-    let wheel_docs = outer_docs(&[wheel_document(spec, law)]);
     let rate_line = line(&own.rate);
-    let wheel_line = line(&words.wheel_speed);
-    let (duty_type, duty) = duty(spec, law, words);
+    let (duty_type, wheel_and_drive) = wheel_and_drive(spec, law, words);
     let encoder_type = words
         .wheel_encoder
         .map(|_| quote!(encoder::EncoderNumbers,));
-    let wheel_encoder = wheel_encoder(spec, words);
-    let zero = integer(words.zero_current.into());
-    let zero_docs = outer_docs(&zero_documents(spec));
     let observer_docs = outer_docs(&match &hardware.bias_observer {
         None => vec!["No observer of the angle's bias: the estimate is zero.".to_owned()],
         Some(observer) => vec![
@@ -150,12 +143,7 @@ pub(super) fn tokens(
         pub const ANGLE_SHIFT: u32 = #angle_shift;
         #rate_docs
         pub const RATE_LINE: Line = #rate_line;
-        #wheel_docs
-        pub const WHEEL_SPEED_LINE: Line = #wheel_line;
-        #wheel_encoder
-        #duty
-        #zero_docs
-        pub const ZERO_CURRENT: u16 = #zero;
+        #wheel_and_drive
         #observer_docs
         pub const BIAS_OBSERVER: BiasObserver = #observer;
         #limit_docs

@@ -57,7 +57,7 @@ fn bench(drawn: &ExamBench) -> Bench {
 
 #[test]
 fn no_hidden_effect_passes_for_a_fault_of_the_data() {
-    let said: Vec<(u64, String, usize)> = (0..40_u64)
+    let said: Vec<(u64, String, usize)> = (0..24_u64)
         .into_par_iter()
         .filter_map(draw)
         .map(|drawn| {

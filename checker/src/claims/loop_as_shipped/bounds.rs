@@ -5,7 +5,8 @@ use num_traits::{Signed, Zero};
 
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::carried::ROWS;
-use crate::claims::loop_as_shipped::errors::{Motion, SensorErrors};
+use crate::claims::loop_as_shipped::errors::SensorErrors;
+use crate::claims::loop_as_shipped::inertial::Motion;
 use crate::claims::loop_as_shipped::plant::{Loop, delay_off};
 use crate::claims::loop_as_shipped::responses::{ACCELERATIONS, ASKED, CHANGE, HELD, Responses};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};

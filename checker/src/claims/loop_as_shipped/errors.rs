@@ -21,7 +21,7 @@ use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::inertial::InertialErrors;
+use crate::claims::loop_as_shipped::inertial::{InertialErrors, Motion};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
 /// The errors that the sensors may have.
@@ -67,15 +67,6 @@ pub struct PivotErrors {
     pub angle_range: BigRational,
     /// Largest rate that is shown as it is: at the end of its word, or half a wrap in a step (rad/s).
     pub rate_range: BigRational,
-}
-
-/// Bounds of a motion that enter the errors: the body's acceleration and rate, between samples too.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
-    /// rad/s².
-    pub acceleration: BigRational,
-    /// rad/s.
-    pub rate: BigRational,
 }
 
 /// π, from above and from below.

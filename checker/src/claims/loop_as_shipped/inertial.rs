@@ -28,9 +28,17 @@ use num_traits::{One, Signed, Zero};
 use crate::certificate::hardware::{CertifiedInertial, CertifiedSensor};
 use crate::certificate::reader::{Certificate, matrix};
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::errors::Motion;
 use crate::exact::matrices::inverse;
 use crate::exact::rational::{half, integer, power, root_above, root_below, short_above as up};
+
+/// Bounds of a motion that enter the errors: the body's acceleration and rate, between samples too.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// rad/s².
+    pub acceleration: BigRational,
+    /// rad/s.
+    pub rate: BigRational,
+}
 
 /// Error of the filter's arithmetic in a step (rad): 2e-7 in each of four components (`filter-accurate`), twice that as
 /// an angle, and the same again for the rounding of the normalisation.
