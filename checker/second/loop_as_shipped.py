@@ -49,6 +49,7 @@ MODEL = {
 OTHER = {
     "body_coulomb_torque", "body_breakaway_torque", "wheel_coulomb_torque", "cogging_torque", "dead_zone",
     "current_offset", "body_stribeck_speed", "body_presliding_stiffness", "cogging_order", "cogging_phase",
+    "body_inertia",  # follows from others; no equation of motion has it
 }  # fmt: skip
 
 

@@ -8,14 +8,16 @@ use checker::certificate::reader::Certificate;
 use checker::domains::smt::{SolverAnswer, same as same_words};
 use checker::mutate::{applied, chosen, judged, mutants, notices, summary};
 use checker::prove::Emitted;
+use rayon::prelude::*;
 
 #[test]
 fn most_damages_are_noticed_and_survivors_are_listed() {
     let emitted = Emitted::read(Path::new("../generated")).unwrap();
     let certificate = Certificate::parse(&emitted.certificate).unwrap();
     assert_eq!(notices(&emitted, &certificate), [], "undamaged");
+    // The longest test of all, and not for one core alone.
     let verdicts: Vec<_> = chosen(&emitted, Some(14))
-        .into_iter()
+        .into_par_iter()
         .map(|mutant| judged(&emitted, &certificate, mutant))
         .collect();
     let summary = summary(&verdicts);
