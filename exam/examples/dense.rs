@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use exam::{DriveProgram, ExperimentPlan, Hidden, SensorNoise, Truth, record};
+use exam::{ChannelNoise, DriveProgram, ExperimentPlan, Hidden, Truth, record};
 use plant::{EffectId, Kind};
 
 /// The thesis' pendulum, with gravity torque and torque constant known.
@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .into_iter()
             .collect(),
     };
-    let noise = SensorNoise {
+    let noise = ChannelNoise {
         std: [1.2e-3, 4e-3, 0.6],
     };
     std::fs::create_dir_all(folder)?;

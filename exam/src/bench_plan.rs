@@ -13,7 +13,7 @@ use crate::truth::Truth;
 
 /// Standard deviations of the sensors' noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SensorNoise {
+pub struct ChannelNoise {
     /// For angle (rad), rate (rad/s) and wheel speed (rad/s).
     pub std: [f64; 3],
 }
@@ -74,7 +74,7 @@ pub struct ExamLog {
 const FALLEN_RAD: f64 = 0.4;
 
 /// Simulates the experiment on the true bench. `seed` determines the noise.
-pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &SensorNoise, seed: u64) -> ExamLog {
+pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &ChannelNoise, seed: u64) -> ExamLog {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut motion = TrueMotion::new(truth, plan.kind, plan.angle_rad, plan.wheel_speed_rad_s);
     let delay_s = motion.delay_s();

@@ -32,7 +32,7 @@ mod true_sensors;
 mod truth;
 
 pub use answer::{Answer, UnknownEffect};
-pub use bench_plan::{DriveProgram, ExamLog, ExperimentPlan, SensorNoise, record};
+pub use bench_plan::{ChannelNoise, DriveProgram, ExamLog, ExperimentPlan, record};
 pub use draw::{
     ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SENSOR_SEEDS, SIZES, draw, draw_stated, effects,
     effects_of, question,

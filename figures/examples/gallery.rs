@@ -4,11 +4,11 @@
 //!     cargo run -p figures --example gallery -- FOLDER
 
 use figures::{
-    Breakdown, BreakdownPanel, Confusion, CurvePoint, Decay, DecayPanel, DecayPoint, FigureError,
-    Limit, Line, LineRole, Marker, Overlay, OverlayChannel, Panel, Plane, PoleSet, Poles, Quantity,
-    Region, Reliability, ReliabilityBin, ResidualBin, Series, Sphere, Staircase, StaircaseTrace,
-    SuspectBar, Suspects, TorqueCurve, breakdown, confusion, decay, overlay, poles, reliability,
-    series, sphere, staircase, suspects, torque_curve,
+    Breakdown, BreakdownPanel, Confusion, Decay, DecayPanel, DecayPoint, FigureError, Limit, Line,
+    LineRole, Marker, Overlay, OverlayChannel, Panel, Plane, PoleSet, Poles, Quantity, Region,
+    Reliability, ReliabilityBin, ResidualBin, Series, Sphere, Staircase, StaircaseTrace,
+    SuspectBar, Suspects, TorqueCurve, TorqueCurvePoint, breakdown, confusion, decay, overlay,
+    poles, reliability, series, sphere, staircase, suspects, torque_curve,
 };
 use std::path::PathBuf;
 
@@ -423,11 +423,11 @@ fn suspects_figure() -> String {
 
 /// A magnet that a swing passes at 0.15 rad; beyond 0.35 rad the log says little.
 fn torque_curve_figure() -> String {
-    let points: Vec<CurvePoint> = (0..=80)
+    let points: Vec<TorqueCurvePoint> = (0..=80)
         .map(|k| {
             let at = -0.4 + 0.01 * f64::from(k);
             let z = (at - 0.15) / 0.06;
-            CurvePoint {
+            TorqueCurvePoint {
                 at,
                 value: 6e-3 * z * (-z * z).exp(),
                 std: 1e-4 + 4e-3 * (at.abs() / 0.4).powi(12),

@@ -63,4 +63,4 @@ pub use sphere::{Sphere, sphere};
 pub use staircase::{Staircase, StaircaseTrace, staircase};
 pub use style::LineRole;
 pub use suspects::{SuspectBar, Suspects, suspects};
-pub use torque_curve::{CurvePoint, TorqueCurve, torque_curve};
+pub use torque_curve::{TorqueCurve, TorqueCurvePoint, torque_curve};

@@ -19,12 +19,12 @@ pub struct TorqueCurve<'a> {
     /// The torque and its unit.
     pub torque: Quantity<'a>,
     /// The curve, by increasing coordinate.
-    pub points: &'a [CurvePoint],
+    pub points: &'a [TorqueCurvePoint],
 }
 
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CurvePoint {
+pub struct TorqueCurvePoint {
     /// The coordinate.
     pub at: f64,
     /// The torque.
@@ -48,7 +48,7 @@ pub fn torque_curve(figure: &TorqueCurve) -> String {
             "±2 standard errors",
         ),
     ]);
-    let band = |point: &CurvePoint| {
+    let band = |point: &TorqueCurvePoint| {
         let half = if point.std.is_finite() {
             2.0 * point.std
         } else {

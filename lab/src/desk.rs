@@ -19,14 +19,14 @@ const MOST_UNDONE: usize = 100;
 
 /// The state of the server.
 pub struct Desk {
-    state: Mutex<State>,
+    state: Mutex<DeskState>,
     dropped: Mutex<Dropped>,
     events: broadcast::Sender<String>,
 }
 
 /// The part of the state that changes while the server runs.
 #[derive(Default)]
-pub struct State {
+pub struct DeskState {
     /// The bench, as the last task left it.
     pub bench: Option<Arc<OpenBench>>,
     /// The task that is running.
@@ -48,7 +48,7 @@ impl Desk {
     }
 
     /// The present state.
-    pub fn state(&self) -> MutexGuard<'_, State> {
+    pub fn state(&self) -> MutexGuard<'_, DeskState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -45,5 +45,5 @@ mod work;
 
 pub use error::Error;
 pub use report::{report, report_of};
-pub use report_findings::Findings;
-pub use server::{Lab, Settings};
+pub use report_findings::ReportFindings;
+pub use server::{Lab, LabSettings};

@@ -9,7 +9,7 @@ use workbench::{
 
 use crate::html::{escaped, figures, list, paragraph, put, section, table};
 use crate::report_conclusion;
-use crate::report_findings::Findings;
+use crate::report_findings::ReportFindings;
 
 /// Figures of the model beside the measurements, at most.
 const MOST_FIGURES: usize = 12;
@@ -37,7 +37,7 @@ pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, E
         Ok(controller) => Ok(controller.prove(&settings, progress)?),
         Err(error) => Err(format!("no controller is emitted: {error}")),
     };
-    report(&Findings {
+    report(&ReportFindings {
         session,
         comparison: &comparison,
         diagnosis: Some(&diagnosis),
@@ -49,7 +49,7 @@ pub fn report_of(session: &mut Session, progress: &Progress) -> Result<String, E
 ///
 /// # Errors
 /// [`Error::Figure`] if a figure cannot be drawn.
-pub fn report(findings: &Findings) -> Result<String, Error> {
+pub fn report(findings: &ReportFindings) -> Result<String, Error> {
     let found = findings.comparison;
     let mut page = String::new();
     head(&mut page, &found.bench);
@@ -109,7 +109,7 @@ fn parameters(page: &mut String, found: &ComparisonReport) {
     );
 }
 
-fn wrong_with_data(page: &mut String, findings: &Findings) {
+fn wrong_with_data(page: &mut String, findings: &ReportFindings) {
     section(page, "What was wrong with the data");
     let found = findings.session.findings();
     if found.is_empty() {
@@ -149,7 +149,7 @@ fn data(page: &mut String, found: &ComparisonReport) {
 }
 
 /// The errors: of the base model, of this model, and the sensor's noise.
-fn errors(page: &mut String, findings: &Findings) {
+fn errors(page: &mut String, findings: &ReportFindings) {
     section(page, "Model against measurement");
     let found = findings.comparison;
     let mut session = findings.session.clone();

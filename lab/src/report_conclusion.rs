@@ -4,10 +4,10 @@ use workbench::numbers::significant;
 use workbench::{ComparisonReport, FAILS_OVER_NOISE, ProofVerdict, Verdict};
 
 use crate::html::{escaped, list, paragraph, put};
-use crate::report_findings::Findings;
+use crate::report_findings::ReportFindings;
 
 /// The conclusion: the verdict, then model, data, controller and proof in a line each, and what to do next.
-pub fn conclusion(page: &mut String, findings: &Findings) {
+pub fn conclusion(page: &mut String, findings: &ReportFindings) {
     let sentence = findings.diagnosis.map_or(
         "No diagnosis was made: whether the model lacks an effect is not known.",
         |diagnosis| &diagnosis.sentence,
@@ -65,7 +65,7 @@ fn model(found: &ComparisonReport) -> String {
     }
 }
 
-fn data(findings: &Findings) -> String {
+fn data(findings: &ReportFindings) -> String {
     match findings.session.findings().len() {
         0 => "Data: the check finds nothing wrong.".to_owned(),
         1 => "Data: one finding, below.".to_owned(),
@@ -73,7 +73,7 @@ fn data(findings: &Findings) -> String {
     }
 }
 
-fn controller(findings: &Findings) -> String {
+fn controller(findings: &ReportFindings) -> String {
     match findings.session.design() {
         Err(error) => format!("Controller: none can be designed: {error}"),
         Ok(designed) => {
@@ -87,7 +87,7 @@ fn controller(findings: &Findings) -> String {
     }
 }
 
-fn proof(findings: &Findings) -> String {
+fn proof(findings: &ReportFindings) -> String {
     match findings.proof {
         Err(reason) => format!("Proof: none: {reason}"),
         Ok(proof) => match proof.verdict() {

@@ -3,7 +3,7 @@
 use workbench::{ComparisonReport, DiagnosisReport, Proof, Session};
 
 /// The data for a report.
-pub struct Findings<'a> {
+pub struct ReportFindings<'a> {
     /// The session, with the model that the report is about.
     pub session: &'a Session,
     /// The comparison of that model with the measurements.

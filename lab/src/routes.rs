@@ -15,9 +15,9 @@ use workbench::ExportLanguage;
 use crate::design_facts::{self, Asked};
 use crate::desk::said;
 use crate::guard::{ENTER, guarded};
-use crate::report_findings::Findings;
+use crate::report_findings::ReportFindings;
 use crate::shared::Shared;
-use crate::work::{self, Task};
+use crate::work::{self, LabTask};
 use crate::{assets, facts, folder, help, socket};
 
 /// Largest body of a request, bytes. The page sends names and numbers only.
@@ -131,7 +131,7 @@ async fn diagnosis(State(shared): State<Shared>) -> Response {
     .await
 }
 
-async fn begin(State(shared): State<Shared>, Json(task): Json<Task>) -> Response {
+async fn begin(State(shared): State<Shared>, Json(task): Json<LabTask>) -> Response {
     match work::start(&shared.desk, task) {
         Ok(number) => (StatusCode::ACCEPTED, Json(json!({"number": number}))).into_response(),
         Err(message) => refused(StatusCode::CONFLICT, message),
@@ -246,7 +246,7 @@ async fn report(State(shared): State<Shared>) -> Response {
         return no_bench();
     };
     let made = tokio::task::spawn_blocking(move || {
-        crate::report::report(&Findings {
+        crate::report::report(&ReportFindings {
             session: &bench.session,
             comparison: &bench.comparison,
             diagnosis: bench.diagnosis.as_ref().map(|found| &found.report),

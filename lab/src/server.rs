@@ -18,7 +18,7 @@ use crate::{routes, work};
 
 /// The settings of the lab.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
+pub struct LabSettings {
     /// The bench to open: a folder, or its bench.toml. With `None`, the page asks.
     pub bench: Option<PathBuf>,
     /// The port; with `None`, the system chooses one.
@@ -42,7 +42,7 @@ impl Lab {
     ///
     /// # Errors
     /// [`Error::Bench`], [`Error::Listen`], [`Error::Door`].
-    pub fn start(settings: &Settings) -> Result<Lab, Error> {
+    pub fn start(settings: &LabSettings) -> Result<Lab, Error> {
         if let Some(bench) = &settings.bench {
             crate::folder::of_bench(bench).map_err(Error::Bench)?;
         }

@@ -18,7 +18,7 @@ use crate::running::Running;
 /// The tasks that can be requested.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Task {
+pub enum LabTask {
     /// Opens a bench by its folder.
     Open {
         /// The folder, or its bench.toml.
@@ -98,25 +98,25 @@ pub enum Task {
     Prove {},
 }
 
-impl Task {
+impl LabTask {
     fn name(&self) -> &'static str {
         match self {
-            Task::Open { .. } | Task::OpenDemonstration {} => "Opening the bench",
-            Task::Create { .. } => "Making the bench",
-            Task::Fit { .. } => "Fitting",
-            Task::Keep { .. } => "Keeping the values",
-            Task::Diagnose {} => "Diagnosing",
-            Task::Apply {} => "Adding what was found",
-            Task::Add { .. } => "Adding the effect",
-            Task::AddLearned { .. } => "Learning the curve",
-            Task::WriteEffect { .. } => "Adding your effect",
-            Task::Remove { .. } => "Removing the effect",
-            Task::Fingerprint { .. } => "Drawing the fingerprint",
-            Task::Undo {} => "Going back",
-            Task::KeepDesign { .. } => "Keeping the design",
-            Task::Generate { .. } => "Generating the controller",
-            Task::WriteController {} => "Writing the controller",
-            Task::Prove {} => "Proving",
+            LabTask::Open { .. } | LabTask::OpenDemonstration {} => "Opening the bench",
+            LabTask::Create { .. } => "Making the bench",
+            LabTask::Fit { .. } => "Fitting",
+            LabTask::Keep { .. } => "Keeping the values",
+            LabTask::Diagnose {} => "Diagnosing",
+            LabTask::Apply {} => "Adding what was found",
+            LabTask::Add { .. } => "Adding the effect",
+            LabTask::AddLearned { .. } => "Learning the curve",
+            LabTask::WriteEffect { .. } => "Adding your effect",
+            LabTask::Remove { .. } => "Removing the effect",
+            LabTask::Fingerprint { .. } => "Drawing the fingerprint",
+            LabTask::Undo {} => "Going back",
+            LabTask::KeepDesign { .. } => "Keeping the design",
+            LabTask::Generate { .. } => "Generating the controller",
+            LabTask::WriteController {} => "Writing the controller",
+            LabTask::Prove {} => "Proving",
         }
     }
 }
@@ -126,14 +126,14 @@ impl Task {
 /// # Errors
 /// As for [`start`].
 pub fn open(desk: &Arc<Desk>, path: PathBuf) -> Result<u64, String> {
-    start(desk, Task::Open { path, refit: false })
+    start(desk, LabTask::Open { path, refit: false })
 }
 
 /// Begins a computation and returns its number.
 ///
 /// # Errors
 /// A sentence, where another one is under way or the bench has changed.
-pub fn start(desk: &Arc<Desk>, task: Task) -> Result<u64, String> {
+pub fn start(desk: &Arc<Desk>, task: LabTask) -> Result<u64, String> {
     let name = task.name();
     let called_off = Arc::new(AtomicBool::new(false));
     let (number, bench) = {
@@ -143,7 +143,7 @@ pub fn start(desk: &Arc<Desk>, task: Task) -> Result<u64, String> {
         }
         let opens = matches!(
             task,
-            Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. }
+            LabTask::Open { .. } | LabTask::OpenDemonstration {} | LabTask::Create { .. }
         );
         match &state.bench {
             None if !opens => return Err("no bench is open".to_owned()),
@@ -220,14 +220,14 @@ pub fn call_off(desk: &Desk) {
 
 fn perform(
     desk: &Desk,
-    task: Task,
+    task: LabTask,
     bench: Option<&OpenBench>,
     progress: &Progress,
 ) -> Result<OpenBench, String> {
     let (path, refit) = match &task {
-        Task::Open { path, refit } => (Some(path.clone()), *refit),
-        Task::OpenDemonstration {} => (Some(folder::demonstration()?), false),
-        Task::Create { folder, text } => {
+        LabTask::Open { path, refit } => (Some(path.clone()), *refit),
+        LabTask::OpenDemonstration {} => (Some(folder::demonstration()?), false),
+        LabTask::Create { folder, text } => {
             desk.dropped().write(folder, text)?;
             desk.dropped().clear();
             (Some(folder.clone()), false)
@@ -245,14 +245,14 @@ fn perform(
 /// Does what is asked with a copy of the bench, which takes its place if all goes well.
 fn change(
     desk: &Desk,
-    task: Task,
+    task: LabTask,
     bench: &mut OpenBench,
     progress: &Progress,
 ) -> Result<(), String> {
     match task {
         // These open another bench: see `perform`.
-        Task::Open { .. } | Task::OpenDemonstration {} | Task::Create { .. } => {}
-        Task::Fit { start } => {
+        LabTask::Open { .. } | LabTask::OpenDemonstration {} | LabTask::Create { .. } => {}
+        LabTask::Fit { start } => {
             bench.remember();
             let start = borrowed(&start);
             let fitted = bench
@@ -261,7 +261,7 @@ fn change(
                 .map_err(said)?;
             bench.changed(fitted, "fitted".to_owned(), progress)?;
         }
-        Task::Keep { values } => {
+        LabTask::Keep { values } => {
             bench.remember();
             let values = borrowed(&values);
             bench
@@ -271,7 +271,7 @@ fn change(
             let compared = bench.session.compare(progress).map_err(said)?;
             bench.changed(compared, "set by hand".to_owned(), progress)?;
         }
-        Task::Diagnose {} => {
+        LabTask::Diagnose {} => {
             let report = bench.session.diagnose(progress).map_err(said)?;
             bench.diagnosis = Some(Arc::new(Diagnosed {
                 report,
@@ -289,8 +289,8 @@ fn change(
                 let _ = bench.draw_fingerprint(&effect, progress);
             }
         }
-        Task::Fingerprint { effect } => bench.draw_fingerprint(&effect, progress)?,
-        Task::Apply {} => {
+        LabTask::Fingerprint { effect } => bench.draw_fingerprint(&effect, progress)?,
+        LabTask::Apply {} => {
             let found = bench.diagnosis.clone();
             let found = found.ok_or("there is no diagnosis yet: diagnose first")?;
             bench.remember();
@@ -315,18 +315,18 @@ fn change(
                 applied: true,
             }));
         }
-        Task::Add { effect } => {
+        LabTask::Add { effect } => {
             bench.remember();
             let change = bench.session.add_effect(&effect, progress).map_err(said)?;
             bench.changed(change.after, format!("+ {effect}"), progress)?;
         }
-        Task::AddLearned { coordinate } => {
+        LabTask::AddLearned { coordinate } => {
             bench.remember();
             let change = bench.session.add_learned(&coordinate, progress);
             let label = format!("+ learned curve over {}", coordinate.replace('_', " "));
             bench.changed(change.map_err(said)?.after, label, progress)?;
         }
-        Task::WriteEffect { name, text } => {
+        LabTask::WriteEffect { name, text } => {
             bench.remember();
             folder::write_effect(&bench.folder, &name, &text)?;
             bench.session.reread_own_effects().map_err(said)?;
@@ -341,7 +341,7 @@ fn change(
             };
             bench.changed(after, label, progress)?;
         }
-        Task::Remove { effect } => {
+        LabTask::Remove { effect } => {
             bench.remember();
             let change = bench
                 .session
@@ -349,27 +349,27 @@ fn change(
                 .map_err(said)?;
             bench.changed(change.after, format!("− {effect}"), progress)?;
         }
-        Task::Undo {} => bench.undo(progress)?,
-        Task::KeepDesign { wishes } => {
+        LabTask::Undo {} => bench.undo(progress)?,
+        LabTask::KeepDesign { wishes } => {
             bench.remember();
             let designed = bench.session.design_for(wishes).map_err(said)?;
             bench.session.set_model(designed.file().clone());
             bench.save();
         }
-        Task::Generate { wishes, preset } => {
+        LabTask::Generate { wishes, preset } => {
             (progress.say)("emitting the controller");
             let designed = bench.session.design_for(wishes).map_err(said)?;
             bench.generated = Some(designed.generate(preset).map_err(said)?);
             bench.proof = None;
         }
-        Task::WriteController {} => {
+        LabTask::WriteController {} => {
             let controller = bench.generated.as_ref();
             let controller = controller.ok_or("there is no controller yet: generate it first")?;
             let into = bench.folder.join(CONTROLLER);
             folder::within(&bench.folder, &into)?;
             controller.write(&into).map_err(said)?;
         }
-        Task::Prove {} => {
+        LabTask::Prove {} => {
             let controller = bench.generated.as_ref();
             let controller = controller.ok_or("there is no controller yet: generate it first")?;
             let settings = ProofSettings {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use lab::{Lab, Settings};
+use lab::{Lab, LabSettings};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -25,7 +25,7 @@ pub struct Arguments {
 /// Runs the command until it is interrupted.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let failed = |error: lab::Error| Failure::new(error.to_string());
-    let lab = Lab::start(&Settings {
+    let lab = Lab::start(&LabSettings {
         bench: arguments.bench.clone(),
         port: arguments.port,
     })

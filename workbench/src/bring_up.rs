@@ -37,7 +37,7 @@ pub struct BringUpReport {
     /// From hanging to tilted, rad.
     pub tilt_rad: Option<f64>,
     /// Recordings that do not show what they should, and entries of bench.toml that contradict them.
-    pub contradictions: Vec<Contradiction>,
+    pub contradictions: Vec<BringUpContradiction>,
 }
 
 /// 1 or −1.
@@ -67,7 +67,7 @@ pub struct BringUpAxes {
 
 /// Something that cannot be so.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Contradiction {
+pub struct BringUpContradiction {
     /// The recording that shows it, by its key under `[bring_up]`.
     pub recording: String,
     /// The key of bench.toml that mends it.
@@ -140,7 +140,7 @@ impl BringUpReport {
         value: Option<String>,
         sentence: String,
     ) {
-        self.contradictions.push(Contradiction {
+        self.contradictions.push(BringUpContradiction {
             recording: recording.to_owned(),
             key: key.to_owned(),
             value,

@@ -115,7 +115,7 @@ pub use bench_files::{
     ModelFile, Parameter,
 };
 pub use bench_hardware::{HardwareError, Preset};
-pub use bring_up::{BringUpAxes, BringUpReport, BringUpSigns, Contradiction, bring_up};
+pub use bring_up::{BringUpAxes, BringUpContradiction, BringUpReport, BringUpSigns, bring_up};
 pub use calibration::{
     CalibratedLine, CalibratedSensor, LeverArmOfSwing, LeverArmReport, MagnetometerPoints,
     PlumbedCentre, SensorCalibrationReport, SensorMounting, calibrate,

@@ -173,7 +173,7 @@ impl Polynomial {
 
 /// A call that a contract represents.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Call {
+pub struct PolynomialCall {
     /// Function.
     pub function: String,
     /// Slots of the arguments that the contract names.
@@ -188,7 +188,7 @@ pub struct Words {
     forms: Vec<Polynomial>,
     joins: Vec<Vec<Join>>,
     /// Calls, in order.
-    pub calls: Vec<Call>,
+    pub calls: Vec<PolynomialCall>,
 }
 
 impl Words {
@@ -222,7 +222,7 @@ impl Words {
     }
 
     /// The call that a word is the result of, or a copy of a result.
-    pub fn call(&self, slot: Slot) -> Option<&Call> {
+    pub fn call(&self, slot: Slot) -> Option<&PolynomialCall> {
         let symbol = self.symbol(slot)?;
         self.calls
             .iter()
@@ -254,7 +254,7 @@ impl Words {
 #[derive(Default)]
 struct Polynomials {
     joins: Vec<Vec<Join>>,
-    calls: Vec<Call>,
+    calls: Vec<PolynomialCall>,
 }
 
 impl Domain for Polynomials {
@@ -334,7 +334,7 @@ impl Domain for Polynomials {
     ) -> Result<Vec<Polynomial>, Infallible> {
         let results: Vec<Slot> = call.ensures.iter().map(|(slot, _, _)| *slot).collect();
         let symbols = results.iter().copied().map(Polynomial::symbol).collect();
-        self.calls.push(Call {
+        self.calls.push(PolynomialCall {
             function: call.function.to_owned(),
             arguments: call.requires.iter().map(|(slot, _, _)| *slot).collect(),
             results,

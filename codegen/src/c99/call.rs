@@ -3,9 +3,9 @@
 use syn::Expr;
 
 use super::Result;
-use super::expression::{Scalar, bare, kind};
+use super::expression::{CScalar, bare, kind};
 use super::items::{Function, FunctionKey, last};
-use super::scope::{Place, Scope};
+use super::scope::{CPlace, Scope};
 use super::types::{Int, Type};
 
 /// What is called, with its arguments.
@@ -19,7 +19,7 @@ pub struct Call<'e> {
 }
 
 impl Scope<'_> {
-    pub(super) fn method(&mut self, call: &syn::ExprMethodCall) -> Result<Scalar> {
+    pub(super) fn method(&mut self, call: &syn::ExprMethodCall) -> Result<CScalar> {
         match call.method.to_string().as_str() {
             "to_bits" => self.scalar(&call.receiver, None),
             "clamp" => {
@@ -33,13 +33,13 @@ impl Scope<'_> {
                 }
                 self.needs.clamp_64 = true;
                 let text = format!("clamp_64({})", texts.join(", "));
-                Ok(Scalar::new(text, value.ty, 0))
+                Ok(CScalar::new(text, value.ty, 0))
             }
             _ => self.called(&Expr::MethodCall(call.clone())),
         }
     }
 
-    pub(super) fn call(&mut self, call: &syn::ExprCall) -> Result<Scalar> {
+    pub(super) fn call(&mut self, call: &syn::ExprCall) -> Result<CScalar> {
         let Expr::Path(path) = &*call.func else {
             return self.refuse("this call");
         };
@@ -78,11 +78,11 @@ impl Scope<'_> {
     }
 
     /// A call that returns a scalar.
-    fn called(&mut self, expression: &Expr) -> Result<Scalar> {
+    fn called(&mut self, expression: &Expr) -> Result<CScalar> {
         let call = self.resolved(expression)?;
         let text = self.call_text(&call, &[])?;
         let returns = self.function(&call.key)?.returns.clone();
-        Ok(Scalar::new(text, returns, 0))
+        Ok(CScalar::new(text, returns, 0))
     }
 
     /// The function that is called.
@@ -138,7 +138,7 @@ impl Scope<'_> {
     }
 
     /// The text of a call; structures and arrays that it returns go to `targets`.
-    pub fn call_text(&mut self, call: &Call, targets: &[Place]) -> Result<String> {
+    pub fn call_text(&mut self, call: &Call, targets: &[CPlace]) -> Result<String> {
         self.needs.functions.insert(call.key.clone());
         let parameters: Vec<Type> = {
             let function = self.function(&call.key)?;
@@ -159,7 +159,7 @@ impl Scope<'_> {
                 self.scalar(argument, Some(ty))?.text
             });
         }
-        texts.extend(targets.iter().map(Place::argument));
+        texts.extend(targets.iter().map(CPlace::argument));
         Ok(format!(
             "{}({})",
             super::files::function_name(&call.key),

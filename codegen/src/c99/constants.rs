@@ -4,10 +4,10 @@ use super::Result;
 use super::comments;
 use super::items::Items;
 use super::scope::{Needs, Scope};
-use super::types::Key;
+use super::types::ItemKey;
 
 /// The name of a constant in C: module and name, since two modules may use the same name.
-pub fn name((module, own): &Key) -> String {
+pub fn name((module, own): &ItemKey) -> String {
     match module.as_str() {
         "constants" | "control" => format!("FLYWHEEL_{own}"),
         _ => format!("{}_{own}", module.to_uppercase()),
@@ -15,7 +15,7 @@ pub fn name((module, own): &Key) -> String {
 }
 
 /// Its definition, and the items that it needs.
-pub fn definition(items: &Items, key: &Key) -> Result<(String, Needs)> {
+pub fn definition(items: &Items, key: &ItemKey) -> Result<(String, Needs)> {
     let mut scope = Scope::new(items, &key.0, None, &key.1);
     scope.depth = 0;
     let Some(constant) = items.constants.get(key) else {

@@ -9,7 +9,7 @@ use super::types::{Int, Type};
 
 /// A scalar in C.
 #[derive(Debug, Clone)]
-pub struct Scalar {
+pub struct CScalar {
     /// Its text.
     pub text: String,
     /// Its type.
@@ -28,9 +28,9 @@ const BITS: u8 = 6;
 const AND: u8 = 7;
 const OR: u8 = 8;
 
-impl Scalar {
-    pub(super) fn new(text: impl Into<String>, ty: Type, strength: u8) -> Scalar {
-        Scalar {
+impl CScalar {
+    pub(super) fn new(text: impl Into<String>, ty: Type, strength: u8) -> CScalar {
+        CScalar {
             text: text.into(),
             ty,
             strength,
@@ -68,7 +68,7 @@ fn is_untyped(expression: &Expr) -> bool {
 
 impl Scope<'_> {
     /// A scalar; `wanted` is the type that the context requires, if it does.
-    pub fn scalar(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<Scalar> {
+    pub fn scalar(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<CScalar> {
         self.scalar_beside(expression, wanted, true)
     }
 
@@ -78,7 +78,7 @@ impl Scope<'_> {
         expression: &Expr,
         wanted: Option<&Type>,
         is_beside_wide: bool,
-    ) -> Result<Scalar> {
+    ) -> Result<CScalar> {
         match bare(expression) {
             Expr::Lit(value) => self.number(&value.lit, wanted, is_beside_wide),
             Expr::Unary(unary) => self.unary(unary, wanted, is_beside_wide),
@@ -100,7 +100,7 @@ impl Scope<'_> {
                 } else {
                     place.text
                 };
-                Ok(Scalar::new(text, place.ty, u8::from(place.is_pointer)))
+                Ok(CScalar::new(text, place.ty, u8::from(place.is_pointer)))
             }
             Expr::Block(block) if block.block.stmts.len() == 1 => match &block.block.stmts[0] {
                 syn::Stmt::Expr(inner, None) => self.scalar(inner, wanted),
@@ -115,9 +115,9 @@ impl Scope<'_> {
         value: &syn::Lit,
         wanted: Option<&Type>,
         is_beside_wide: bool,
-    ) -> Result<Scalar> {
+    ) -> Result<CScalar> {
         if let syn::Lit::Bool(value) = value {
-            return Ok(Scalar::new(
+            return Ok(CScalar::new(
                 u8::from(value.value).to_string(),
                 Type::Bool,
                 0,
@@ -132,7 +132,7 @@ impl Scope<'_> {
             _ => Int::I32,
         };
         let text = int.literal(magnitude, &text, is_beside_wide);
-        Ok(Scalar::new(text, Type::Int(int), 0))
+        Ok(CScalar::new(text, Type::Int(int), 0))
     }
 
     fn unary(
@@ -140,7 +140,7 @@ impl Scope<'_> {
         unary: &syn::ExprUnary,
         wanted: Option<&Type>,
         is_beside_wide: bool,
-    ) -> Result<Scalar> {
+    ) -> Result<CScalar> {
         match unary.op {
             UnOp::Neg(_) => {
                 if let Expr::Lit(value) = bare(&unary.expr)
@@ -149,10 +149,10 @@ impl Scope<'_> {
                 {
                     // C has no negative numbers, and 2^31 does not fit.
                     let text = "-INT32_C(2147483647) - 1";
-                    return Ok(Scalar::new(text, Type::Int(Int::I32), SUM));
+                    return Ok(CScalar::new(text, Type::Int(Int::I32), SUM));
                 }
                 let inner = self.scalar_beside(&unary.expr, wanted, is_beside_wide)?;
-                Ok(Scalar::new(
+                Ok(CScalar::new(
                     format!("-{}", inner.within(0)),
                     inner.ty,
                     UNARY,
@@ -163,7 +163,7 @@ impl Scope<'_> {
                 if inner.ty != Type::Bool {
                     return self.refuse("`!` of a number");
                 }
-                Ok(Scalar::new(
+                Ok(CScalar::new(
                     format!("!{}", inner.within(0)),
                     Type::Bool,
                     UNARY,
@@ -174,7 +174,7 @@ impl Scope<'_> {
         }
     }
 
-    fn binary(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<Scalar> {
+    fn binary(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<CScalar> {
         let (sign, strength) = match binary.op {
             BinOp::Add(_) => ("+", SUM),
             BinOp::Sub(_) => ("-", SUM),
@@ -184,7 +184,7 @@ impl Scope<'_> {
                 let left = self.scalar(&binary.left, wanted)?;
                 let right = self.shift_amount(&binary.right)?;
                 let text = format!("{} >> {right}", left.within(UNARY));
-                return Ok(Scalar::new(text, left.ty, SHIFT));
+                return Ok(CScalar::new(text, left.ty, SHIFT));
             }
             BinOp::BitAnd(_) => ("&", BITS),
             BinOp::Lt(_) => ("<", COMPARISON),
@@ -228,14 +228,14 @@ impl Scope<'_> {
         let left_text = left.within(if is_comparison { SUM } else { own });
         let right_text = right.within(if is_comparison { SUM } else { own - 1 });
         let ty = if is_comparison { Type::Bool } else { left.ty };
-        Ok(Scalar::new(
+        Ok(CScalar::new(
             format!("{left_text} {sign} {right_text}"),
             ty,
             strength,
         ))
     }
 
-    fn logical(&mut self, binary: &syn::ExprBinary, sign: &str, strength: u8) -> Result<Scalar> {
+    fn logical(&mut self, binary: &syn::ExprBinary, sign: &str, strength: u8) -> Result<CScalar> {
         let left = self.scalar(&binary.left, Some(&Type::Bool))?;
         let lines = self.lines.len();
         let right = self.scalar(&binary.right, Some(&Type::Bool))?;
@@ -244,7 +244,7 @@ impl Scope<'_> {
             return self.refuse(format!("steps on the right of `{sign}`"));
         }
         // Parentheses where the two signs meet, as compilers advise.
-        let text = |side: &Scalar| {
+        let text = |side: &CScalar| {
             if side.strength == strength {
                 side.text.clone()
             } else {
@@ -252,18 +252,18 @@ impl Scope<'_> {
             }
         };
         let text = format!("{} {sign} {}", text(&left), text(&right));
-        Ok(Scalar::new(text, Type::Bool, strength))
+        Ok(CScalar::new(text, Type::Bool, strength))
     }
 
     /// A left shift, only of a number that is not negative: C leaves the others undefined.
-    fn shift_left(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<Scalar> {
+    fn shift_left(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<CScalar> {
         let Expr::Lit(_) = bare(&binary.left) else {
             return self.refuse("a shift to the left of something that may be negative");
         };
         let left = self.scalar_beside(&binary.left, wanted, false)?;
         let right = self.shift_amount(&binary.right)?;
         let text = format!("{} << {right}", left.within(UNARY));
-        Ok(Scalar::new(text, left.ty, SHIFT))
+        Ok(CScalar::new(text, left.ty, SHIFT))
     }
 
     fn shift_amount(&mut self, expression: &Expr) -> Result<String> {
@@ -277,7 +277,7 @@ impl Scope<'_> {
     }
 
     /// `inner as ty`.
-    pub(super) fn cast(&mut self, inner: &Expr, ty: Type) -> Result<Scalar> {
+    pub(super) fn cast(&mut self, inner: &Expr, ty: Type) -> Result<CScalar> {
         let inner = self.scalar(inner, None)?;
         let Type::Int(int) = ty else {
             return self.refuse("this cast");
@@ -286,10 +286,10 @@ impl Scope<'_> {
             return Ok(inner);
         }
         let text = format!("({}){}", int.c_name(), inner.within(UNARY));
-        Ok(Scalar::new(text, ty, UNARY))
+        Ok(CScalar::new(text, ty, UNARY))
     }
 
-    fn conditional(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<Scalar> {
+    fn conditional(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<CScalar> {
         let ty = match (wanted, self.infer(expression)?) {
             (_, Some(ty)) => ty,
             (Some(ty), None) => ty.clone(),
@@ -297,7 +297,7 @@ impl Scope<'_> {
         };
         let place = self.temporary(&ty);
         self.assign(expression, &place)?;
-        Ok(Scalar::new(place.text, ty, 0))
+        Ok(CScalar::new(place.text, ty, 0))
     }
 }
 

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::items::{Function, FunctionKey, Items, Passing};
-use super::scope::{Place, Scope};
+use super::scope::{CPlace, Scope};
 use super::statement::Target;
-use super::types::{Key, Type, type_name};
+use super::types::{ItemKey, Type, type_name};
 use super::{Result, Untranslatable, comments, constants, library, place, sketch};
 use crate::file::{EmittedCrate, EmittedFile};
 
@@ -95,7 +95,7 @@ struct Translated {
 pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
     let items = Items::read(emitted)?;
     let mut functions: BTreeMap<FunctionKey, Translated> = BTreeMap::new();
-    let mut used: BTreeSet<Key> = BTreeSet::new();
+    let mut used: BTreeSet<ItemKey> = BTreeSet::new();
     let mut clamps_64 = false;
     let mut waiting: VecDeque<FunctionKey> = PUBLIC
         .iter()
@@ -105,8 +105,8 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
         })
         .filter(|key| items.functions.contains_key(key))
         .collect();
-    let mut constant_texts: BTreeMap<Key, String> = BTreeMap::new();
-    let mut constants_waiting: VecDeque<Key> = PUBLIC_CONSTANTS
+    let mut constant_texts: BTreeMap<ItemKey, String> = BTreeMap::new();
+    let mut constants_waiting: VecDeque<ItemKey> = PUBLIC_CONSTANTS
         .iter()
         .map(|(module, name)| ((*module).to_string(), (*name).to_string()))
         .filter(|key| items.constants.contains_key(key))
@@ -203,7 +203,7 @@ fn certificate(emitted: &EmittedCrate) -> Result<String> {
 }
 
 /// A type and all types that it contains.
-fn collect(items: &Items, ty: &Type, found: &mut BTreeSet<Key>) {
+fn collect(items: &Items, ty: &Type, found: &mut BTreeSet<ItemKey>) {
     match ty {
         Type::Array(element, _) => collect(items, element, found),
         Type::Tuple(parts) => {
@@ -247,20 +247,20 @@ fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::sco
             ""
         };
         parameters.push(format!("{constant}{} *{own}", type_name(owner)));
-        scope.bind("self", Place::behind(&own, ty));
+        scope.bind("self", CPlace::behind(&own, ty));
     }
     for (name, ty) in &function.parameters {
         let own = scope.fresh(name);
         let (text, place) = match ty {
             Type::Struct((_, structure)) => (
                 format!("const {} *{own}", type_name(structure)),
-                Place::behind(&own, ty.clone()),
+                CPlace::behind(&own, ty.clone()),
             ),
             Type::Array(..) => (
                 format!("const {}", ty.declare(&own)),
-                Place::variable(&own, ty.clone()),
+                CPlace::variable(&own, ty.clone()),
             ),
-            _ => (ty.declare(&own), Place::variable(&own, ty.clone())),
+            _ => (ty.declare(&own), CPlace::variable(&own, ty.clone())),
         };
         parameters.push(text);
         scope.bind(name, place);
@@ -269,7 +269,7 @@ fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::sco
     let outs = if function.returns_reference {
         vec![]
     } else {
-        Place::outs(&function.returns)
+        CPlace::outs(&function.returns)
     };
     let returns = match &function.returns {
         Type::Struct((_, structure)) if function.returns_reference => {
@@ -297,12 +297,12 @@ fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::sco
 }
 
 /// Declares structures and enumerations, each after the types that it contains.
-fn type_definitions(items: &Items, keys: &BTreeSet<Key>) -> String {
+fn type_definitions(items: &Items, keys: &BTreeSet<ItemKey>) -> String {
     let mut text = String::new();
-    let mut done: BTreeSet<Key> = BTreeSet::new();
-    let mut left: Vec<&Key> = keys.iter().collect();
+    let mut done: BTreeSet<ItemKey> = BTreeSet::new();
+    let mut left: Vec<&ItemKey> = keys.iter().collect();
     while !left.is_empty() {
-        let ready = |key: &&Key| {
+        let ready = |key: &&ItemKey| {
             let mut needed = BTreeSet::new();
             if let Some(own) = items.structs.get(*key) {
                 for (_, ty, _) in &own.fields {
@@ -313,7 +313,7 @@ fn type_definitions(items: &Items, keys: &BTreeSet<Key>) -> String {
                 .iter()
                 .all(|one| done.contains(one) || !keys.contains(one))
         };
-        let (now, later): (Vec<&Key>, Vec<&Key>) = left.into_iter().partition(ready);
+        let (now, later): (Vec<&ItemKey>, Vec<&ItemKey>) = left.into_iter().partition(ready);
         if now.is_empty() {
             break;
         }
@@ -327,7 +327,7 @@ fn type_definitions(items: &Items, keys: &BTreeSet<Key>) -> String {
     text
 }
 
-fn type_definition(items: &Items, key: &Key) -> String {
+fn type_definition(items: &Items, key: &ItemKey) -> String {
     let name = type_name(&key.1);
     if let Some(own) = items.enums.get(key) {
         let mut text = comments::before(&comments::lines(&own.attributes), "");
@@ -363,8 +363,8 @@ fn header(
     items: &Items,
     title: &str,
     functions: &BTreeMap<FunctionKey, Translated>,
-    constants: &BTreeMap<Key, String>,
-    types: &BTreeSet<Key>,
+    constants: &BTreeMap<ItemKey, String>,
+    types: &BTreeSet<ItemKey>,
 ) -> String {
     let mut text = format!(
         "/* {title} */\n\
@@ -424,8 +424,8 @@ struct Parts<'a> {
     items: &'a Items,
     title: &'a str,
     functions: &'a BTreeMap<FunctionKey, Translated>,
-    constants: &'a BTreeMap<Key, String>,
-    types: BTreeSet<Key>,
+    constants: &'a BTreeMap<ItemKey, String>,
+    types: BTreeSet<ItemKey>,
     clamps_64: bool,
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use syn::{Attribute, Expr, FnArg, ImplItem, Item, Pat, ReceiverKind, ReturnType, UseTree};
 
-use super::types::{Int, Key, Type};
+use super::types::{Int, ItemKey, Type};
 use super::{Result, Untranslatable};
 use crate::file::EmittedCrate;
 
@@ -80,17 +80,17 @@ pub struct Items {
     /// In the order of the source.
     pub function_order: Vec<FunctionKey>,
     /// Structures with named fields.
-    pub structs: BTreeMap<Key, Struct>,
+    pub structs: BTreeMap<ItemKey, Struct>,
     /// Structures around one number, and words of `fixed`: the number, and the documentation.
-    pub words: BTreeMap<Key, (Type, Vec<Attribute>)>,
+    pub words: BTreeMap<ItemKey, (Type, Vec<Attribute>)>,
     /// Enumerations.
-    pub enums: BTreeMap<Key, Enum>,
+    pub enums: BTreeMap<ItemKey, Enum>,
     /// Constants.
-    pub constants: BTreeMap<Key, Constant>,
+    pub constants: BTreeMap<ItemKey, Constant>,
     /// In the order of the source.
-    pub constant_order: Vec<Key>,
+    pub constant_order: Vec<ItemKey>,
     /// For every module: the declarations that its names refer to.
-    imports: BTreeMap<Key, Key>,
+    imports: BTreeMap<ItemKey, ItemKey>,
 }
 
 fn fault<T>(place: &str, what: impl std::fmt::Display) -> Result<T> {
@@ -326,7 +326,7 @@ impl Items {
     }
 
     /// The declaration that a name in a module refers to.
-    pub fn resolve(&self, module: &str, name: &str) -> Key {
+    pub fn resolve(&self, module: &str, name: &str) -> ItemKey {
         let own = (module.to_string(), name.to_string());
         self.imports.get(&own).cloned().unwrap_or(own)
     }
@@ -387,7 +387,7 @@ impl Items {
     }
 
     /// The type of a field.
-    pub fn field(&self, key: &Key, name: &str) -> Option<&Type> {
+    pub fn field(&self, key: &ItemKey, name: &str) -> Option<&Type> {
         let fields = &self.structs.get(key)?.fields;
         fields
             .iter()

@@ -5,12 +5,12 @@ use syn::{Expr, UnOp};
 use super::Result;
 use super::expression::{bare, kind};
 use super::items::{last, literal};
-use super::scope::{Place, Scope};
-use super::types::{Key, Type, snake};
+use super::scope::{CPlace, Scope};
+use super::types::{ItemKey, Type, snake};
 
 impl Scope<'_> {
     /// The place that an expression names, or a new one with its value.
-    pub fn place(&mut self, expression: &Expr) -> Result<Place> {
+    pub fn place(&mut self, expression: &Expr) -> Result<CPlace> {
         match bare(expression) {
             Expr::Path(path) => self.named_place(&path.path),
             Expr::Field(field) => {
@@ -50,7 +50,7 @@ impl Scope<'_> {
                     let call = self.resolved(other)?;
                     if self.function(&call.key)?.returns_reference {
                         let text = self.call_text(&call, &[])?;
-                        return Ok(Place::behind(&text, ty));
+                        return Ok(CPlace::behind(&text, ty));
                     }
                 }
                 let place = self.temporary(&ty);
@@ -60,7 +60,7 @@ impl Scope<'_> {
         }
     }
 
-    fn named_place(&mut self, path: &syn::Path) -> Result<Place> {
+    fn named_place(&mut self, path: &syn::Path) -> Result<CPlace> {
         let name = last(path);
         if path.segments.len() == 1 {
             if let Some(place) = self.lookup(&name) {
@@ -70,7 +70,7 @@ impl Scope<'_> {
             if let Some(constant) = self.items.constants.get(&key) {
                 let ty = constant.ty.clone();
                 self.needs.constants.insert(key.clone());
-                return Ok(Place::variable(&super::constants::name(&key), ty));
+                return Ok(CPlace::variable(&super::constants::name(&key), ty));
             }
         } else {
             let owner = path.segments[path.segments.len() - 2].ident.to_string();
@@ -79,13 +79,13 @@ impl Scope<'_> {
                 && own.variants.iter().any(|(variant, _, _)| *variant == name)
             {
                 let text = enumerator(&name);
-                return Ok(Place::variable(&text, Type::Enum(key)));
+                return Ok(CPlace::variable(&text, Type::Enum(key)));
             }
-            let constant: Key = (owner, name.clone());
+            let constant: ItemKey = (owner, name.clone());
             if let Some(found) = self.items.constants.get(&constant) {
                 let ty = found.ty.clone();
                 self.needs.constants.insert(constant.clone());
-                return Ok(Place::variable(&super::constants::name(&constant), ty));
+                return Ok(CPlace::variable(&super::constants::name(&constant), ty));
             }
         }
         self.refuse(format!("the name {name}"))

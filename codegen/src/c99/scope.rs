@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::items::{FunctionKey, Items};
-use super::types::{Key, Type};
+use super::types::{ItemKey, Type};
 use super::{Result, Untranslatable};
 
 /// Reserved words of C or Arduino's C++, and names that the translation itself uses.
@@ -18,7 +18,7 @@ const LINE_LENGTH: usize = 100;
 
 /// A place in memory: a variable, or a part of one.
 #[derive(Debug, Clone)]
-pub struct Place {
+pub struct CPlace {
     /// The expression in C.
     pub text: String,
     /// Whether the expression is a pointer to the place.
@@ -27,10 +27,10 @@ pub struct Place {
     pub ty: Type,
 }
 
-impl Place {
+impl CPlace {
     /// A variable.
-    pub fn variable(text: &str, ty: Type) -> Place {
-        Place {
+    pub fn variable(text: &str, ty: Type) -> CPlace {
+        CPlace {
             text: text.to_string(),
             is_pointer: false,
             ty,
@@ -38,8 +38,8 @@ impl Place {
     }
 
     /// The place that a pointer points to.
-    pub fn behind(text: &str, ty: Type) -> Place {
-        Place {
+    pub fn behind(text: &str, ty: Type) -> CPlace {
+        CPlace {
             text: text.to_string(),
             is_pointer: true,
             ty,
@@ -47,17 +47,17 @@ impl Place {
     }
 
     /// A field of a structure.
-    pub fn field(&self, name: &str, ty: Type) -> Place {
+    pub fn field(&self, name: &str, ty: Type) -> CPlace {
         let arrow = if self.is_pointer { "->" } else { "." };
-        Place::variable(&format!("{}{arrow}{name}", self.text), ty)
+        CPlace::variable(&format!("{}{arrow}{name}", self.text), ty)
     }
 
     /// An element of an array.
-    pub fn element(&self, index: usize) -> Option<Place> {
+    pub fn element(&self, index: usize) -> Option<CPlace> {
         match &self.ty {
             Type::Array(element, length) if index < *length => {
                 let text = format!("{}[{index}]", self.text);
-                Some(Place::variable(&text, (**element).clone()))
+                Some(CPlace::variable(&text, (**element).clone()))
             }
             _ => None,
         }
@@ -73,10 +73,10 @@ impl Place {
 
     /// The parameters through which a C function returns a value of this type: one for an array or a structure, one
     /// for each part of a tuple, none for a number.
-    pub fn outs(returns: &Type) -> Vec<Place> {
+    pub fn outs(returns: &Type) -> Vec<CPlace> {
         let part = |name: &str, ty: &Type| match ty {
-            Type::Array(..) => Place::variable(name, ty.clone()),
-            _ => Place::behind(name, ty.clone()),
+            Type::Array(..) => CPlace::variable(name, ty.clone()),
+            _ => CPlace::behind(name, ty.clone()),
         };
         match returns {
             Type::Tuple(parts) => parts
@@ -96,7 +96,7 @@ pub struct Needs {
     /// Functions.
     pub functions: BTreeSet<FunctionKey>,
     /// Constants.
-    pub constants: BTreeSet<Key>,
+    pub constants: BTreeSet<ItemKey>,
     /// Whether 64-bit words are clamped.
     pub clamp_64: bool,
 }
@@ -119,7 +119,7 @@ pub struct Scope<'a> {
     pub depth: usize,
     /// The type that the function returns.
     pub returns: Type,
-    names: Vec<HashMap<String, Place>>,
+    names: Vec<HashMap<String, CPlace>>,
     taken: HashSet<String>,
     temporaries: usize,
 }
@@ -184,24 +184,24 @@ impl<'a> Scope<'a> {
     }
 
     /// Declares a name in the innermost block.
-    pub fn bind(&mut self, name: &str, place: Place) {
+    pub fn bind(&mut self, name: &str, place: CPlace) {
         if let Some(block) = self.names.last_mut() {
             block.insert(name.to_string(), place);
         }
     }
 
     /// The place of a name.
-    pub fn lookup(&self, name: &str) -> Option<&Place> {
+    pub fn lookup(&self, name: &str) -> Option<&CPlace> {
         self.names.iter().rev().find_map(|block| block.get(name))
     }
 
     /// A new variable for an intermediate value.
-    pub fn temporary(&mut self, ty: &Type) -> Place {
+    pub fn temporary(&mut self, ty: &Type) -> CPlace {
         self.temporaries += 1;
         let name = self.fresh(&format!("part_{}", self.temporaries));
         let declaration = ty.declare(&name);
         self.line(format!("{declaration};"));
-        Place::variable(&name, ty.clone())
+        CPlace::variable(&name, ty.clone())
     }
 
     /// Enters a block.

@@ -5,7 +5,7 @@ use syn::{Expr, Pat, Stmt};
 use super::Result;
 use super::expression::bare;
 use super::items::last;
-use super::scope::{Place, Scope};
+use super::scope::{CPlace, Scope};
 use super::types::{Int, Type};
 
 /// The target of a block's value.
@@ -14,7 +14,7 @@ pub enum Target {
     /// The value is returned by the function.
     Return,
     /// The value is written to a place.
-    Place(Place),
+    Place(CPlace),
     /// There is no value.
     Nothing,
 }
@@ -53,13 +53,13 @@ impl Scope<'_> {
                 let Expr::Tuple(values) = bare(expression) else {
                     return self.refuse("a tuple that is not written out");
                 };
-                for (value, out) in values.elems.iter().zip(Place::outs(&ty)) {
+                for (value, out) in values.elems.iter().zip(CPlace::outs(&ty)) {
                     self.assign(value, &out)?;
                 }
                 Ok(())
             }
             _ if ty.is_aggregate() => {
-                for out in Place::outs(&ty) {
+                for out in CPlace::outs(&ty) {
                     self.assign(expression, &out)?;
                 }
                 Ok(())
@@ -169,10 +169,10 @@ impl Scope<'_> {
             let own = self.fresh(&name);
             let declaration = ty.declare(&own);
             self.line(format!("{declaration};"));
-            targets.push((name, Place::variable(&own, ty)));
+            targets.push((name, CPlace::variable(&own, ty)));
         }
         let call = self.resolved(value)?;
-        let places: Vec<Place> = targets.iter().map(|(_, place)| place.clone()).collect();
+        let places: Vec<CPlace> = targets.iter().map(|(_, place)| place.clone()).collect();
         let text = self.call_text(&call, &places)?;
         self.line(format!("{text};"));
         for (name, place) in targets {
@@ -191,7 +191,7 @@ impl Scope<'_> {
             let own = self.fresh(name);
             let declaration = ty.declare(&own);
             self.line(format!("{declaration};"));
-            let place = Place::variable(&own, ty);
+            let place = CPlace::variable(&own, ty);
             self.assign(value, &place)?;
             self.bind(name, place);
         } else {
@@ -199,7 +199,7 @@ impl Scope<'_> {
             let own = self.fresh(name);
             let declaration = ty.declare(&own);
             self.line(format!("const {declaration} = {};", value.text));
-            self.bind(name, Place::variable(&own, ty));
+            self.bind(name, CPlace::variable(&own, ty));
         }
         Ok(())
     }
@@ -239,7 +239,7 @@ impl Scope<'_> {
     }
 
     /// Writes the value of an expression to a place that the expression does not use.
-    pub fn assign(&mut self, expression: &Expr, place: &Place) -> Result<()> {
+    pub fn assign(&mut self, expression: &Expr, place: &CPlace) -> Result<()> {
         let ty = place.ty.clone();
         match bare(expression) {
             Expr::If(branch) => self.branch(branch, &Target::Place(place.clone())),
@@ -297,7 +297,7 @@ impl Scope<'_> {
     }
 
     /// Copies a structure or an array, number by number.
-    fn copy(&mut self, from: &Place, to: &Place) -> Result<()> {
+    fn copy(&mut self, from: &CPlace, to: &CPlace) -> Result<()> {
         match &to.ty {
             Type::Array(_, length) => {
                 for index in 0..*length {

@@ -1,7 +1,7 @@
 //! The types of the emitted Rust, and their declarations in C.
 
 /// An item of a module: module and name.
-pub type Key = (String, String);
+pub type ItemKey = (String, String);
 
 /// A type.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,9 +13,9 @@ pub enum Type {
     /// An array of this length.
     Array(Box<Type>, usize),
     /// A structure with named fields.
-    Struct(Key),
+    Struct(ItemKey),
     /// An enumeration without data.
-    Enum(Key),
+    Enum(ItemKey),
     /// Several returned values.
     Tuple(Vec<Type>),
     /// `()`.

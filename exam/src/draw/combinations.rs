@@ -400,7 +400,7 @@ mod tests {
     use super::super::shape::place;
     use super::super::size::{base_fit, make, worst};
     use super::*;
-    use crate::bench_plan::{DriveProgram, ExperimentPlan, SensorNoise};
+    use crate::bench_plan::{ChannelNoise, DriveProgram, ExperimentPlan};
     use crate::truth::Outsider;
     use plant::Kind;
 
@@ -429,7 +429,7 @@ mod tests {
             measured: bench_files::Known::default(),
             top: (1.0, 500.0),
         };
-        let noise = SensorNoise {
+        let noise = ChannelNoise {
             std: [1e-3, 5e-3, 0.5],
         };
         let made = make(&truth, &choice, &noise, 1).expect("logs");

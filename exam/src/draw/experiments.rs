@@ -10,7 +10,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::dice::{log_uniform, sign};
-use crate::bench_plan::{DriveProgram, ExperimentPlan, SensorNoise};
+use crate::bench_plan::{ChannelNoise, DriveProgram, ExperimentPlan};
 use crate::true_motion::HiddenPush;
 use crate::truth::Truth;
 
@@ -34,8 +34,8 @@ pub fn draw_truth(rng: &mut ChaCha8Rng) -> Truth {
 }
 
 /// The noise of a seed's sensors.
-pub fn draw_noise(rng: &mut ChaCha8Rng) -> SensorNoise {
-    SensorNoise {
+pub fn draw_noise(rng: &mut ChaCha8Rng) -> ChannelNoise {
+    ChannelNoise {
         std: [
             log_uniform(rng, 3e-4, 3e-3),
             log_uniform(rng, 1e-3, 1e-2),
@@ -46,7 +46,7 @@ pub fn draw_noise(rng: &mut ChaCha8Rng) -> SensorNoise {
 
 /// The equipment that is needed for a hidden term to be visible.
 #[derive(Clone, Copy, Debug)]
-pub struct Needs {
+pub struct ExperimentNeeds {
     /// A rate sensor.
     pub rate: bool,
     /// Experiments with the motor.
@@ -69,7 +69,7 @@ pub struct Choice {
 }
 
 /// The experiments of a seed.
-pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: Needs) -> Choice {
+pub fn draw_experiments(rng: &mut ChaCha8Rng, truth: &Truth, needs: ExperimentNeeds) -> Choice {
     let [_, wheel, gravity, torque] = truth.base;
     let sample_s = [0.004, 0.005, 0.008][rng.random_range(0..3)];
     let mut plans = vec![];

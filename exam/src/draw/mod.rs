@@ -38,12 +38,12 @@ pub use question::{Question, ROUND, SENSOR_SEEDS, effects, effects_of, question}
 
 use self::combinations::left_by_combinations;
 use self::dice::log_uniform;
-use self::experiments::{Needs, draw_experiments, draw_noise, draw_truth};
+use self::experiments::{ExperimentNeeds, draw_experiments, draw_noise, draw_truth};
 use self::shape::{
     TermShape, is_plausible, pivot_to_wheel_m, place, shape_of_effect, shape_of_outsider,
 };
 use self::size::{base_fit, make, sized};
-use crate::bench_plan::SensorNoise;
+use crate::bench_plan::ChannelNoise;
 use crate::truth::{StatedTorque, Truth};
 
 /// An outsider counts if every small combination of suspects leaves at least this much of its trace, in units of noise.
@@ -68,7 +68,7 @@ pub struct ExamBench {
     /// Size of each hidden term alone, in units of noise.
     pub sizes: Vec<f64>,
     /// Noise of the sensors.
-    pub noise: SensorNoise,
+    pub noise: ChannelNoise,
     /// The suspects.
     pub suspects: Vec<EffectId>,
 }
@@ -87,10 +87,10 @@ pub fn draw_stated(seed: u64, effect: EffectId, torque: &StatedTorque) -> Option
 }
 
 /// The equipment that a question needs.
-fn needs(question: &Question) -> Needs {
+fn needs(question: &Question) -> ExperimentNeeds {
     let hidden = question.hidden();
     let any = |holds: fn(EffectId) -> bool| hidden.iter().any(|&effect| holds(effect));
-    Needs {
+    ExperimentNeeds {
         // A late angle shows beside a rate.
         rate: any(|effect| {
             let info = effect.info();

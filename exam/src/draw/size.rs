@@ -7,7 +7,7 @@ use plant::Model;
 
 use super::experiments::Choice;
 use super::shape::TermShape;
-use crate::bench_plan::{ExamLog, SensorNoise, is_usable, record};
+use crate::bench_plan::{ChannelNoise, ExamLog, is_usable, record};
 use crate::truth::{Hidden, Truth};
 
 /// The logs of a seed as the fit uses them, with and without noise. Their noise level is the true one.
@@ -19,7 +19,7 @@ pub struct Made {
 }
 
 /// Simulates the logs of a bench; `None` if they do not form a usable bench.
-pub fn make(truth: &Truth, choice: &Choice, noise: &SensorNoise, seed: u64) -> Option<Made> {
+pub fn make(truth: &Truth, choice: &Choice, noise: &ChannelNoise, seed: u64) -> Option<Made> {
     let mut records = vec![];
     let mut logs: Vec<ExamLog> = vec![];
     for (index, plan) in choice.plans.iter().enumerate() {
@@ -130,7 +130,7 @@ pub fn base_fit(clean: &FitProblem, truth: &Truth) -> Option<BaseFit> {
 pub fn sized(
     truth: &Truth,
     choice: &Choice,
-    noise: &SensorNoise,
+    noise: &ChannelNoise,
     seed: u64,
     shape: &TermShape,
     wanted: f64,

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use diagnose::Verdict;
 use exam::{
-    Answer, DriveProgram, ExperimentPlan, Hidden, Mark, Marks, Outsider, Question, ROUND, Rate,
-    SensorNoise, Truth, draw, effects_of, mark, question, record, sit,
+    Answer, ChannelNoise, DriveProgram, ExperimentPlan, Hidden, Mark, Marks, Outsider, Question,
+    ROUND, Rate, Truth, draw, effects_of, mark, question, record, sit,
 };
 use identify::Progress;
 use plant::{Current, EffectId, Hold, Input, Kind, Model, Plant, State};
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 const BASE: [f64; 4] = [2.30344e-3, 1.36125e-4, 0.245158, 0.0335];
 const BODY_VISCOUS: f64 = 2.12e-5;
 const WHEEL_VISCOUS: f64 = 1.75204e-5;
-const QUIET: SensorNoise = SensorNoise { std: [0.0; 3] };
+const QUIET: ChannelNoise = ChannelNoise { std: [0.0; 3] };
 
 fn truth(hidden: Vec<Hidden>) -> Truth {
     Truth {

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use exam::{
-    DriveProgram, ExperimentPlan, Hidden, Outsider, SensorNoise, StatedTorque, TrueInstant, Truth,
+    ChannelNoise, DriveProgram, ExperimentPlan, Hidden, Outsider, StatedTorque, TrueInstant, Truth,
     record,
 };
 use identify::{
@@ -14,7 +14,7 @@ use identify::{
 };
 use plant::{EffectId, Kind, LearnedCoordinate, LearnedCurve, Model};
 
-const NOISE: SensorNoise = SensorNoise {
+const NOISE: ChannelNoise = ChannelNoise {
     std: [1.2e-3, 4e-3, 0.6],
 };
 const SEED: u64 = 1800;
@@ -264,7 +264,7 @@ fn an_encoder_on_the_wheel_says_where_each_log_begins() {
         // The simulator counts the wheel's angle from the start of the log.
         let truth = truth(pull(1.0, 2e-3, 0.5, 0.7 - stood_rad));
         let mut record = recorded(&truth, plan, seed);
-        let exact = exam::record(&truth, plan, &SensorNoise { std: [0.0; 3] }, seed);
+        let exact = exam::record(&truth, plan, &ChannelNoise { std: [0.0; 3] }, seed);
         let speed = &exact.measured[2];
         let mut angle_rad = vec![stood_rad];
         for k in 1..speed.len() {

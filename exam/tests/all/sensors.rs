@@ -2,11 +2,11 @@
 //! the experiment that would settle it where they do not.
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose_with};
-use exam::{DriveProgram, ExperimentPlan, Hidden, SensorNoise, Truth, record};
+use exam::{ChannelNoise, DriveProgram, ExperimentPlan, Hidden, Truth, record};
 use identify::{FitProblem, Progress, Record, fit_until};
 use plant::{EffectId, Kind, Model};
 
-const NOISE: SensorNoise = SensorNoise {
+const NOISE: ChannelNoise = ChannelNoise {
     std: [1e-3, 5e-3, 0.5],
 };
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use lab::{Lab, Settings};
+use lab::{Lab, LabSettings};
 use serde_json::Value;
 
 use crate::http::{Answer, send};
@@ -26,7 +26,7 @@ pub struct Running {
 impl Running {
     /// Starts a lab, with this bench or with none.
     pub fn start(bench: Option<&Path>) -> Running {
-        let settings = Settings {
+        let settings = LabSettings {
             bench: bench.map(Path::to_path_buf),
             port: None,
         };

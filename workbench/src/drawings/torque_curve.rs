@@ -8,10 +8,10 @@ use crate::words::spoken;
 impl MissingTorque {
     /// The curve with its band.
     pub fn drawing(&self, bench: &str) -> String {
-        let points: Vec<figures::CurvePoint> = self
+        let points: Vec<figures::TorqueCurvePoint> = self
             .points
             .iter()
-            .map(|point| figures::CurvePoint {
+            .map(|point| figures::TorqueCurvePoint {
                 at: point.at,
                 value: point.torque,
                 std: point.std,

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use num_rational::BigRational;
 use num_traits::Signed;
 
-use crate::domains::polynomials::{Call, Polynomial, Words};
+use crate::domains::polynomials::{Polynomial, PolynomialCall, Words};
 use crate::language::module::Module;
 use crate::program::contract::{Contract, Range};
 use crate::program::steps::{Program, Slot};
@@ -90,7 +90,7 @@ pub(crate) fn sum_of_squares(
 pub(crate) fn clamp_of(
     words: &Words,
     slot: Slot,
-) -> Option<(&Call, Polynomial, BigRational, BigRational)> {
+) -> Option<(&PolynomialCall, Polynomial, BigRational, BigRational)> {
     let call = words.call(slot).filter(|call| call.function == "clamp")?;
     let [value, low, high] = call.arguments.as_slice() else {
         return None;

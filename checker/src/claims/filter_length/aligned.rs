@@ -9,7 +9,7 @@ use crate::claims::filter_length::algebra::{
 use crate::claims::filter_length::inverse_root::inverse_root;
 use crate::claims::filter_length::sources::UP_MAX;
 use crate::domains::intervals::{IntegerInterval, every_bit_pattern, ranges};
-use crate::domains::polynomials::{Call, Words};
+use crate::domains::polynomials::{PolynomialCall, Words};
 use crate::exact::rational::{integer, power_of_two, root_above, root_below};
 use crate::language::module::Module;
 use crate::program::steps::{Program, Slot};
@@ -163,7 +163,7 @@ fn short_turns_do_not_reach_it(
     module: &Module,
     program: &Program,
     words: &Words,
-    call: &Call,
+    call: &PolynomialCall,
 ) -> Result<(), String> {
     let not_understood = "`aligned` turns by something else than the upward direction";
     let short = integer((1 << SCALABLE_BITS) - 1);

@@ -6,7 +6,7 @@ use num_traits::{Signed, Zero};
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::carried::ROWS;
 use crate::claims::loop_as_shipped::errors::SensorErrors;
-use crate::claims::loop_as_shipped::inertial::Motion;
+use crate::claims::loop_as_shipped::inertial::MotionBounds;
 use crate::claims::loop_as_shipped::plant::{Loop, delay_off};
 use crate::claims::loop_as_shipped::responses::{ACCELERATIONS, ASKED, CHANGE, HELD, Responses};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
@@ -79,7 +79,7 @@ impl Growth {
 /// States between samples.
 struct Between {
     states: [BigRational; 3],
-    motion: Motion,
+    motion: MotionBounds,
     /// g |sin α − α| (rad/s²).
     sine: BigRational,
 }
@@ -111,7 +111,7 @@ fn between(growth: &Growth, rows: &[BigRational; ROWS], current: &BigRational) -
             // With a delay the current was commanded one sample earlier, which adds one change of the current.
             let acceleration = up(at_sample + drift + &growth.dry + &outer + &growth.lever[1]);
             return Some(Between {
-                motion: Motion {
+                motion: MotionBounds {
                     acceleration,
                     rate: b[1].clone(),
                 },

@@ -21,7 +21,7 @@ use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::inertial::{InertialErrors, Motion};
+use crate::claims::loop_as_shipped::inertial::{InertialErrors, MotionBounds};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
 /// The errors that the sensors may have.
@@ -174,7 +174,7 @@ impl SensorErrors {
     ///
     /// # Errors
     /// [`NoBounds::NotShown`] if the correction of the filter is not faster than its disturbances.
-    pub fn angle(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
+    pub fn angle(&self, motion: &MotionBounds) -> Result<BigRational, NoBounds> {
         match &self.body {
             BodyErrors::Inertial(errors) => errors.filter(motion),
             BodyErrors::Pivot(_) => Ok(self.reading.clone()),
@@ -186,7 +186,7 @@ impl SensorErrors {
     ///
     /// # Errors
     /// As [`SensorErrors::angle`].
-    pub fn held(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
+    pub fn held(&self, motion: &MotionBounds) -> Result<BigRational, NoBounds> {
         Ok(self.weighted(&self.held, motion)? + &self.rounding)
     }
 
@@ -194,11 +194,15 @@ impl SensorErrors {
     ///
     /// # Errors
     /// As [`SensorErrors::angle`].
-    pub fn asked(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
+    pub fn asked(&self, motion: &MotionBounds) -> Result<BigRational, NoBounds> {
         Ok(self.weighted(&self.asked, motion)? + &self.asked_rounding)
     }
 
-    fn weighted(&self, gains: &[BigRational; 3], motion: &Motion) -> Result<BigRational, NoBounds> {
+    fn weighted(
+        &self,
+        gains: &[BigRational; 3],
+        motion: &MotionBounds,
+    ) -> Result<BigRational, NoBounds> {
         let [n1, n2, n3] = gains;
         let wheel = n3.abs() * &self.wheel_speed;
         let BodyErrors::Inertial(_) = &self.body else {
@@ -209,7 +213,7 @@ impl SensorErrors {
     }
 
     /// The error of the rate (rad/s).
-    pub fn rate(&self, motion: &Motion) -> BigRational {
+    pub fn rate(&self, motion: &MotionBounds) -> BigRational {
         let shown = match &self.body {
             BodyErrors::Inertial(errors) => errors.rate(motion),
             BodyErrors::Pivot(errors) => errors.rate.clone(),
@@ -222,7 +226,7 @@ impl SensorErrors {
         &self,
         angle: &BigRational,
         rate: &BigRational,
-        motion: &Motion,
+        motion: &MotionBounds,
     ) -> Option<&'static str> {
         let rate = rate + self.rate(motion);
         match &self.body {

@@ -33,7 +33,7 @@ use crate::exact::rational::{half, integer, power, root_above, root_below, short
 
 /// Bounds of a motion that enter the errors: the body's acceleration and rate, between samples too.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
+pub struct MotionBounds {
     /// rad/s².
     pub acceleration: BigRational,
     /// rad/s.
@@ -186,7 +186,7 @@ impl InertialErrors {
     ///
     /// # Errors
     /// [`NoBounds::NotShown`] if the correction of the filter is not faster than its disturbances.
-    pub fn filter(&self, motion: &Motion) -> Result<BigRational, NoBounds> {
+    pub fn filter(&self, motion: &MotionBounds) -> Result<BigRational, NoBounds> {
         let not_shown = |why: &str| NoBounds::NotShown(why.to_owned());
         // The correction for the lever arm lags. It is therefore not counted as a reduction, and may add an error of
         // the same size.
@@ -240,7 +240,7 @@ impl InertialErrors {
     }
 
     /// The error of the rate, before it becomes a word (rad/s).
-    pub fn rate(&self, motion: &Motion) -> BigRational {
+    pub fn rate(&self, motion: &MotionBounds) -> BigRational {
         &self.gyro_axis + &self.drift + &self.age * &motion.acceleration
     }
 }
