@@ -4,6 +4,7 @@ mod angle;
 mod averages;
 mod noise;
 mod record;
+mod slow;
 mod statistics;
 mod weak_form;
 
