@@ -1,6 +1,6 @@
 //! Thinned logs (every n-th sample is read), and the way back to all samples.
 
-use identify::{Effort, FitProblem, Minimum, Window, joined, refit_at_order};
+use identify::{Effort, FitProblem, Minimum, Window, joined, refit};
 
 use crate::candidate::Candidate;
 
@@ -37,7 +37,7 @@ pub fn whole_fit(
     let whole = |start: usize, step: usize| start * step;
     let before = windows_at(&candidate.minimum.windows, thinning, whole);
     let windows = joined(&records, &candidate.minimum.values, &before);
-    refit_at_order(
+    refit(
         &records,
         &candidate.model,
         candidate.minimum.values.clone(),

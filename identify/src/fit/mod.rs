@@ -44,7 +44,7 @@ pub(crate) use integrated::integrated_ratios;
 pub use means::{NoBetterThanMean, cost_of_means, failed_series};
 pub use ratios::Ratios;
 pub(crate) use schedule::fit_in_stages;
-pub use schedule::{fit_from_scratch, fit_windowed, refit, refit_at_order};
+pub use schedule::{fit_from_scratch, fit_windowed, refit};
 pub use score_test::{KnownScore, RecordScore, ScoreStep, ScoreTest, score_test};
 pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_observed};
 pub use settled::settled;

@@ -122,23 +122,12 @@ pub fn refit(
     effort: Effort,
 ) -> Minimum {
     let unknowns = Unknowns::new(model, free);
-    let found = settling(records, model, values, windows, &unknowns, effort);
-    let minimum = over_orders(records, model, found, &unknowns, effort);
-    over_samples(records, model, minimum, &unknowns, effort)
-}
-
-/// As [`refit`], from a fit to a part of the same samples. The order of cogging, which that part has shown, stays: a window
-/// that the part did not have may be followed at none, and would be started anew for every order that is tried.
-pub fn refit_at_order(
-    records: &[&Record],
-    model: &Model,
-    values: Vec<f64>,
-    windows: Vec<Vec<Window>>,
-    free: &[usize],
-    effort: Effort,
-) -> Minimum {
-    let unknowns = Unknowns::new(model, free);
-    let minimum = settling(records, model, values, windows, &unknowns, effort);
+    let minimum = if model.find(|info| info.ripple.is_some()).is_some() {
+        let found = settling(records, model, values, windows, &unknowns, effort);
+        over_orders(records, model, found, &unknowns, effort)
+    } else {
+        minimise(records, model, values, windows, &unknowns, effort)
+    };
     over_samples(records, model, minimum, &unknowns, effort)
 }
 
@@ -156,9 +145,6 @@ fn settling(
     unknowns: &Unknowns,
     effort: Effort,
 ) -> Minimum {
-    if model.find(|info| info.ripple.is_some()).is_none() {
-        return minimise(records, model, values, windows, unknowns, effort);
-    }
     let (mut values, mut windows) = (values, windows);
     let mut evaluations = 0;
     let is_cut = records.iter().any(|record| record.is_cut_for_cogging());
