@@ -271,10 +271,10 @@ impl<'a> Start<'a> {
         )
     }
 
-    /// The bench with driven logs and slow wheels cut into short windows; `None` if that is not needed. It is needed where the
+    /// The bench with driven logs cut into short windows; `None` if that is not needed. It is needed where the
     /// candidate leaves a remainder and, in short windows, cogging explains most of the misfit.
     fn in_windows(&self, candidate: &Candidate, problem: &FitProblem) -> Option<FitProblem> {
-        let cut = self.thin.in_few_windows()?;
+        let cut = self.thin.in_windows()?;
         let effort = Effort::FULL.until(self.is_cancelled);
         let remains = candidate.largest_remainder() > self.thresholds.remains;
         let asks = remains

@@ -27,13 +27,6 @@ pub const NEAR: f64 = 5.0;
 /// stands out by eight standard deviations from this many samples ([`identify::structure`], with the uncertainty of
 /// the noise): it would have been seen.
 pub const CONCLUSIVE_SAMPLES: usize = 8_000;
-/// Logs are fitted in short windows, to see whether cogging explains most of the misfit there, only if it promises at
-/// least this share of what it must explain (`cogging_share`). The promise is of first order, and is made in windows whose
-/// starts are guessed.
-pub const PROMISED_SHARE: f64 = 0.5;
-/// They are not fitted either where the χ² in short windows exceeds that of noise by less than this many of its
-/// standard deviations: what is followed without cogging needs no short windows.
-pub const MISSED_STD: f64 = 4.0;
 /// Length, in periods, of the short windows in which effects are scored where the free run drifts away from
 /// the log.
 pub const WINDOW_PERIODS: f64 = 3.0;

@@ -173,15 +173,6 @@ impl FitProblem {
         changed.then_some(cut)
     }
 
-    /// As [`FitProblem::in_windows`], for a search: at most [`MOST_SHORT_WINDOWS`] short windows of each log count.
-    pub fn in_few_windows(&self) -> Option<FitProblem> {
-        let mut cut = self.in_windows()?;
-        for record in &mut cut.records {
-            record.keep_short_windows(MOST_SHORT_WINDOWS);
-        }
-        Some(cut)
-    }
-
     /// The bench with the windows that suit a model: [`FitProblem::in_windows`] for a model with cogging.
     pub fn suited_to(&self, model: &Model) -> Cow<'_, FitProblem> {
         let cut = if model.find(|info| info.ripple.is_some()).is_some() {
@@ -194,7 +185,10 @@ impl FitProblem {
 
     /// Whether any log is read as [`FitProblem::in_windows`] reads it.
     fn is_in_windows(&self) -> bool {
-        self.records.iter().any(Record::is_cut_for_cogging)
+        self.records.iter().any(|record| {
+            let is_cut = record.kind == Kind::Driven && record.window_s <= BALANCE_WINDOW_S;
+            (is_cut && !record.passes_over_the_top) || !record.cuts_s.is_empty()
+        })
     }
 
     /// The same bench with thinned logs, and the thinning step of each record. About `per_period` samples remain per period

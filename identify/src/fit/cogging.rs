@@ -5,11 +5,8 @@ use plant::{EffectId, Model};
 use rayon::prelude::*;
 
 use super::comparison::traces;
-use super::sensitivity::counts;
-use super::settled::is_short;
 use super::solver::Minimum;
-use super::unknowns::Window;
-use crate::records::{Output, Record, dot};
+use crate::records::{Output, Record, StraightLine};
 
 /// A start for a fit of cogging.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,11 +44,10 @@ impl CoggingStart {
 /// one that changes slowly absorb it. The order is a whole number: a common multiple of poles and slots.
 ///
 /// Pieces are whole windows, in which few teeth in one turn show, and stretches of [`SHORTEST_STRETCH_S`], in which
-/// the slow misfit of a long window is nearly a parabola. Where the two find different orders, both are starts for logs that
-/// are cut so that teeth can be counted; for all others, the one that promises more.
+/// the slow misfit of a long window is nearly a parabola. Where the two find different orders, both are starts.
 pub fn cogging_starts(records: &[&Record], model: &Model, minimum: &Minimum) -> Vec<CoggingStart> {
     let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
-    let errors = speed_errors(records, model, &minimum.values, &minimum.windows);
+    let errors = speed_errors(records, model, minimum);
     let mut short: Vec<SpeedError> = errors.iter().flat_map(SpeedError::pieces).collect();
     // In the order of time, as stretches are.
     let first_s = |piece: &SpeedError| piece.time_s[0];
@@ -63,81 +59,30 @@ pub fn cogging_starts(records: &[&Record], model: &Model, minimum: &Minimum) -> 
         .into_par_iter()
         .filter_map(|pieces| start_in(pieces, wheel_inertia))
         .collect();
-    starts.sort_by(|one, other| other.gain.total_cmp(&one.gain));
     starts.dedup_by_key(|start| start.parameters[1]);
-    if !records.iter().any(|record| record.is_cut_for_cogging()) {
-        starts.truncate(1);
-    }
     starts
-}
-
-/// What cogging promises to take away where logs are read in short windows.
-#[derive(Clone, Copy, Debug)]
-pub struct CoggingPromise {
-    /// The gain in χ², to first order, of the order that promises most.
-    pub gain: f64,
-    /// The χ² beyond that of noise that the model leaves there, with a parabola removed from the errors of each window.
-    pub missed: f64,
-    /// The standard deviation of that χ² from noise alone.
-    pub missed_std: f64,
-}
-
-/// What cogging promises to take away from what `model`, which has none, leaves in the short windows of these logs.
-///
-/// It costs one simulation of these windows and no fit, so it can be asked before logs are read in short windows.
-pub fn cogging_promise(
-    records: &[&Record],
-    model: &Model,
-    values: &[f64],
-    windows: &[Vec<Window>],
-) -> CoggingPromise {
-    let short: Vec<Vec<Window>> = records
-        .iter()
-        .zip(windows)
-        .map(|(record, windows)| {
-            let kept = windows
-                .iter()
-                .filter(|window| is_short(record, window) && counts(record, window));
-            kept.cloned().collect()
-        })
-        .collect();
-    let pieces = speed_errors(records, model, values, &short);
-    let (mut missed, mut freedom) = (0.0, 0.0);
-    for piece in pieces.iter().cloned().filter_map(SpeedError::without_trend) {
-        let square: f64 = piece.error.iter().map(|error| error * error).sum();
-        let own = (piece.error.len() - UNKNOWNS_OF_TREND) as f64;
-        missed += square / piece.noise_std.powi(2) - own;
-        freedom += own;
-    }
-    let start = start_in(pieces, values[plant::WHEEL_INERTIA]);
-    CoggingPromise {
-        gain: start.map_or(0.0, |start| start.gain),
-        missed,
-        missed_std: (2.0 * freedom).sqrt(),
-    }
 }
 
 /// The start with the order of the largest trace in these pieces.
 fn start_in(pieces: Vec<SpeedError>, wheel_inertia: f64) -> Option<CoggingStart> {
     const HIGHEST_ORDER: usize = 60;
-    let mut windows: Vec<(SpeedError, Turns, Trend)> = pieces
+    let mut windows: Vec<(SpeedError, Turns)> = pieces
         .into_iter()
         .filter_map(SpeedError::without_trend)
         .map(|window| {
             let turns = Turns::new(&window.wheel_angle_rad);
-            let trend = Trend::over(&window.time_s);
-            (window, turns, trend)
+            (window, turns)
         })
         .collect();
     let mut starts: Vec<CoggingStart> = vec![];
     for order in 1..=HIGHEST_ORDER {
         let n = order as f64;
         let mut stretches: Vec<Stretch> = vec![];
-        for (window, turns, trend) in &mut windows {
+        for (window, turns) in &mut windows {
             turns.next_order();
             let (mut cosine, mut sine) = integrals(window, turns, n);
-            trend.remove(&mut cosine);
-            trend.remove(&mut sine);
+            remove_trend(&window.time_s, &mut cosine);
+            remove_trend(&window.time_s, &mut sine);
             let weight = 1.0 / window.noise_std.powi(2);
             let longest_s = window.in_phase_s(n);
             for (k, &time_s) in window.time_s.iter().enumerate() {
@@ -210,8 +155,6 @@ const IN_PHASE_RAD: f64 = 0.5;
 /// Shortest stretch, s: the length of the windows in which cogging is compared.
 const SHORTEST_STRETCH_S: f64 = 0.25;
 
-/// Unknowns of a parabola.
-const UNKNOWNS_OF_TREND: usize = 3;
 /// Fewest samples of a piece: a parabola and two projections have five unknowns.
 const FEWEST_SAMPLES: usize = 6;
 /// Samples of a short piece in a coarse log.
@@ -282,7 +225,6 @@ impl Projection {
 
 /// The residual of the wheel speed in one window, with the wheel's angle. Where the body moves too, its rate shows the
 /// same torque, often more clearly: the residual of the rate is then another one, in the wheel speed that goes with it.
-#[derive(Clone)]
 struct SpeedError {
     /// Index of the record.
     record: usize,
@@ -301,7 +243,7 @@ impl SpeedError {
         if self.error.len() < FEWEST_SAMPLES {
             return None;
         }
-        Trend::over(&self.time_s).remove(&mut self.error);
+        remove_trend(&self.time_s, &mut self.error);
         Some(self)
     }
 
@@ -336,19 +278,14 @@ impl SpeedError {
     }
 }
 
-fn speed_errors(
-    records: &[&Record],
-    model: &Model,
-    values: &[f64],
-    windows: &[Vec<Window>],
-) -> Vec<SpeedError> {
-    let [total, wheel] = [plant::TOTAL_INERTIA, plant::WHEEL_INERTIA].map(|at| values[at]);
+fn speed_errors(records: &[&Record], model: &Model, minimum: &Minimum) -> Vec<SpeedError> {
+    let [total, wheel] = [plant::TOTAL_INERTIA, plant::WHEEL_INERTIA].map(|at| minimum.values[at]);
     let mut found = vec![];
-    for (index, (record, windows)) in records.iter().zip(windows).enumerate() {
+    for (index, (record, windows)) in records.iter().zip(&minimum.windows).enumerate() {
         let Some(speed) = record.channel(Output::WheelSpeed) else {
             continue;
         };
-        let traces = traces(record, windows, model, values);
+        let traces = traces(record, windows, model, &minimum.values);
         let angle_rad = record.wheel_angles();
         for window in windows {
             for (channel, trace) in record.channels.iter().zip(&traces) {
@@ -431,44 +368,30 @@ fn integrals(window: &SpeedError, turns: &Turns, n: f64) -> (Vec<f64>, Vec<f64>)
     (cosine, sine)
 }
 
-/// The parabolas over the samples of a piece, as a basis whose parts are orthogonal to each other and to a constant.
-struct Trend {
-    slope: Vec<f64>,
-    bend: Vec<f64>,
-}
-
-impl Trend {
-    fn over(time_s: &[f64]) -> Trend {
-        let mut slope = time_s.to_vec();
-        remove_mean(&mut slope);
-        let mut bend: Vec<f64> = slope.iter().map(|t| t * t).collect();
-        remove_mean(&mut bend);
-        remove_part(&slope, &mut bend);
-        Trend { slope, bend }
-    }
-
-    /// Subtracts the least-squares parabola.
-    fn remove(&self, values: &mut [f64]) {
-        remove_mean(values);
-        remove_part(&self.slope, values);
-        remove_part(&self.bend, values);
-    }
-}
-
-fn remove_mean(values: &mut [f64]) {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    for value in values {
-        *value -= mean;
-    }
-}
-
-/// Subtracts the least-squares multiple of `part`.
-fn remove_part(part: &[f64], values: &mut [f64]) {
-    let own = dot(part, part.iter().copied());
+/// Subtracts the least-squares parabola.
+fn remove_trend(time_s: &[f64], values: &mut [f64]) {
+    let count = time_s.len() as f64;
+    let middle_s = time_s.iter().sum::<f64>() / count;
+    let mut square: Vec<f64> = time_s.iter().map(|t| (t - middle_s).powi(2)).collect();
+    remove_line(time_s, &mut square);
+    remove_line(time_s, values);
+    let own: f64 = square.iter().map(|q| q * q).sum();
     if own > 0.0 {
-        let share = dot(part, values.iter().copied()) / own;
-        for (value, part) in values.iter_mut().zip(part) {
-            *value -= share * part;
+        let shared: f64 = square
+            .iter()
+            .zip(&*values)
+            .map(|(q, value)| q * value)
+            .sum();
+        for (value, q) in values.iter_mut().zip(&square) {
+            *value -= shared / own * q;
         }
+    }
+}
+
+/// Subtracts the least-squares line.
+fn remove_line(time_s: &[f64], values: &mut [f64]) {
+    let line = StraightLine::through(time_s.iter().copied().zip(values.iter().copied()));
+    for (t, value) in time_s.iter().zip(values) {
+        *value -= line.at(*t);
     }
 }

@@ -37,7 +37,7 @@ mod transition;
 mod unknowns;
 mod windows;
 
-pub use cogging::{CoggingPromise, CoggingStart, cogging_promise, cogging_starts};
+pub use cogging::{CoggingStart, cogging_starts};
 pub use comparison::{PredictedSeries, traces};
 pub use effort::{Effort, Outcome};
 pub(crate) use integrated::integrated_ratios;

@@ -135,8 +135,7 @@ pub fn refit(
 /// window that is not followed keeps the steps of all others short.
 const BETWEEN_STARTS: usize = 5;
 
-/// As [`minimise`], for a model with cogging: windows that are not followed are started anew: once, and between its
-/// steps where logs are cut so that teeth can be counted. A log in one piece begins where the wheel's angle is known.
+/// As [`minimise`], for a model with cogging: windows that are not followed are started anew between its steps.
 fn settling(
     records: &[&Record],
     model: &Model,
@@ -147,11 +146,10 @@ fn settling(
 ) -> Minimum {
     let (mut values, mut windows) = (values, windows);
     let mut evaluations = 0;
-    let is_cut = records.iter().any(|record| record.is_cut_for_cogging());
     loop {
         let before = windows.clone();
         windows = settled(records, model, &values, windows);
-        let is_settled = !is_cut || (evaluations > 0 && windows == before);
+        let is_settled = evaluations > 0 && windows == before;
         let left = effort.evaluations.saturating_sub(evaluations);
         let next = if is_settled {
             left
@@ -192,8 +190,7 @@ fn over_orders(
     let ripple = model.find(|info| info.ripple.is_some());
     let at = ripple.and_then(|(effect, at)| Some(at + effect.info().ripple?.order));
     let Some(at) = at else { return found };
-    let is_cut = records.iter().any(|record| record.is_cut_for_cogging());
-    if !is_cut || unknowns.free.is_empty() || !found.cost.is_finite() {
+    if unknowns.free.is_empty() || !found.cost.is_finite() {
         return found;
     }
     let look = Effort {

@@ -35,8 +35,7 @@ impl Lanes<'_> {
         let nuisances = Nuisance::of(record).into_iter().zip(&window.nuisances);
         let nuisances = nuisances
             .enumerate()
-            .filter(|(_, (local, _))| local.acts_on(model) && !local.is_known(record, window))
-            .map(|(index, _)| index)
+            .filter_map(|(index, (local, _))| local.acts_on(model).then_some(index))
             .collect();
         Lanes { globals, nuisances }
     }
@@ -354,7 +353,7 @@ fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
 }
 
 /// Whether any sample of a window has weight; a window of which nothing counts need not be simulated.
-pub(super) fn counts(record: &Record, window: &Window) -> bool {
+fn counts(record: &Record, window: &Window) -> bool {
     let weights = &record.weight[window.samples.clone()];
     weights.iter().any(|&weight| weight > 0.0)
 }

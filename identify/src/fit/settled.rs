@@ -91,7 +91,9 @@ impl Starts<'_> {
             return window;
         }
         let mut tried = self.tried(record, &window);
-        if is_short(record, &window) {
+        let first_s = record.time_s[window.samples.start];
+        let span_s = record.time_s[window.samples.end - 1] - first_s;
+        if span_s <= LONGEST_S {
             for (parts, kept) in PARTS {
                 self.descend(record, &mut tried, parts);
                 tried.truncate(kept);
@@ -188,12 +190,6 @@ impl Starts<'_> {
         }
         (here.cost, window)
     }
-}
-
-/// Whether a window is one of those that are short because nothing longer is predictable.
-pub(super) fn is_short(record: &Record, window: &Window) -> bool {
-    let samples = &window.samples;
-    record.time_s[samples.end - 1] - record.time_s[samples.start] <= LONGEST_S
 }
 
 /// The χ² of a window up to which it counts as followed.

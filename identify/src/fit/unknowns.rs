@@ -76,13 +76,6 @@ impl Nuisance {
         }
     }
 
-    /// Whether it need not be fitted: the wheel's angle where a spin-up begins, which is zero by definition. (Where the body
-    /// moves too, a short window at the start is like all others of its log.)
-    pub(super) fn is_known(self, record: &Record, window: &Window) -> bool {
-        let is_start = self == Nuisance::WheelAngle && window.samples.start == 0;
-        is_start && record.kind == Kind::SpinUp
-    }
-
     /// Prior standard deviation of this nuisance parameter, in its own unit, for a window that begins at the sample
     /// `first`; `None` if it has no prior.
     pub fn prior_std(self, record: &Record, first: usize) -> Option<f64> {

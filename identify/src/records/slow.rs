@@ -46,12 +46,6 @@ impl Record {
         !self.cuts_s.is_empty()
     }
 
-    /// Whether the log is read in windows of [`BALANCE_WINDOW_S`] only so that the teeth of the motor can be counted.
-    pub(crate) fn is_cut_for_cogging(&self) -> bool {
-        let is_short = self.kind == Kind::Driven && self.window_s <= BALANCE_WINDOW_S;
-        (is_short && !self.passes_over_the_top) || !self.cuts_s.is_empty()
-    }
-
     /// Lets at most `most` of the windows of [`BALANCE_WINDOW_S`] count, evenly spread over the log, beside all that are
     /// longer.
     pub(crate) fn keep_short_windows(&mut self, most: usize) {
