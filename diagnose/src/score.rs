@@ -2,7 +2,7 @@
 
 use identify::{
     KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, ScoreStep, Unknowns, Window,
-    carry_over, cogging_starts, guessed, score_test, settled, shaped_start,
+    carry_over, cogging_start, guessed, score_test, settled, shaped_start,
 };
 use plant::{EffectId, Model, Role, StartFrom};
 use rayon::prelude::*;
@@ -129,13 +129,13 @@ pub fn starts(
     }
     let mut needs_settling = false;
     if matches!(info.start_from, StartFrom::Ripple) {
-        let found = cogging_starts(records, known.model, whole);
+        let start = cogging_start(records, known.model, whole);
         let missed = point.cost - bench.noise_cost();
         let least = bench.thresholds.least_gain;
-        needs_settling = found
-            .iter()
-            .any(|start| start.gain > least.max(bench.thresholds.least_part * missed));
-        parameter_sets = found.into_iter().map(|start| start.parameters).collect();
+        needs_settling = start
+            .as_ref()
+            .is_some_and(|start| start.gain > least.max(bench.thresholds.least_part * missed));
+        parameter_sets = start.map(|start| start.parameters).into_iter().collect();
     }
     let torque_constant = base[plant::TORQUE_CONSTANT];
     if info.is_limit {

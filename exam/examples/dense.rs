@@ -1,10 +1,9 @@
 //! A bench of dense logs, to time a diagnosis on what loggers really write: ten logs of equally many samples from
 //! the exam's simulator, with the teeth of a motor or without.
 //!
-//!     cargo run --release -p exam --example dense -- DIR [cogging|cogging=NM,ORDER,RAD|plain] [SAMPLES] [SAMPLE_TIME_S] [SEED]
+//!     cargo run --release -p exam --example dense -- DIR [cogging|plain] [SAMPLES] [SAMPLE_TIME_S] [SEED]
 //!
-//! NM, ORDER and RAD are the torque, order and phase of the teeth. With an odd seed a body that the motor drives is
-//! among the logs, with an even one another spin-up takes its place. The folder gets a bench.toml, a CSV for every log and a truth.json, so that `flywheel exam --folder` marks it.
+//! The folder gets a bench.toml, a CSV for every log and a truth.json, so that `flywheel exam --folder` marks it.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -21,7 +20,7 @@ const LIMIT_A: f64 = 2.0;
 /// Torque in N m, order and phase in rad of the teeth: about as strong as the dry friction of a small motor.
 const COGGING: [f64; 3] = [2e-3, 12.0, 0.7];
 
-fn plans(samples: usize, sample_s: f64, with_driven: bool) -> Vec<ExperimentPlan> {
+fn plans(samples: usize, sample_s: f64) -> Vec<ExperimentPlan> {
     let plan = |name: &str, kind: Kind, driving: DriveProgram| ExperimentPlan {
         name: name.to_owned(),
         kind,
@@ -47,11 +46,7 @@ fn plans(samples: usize, sample_s: f64, with_driven: bool) -> Vec<ExperimentPlan
         wheel_speed_rad_s: 60.0,
         ..plan("coast-down", Kind::SpinUp, DriveProgram::None)
     });
-    plans.push(if with_driven {
-        plan("driven", Kind::Driven, DriveProgram::Square(0.5))
-    } else {
-        plan("spin-up -0.12 A", Kind::SpinUp, DriveProgram::Step(-0.12))
-    });
+    plans.push(plan("driven", Kind::Driven, DriveProgram::Square(0.5)));
     let balanced = DriveProgram::Balanced {
         gains: GAINS,
         limit_a: LIMIT_A,
@@ -72,19 +67,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let samples: usize = arguments.next().map_or(Ok(100_000), |text| text.parse())?;
     let sample_s: f64 = arguments.next().map_or(Ok(0.001), |text| text.parse())?;
     let seed: u64 = arguments.next().map_or(Ok(1), |text| text.parse())?;
-    let has_cogging = hidden.starts_with("cogging");
-    let mut cogging = COGGING;
-    if let Some((_, numbers)) = hidden.split_once('=') {
-        for (value, text) in cogging.iter_mut().zip(numbers.split(',')) {
-            *value = text.parse()?;
-        }
-    }
+    let has_cogging = hidden == "cogging";
     let truth = Truth {
         base: BASE,
         body_viscous: 2.12e-5,
         wheel_viscous: 1.75204e-5,
         hidden: has_cogging
-            .then(|| Hidden::Library(EffectId::WheelCogging, cogging.to_vec()))
+            .then(|| Hidden::Library(EffectId::WheelCogging, COGGING.to_vec()))
             .into_iter()
             .collect(),
     };
@@ -97,7 +86,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
          [controller]\ngains = {GAINS:?}\ncurrent_limit = {LIMIT_A:?}\nsample_time = {sample_s}\n",
         BASE[2], BASE[3]
     );
-    for (index, plan) in plans(samples, sample_s, seed % 2 == 1).iter().enumerate() {
+    for (index, plan) in plans(samples, sample_s).iter().enumerate() {
         let log = record(&truth, plan, &noise, seed.wrapping_mul(64) + index as u64);
         let mut csv = String::from("time_s,angle_rad,rate_rad_s,wheel_speed_rad_s,current_A\n");
         for k in 0..log.time_s.len() {
@@ -127,7 +116,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let names = ["cogging_torque", "cogging_order", "cogging_phase"];
     let parameters: serde_json::Map<String, serde_json::Value> = names
         .iter()
-        .zip(cogging)
+        .zip(COGGING)
         .filter(|_| has_cogging)
         .map(|(name, value)| ((*name).to_owned(), value.into()))
         .collect();

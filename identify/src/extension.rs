@@ -3,7 +3,7 @@
 use plant::{EffectId, Model, StartFrom};
 
 use crate::bench::FitProblem;
-use crate::fit::{Effort, Minimum, cogging_starts, fit_from_scratch, refit};
+use crate::fit::{Effort, Minimum, cogging_start, fit_from_scratch, refit};
 use crate::records::Record;
 use crate::shape_search::shaped_start;
 
@@ -41,9 +41,9 @@ pub fn extend(
     let base = [0, 1, 2, 3].map(|position| minimum.values[position]);
     let starts = |effect: EffectId| -> Vec<Vec<f64>> {
         match effect.info().start_from {
-            StartFrom::Ripple => cogging_starts(records, from, minimum)
-                .iter()
+            StartFrom::Ripple => cogging_start(records, from, minimum)
                 .map(|start| start.parameters_of(effect))
+                .into_iter()
                 .collect(),
             _ => {
                 let mut starts = problem.starts(records, effect, &base);

@@ -41,7 +41,7 @@ pub use extension::{carry_over, extend};
 pub use fit::{
     CoggingStart, Effort, KnownScore, MAX_UNKNOWNS, Minimum, NoBetterThanMean, Nuisance,
     Observation, Outcome, PredictedSeries, Ratios, RecordScore, ScoreStep, ScoreTest, Unknowns,
-    Window, WindowNormal, acts, base_values, cogging_starts, cost, cost_of_means, failed_series,
+    Window, WindowNormal, acts, base_values, cogging_start, cost, cost_of_means, failed_series,
     final_windows, fit_from_scratch, fit_windowed, guessed, is_of_wheel, joined, minimise, normal,
     normal_observed, ratios, refit, relevant, score_test, settled, simulate, traces,
 };

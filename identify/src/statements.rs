@@ -38,14 +38,6 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> 
                 record.name
             ));
         }
-        if !record.cuts_s.is_empty() {
-            out.push(format!(
-                "{}: with the cogging of the motor, the run of a slow wheel depends on the tooth at which it comes to rest; \
-                 where the wheel is slow, the model is therefore compared over windows of {BALANCE_WINDOW_S} s, each \
-                 with its own start, as in a balance log",
-                record.name
-            ));
-        }
         if is_slow(record) {
             let in_window = samples_in_window(record);
             // `Record::windows` makes no window shorter than this.

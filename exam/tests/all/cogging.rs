@@ -1,11 +1,7 @@
 //! The teeth of a motor: what they do to logs, and what a diagnosis makes of it.
 
-use exam::{
-    Answer, DriveProgram, ExperimentPlan, Hidden, Mark, SensorNoise, Truth, draw, mark, record,
-};
-use identify::{
-    Effort, FitProblem, Progress, Record, Window, final_windows, identify, refit, simulate,
-};
+use exam::{Answer, Mark, draw, mark};
+use identify::{Effort, Progress, Record, Window, final_windows, refit, simulate};
 use plant::{EffectId, Kind, Model};
 
 /// The bench of a seed whose driven log passes many teeth slowly.
@@ -93,72 +89,4 @@ fn cogging_is_named_where_it_holds_the_wheel_or_hides_a_push() {
         assert_eq!(paper.named, [EffectId::WheelCogging], "seed {seed}");
         assert_eq!(paper.mark, Mark::Right, "seed {seed}");
     }
-}
-
-/// Of logs of forty seconds, over which the integrated noise of the wheel speed loses the phase, order and torque
-/// are found; the phase too, from the beginnings of the logs, where the wheel's angle is known.
-#[test]
-fn long_logs_show_order_torque_and_phase() {
-    let (torque_nm, order, phase_rad) = (2e-3, 12.0, 0.7);
-    let truth = Truth {
-        base: [2.30344e-3, 1.36125e-4, 0.245158, 0.0335],
-        body_viscous: 2.12e-5,
-        wheel_viscous: 1.75204e-5,
-        hidden: vec![Hidden::Library(
-            EffectId::WheelCogging,
-            vec![torque_nm, order, phase_rad],
-        )],
-    };
-    let noise = SensorNoise {
-        std: [1.2e-3, 4e-3, 0.6],
-    };
-    let plan = |kind, driving| ExperimentPlan {
-        name: format!("{kind:?} {driving:?}"),
-        kind,
-        angle_rad: 0.0,
-        wheel_speed_rad_s: 0.0,
-        driving,
-        duration_s: 40.0,
-        sample_s: 0.004,
-    };
-    let balanced = DriveProgram::Balanced {
-        gains: [-24.267242, -2.129739, -0.02258758],
-        limit_a: 2.0,
-        pushes: vec![],
-    };
-    let plans = [
-        ExperimentPlan {
-            angle_rad: 0.9,
-            ..plan(Kind::FreeSwing, DriveProgram::None)
-        },
-        plan(Kind::SpinUp, DriveProgram::Step(0.2)),
-        plan(Kind::SpinUp, DriveProgram::Step(-0.12)),
-        ExperimentPlan {
-            wheel_speed_rad_s: 60.0,
-            ..plan(Kind::SpinUp, DriveProgram::None)
-        },
-        ExperimentPlan {
-            angle_rad: std::f64::consts::PI + 0.03,
-            ..plan(Kind::Balance, balanced)
-        },
-    ];
-    let records = plans.iter().zip(3..).map(|(plan, seed)| {
-        let log = record(&truth, plan, &noise, seed);
-        let outputs = log.measured.map(Some);
-        let current = Some(log.current_a);
-        Record::new(&plan.name, plan.kind, log.time_s, outputs, current, false)
-    });
-    let known = [None, None, Some(truth.base[2]), Some(truth.base[3])];
-    let problem =
-        FitProblem::from_records(records.collect(), known, Default::default()).expect("a problem");
-    let model = Model::base().with(EffectId::WheelCogging);
-    let fit = identify(&problem, &model, None).expect("a fit").fit;
-    let at = model.position(EffectId::WheelCogging).expect("its place");
-    let found = &fit.values[at..at + 3];
-    assert!((found[0] / torque_nm - 1.0).abs() < 0.02, "{found:?}");
-    assert_eq!(found[1], order);
-    assert!((found[2] - phase_rad).abs() < 0.15, "{found:?}");
-    let observations: usize = problem.records.iter().map(Record::observations).sum();
-    let left = fit.minimum.cost / observations as f64;
-    assert!((0.9..1.1).contains(&left), "{left}");
 }

@@ -11,10 +11,6 @@ use crate::fit::{base_values, ratios};
 use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
 use crate::residuals::{PushModel, find_disturbances, leave_out};
 
-/// Largest number of short windows of a log that count where a missing effect is sought. They hold a quarter of a minute
-/// of the log; a motor's teeth do not change in it.
-const MOST_SHORT_WINDOWS: usize = 60;
-
 /// A bench prepared for fits: its records, and the values that are given.
 #[derive(Clone, Debug)]
 pub struct FitProblem {
@@ -151,8 +147,7 @@ impl FitProblem {
         changed.then_some(again)
     }
 
-    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`], and spin-ups where the wheel is slow; `None` if no
-    /// log would change.
+    /// The same bench with driven logs in windows of [`BALANCE_WINDOW_S`]; `None` if no log would change.
     ///
     /// With cogging, a long run of the wheel depends on every standstill: at the crest of a tooth, the wheel turns back
     /// or passes depending on differences that no sensor shows. A free-running simulation of the whole log then says
@@ -168,7 +163,6 @@ impl FitProblem {
                 record.window_s = BALANCE_WINDOW_S;
                 changed = true;
             }
-            changed |= record.cut_where_slow();
         }
         changed.then_some(cut)
     }
@@ -183,19 +177,9 @@ impl FitProblem {
         cut.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
-    /// Whether any log is read as [`FitProblem::in_windows`] reads it.
-    fn is_in_windows(&self) -> bool {
-        self.records.iter().any(|record| {
-            let is_cut = record.kind == Kind::Driven && record.window_s <= BALANCE_WINDOW_S;
-            (is_cut && !record.passes_over_the_top) || !record.cuts_s.is_empty()
-        })
-    }
-
     /// The same bench with thinned logs, and the thinning step of each record. About `per_period` samples remain per period
     /// of the pendulum, twice as many where a current acts. A swing with a thousand samples per period says no more about
     /// the shape of a missing effect than one with a hundred. The current keeps all its samples.
-    ///
-    /// Of a bench that is read in short windows, at most [`MOST_SHORT_WINDOWS`] of each log count.
     ///
     /// The period is taken from the samples, since an incomplete model may have a wrong one.
     pub fn thinned(&self, per_period: f64) -> (FitProblem, Vec<usize>) {
@@ -220,11 +204,6 @@ impl FitProblem {
         for (record, &step) in thin.records.iter_mut().zip(&steps) {
             if step > 1 {
                 *record = record.thinned(step);
-            }
-        }
-        if self.is_in_windows() {
-            for record in &mut thin.records {
-                record.keep_short_windows(MOST_SHORT_WINDOWS);
             }
         }
         (thin, steps)

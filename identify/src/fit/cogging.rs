@@ -1,11 +1,14 @@
-//! Starts for a fit of cogging. Its order, a whole number, cannot be found by descent from afar; nor can the tooth at
-//! which the wheel rests when a window begins (see [`super::settled`]).
+//! Starts for a fit of cogging. Two quantities cannot be found by descent from afar: the order of the cogging, which
+//! is a whole number, and the tooth at which the wheel rests when a window begins.
 
 use plant::{EffectId, Model};
 use rayon::prelude::*;
 
 use super::comparison::traces;
+use super::sensitivity::window_cost;
 use super::solver::Minimum;
+use super::unknowns::{Nuisance, Window};
+use super::windows::guess;
 use crate::records::{Output, Record, StraightLine};
 
 /// A start for a fit of cogging.
@@ -35,40 +38,22 @@ impl CoggingStart {
     }
 }
 
-/// Starts for a fit of cogging, one for each order that shows most in the wheel speed, the most promising first; none
-/// if no log has the wheel speed.
+/// The start for a fit of cogging: the order with the largest trace in the wheel speed; `None` if no log has
+/// the wheel speed.
 ///
 /// A torque a sin(nφ + ψ) against the wheel causes the speed error −(a/j_w) ∫ sin(nφ + ψ) dt, with φ the integral of
 /// the measured wheel speed. For every whole order n up to 60, the residual is projected on ∫cos(nφ) dt and
-/// ∫sin(nφ) dt, piece by piece. A parabola is removed first, because the start of the piece, a constant torque and
-/// one that changes slowly absorb it. The order is a whole number: a common multiple of poles and slots.
-///
-/// Pieces are whole windows, in which few teeth in one turn show, and stretches of [`SHORTEST_STRETCH_S`], in which
-/// the slow misfit of a long window is nearly a parabola. Where the two find different orders, both are starts.
-pub fn cogging_starts(records: &[&Record], model: &Model, minimum: &Minimum) -> Vec<CoggingStart> {
-    let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
-    let errors = speed_errors(records, model, minimum);
-    let mut short: Vec<SpeedError> = errors.iter().flat_map(SpeedError::pieces).collect();
-    // In the order of time, as stretches are.
-    let first_s = |piece: &SpeedError| piece.time_s[0];
-    short.sort_by(|one, other| {
-        let by_time = first_s(one).total_cmp(&first_s(other));
-        one.record.cmp(&other.record).then(by_time)
-    });
-    let mut starts: Vec<CoggingStart> = [short, errors]
-        .into_par_iter()
-        .filter_map(|pieces| start_in(pieces, wheel_inertia))
-        .collect();
-    starts.dedup_by_key(|start| start.parameters[1]);
-    starts
-}
-
-/// The start with the order of the largest trace in these pieces.
-fn start_in(pieces: Vec<SpeedError>, wheel_inertia: f64) -> Option<CoggingStart> {
+/// ∫sin(nφ) dt, window by window. A straight line is removed first, because the window's start and a constant
+/// torque absorb it. The order is a whole number: a common multiple of poles and slots.
+pub fn cogging_start(
+    records: &[&Record],
+    model: &Model,
+    minimum: &Minimum,
+) -> Option<CoggingStart> {
     const HIGHEST_ORDER: usize = 60;
-    let mut windows: Vec<(SpeedError, Turns)> = pieces
+    let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
+    let mut windows: Vec<(WheelSpeedError, Turns)> = wheel_speed_errors(records, model, minimum)
         .into_iter()
-        .filter_map(SpeedError::without_trend)
         .map(|window| {
             let turns = Turns::new(&window.wheel_angle_rad);
             (window, turns)
@@ -81,8 +66,8 @@ fn start_in(pieces: Vec<SpeedError>, wheel_inertia: f64) -> Option<CoggingStart>
         for (window, turns) in &mut windows {
             turns.next_order();
             let (mut cosine, mut sine) = integrals(window, turns, n);
-            remove_trend(&window.time_s, &mut cosine);
-            remove_trend(&window.time_s, &mut sine);
+            remove_line(&window.time_s, &mut cosine);
+            remove_line(&window.time_s, &mut sine);
             let weight = 1.0 / window.noise_std.powi(2);
             let longest_s = window.in_phase_s(n);
             for (k, &time_s) in window.time_s.iter().enumerate() {
@@ -155,11 +140,6 @@ const IN_PHASE_RAD: f64 = 0.5;
 /// Shortest stretch, s: the length of the windows in which cogging is compared.
 const SHORTEST_STRETCH_S: f64 = 0.25;
 
-/// Fewest samples of a piece: a parabola and two projections have five unknowns.
-const FEWEST_SAMPLES: usize = 6;
-/// Samples of a short piece in a coarse log.
-const SAMPLES_OF_A_PIECE: usize = 16;
-
 /// A part of a log over which the wheel's angle is known precisely enough.
 struct Stretch {
     record: usize,
@@ -223,94 +203,62 @@ impl Projection {
     }
 }
 
-/// The residual of the wheel speed in one window, with the wheel's angle. Where the body moves too, its rate shows the
-/// same torque, often more clearly: the residual of the rate is then another one, in the wheel speed that goes with it.
-struct SpeedError {
+/// The residual of the wheel speed in one window, with the wheel's angle.
+struct WheelSpeedError {
     /// Index of the record.
     record: usize,
     time_s: Vec<f64>,
     wheel_angle_rad: Vec<f64>,
-    /// Measured minus model, rad/s.
+    /// Measured minus model, with its straight line removed, rad/s.
     error: Vec<f64>,
     noise_std: f64,
-    /// Noise of the measured wheel speed, of which the wheel's angle is the integral, rad/s.
-    speed_noise_std: f64,
 }
 
-impl SpeedError {
-    /// The same error with its parabola removed; `None` if there are too few samples.
-    fn without_trend(mut self) -> Option<SpeedError> {
-        if self.error.len() < FEWEST_SAMPLES {
-            return None;
-        }
-        remove_trend(&self.time_s, &mut self.error);
-        Some(self)
-    }
-
-    /// The same error in pieces of [`SHORTEST_STRETCH_S`], or of [`SAMPLES_OF_A_PIECE`] where that is longer.
-    fn pieces(&self) -> Vec<SpeedError> {
-        let mut pieces = vec![];
-        let mut from = 0;
-        while from < self.time_s.len() {
-            let end_s = self.time_s[from] + SHORTEST_STRETCH_S;
-            let to = self.time_s.partition_point(|&time_s| time_s < end_s);
-            let to = to.max(from + SAMPLES_OF_A_PIECE).min(self.time_s.len());
-            pieces.push(SpeedError {
-                record: self.record,
-                time_s: self.time_s[from..to].to_vec(),
-                wheel_angle_rad: self.wheel_angle_rad[from..to].to_vec(),
-                error: self.error[from..to].to_vec(),
-                noise_std: self.noise_std,
-                speed_noise_std: self.speed_noise_std,
-            });
-            from = to;
-        }
-        pieces
-    }
-
+impl WheelSpeedError {
     /// Time in s over which the phase of a ripple of this order stays within [`IN_PHASE_RAD`]. The wheel's angle is the
     /// integral of its measured speed; noise σ with sampling interval h makes it drift by σ √(h t).
     fn in_phase_s(&self, order: f64) -> f64 {
         let last = self.time_s.len() - 1;
         let interval_s = (self.time_s[last] - self.time_s[0]) / last as f64;
-        let walk_s = (IN_PHASE_RAD / (order * self.speed_noise_std)).powi(2) / interval_s;
+        let walk_s = (IN_PHASE_RAD / (order * self.noise_std)).powi(2) / interval_s;
         walk_s.max(SHORTEST_STRETCH_S)
     }
 }
 
-fn speed_errors(records: &[&Record], model: &Model, minimum: &Minimum) -> Vec<SpeedError> {
-    let [total, wheel] = [plant::TOTAL_INERTIA, plant::WHEEL_INERTIA].map(|at| minimum.values[at]);
+fn wheel_speed_errors(
+    records: &[&Record],
+    model: &Model,
+    minimum: &Minimum,
+) -> Vec<WheelSpeedError> {
     let mut found = vec![];
     for (index, (record, windows)) in records.iter().zip(&minimum.windows).enumerate() {
-        let Some(speed) = record.channel(Output::WheelSpeed) else {
+        let traces = traces(record, windows, model, &minimum.values);
+        let channels = record.channels.iter().zip(&traces);
+        let Some((channel, trace)) = channels
+            .into_iter()
+            .find(|(channel, _)| channel.output == Output::WheelSpeed)
+        else {
             continue;
         };
-        let traces = traces(record, windows, model, &minimum.values);
         let angle_rad = record.wheel_angles();
         for window in windows {
-            for (channel, trace) in record.channels.iter().zip(&traces) {
-                // A torque between body and wheel turns the body the other way.
-                let scale = match channel.output {
-                    Output::WheelSpeed => 1.0,
-                    Output::Rate => -(total - wheel) / wheel,
-                    _ => continue,
-                };
-                let mut one = SpeedError {
-                    record: index,
-                    time_s: vec![],
-                    wheel_angle_rad: vec![],
-                    error: vec![],
-                    noise_std: channel.noise_std * scale.abs(),
-                    speed_noise_std: speed.noise_std,
-                };
-                for k in window.samples.clone() {
-                    let error = channel.samples[k] - trace.predicted[k];
-                    if error.is_finite() && record.weight[k] > 0.0 {
-                        one.time_s.push(record.time_s[k]);
-                        one.wheel_angle_rad.push(angle_rad[k]);
-                        one.error.push(scale * error);
-                    }
+            let mut one = WheelSpeedError {
+                record: index,
+                time_s: vec![],
+                wheel_angle_rad: vec![],
+                error: vec![],
+                noise_std: channel.noise_std,
+            };
+            for k in window.samples.clone() {
+                let error = channel.samples[k] - trace.predicted[k];
+                if error.is_finite() && record.weight[k] > 0.0 {
+                    one.time_s.push(record.time_s[k]);
+                    one.wheel_angle_rad.push(angle_rad[k]);
+                    one.error.push(error);
                 }
+            }
+            if one.error.len() > 4 {
+                remove_line(&one.time_s, &mut one.error);
                 found.push(one);
             }
         }
@@ -347,7 +295,7 @@ impl Turns {
 
 /// ∫ cos nφ dt and ∫ sin nφ dt over a window, sample by sample. The wheel is taken to turn evenly between samples. The
 /// antiderivative over φ is used where it turns, the function itself where it rests.
-fn integrals(window: &SpeedError, turns: &Turns, n: f64) -> (Vec<f64>, Vec<f64>) {
+fn integrals(window: &WheelSpeedError, turns: &Turns, n: f64) -> (Vec<f64>, Vec<f64>) {
     let (mut cosine, mut sine) = (vec![0.0], vec![0.0]);
     let mut sums = (0.0, 0.0);
     for k in 1..window.time_s.len() {
@@ -368,30 +316,72 @@ fn integrals(window: &SpeedError, turns: &Turns, n: f64) -> (Vec<f64>, Vec<f64>)
     (cosine, sine)
 }
 
-/// Subtracts the least-squares parabola.
-fn remove_trend(time_s: &[f64], values: &mut [f64]) {
-    let count = time_s.len() as f64;
-    let middle_s = time_s.iter().sum::<f64>() / count;
-    let mut square: Vec<f64> = time_s.iter().map(|t| (t - middle_s).powi(2)).collect();
-    remove_line(time_s, &mut square);
-    remove_line(time_s, values);
-    let own: f64 = square.iter().map(|q| q * q).sum();
-    if own > 0.0 {
-        let shared: f64 = square
-            .iter()
-            .zip(&*values)
-            .map(|(q, value)| q * value)
-            .sum();
-        for (value, q) in values.iter_mut().zip(&square) {
-            *value -= shared / own * q;
-        }
-    }
-}
-
 /// Subtracts the least-squares line.
 fn remove_line(time_s: &[f64], values: &mut [f64]) {
     let line = StraightLine::through(time_s.iter().copied().zip(values.iter().copied()));
     for (t, value) in time_s.iter().zip(values) {
         *value -= line.at(*t);
     }
+}
+
+/// Wheel angles that are tried for the start of a window, in standard deviations of its prior.
+const TRIED_STD: [f64; 5] = [0.0, -2.0, -1.0, 1.0, 2.0];
+
+/// Moves the start of every window to where the model fits best. Three kinds of start are compared: the given ones,
+/// those guessed from the samples, and those with the wheel turned a little. Cogging pulls the wheel towards a
+/// tooth. A window that starts on the wrong side of the tooth is in a local minimum; so is one that starts with
+/// the speed that a model without cogging needed. Windows of a model without cogging are returned unchanged.
+pub fn settled(
+    records: &[&Record],
+    model: &Model,
+    values: &[f64],
+    windows: Vec<Vec<Window>>,
+) -> Vec<Vec<Window>> {
+    if model.find(|info| info.ripple.is_some()).is_none() {
+        return windows;
+    }
+    let settle = |record: &Record, window: Window| -> Window {
+        let nuisances = Nuisance::of(record);
+        let wheel_angle = nuisances
+            .iter()
+            .position(|&local| local == Nuisance::WheelAngle);
+        let shift = wheel_angle.and_then(|at| {
+            let std = Nuisance::WheelAngle.prior_std(record, window.samples.start)?;
+            Some((at, std))
+        });
+        let guessed = guess(record, values, window.samples.clone());
+        let mut tried = vec![window, guessed];
+        if let Some((at, std)) = shift {
+            for mut start in tried.clone() {
+                tried.extend(TRIED_STD.map(|shift| {
+                    start.nuisances[at] = shift * std;
+                    start.clone()
+                }));
+            }
+        }
+        let cost = |window: &Window| window_cost(record, window, model, values);
+        let mut costs = tried.iter().map(cost).enumerate();
+        let first = costs.next().unwrap_or((0, 0.0));
+        let best = costs.fold(
+            first,
+            |best, next| if next.1 < best.1 { next } else { best },
+        );
+        tried.swap_remove(best.0)
+    };
+    records
+        .iter()
+        .zip(windows)
+        .map(|(record, list)| {
+            let has_wheel = record.channel(Output::WheelSpeed).is_some();
+            list.into_par_iter()
+                .map(|window| {
+                    if has_wheel {
+                        settle(record, window)
+                    } else {
+                        window
+                    }
+                })
+                .collect()
+        })
+        .collect()
 }

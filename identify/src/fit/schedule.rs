@@ -7,9 +7,9 @@
 
 use plant::{Kind, Model, Timing, period_s};
 
+use super::cogging::settled;
 use super::effort::{Effort, Outcome};
 use super::score_test::score_test;
-use super::settled::settled;
 use super::solver::{Minimum, minimise};
 use super::unknowns::{Unknowns, Window};
 use super::windows::{final_windows, windows};
@@ -121,144 +121,13 @@ pub fn refit(
     free: &[usize],
     effort: Effort,
 ) -> Minimum {
+    let windows = settled(records, model, &values, windows);
     let unknowns = Unknowns::new(model, free);
-    let minimum = if model.find(|info| info.ripple.is_some()).is_some() {
-        let found = settling(records, model, values, windows, &unknowns, effort);
-        over_orders(records, model, found, &unknowns, effort)
-    } else {
-        minimise(records, model, values, windows, &unknowns, effort)
-    };
+    let minimum = minimise(records, model, values, windows, &unknowns, effort);
     over_samples(records, model, minimum, &unknowns, effort)
 }
 
-/// Evaluations between two looks at the starts of the windows. With better parameters more windows are followed, and a
-/// window that is not followed keeps the steps of all others short.
-const BETWEEN_STARTS: usize = 5;
-
-/// As [`minimise`], for a model with cogging: windows that are not followed are started anew between its steps.
-fn settling(
-    records: &[&Record],
-    model: &Model,
-    values: Vec<f64>,
-    windows: Vec<Vec<Window>>,
-    unknowns: &Unknowns,
-    effort: Effort,
-) -> Minimum {
-    let (mut values, mut windows) = (values, windows);
-    let mut evaluations = 0;
-    loop {
-        let before = windows.clone();
-        windows = settled(records, model, &values, windows);
-        let is_settled = evaluations > 0 && windows == before;
-        let left = effort.evaluations.saturating_sub(evaluations);
-        let next = if is_settled {
-            left
-        } else {
-            left.min(BETWEEN_STARTS)
-        };
-        let part = Effort {
-            evaluations: next,
-            ..effort
-        };
-        let mut minimum = minimise(records, model, values, windows, unknowns, part);
-        evaluations += minimum.evaluations;
-        minimum.evaluations = evaluations;
-        let goes_on = match minimum.outcome {
-            Outcome::OutOfIterations => evaluations < effort.evaluations,
-            Outcome::Converged | Outcome::Stalled => {
-                !is_settled && evaluations < effort.evaluations
-            }
-            Outcome::Outclassed | Outcome::NotFinite | Outcome::Cancelled => false,
-        };
-        if !goes_on {
-            return minimum;
-        }
-        (values, windows) = (minimum.values, minimum.windows);
-    }
-}
-
-/// Moves the order of the cogging to the next whole number as long as that lowers the cost. The order is no parameter of
-/// a descent. Two things lead to a neighbour: at a good fit, a step with a free order; at a poor one, which says
-/// nothing about its neighbours, a look at both.
-fn over_orders(
-    records: &[&Record],
-    model: &Model,
-    found: Minimum,
-    unknowns: &Unknowns,
-    effort: Effort,
-) -> Minimum {
-    let ripple = model.find(|info| info.ripple.is_some());
-    let at = ripple.and_then(|(effect, at)| Some(at + effect.info().ripple?.order));
-    let Some(at) = at else { return found };
-    if unknowns.free.is_empty() || !found.cost.is_finite() {
-        return found;
-    }
-    let look = Effort {
-        evaluations: 2 * BETWEEN_STARTS,
-        ..Effort::ROUGH.until(effort.cancelled)
-    };
-    let observations: usize = records.iter().map(|record| record.observations()).sum();
-    let noise = observations as f64;
-    let good = noise + GOOD_STD * (2.0 * noise).sqrt();
-    let mut seen = vec![found.values[at]];
-    let mut best = found;
-    for _ in 0..MOST_ORDERS {
-        let order = best.values[at];
-        let neighbours = if best.cost > good {
-            vec![order - 1.0, order + 1.0]
-        } else {
-            vec![neighbour(records, model, &best, unknowns, at)]
-        };
-        let moved = neighbours.into_iter().filter_map(|next| {
-            if next < 1.0 || seen.contains(&next) || (effort.cancelled)() {
-                return None;
-            }
-            seen.push(next);
-            let mut values = best.values.clone();
-            values[at] = next;
-            let windows = best.windows.clone();
-            Some(settling(records, model, values, windows, unknowns, look))
-        });
-        let moved = moved.min_by(|one, other| one.cost.total_cmp(&other.cost));
-        let Some(moved) = moved.filter(|moved| moved.cost < best.cost - WORTH_A_SAMPLE) else {
-            break;
-        };
-        best = moved;
-    }
-    if seen.first() == Some(&best.values[at]) {
-        return best;
-    }
-    settling(records, model, best.values, best.windows, unknowns, effort)
-}
-
-/// The whole number next to where a step with a free order leads.
-fn neighbour(
-    records: &[&Record],
-    model: &Model,
-    best: &Minimum,
-    unknowns: &Unknowns,
-    at: usize,
-) -> f64 {
-    let mut free = unknowns.free.clone();
-    free.push(at);
-    free.sort_unstable();
-    let own = free.partition_point(|&position| position < at);
-    let all = vec![true; free.len()];
-    let with_order = Unknowns::new(model, &free);
-    let (values, windows) = (&best.values, &best.windows);
-    let test = score_test(records, model, values, windows, &with_order, None);
-    let step = test.step(values, &with_order, &all).step[own];
-    let order = values[at];
-    (order + step).round().clamp(order - 1.0, order + 1.0)
-}
-
-/// Largest number of steps from one order to the next.
-const MOST_ORDERS: usize = 4;
-/// A fit is good if its χ² exceeds that of noise by at most this many standard deviations.
-const GOOD_STD: f64 = 4.0;
-
-/// Gain in χ² that the score test must promise for a delay of one sample more or less, before a fit is started there; and
-/// that another order of the cogging must bring.
+/// Gain in χ² that the score test must promise for a delay of one sample more or less, before a fit is started there.
 const WORTH_A_SAMPLE: f64 = 1.0;
 /// Evaluations of that fit, which show whether it keeps the promise. From the middle of a sampling interval the cost
 /// is nearly quadratic.

@@ -147,16 +147,6 @@ pub fn normal_observed(
     each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
     let lanes = Lanes::of(record, window, model, globals);
-    if !counts(record, window) {
-        let count = lanes.count();
-        let normal = WindowNormal {
-            hessian: DMatrix::zeros(count, count),
-            gradient: DVector::zeros(count),
-            cost: 0.0,
-            nuisances: lanes.nuisances.clone(),
-        };
-        return with_priors(record, window, &lanes, normal);
-    }
     if is_impossible(record, values) {
         let count = lanes.count();
         return WindowNormal {
@@ -352,12 +342,6 @@ fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
         .collect()
 }
 
-/// Whether any sample of a window has weight; a window of which nothing counts need not be simulated.
-fn counts(record: &Record, window: &Window) -> bool {
-    let weights = &record.weight[window.samples.clone()];
-    weights.iter().any(|&weight| weight > 0.0)
-}
-
 /// Whether the wheel's inertia would exceed that of body and wheel together.
 fn is_impossible(record: &Record, values: &[f64]) -> bool {
     matches!(record.kind, Kind::Balance | Kind::Driven)
@@ -370,7 +354,7 @@ pub fn window_cost(record: &Record, window: &Window, model: &Model, values: &[f6
         return f64::INFINITY;
     }
     let mut cost = 0.0;
-    let mut each = |k: usize, reading: &plant::Reading<f64>, _: &plant::State<f64>| {
+    simulate(record, window, model, values, |k, reading, _| {
         let weight = record.weight[k];
         for channel in &record.channels {
             let measured = channel.samples[k];
@@ -379,10 +363,7 @@ pub fn window_cost(record: &Record, window: &Window, model: &Model, values: &[f6
                 cost += ((measured - channel.output.of(reading)) * scale).powi(2);
             }
         }
-    };
-    if counts(record, window) {
-        simulate(record, window, model, values, &mut each);
-    }
+    });
     for (_, value, std) in priors(record, window) {
         cost += (value / std).powi(2);
     }

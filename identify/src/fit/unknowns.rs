@@ -48,7 +48,7 @@ impl Nuisance {
         if angle_quantum(record).is_some() {
             nuisances.push(Nuisance::AngleZero);
         }
-        if record.kind != Kind::FreeSwing && measures(Output::WheelSpeed) {
+        if matches!(record.kind, Kind::Balance | Kind::Driven) && measures(Output::WheelSpeed) {
             nuisances.push(Nuisance::WheelAngle);
         }
         nuisances.push(Nuisance::PastMotion);

@@ -49,8 +49,7 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
     Window { samples, nuisances }
 }
 
-/// A window may take over the start of an earlier window that begins within this share of its length, and of the length
-/// of the window before it.
+/// A window may take over the start of an earlier window that begins within this share of its length.
 const SNAP: f64 = 0.1;
 
 /// Windows of about `window_s` seconds. A start is taken from a window of `before` that begins at the same place or
@@ -63,17 +62,14 @@ pub(super) fn windows(
     before: &[Window],
 ) -> Vec<Window> {
     let ranges = record.windows(window_s.min(record.window_s));
-    let nearest = |index: usize| -> Option<&Window> {
-        let range = &ranges[index];
+    let nearest = |range: &std::ops::Range<usize>| -> Option<&Window> {
         let near = before
             .iter()
             .min_by_key(|window| window.samples.start.abs_diff(range.start))?;
         let away = near.samples.start.abs_diff(range.start) as f64;
-        // A long window may follow a short one, and must not begin before it.
-        let shorter = range.len().min(ranges[index.saturating_sub(1)].len());
-        (away <= SNAP * shorter as f64).then_some(near)
+        (away <= SNAP * range.len() as f64).then_some(near)
     };
-    let found: Vec<Option<&Window>> = (0..ranges.len()).map(nearest).collect();
+    let found: Vec<Option<&Window>> = ranges.iter().map(nearest).collect();
     let start = |index: usize| found[index].map_or(ranges[index].start, |near| near.samples.start);
     (0..ranges.len())
         .map(|index| {

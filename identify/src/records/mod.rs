@@ -4,7 +4,6 @@ mod angle;
 mod averages;
 mod noise;
 mod record;
-mod slow;
 mod statistics;
 mod weak_form;
 

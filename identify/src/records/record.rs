@@ -122,9 +122,6 @@ pub struct Record {
     /// Longest stretch in s that is simulated in one piece, with its own start: the whole log (infinite), or
     /// [`BALANCE_WINDOW_S`] if the free run diverges.
     pub window_s: f64,
-    /// Times in s at which a new window begins, however long a window may be. Empty unless the run of the wheel cannot be
-    /// predicted across them ([`Record::cut_where_slow`]).
-    pub cuts_s: Vec<f64>,
     /// Whether the measured angle leaves ±π.
     pub passes_over_the_top: bool,
     /// How many samples of the recorded log each sample here is the average of; 1 for a log as recorded.
@@ -197,7 +194,6 @@ impl Record {
                 Kind::Driven if passes_over_the_top => BALANCE_WINDOW_S,
                 Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
             },
-            cuts_s: vec![],
             passes_over_the_top,
             averaged_over: 1,
             turned_rad: None,
@@ -275,7 +271,6 @@ impl Record {
             averaged.turned_rad = Some(means(self.wheel_angles(), &blocks));
         }
         averaged.window_s = self.window_s;
-        averaged.cuts_s = self.cuts_s.clone();
         averaged.passes_over_the_top = self.passes_over_the_top;
         averaged.averaged_over = block * self.averaged_over;
         averaged
@@ -302,7 +297,6 @@ impl Record {
         }
         part.weight = pick(&self.weight);
         part.window_s = self.window_s;
-        part.cuts_s = self.cuts_s.clone();
         part.turned_rad = self.turned_rad.as_deref().map(pick);
         part.averaged_over = self.averaged_over;
         part
@@ -436,17 +430,13 @@ impl Record {
             .sum()
     }
 
-    /// Divides the samples into windows of `window_s` seconds; a window also ends at each of [`Record::cuts_s`]. The last
-    /// window may be shorter; if it has fewer than 8 samples, it is joined to the one before.
+    /// Divides the samples into windows of `window_s` seconds. The last window may be shorter; if it has fewer than
+    /// 8 samples, it is joined to the one before.
     pub fn windows(&self, window_s: f64) -> Vec<std::ops::Range<usize>> {
         let mut windows: Vec<std::ops::Range<usize>> = vec![];
         let mut start = 0;
         while start < self.len() {
-            let next = self
-                .cuts_s
-                .partition_point(|&cut_s| cut_s <= self.time_s[start]);
-            let cut_s = self.cuts_s.get(next).copied().unwrap_or(f64::INFINITY);
-            let limit = (self.time_s[start] + window_s * (1.0 + 1e-9)).min(cut_s);
+            let limit = self.time_s[start] + window_s * (1.0 + 1e-9);
             let end = self.time_s.partition_point(|&time| time < limit);
             let end = end.max(start + 8).min(self.len());
             match windows.last_mut() {
