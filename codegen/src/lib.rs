@@ -12,14 +12,13 @@
 //! numbers are in `codegen/runtime/`; [`runtime`] copies them into the output. [`harnesses`] does so for the
 //! Kani proofs, which become a crate of their own beside it.
 //!
-//! ```no_run
-//! # fn spec() -> codegen::spec::ModuleSpec { unimplemented!() }
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let emitted = codegen::generate(&spec())?;
-//! emitted.write(std::path::Path::new("generated"))?; // writes only what changed
-//! emitted.check(std::path::Path::new("generated"))?; // compares instead
-//! # Ok(())
-//! # }
+//! ```
+//! fn emit(spec: &codegen::ModuleSpec, folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
+//!     let emitted = codegen::generate(spec)?;
+//!     emitted.write(folder)?; // writes only what changed
+//!     emitted.check(folder)?; // compares instead
+//!     Ok(())
+//! }
 //! ```
 
 pub mod attitude;

@@ -5,6 +5,15 @@ use std::path::Path;
 
 use super::{done, json_of, parameter};
 
+/// The words of a figure, in their order.
+fn words(figure: &Path) -> Vec<String> {
+    let svg =
+        fs::read_to_string(figure).unwrap_or_else(|error| panic!("{}: {error}", figure.display()));
+    let parts = svg.split("</text>");
+    let texts = parts.filter_map(|part| part.rsplit_once('>'));
+    texts.map(|(_, text)| text.trim().to_owned()).collect()
+}
+
 #[test]
 fn the_demonstration_finds_its_own_friction_and_emits_the_controller() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -41,6 +50,24 @@ fn the_demonstration_finds_its_own_friction_and_emits_the_controller() {
         let path = Path::new(figure.as_str().expect("a path"));
         let svg = fs::read_to_string(path).expect("a figure");
         assert!(svg.contains("<svg"), "{}", path.display());
+    }
+    // The pictures of README and guide are those that a user sees.
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide");
+    let figures = folder.path().join("figures");
+    for (shown, drawn) in [
+        (
+            "base-model-free-swing-20-deg.svg",
+            "base-model/compare-free-swing-20-deg.svg",
+        ),
+        ("staircase.svg", "staircase.svg"),
+    ] {
+        let own = words(&figures.join(drawn));
+        assert!(own.len() > 10, "{own:?}");
+        assert_eq!(
+            words(&guide.join(shown)),
+            own,
+            "copy {drawn} to docs/guide/{shown}"
+        );
     }
     let controller = folder.path().join("controller");
     for file in [
