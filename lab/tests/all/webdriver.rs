@@ -18,12 +18,12 @@ pub struct Browser {
     session: String,
 }
 
-/// The key of an element in WebDriver's JSON.
-const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
-
-impl Browser {
-    /// Starts chromedriver and a window of this size.
-    pub fn start(width: u32, height: u32) -> Browser {
+/// Starts chromedriver on a port that the system chooses, and gives it with that port. The driver then asks for the
+/// same port a second time, for IPv6, and ends where another program has it: it is started anew, with another port.
+fn start_driver() -> (Child, Lines<BufReader<ChildStdout>>, u16) {
+    const TRIES: usize = 5;
+    let mut said = String::new();
+    for _ in 0..TRIES {
         let mut driver = Command::new("chromedriver")
             .arg("--port=0")
             .stdout(Stdio::piped())
@@ -31,14 +31,27 @@ impl Browser {
             .spawn()
             .expect("chromedriver");
         let mut output = BufReader::new(driver.stdout.take().expect("its output")).lines();
-        let port = output
-            .by_ref()
-            .map_while(Result::ok)
-            .find_map(|line| {
-                let rest = line.split("started successfully on port ").nth(1)?;
-                rest.trim_end_matches('.').parse().ok()
-            })
-            .expect("its port");
+        for line in output.by_ref().map_while(Result::ok) {
+            let port = line.split("started successfully on port ").nth(1);
+            if let Some(port) = port.and_then(|rest| rest.trim_end_matches('.').parse().ok()) {
+                return (driver, output, port);
+            }
+            said.push_str(&line);
+            said.push('\n');
+        }
+        let ended = driver.wait().expect("how the driver ended");
+        said.push_str(&format!("{ended}\n"));
+    }
+    panic!("chromedriver started none of {TRIES} times:\n{said}")
+}
+
+/// The key of an element in WebDriver's JSON.
+const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
+
+impl Browser {
+    /// Starts chromedriver and a window of this size.
+    pub fn start(width: u32, height: u32) -> Browser {
+        let (driver, output, port) = start_driver();
         let mut browser = Browser {
             driver,
             _output: output,
