@@ -25,8 +25,8 @@ pub struct Settings {
     pub weights: Weights,
     /// Largest current in A.
     pub current_limit_a: f64,
-    /// The bench with none and with all of its Coulomb friction, if it has any. The design
-    /// must be stable without it.
+    /// The linear models of the bench without and with all of its Coulomb friction, if it has any. The loop must be
+    /// stable without the friction.
     pub friction_extremes: Option<FrictionExtremes>,
 }
 
@@ -36,8 +36,8 @@ const SAMPLE_TIME_OF_THE_THESIS_S: f64 = 0.001;
 const CURRENT_LIMIT_OF_THE_THESIS_A: f64 = 2.0;
 
 impl Settings {
-    /// The usual requirements, if none are stated: weights and sample time of the
-    /// thesis, and its current limit unless that of the bench is known.
+    /// The requirements for a model that states none: weights and sample time of the thesis, and the current limit of
+    /// the bench if it is known, or else that of the thesis.
     pub fn usual(current_limit_a: Option<f64>) -> Settings {
         Settings {
             sample_time_s: SAMPLE_TIME_OF_THE_THESIS_S,
@@ -183,7 +183,8 @@ impl Design {
 /// practice: the wheel would run away while everything else is balanced.
 const SLOWEST_DECAY_S: f64 = 3600.0;
 
-/// Below this relative distance between the cost and one without the mode, rounding decides.
+/// Smallest relative difference between the cost and the same cost without the mode. For a smaller difference, rounding
+/// decides.
 const SEES_MIN: f64 = 1e-12;
 
 /// Names of the states whose modes may not decay by themselves.
@@ -262,8 +263,8 @@ fn regulator_with_margins(
         Err(error @ DesignError::CostBlind { .. }) => return Err(error),
         Err(error) => (0.0, Some(error)),
     };
-    // If a shorter sample time works, the sample time was the cause. It is rounded to two digits, as it will
-    // be typed, before it is tried.
+    // If a shorter sample time works, the sample time was the cause. The shorter one is rounded to two digits, as a
+    // user will type it, before it is tried.
     let mut shorter_s = settings.sample_time_s;
     for _ in 0..60 {
         shorter_s = two_digits(0.5 * shorter_s);
@@ -287,8 +288,8 @@ fn regulator_with_margins(
     }))
 }
 
-/// A larger current weight of two digits with which the design passes every check at its own sample time: the first that
-/// does while the weight is doubled. `None` if none does.
+/// A larger current weight of two digits with which the design passes every check at its own sample time. The weight is
+/// doubled until a design passes. `None` if no design does.
 fn larger_current_weight(model: &LinearModel, settings: &Settings) -> Option<f64> {
     let mut slower = settings.clone();
     (0..80).find_map(|_| {
@@ -319,8 +320,8 @@ fn two_digits(value: f64) -> f64 {
     format!("{digits:.0}e{exponent}").parse().unwrap_or(0.0)
 }
 
-/// The friction check; an error if the bench would fall without the friction that the design counted
-/// on. Instability with all of it is hunting, which the check reports.
+/// Checks the loop at both extremes of friction. A loop that is unstable without friction is an error, because the
+/// bench would fall. A loop that is unstable with all friction hunts, and the check reports this.
 fn stable_friction_check(
     extremes: &FrictionExtremes,
     gains: &RowVector3<f64>,
@@ -402,8 +403,8 @@ mod tests {
         }
     }
 
-    /// Weights so unequal that only a sample time of nanoseconds would do: what can be built is a larger weight of
-    /// the current.
+    /// These weights are so unequal that only a sample time of nanoseconds would work. A larger current weight is the
+    /// advice that can be followed.
     #[test]
     fn a_sample_time_that_no_controller_has_is_not_advised() {
         let mut settings = settings();
@@ -425,8 +426,8 @@ mod tests {
         assert!(Design::new(&thesis::model(), &settings).is_ok());
     }
 
-    /// The wheel of a bench without wheel friction keeps its speed where no weight asks for rest; a
-    /// weight of 1e-20 asks too little.
+    /// Without wheel friction and without a weight on the wheel speed, the wheel keeps its speed. A weight of 1e-20 is
+    /// too small to change that.
     #[test]
     fn a_cost_that_does_not_see_the_wheel_is_refused() {
         let mut parameters = thesis::PARAMETERS;

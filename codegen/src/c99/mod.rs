@@ -40,7 +40,7 @@ mod types;
 
 pub use files::emit;
 
-/// A construct of the emitted Rust that has no translation: a fault of this program.
+/// A construct of the emitted Rust without a translation. This is a fault of this program.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: no translation to C for {what}")]
 pub struct Untranslatable {
