@@ -184,7 +184,7 @@ fn modulus(modulus: f64) -> String {
 }
 
 /// The shortest sample time that is advised, in s: what the 2,400 instructions of the emitted step's longest path
-/// (docs/cost.md) take at 120 MHz.
+/// (docs/guide/cost.md) take at 120 MHz.
 const SHORTEST_ADVISED_S: f64 = 20e-6;
 
 /// What cures a sample time that is too long: a shorter one, where a controller can have it, or a slower loop.
