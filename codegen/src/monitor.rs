@@ -176,8 +176,8 @@ pub fn derive(
     let answer = (wheel[3].abs() - wheel_width[3]) * memory * spec.current_limit_a;
     if pushed_rad_s > 0.0 && wheel_limit_rad_s >= answer {
         return Err(refuse(format!(
-            "over the window of the wheel's encoder its speed may be off by so much ({:.1} rad/s) that a wheel which \
-             does not answer would not be noticed; a shorter window would help",
+            "the speed over the window of the wheel's encoder may be wrong by {:.1} rad/s, and a wheel that \
+             does not respond would not be noticed; use a shorter window",
             errors[2]
         )));
     }
@@ -219,7 +219,7 @@ pub fn derive(
     let units = units(scale);
     if !fits(scale) || units[1] < 1.0 || units[2] < 1.0 {
         return Err(refuse(
-            "a step changes the motion by more than its words can hold".to_owned(),
+            "the motion changes in one step by more than a word can hold".to_owned(),
         ));
     }
     let nearest = |row: &Row| motion_row([0, 1, 2, 3].map(|i| (row[i] * units[i]).round()));

@@ -193,7 +193,7 @@ fn shorter_or_slower(longest_s: f64, current_weight: f64, larger_weight: Option<
         Some(weight) => format!(
             "a current weight of at least {weight} (now {current_weight}), which makes the loop slower"
         ),
-        None => "other weights: a larger one of the current makes the loop slower".to_owned(),
+        None => "other weights: a larger current weight makes the loop slower".to_owned(),
     };
     if longest_s < SHORTEST_ADVISED_S {
         format!("use {slower}")

@@ -59,7 +59,7 @@ pub fn nyquist(figure: &Nyquist) -> Result<String, FigureError> {
     let color = style::LIMIT;
     keys.push(Key::new(
         Mark::Dashed { color },
-        "unit circle, and the circles around −1 that are touched",
+        "unit circle, and the circle around −1 that each curve touches",
     ));
     page.legend(&keys);
     let side = 560.0;

@@ -263,7 +263,7 @@ fn parameters(section: &Section) -> Result<Vec<ParameterText>, Error> {
     }
     if found.is_empty() {
         return Err(table.error(Problem::Formula(
-            "an effect has at least one parameter, which the fit finds".to_owned(),
+            "an effect needs at least one parameter for the fit".to_owned(),
         )));
     }
     Ok(found)
@@ -317,7 +317,9 @@ fn formulas(
                 .iter()
                 .any(|(other, _)| found.what.contains(&format!("\"{other}\"")));
             let what = if waits {
-                format!("the definition of {name} leads back to itself, or to one that is wrong")
+                format!(
+                    "the definition of {name} depends on itself, or on a definition that is wrong"
+                )
             } else {
                 found.what
             };

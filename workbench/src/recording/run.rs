@@ -38,14 +38,15 @@ const RUNNING: u8 = 2;
 pub(super) fn status_text(status: u8) -> String {
     let text = match status {
         NOT_ALIGNED => {
-            "the attitude is not known: hold the body still for a moment, upright where an encoder on the pivot shows it"
+            "the attitude is not known: hold the body still for a moment, upright where an encoder on the \
+             pivot shows it"
         }
         READY => "ready, but not armed: hold the body upright and still",
         RUNNING => "running",
         3 => "tripped: the body leaned too far",
         4 => "tripped: the gyroscope's words, or the counts of the pivot's encoder, stood still",
-        5 => "tripped: gyroscope or accelerometer at the end of its range",
-        6 => "tripped: the wheel's speed at the ends of its sensor",
+        5 => "tripped: gyroscope or accelerometer was at the end of its range",
+        6 => "tripped: the wheel's speed was unknown, or at the end of its sensor's range",
         7 => "tripped: the accelerometer showed no gravity",
         8 => "tripped: the current stayed at its limit",
         9 => "tripped: a missed tick or a bus error",
