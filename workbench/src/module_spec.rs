@@ -34,7 +34,7 @@ impl ControlDesign {
         })
     }
 
-    /// What the loop asks of an encoder on the pivot.
+    /// The loop's requirements for an encoder on the pivot.
     pub(crate) fn rate_needs(&self) -> RateNeeds {
         let (design, wishes) = (self.design(), self.wishes());
         RateNeeds {

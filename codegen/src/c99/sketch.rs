@@ -63,7 +63,7 @@ pub fn file(emitted: &EmittedCrate) -> EmittedFile {
     }
 }
 
-/// The functions that begin and read a sensor, and what it is.
+/// The functions that start and read a sensor, and the name of the sensor.
 struct Reading {
     words: &'static str,
     text: String,
@@ -75,7 +75,7 @@ impl Reading {
     }
 }
 
-/// What the documentation of the crate says of the hardware: `src/lib.rs`.
+/// The documentation of the hardware in the emitted crate: `src/lib.rs`.
 struct Documented<'a>(&'a str);
 
 impl Documented<'_> {
