@@ -71,7 +71,7 @@ fn type_definition(items: &Items, key: &ItemKey) -> String {
             text.push_str(&comments::before(&comments::lines(attributes), "    "));
             text.push_str(&format!("    {} = {value},\n", place::enumerator(variant)));
         }
-        // A comma before the end is not for every compiler's strictest mode.
+        // Not every compiler in its strictest mode accepts a comma before the end.
         let text = text.trim_end().trim_end_matches(',').to_string();
         return format!("{text}\n}} {name};\n");
     }
