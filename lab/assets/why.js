@@ -42,7 +42,7 @@ function build() {
     el("div", { class: "row" }, button(found ? "Diagnose again" : "Diagnose", { task: "diagnose" }, !found),
       found?.can_apply && (found.added.length || found.taken_out.length) ? button(applyText(), { task: "apply" }, true) : null),
     found ? verdict() : el("p", { class: "quiet" }, "The diagnosis looks for physical effects that the model lacks. It gives the probability of each, and names the experiment that would decide between those that fit equally well."),
-    found?.missing_torque ? remainder(found.missing_torque, begin, redrawPlots, bench.effects.includes(`learned-${found.missing_torque.coordinate.replace("_", "-")}`)) : "",
+    found?.missing_torque ? remainder(found.missing_torque, begin, redrawPlots, bench.effects.includes(`learned-${found.missing_torque.coordinate.replace("_", "-")}`), bench.opened) : "",
     tie(), found ? suspects() : "", found ? reasons() : "", model(), staircase(), others(),
   );
   redrawPlots.forEach((call) => call());

@@ -39,7 +39,7 @@ pub(crate) struct BenchHardware {
 pub enum HardwareError {
     /// A required property is not stated.
     #[error(
-        "the bench's hardware is not stated: {}; state it in bench.toml or model.toml, or take what is missing from the bench of the thesis with --preset thesis-bench",
+        "the bench's hardware is not stated: {}; state it in bench.toml or model.toml, or take what is missing from the bench of the thesis",
         .missing.join("; ")
     )]
     Missing {
