@@ -24,6 +24,8 @@ let unsaved = null;
 let isGone = false;
 
 function complain(error) {
+  // That nobody answers stands in the notice as long as it is so.
+  if (error?.message === SILENT && isGone) return;
   byId("message").hidden = !error;
   byId("message-text").textContent = error ? error.message : "";
 }
@@ -178,6 +180,7 @@ function told(event) {
     outside = event.files;
     notice();
   } else if (event.event === "connected" || event.event === "lagged") {
+    if (isGone) complain(null);
     isGone = false;
     refresh().catch(complain);
   } else if (event.event === "gone") {

@@ -142,7 +142,7 @@ fn the_other_experiments_follow_when_the_hand_rests() {
     let message = browser.text("#message-text");
     assert!(message.contains("hardware is not stated"), "{message}");
     assert!(
-        !message.contains("--"),
+        !message.contains("--preset"),
         "no word of the command line: {message}"
     );
     // The page offers what it can: to write it, or those of another bench, and it says which they are.

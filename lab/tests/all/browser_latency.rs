@@ -45,9 +45,9 @@ fn long_swings(folder: &Path, count: usize) {
             let _ = writeln!(log, "{time_s:.3},{seen_rad:.6}");
         }
         fs::write(folder.join(format!("{number}.csv")), log).expect("a log");
-        let _ = write!(
+        let _ = writeln!(
             bench,
-            "\n[[experiment]]\nname = \"swing {number}\"\nkind = \"free-swing\"\nfile = \"{number}.csv\"\n"
+            "\n[[experiment]]\nname = \"swing {number}\"\nkind = \"free-swing\"\nfile = \"{number}.csv\""
         );
     }
     fs::write(folder.join("bench.toml"), bench).expect("a bench");

@@ -244,7 +244,7 @@ fn files_outside_the_bench_folder_are_refused() {
             effect.join("effects/mine.toml"),
             place.path().join("mine.toml"),
         );
-        let text = "role = \"body\"\ntorque = \"-a*rate\"\n[parameters.a]\nunit = \"N m s/rad\"\nstart = 1e-5\n";
+        let text = "role = \"body\"\ntorque = \"-c*sign(rate)\"\n[parameters.c]\nunit = \"N m\"\nstart = 1e-4\n";
         fs::write(&own, text).expect("an effect");
         symlink(&own, &inside).expect("a link");
         benches.extend([log, model, effect]);
