@@ -71,7 +71,8 @@ function choose(name) {
 
 function buttons() {
   const worst = (name) => bench.errors.filter((row) => row.experiment === name).reduce((most, row) => (row.over_noise > most.over_noise ? row : most), { over_noise: 0, fails: false });
-  byId("experiments").replaceChildren(...bench.experiments.map((one, index) => {
+  const list = byId("experiments");
+  list.replaceChildren(...bench.experiments.map((one, index) => {
     const row = worst(one.name);
     const over = row.over_noise;
     return el("button", {
@@ -80,6 +81,9 @@ function buttons() {
       onclick: () => choose(one.name),
     }, `${one.name} `, el("span", { class: row.fails ? "bad" : "good" }, `×${over < 10 ? over.toPrecision(2) : Math.round(over)}`));
   }));
+  // Many experiments scroll in their own list, which shows the chosen one.
+  const own = list.children[chosen];
+  if (own && (own.offsetTop < list.scrollTop || own.offsetTop + own.offsetHeight > list.scrollTop + list.clientHeight)) list.scrollTop = own.offsetTop;
 }
 
 /**
