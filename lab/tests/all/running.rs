@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use lab::{Lab, LabSettings};
 use serde_json::Value;
 
-use crate::http::{Answer, send};
+use crate::http::{Answer, PATIENCE, send};
 
 /// A lab; ends with this value.
 pub struct Running {
@@ -90,7 +90,7 @@ impl Running {
             if state["running"].is_null() {
                 return state;
             }
-            assert!(begun.elapsed() < Duration::from_secs(300), "{state}");
+            assert!(begun.elapsed() < PATIENCE, "{state}");
             thread::sleep(Duration::from_millis(20));
         }
     }

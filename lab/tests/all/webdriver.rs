@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::http::send;
+use crate::http::{PATIENCE, send};
 
 /// A browser; ends with this value.
 pub struct Browser {
@@ -67,9 +67,11 @@ impl Browser {
             "--disable-gpu",
             &size,
         ];
+        let milliseconds = 1000 * PATIENCE.as_secs();
         let wanted = json!({"capabilities": {"alwaysMatch": {
             "goog:chromeOptions": {"args": arguments},
             "goog:loggingPrefs": {"browser": "ALL"},
+            "timeouts": {"script": milliseconds, "pageLoad": milliseconds},
         }}});
         let begun = browser.send("POST", "/session", &wanted);
         browser.session = begun["sessionId"].as_str().expect("a session").to_owned();
@@ -129,11 +131,7 @@ impl Browser {
         let begun = Instant::now();
         while self.script(&format!("return Boolean({condition})")) != json!(true) {
             let message = || self.script("return document.body.innerText.slice(0, 2000)");
-            assert!(
-                begun.elapsed() < Duration::from_secs(120),
-                "{condition}\n{}",
-                message()
-            );
+            assert!(begun.elapsed() < PATIENCE, "{condition}\n{}", message());
             thread::sleep(Duration::from_millis(30));
         }
     }
