@@ -25,7 +25,6 @@
 
 #![warn(missing_docs)]
 
-mod accepted;
 pub mod angle_bias;
 pub mod bias_observer;
 pub mod care;

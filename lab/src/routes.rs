@@ -213,11 +213,8 @@ async fn design(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Respo
 }
 
 async fn controller(State(shared): State<Shared>) -> Response {
-    computed(move || {
-        let bench = shared.desk.bench();
-        Ok(bench.map_or(Value::Null, |bench| facts::controller(&bench)))
-    })
-    .await
+    let bench = shared.desk.bench();
+    Json(bench.map_or(Value::Null, |bench| facts::controller(&bench))).into_response()
 }
 
 /// Parameters and matrices for another program.

@@ -1,9 +1,6 @@
 //! The socket of a page: it requests curves, also with other parameter values, and receives the progress of tasks.
 
-use std::borrow::Borrow;
-use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -23,10 +20,6 @@ const LARGEST_MESSAGE: usize = 64 * 1024;
 /// Largest width in pixels for which curves are computed.
 const MOST_PIXELS: usize = 8000;
 
-/// Interval of the checks whether another program has changed a file of the bench. A judgement: a person who has saved a
-/// file and turns to the page finds it noticed.
-const LOOK_OUTSIDE_EVERY: Duration = Duration::from_secs(2);
-
 /// A request from a page.
 #[derive(Clone, Debug, Deserialize)]
 struct Question {
@@ -42,17 +35,16 @@ struct Question {
     pixels: usize,
     /// Parameters with other values than in the model.
     changes: Vec<(String, f64)>,
-    /// Without the measurements, which the page has.
+    /// Only what the model says of this experiment: for a curve that follows a hand.
     #[serde(default)]
-    model_only: bool,
+    alone: bool,
 }
 
-/// The curves of the experiments that were asked for, with the model and the changes to which they belong.
+/// Curves of all experiments, with the model and the changes to which they belong.
 struct Simulated {
     bench: Arc<OpenBench>,
     changes: Vec<(String, f64)>,
-    /// By the place of the experiment in the list.
-    curves: BTreeMap<usize, Arc<ExperimentCurves>>,
+    curves: Vec<ExperimentCurves>,
 }
 
 /// Opens the socket.
@@ -64,9 +56,7 @@ pub async fn upgrade(State(shared): State<Shared>, upgrade: WebSocketUpgrade) ->
 
 async fn talk(shared: Shared, mut socket: WebSocket) {
     let mut events = shared.desk.listen();
-    let mut last: Option<Simulated> = None;
-    let mut look = tokio::time::interval(LOOK_OUTSIDE_EVERY);
-    let mut told: Vec<String> = Vec::new();
+    let mut last: Option<Arc<Simulated>> = None;
     loop {
         let answer = tokio::select! {
             event = events.recv() => match event {
@@ -85,17 +75,6 @@ async fn talk(shared: Shared, mut socket: WebSocket) {
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return,
                 Some(Ok(_)) => continue,
             },
-            _ = look.tick() => {
-                let desk = shared.desk.clone();
-                let changed = tokio::task::spawn_blocking(move || desk.changed_outside()).await;
-                match changed {
-                    Ok(changed) if changed != told => {
-                        told = changed;
-                        Message::text(json!({"event": "outside", "files": told}).to_string())
-                    }
-                    _ => continue,
-                }
-            },
         };
         if socket.send(answer).await.is_err() {
             return;
@@ -106,70 +85,78 @@ async fn talk(shared: Shared, mut socket: WebSocket) {
 async fn answer_to(
     shared: &Shared,
     text: &str,
-    last: &mut Option<Simulated>,
+    last: &mut Option<Arc<Simulated>>,
 ) -> Result<Vec<u8>, String> {
     let question: Question = serde_json::from_str(text).map_err(|error| error.to_string())?;
     let bench = shared.desk.bench().ok_or("no bench is open")?;
-    let index = question.experiment;
     // A zoom requests the same curves again.
-    let same = last
-        .take()
-        .filter(|last| Arc::ptr_eq(&last.bench, &bench))
-        .filter(|last| question.changes.is_empty() || last.changes == question.changes);
-    let mut simulations = same.unwrap_or_else(|| Simulated {
-        bench: bench.clone(),
-        changes: question.changes.clone(),
-        curves: BTreeMap::new(),
-    });
-    let known = simulations.curves.get(&index).cloned();
+    let known = last
+        .clone()
+        .filter(|known| Arc::ptr_eq(&known.bench, &bench) && known.changes == question.changes);
     let computing = tokio::task::spawn_blocking(move || {
-        if question.changes.is_empty() {
-            // The model as it is was simulated when it was compared.
-            let found = bench.comparison.curves.as_slice();
-            let curves = found.get(index).ok_or(NO_EXPERIMENT)?;
-            return Ok((None, answer(curves, found, &question)?));
-        }
-        let curves = match known {
+        let simulated = match known {
             Some(known) => known,
-            None => Arc::new(simulated(&bench, &question)?),
+            None if question.alone => {
+                let curves = simulate_one(&bench, &question)?;
+                return Ok((None, answer(&curves, &[], &question)?));
+            }
+            None => Arc::new(simulate(bench, &question)?),
         };
-        let answer = answer(&curves, std::slice::from_ref(&curves), &question)?;
-        Ok::<_, String>((Some(curves), answer))
+        let curves = simulated.curves.get(question.experiment);
+        let curves = curves.ok_or(NO_EXPERIMENT)?;
+        let answer = answer(curves, &simulated.curves, &question)?;
+        Ok::<_, String>((Some(simulated), answer))
     });
-    let (curves, answer) = computing
+    let (simulated, answer) = computing
         .await
         .map_err(|_| "internal error: this is a bug in flywheel, please report it")??;
-    if let Some(curves) = curves {
-        simulations.curves.insert(index, curves);
-    }
-    *last = Some(simulations);
+    *last = simulated.or(last.take());
     Ok(answer)
 }
 
 /// The message to a page whose list of experiments is an old one.
 const NO_EXPERIMENT: &str = "there is no such experiment";
 
-/// The experiment that is asked for, simulated with the changed parameters.
-fn simulated(bench: &OpenBench, question: &Question) -> Result<ExperimentCurves, String> {
+fn changes_of(question: &Question) -> Vec<(&str, f64)> {
     let changes = question.changes.iter();
-    let changes: Vec<(&str, f64)> = changes
+    changes
         .map(|(name, value)| (name.as_str(), *value))
-        .collect();
+        .collect()
+}
+
+fn simulate_one(bench: &OpenBench, question: &Question) -> Result<ExperimentCurves, String> {
     let curves = bench
         .predictor
-        .curves_of(question.experiment, &changes)
+        .curves_of(question.experiment, &changes_of(question))
         .map_err(|error| error.to_string())?;
     curves.ok_or_else(|| NO_EXPERIMENT.to_owned())
 }
 
+fn simulate(bench: Arc<OpenBench>, question: &Question) -> Result<Simulated, String> {
+    let curves = bench
+        .predictor
+        .curves(&changes_of(question))
+        .map_err(|error| error.to_string())?;
+    Ok(Simulated {
+        bench,
+        changes: question.changes.clone(),
+        curves,
+    })
+}
+
 /// The format of an answer: the length of the header in bytes (u32, little-endian), the header as JSON, zeros up to
 /// a multiple of eight, then numbers as f64, little-endian. The header describes the numbers, and has the errors of
-/// the experiments `rated`. Where the page has the measurements they are left out.
-fn answer<C: Borrow<ExperimentCurves>>(
+/// `all` experiments, or of this one where there are no others. For a curve that follows a hand the measurements are left
+/// out: the page has them.
+fn answer(
     curves: &ExperimentCurves,
-    rated: &[C],
+    all: &[ExperimentCurves],
     question: &Question,
 ) -> Result<Vec<u8>, String> {
+    let all = match all {
+        [] => std::slice::from_ref(curves),
+        all => all,
+    };
     let time_s = &curves.time_s;
     let (Some(&first), Some(&last)) = (time_s.first(), time_s.last()) else {
         return Err("the experiment has no samples".to_owned());
@@ -201,7 +188,7 @@ fn answer<C: Borrow<ExperimentCurves>>(
                 .collect();
             let pairs = channel.measured.iter().zip(&model);
             let residual: Vec<f64> = pairs.map(|(measured, model)| measured - model).collect();
-            let measured = match question.model_only {
+            let measured = match question.alone {
                 true => Curve::default(),
                 false => thinned(time_s, &channel.measured, &view),
             };
@@ -213,8 +200,7 @@ fn answer<C: Borrow<ExperimentCurves>>(
             })
         })
         .collect();
-    let errors = rated.iter().flat_map(|curves| {
-        let curves: &ExperimentCurves = curves.borrow();
+    let errors = all.iter().flat_map(|curves| {
         let name = &curves.experiment;
         let channels = curves.channels.iter();
         channels.map(move |channel| error_row(name, channel))

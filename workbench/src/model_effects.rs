@@ -1,4 +1,4 @@
-//! Adding effects to the model of a session, and removing them.
+//! Effects into the model of a session, and out of it.
 
 use bench_files::{ModelFile, Tie};
 use identify::Progress;
@@ -52,8 +52,7 @@ impl Session {
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
         let before = self.required_model()?.model();
-        // The effect is found by its name, because the zeros of a model may belong to other logs than the bench has
-        // now.
+        // By its name: the zeros of a model may be those of other logs than the bench has now.
         let mut effects = before.effects().iter();
         match effects.find(|effect| effect.name() == name) {
             Some(&effect) => self.change(&before, &before.without(effect), progress),

@@ -162,7 +162,7 @@ impl Scope<'_> {
         texts.extend(targets.iter().map(CPlace::argument));
         Ok(format!(
             "{}({})",
-            super::names::function_name(&call.key),
+            super::files::function_name(&call.key),
             texts.join(", ")
         ))
     }

@@ -1,4 +1,4 @@
-//! The files that make a library of header and source: README, and the descriptions for Arduino and PlatformIO.
+//! What makes header and source a library: its README, and the descriptions that Arduino and PlatformIO read.
 
 use crate::crate_name::CrateName;
 use crate::file::{EmittedFile, MARK};

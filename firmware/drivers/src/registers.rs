@@ -1,4 +1,4 @@
-//! Functions for all drivers: registers of one byte, words of two bytes.
+//! What the drivers share: registers of one byte, words of two.
 
 use embedded_hal::i2c::I2c;
 

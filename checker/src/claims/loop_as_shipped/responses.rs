@@ -36,18 +36,16 @@ const LENGTHS: usize = 16;
 /// Worst responses, for each row, all rounded up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
-    /// Largest |C Fʲ e₁|: the largest value of each quantity after a start at rest at 1 rad. For the change of the held
-    /// current, the largest value from the second step on.
+    /// Largest |C Fʲ e₁|: the largest value of each quantity after a start at rest at 1 rad. The same for the change of
+    /// what the drive holds, from the second step on.
     pub start: [BigRational; ROWS],
-    /// The change of the held current in the first step, after a start at 1 rad.
+    /// The change of what the drive holds in the first step, for a start at 1 rad.
     pub first_change: BigRational,
-    /// Sums over all time of the responses to a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on
-    /// the wheel.
+    /// Σ of what a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on the wheel do.
     pub sums: [[BigRational; ROWS]; 3],
-    /// Sums over all time of the responses to an error of 1 rad of one reading of an encoder on the pivot; zero without
-    /// one.
+    /// Σ of what an error of 1 rad of one reading of an encoder on the pivot does; zero without one.
     pub reading: [BigRational; ROWS],
-    /// Largest response to errors of 1 rad of all readings in the window before the start.
+    /// The largest of what errors of 1 rad of all readings in the window before the start do.
     pub before: [BigRational; ROWS],
     /// The largest of the terms of the current.
     pub kick: [BigRational; ROWS],
@@ -84,7 +82,7 @@ impl Responses {
         let weight = decay.weights.iter().max().cloned().unwrap_or_default();
         let norms: Vec<BigRational> = rows.iter().map(|row| decay.row_norm(row)).collect();
         let count = integer(steps as i128);
-        // The computed `value` of this row, plus a bound of its errors: later steps and rounding.
+        // `value` as computed for this row, and what it may lack: later steps, and rounding.
         let settled = |index: usize, carried: &Carried, value: &BigRational| -> BigRational {
             let norm = &norms[index];
             let drift = &carried.off * &weight * &decay.total;
@@ -96,7 +94,7 @@ impl Responses {
                     + (norm * drift + &carried.off) * &count * columns,
             )
         };
-        // The terms of the exponential that are not computed one by one.
+        // The terms of the exponential that are not kept apart.
         let beyond = |index: usize, input: usize| -> BigRational {
             &model.later[input] * &weight * &norms[index] * &decay.total
         };
@@ -179,7 +177,7 @@ struct Decay {
 
 impl Decay {
     fn of(model: &Loop) -> Result<Decay, NoBounds> {
-        // The weight of a state is its share of the command, which makes the states comparable.
+        // A state's share of the command makes the states comparable.
         let weights = weights(model);
         let ratios: SquareGrid = weights
             .iter()
@@ -246,9 +244,8 @@ impl Decay {
     }
 }
 
-/// The weight of a state is its share of the held current, which makes the states comparable. The wheel's speed has the
-/// weight of the speed that an encoder shows, and each turn has the weight of the turn over the window. The angles that
-/// an encoder on the pivot showed have the weight of the oldest.
+/// A state's share of what the drive holds makes the states comparable. The wheel's speed counts as much as the speed that
+/// an encoder shows, and each turn as the turn over the window; the angles that an encoder on the pivot showed, as the oldest.
 fn weights(model: &Loop) -> Vec<BigRational> {
     let share = |place: usize| model.held.get(place).map(Signed::abs).unwrap_or_default();
     let (turns, angles) = (model.layout.turns(), model.layout.angles());

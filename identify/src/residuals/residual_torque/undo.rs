@@ -2,8 +2,7 @@
 
 use plant::{Output, Plant, State};
 
-/// Number of rounds in which a curved characteristic is inverted. Each round multiplies the error by the eccentricity's
-/// share.
+/// Rounds in which a curved characteristic is inverted; each takes an eccentricity's share off the error.
 const ROUNDS: usize = 40;
 /// Below this, in the unit of the output, a characteristic is straight and an inversion has ended.
 const STRAIGHT: f64 = 1e-12;
