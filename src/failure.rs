@@ -74,7 +74,7 @@ impl From<bench_files::Error> for Failure {
 
 impl From<workbench::Error> for Failure {
     fn from(error: workbench::Error) -> Failure {
-        use workbench::Error;
+        use workbench::{Error, HardwareError};
         let identify = |bench: &Path| format!("flywheel identify {}", bench.display());
         match error {
             Error::File(error) => error.into(),
@@ -85,6 +85,10 @@ impl From<workbench::Error> for Failure {
             Error::ParameterUnit { ref bench, .. } | Error::ParameterMissing { ref bench, .. } => {
                 Failure::new(format!("{error}; run: {}", identify(bench)))
             }
+            Error::Hardware {
+                source: HardwareError::Missing { .. },
+                ..
+            } => Failure::new(format!("{error} with --preset thesis-bench")),
             Error::Cancelled(cancelled) => Failure {
                 code: CALLED_OFF,
                 ..Failure::new(cancelled.to_string())

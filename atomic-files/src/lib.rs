@@ -1,6 +1,6 @@
-//! Writing files so that a reader never sees half of one: each goes into a new file beside its place,
-//! which is then renamed over it. An interrupted write leaves the old file as it was. A symbolic link
-//! is followed, an old file's permissions are kept, a device or a pipe is written to as it is.
+//! Writing files so that a reader never sees half of one. The content goes into a new file beside the old one; this new
+//! file is then renamed to the old name. An interrupted write leaves the old file as it was. A symbolic link is
+//! followed, and the permissions of an old file are kept. A device or a pipe is written to directly.
 
 use std::fs;
 use std::io::{self, Write};
@@ -11,13 +11,13 @@ use tempfile::NamedTempFile;
 /// Writes `content` to `path`, whose folder must be there.
 ///
 /// # Errors
-/// What the system said; then everything is as it was.
+/// The system's error. The old file is then unchanged.
 pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
     staged(path, content)?.place()
 }
 
-/// Writes several files; missing folders are made. Nothing is renamed before all are on the disk, so
-/// that a missing permission or a full disk leaves every old file as it was.
+/// Writes several files, and makes missing folders. The first file is renamed only when all are on the disk, so that a
+/// missing permission or a full disk leaves every old file as it was.
 ///
 /// # Errors
 /// The file or folder, and what the system said about it.
@@ -40,7 +40,7 @@ pub fn write_all<'a>(
     Ok(())
 }
 
-/// Most links that are followed to a file that is not there yet; the system gives up about there too.
+/// Largest number of links that are followed to a file that does not exist yet. The system's own limit is similar.
 const MOST_LINKS: usize = 40;
 
 /// Where links that end at no file lead to.
@@ -58,8 +58,8 @@ fn end_of_links(path: &Path) -> PathBuf {
     end
 }
 
-/// Whether files can be written into a folder that is there or can be made: a file without a name is put into
-/// it, or into the nearest folder above it, and taken away again.
+/// Whether files can be written into a folder that exists or can be made. The test creates a temporary file in the
+/// folder (or in the nearest existing folder above it) and removes it.
 ///
 /// # Errors
 /// What the system said.
@@ -74,12 +74,13 @@ pub fn can_write_into(folder: &Path) -> io::Result<()> {
 
 /// What is ready to be written.
 enum Staged {
-    /// A file that is on the disk, but not yet in its place. Dropped, it is removed.
+    /// A file that is on the disk, but does not have its name yet. If it is dropped, the file is removed.
     File {
         file: NamedTempFile,
         target: PathBuf,
     },
-    /// A device or a pipe, which takes the content as it comes: a file in its place would end it for everybody.
+    /// A device or a pipe, which receives the content directly. Renaming a file to its name would destroy it for all
+    /// users.
     Stream { target: PathBuf, content: Vec<u8> },
 }
 
@@ -98,13 +99,13 @@ impl Staged {
     }
 }
 
-/// Whether there is something that is neither a file nor a folder: `/dev/null`, a pipe.
+/// Whether the path names something that is neither a file nor a folder, such as `/dev/null` or a pipe.
 fn is_stream(target: &Path) -> bool {
     fs::metadata(target).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 fn staged(path: &Path, content: &[u8]) -> io::Result<Staged> {
-    // Renaming over a link would replace the link, not what it points at.
+    // Renaming to the name of a link would replace the link, not the file to which it points.
     let target = fs::canonicalize(path).unwrap_or_else(|_| end_of_links(path));
     if is_stream(&target) {
         let content = content.to_vec();

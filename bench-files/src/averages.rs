@@ -5,7 +5,8 @@
 //! sensor's average belongs to the mean time of its rows. A command is held from row to row; the value of a block is the
 //! one that has the same integral over time up to the next block.
 
-/// Largest number of blocks. A million samples are a quarter of an hour at 1 kHz; more do not improve a fit.
+/// Largest number of blocks. A million samples are a quarter of an hour at 1 kHz; a larger number does not improve a
+/// fit.
 pub const MOST_BLOCKS: usize = 1 << 20;
 
 /// Averages over blocks of rows, for some columns and the time.
@@ -33,7 +34,7 @@ pub(crate) struct Averages {
 struct Block {
     rows: usize,
     time_sum: f64,
-    /// Time of the first row, and the integral of the command up to it.
+    /// Time of the block's first row, and the integral of the command up to it.
     first: (f64, f64),
     /// The same for the first row of the second half of the block.
     half: (f64, f64),

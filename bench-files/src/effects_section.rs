@@ -25,7 +25,7 @@ pub(crate) struct EffectsSection {
     pub present: Vec<EffectId>,
     /// The open tie, if there is one.
     pub tie: Option<Tie>,
-    /// The present effects that no log has shown upright; the linear model leaves them out.
+    /// The present effects that no log has shown near upright. The linear model leaves them out.
     pub unseen_upright: Vec<EffectId>,
 }
 

@@ -14,7 +14,7 @@ use crate::toml_source::TomlSource;
 use crate::toml_writing::{number, table_in};
 use crate::write::write_atomically;
 
-/// What a bench.toml says beside its logs, which need not be there yet.
+/// The content of a bench.toml apart from its logs, whose files need not exist yet.
 #[derive(Clone, Debug)]
 pub struct BenchOutline {
     /// The bench.toml.
@@ -69,7 +69,7 @@ impl BenchOutline {
         })
     }
 
-    /// `wished`, or with a number where an experiment or a file in the folder has that name.
+    /// `wished`, with a number behind it if an experiment or a file in the folder already has that name.
     pub fn free_name(&self, wished: &str) -> String {
         let is_free = |name: &str| {
             !self.experiments.iter().any(|other| other == name)
@@ -112,7 +112,7 @@ impl BenchOutline {
         self.save()
     }
 
-    /// Puts a recording under `[bring_up]`, in the place of an older one, and writes the file.
+    /// Enters a recording under `[bring_up]`, in place of an older one, and writes the file.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -127,7 +127,7 @@ impl BenchOutline {
     }
 }
 
-/// The file of a log with this name: without what a path or a shell would take otherwise.
+/// The file name for a log with this name. Characters that a path or a shell would interpret are left out.
 pub fn file_name(name: &str) -> String {
     let plain: String = name
         .chars()

@@ -11,10 +11,10 @@ use crate::toml_section::Section;
 use crate::toml_source::{Located, TomlSource};
 use crate::toml_writing::{number, set};
 
-/// What a parameter's unit ends in where torques are known only per unit of inertia.
+/// The end of a parameter's unit on a bench whose torques are known only per unit of inertia.
 pub(crate) const PER_INERTIA: &str = " per kg m2";
 
-/// Quantities that are no parameters of the motion but may stand here, with unit and range: j_b,
+/// Quantities that may stand in the section although they are no parameters of the motion, with unit and range: j_b,
 /// which follows from Θ (thesis, after 1.29), and l from plumb lines (thesis 3.4).
 const BESIDE_THE_MOTION: [(&str, &str, (f64, f64)); 2] = [
     ("body_inertia", "kg m2", (0.0, 1e3)),
@@ -129,7 +129,7 @@ impl Parameter {
         }
     }
 
-    /// Whether this is no parameter of the motion, but a quantity that may stand beside them.
+    /// Whether this quantity may stand among the parameters although it is none of the motion.
     pub(crate) fn is_beside_the_motion(&self) -> bool {
         BESIDE_THE_MOTION
             .iter()

@@ -24,11 +24,11 @@ pub struct Recording<'a> {
     pub duty: &'a [f64],
 }
 
-/// Something that a recording does not show, or shows otherwise than it should. A recording is named as its key
-/// under `[bring_up]`.
+/// A fact that a recording does not show, or that contradicts another one. A recording is named by its key under
+/// `[bring_up]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt {
-    /// A recording at rest in which the body turns (rad).
+    /// The body turns in a recording in which it should rest (rad).
     Moved {
         /// The recording.
         recording: &'static str,
@@ -40,7 +40,7 @@ pub enum Doubt {
         /// By how much.
         by_rad: f64,
     },
-    /// The recording of the tilt begins where it ends: the gyroscope had nothing to see.
+    /// The recording of the tilt begins with the body tilted, so that the gyroscope sees no turn.
     BeginsTilted,
     /// The accelerometer shows nothing: its counts are all zero.
     NoGravity,
@@ -58,16 +58,16 @@ pub enum Doubt {
     },
     /// The duty does not change where a current should be stepped.
     DutyStill,
-    /// The step of what is called a positive current turns the wheel backwards.
+    /// The step of a current that is called positive turns the wheel backwards.
     Backwards,
 }
 
-/// The body is tilted by at least this, rad: 10°. Then a calibration's error of the accelerometer, 0.1 g, moves
-/// no axis by more than a third of a right angle, and noise by nothing that matters.
+/// Smallest tilt of the body, rad: 10°. For a larger tilt, a calibration error of the accelerometer of 0.1 g turns no
+/// axis by more than a third of a right angle, and noise does not matter.
 pub const TILT_MIN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// And by at most this: near half a turn both ways look alike.
+/// Largest tilt of the body, rad. Near half a turn, both directions look alike.
 const TILT_MAX_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
-/// A body at rest turns by less than this, rad: 5°.
+/// Largest turn of a body that counts as being at rest, rad: 5°.
 const STILL_MAX_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// A change counts from this many standard deviations of the noise on, which chance exceeds once in 10⁹.
 const SIGMAS: f64 = 6.0;
@@ -77,7 +77,7 @@ const SIGMAS: f64 = 6.0;
 pub struct TiltShows {
     /// Length of gravity, counts.
     pub gravity_counts: f64,
-    /// From hanging to tilted, by the accelerometer, rad.
+    /// Angle from hanging to tilted according to the accelerometer, rad.
     pub tilt_rad: f64,
     /// From the accelerometer's axes to the body's; its rows are the body's axes.
     pub body_from_accelerometer: Option<Matrix3<f64>>,
@@ -130,7 +130,7 @@ pub fn tilt(hanging: &Recording, tilted: &Recording) -> (TiltShows, Vec<Doubt>) 
         y.transpose(),
         z.transpose(),
     ]));
-    // Between its first and last quarter, since in these it may already turn.
+    // The first quarter must lie near hanging. It need not lie there exactly, because the body may already turn in it.
     if up.angle(&first) > 0.5 * shows.tilt_rad {
         doubts.push(Doubt::BeginsTilted);
         return (shows, doubts);
@@ -147,7 +147,7 @@ pub fn tilt(hanging: &Recording, tilted: &Recording) -> (TiltShows, Vec<Doubt>) 
     (shows, doubts)
 }
 
-/// The gyroscope's counts less those at rest, over time, and the standard deviation of that.
+/// The sum over time of the gyroscope's counts minus those at rest, and the standard deviation of this sum.
 fn turn(rest: &Recording, moving: &Recording) -> (Vector3<f64>, f64) {
     let bias = mean(rest.gyro);
     let spread: f64 = rest
@@ -162,7 +162,7 @@ fn turn(rest: &Recording, moving: &Recording) -> (Vector3<f64>, f64) {
         sum += (0.5 * both - bias) * (pair[1] - pair[0]);
     }
     let duration = moving.time_s.last().unwrap_or(&0.0) - moving.time_s[0];
-    // That of the sum's own samples, and of the bias that is taken off all along.
+    // Two parts: the noise of the summed samples, and the error of the bias that is subtracted in every sample.
     let samples = moving.time_s.len() as f64;
     let noise = variance * (1.0 / samples + 1.0 / rest.gyro.len() as f64);
     (sum, duration * noise.sqrt())
@@ -173,12 +173,12 @@ fn turn(rest: &Recording, moving: &Recording) -> (Vector3<f64>, f64) {
 pub enum WheelWord {
     /// A speed.
     Speed,
-    /// Counts of an angle, which begin anew after so many.
+    /// Counts of an angle, which start again at zero after this number.
     Angle(f64),
 }
 
 impl WheelWord {
-    /// The word as a speed in words (per s, where it is an angle): one for each sample but the first.
+    /// The word as a speed in words per sample (per s for an angle); one value for each sample but the first.
     fn speeds(self, recording: &Recording) -> Vec<f64> {
         match self {
             WheelWord::Speed => recording.wheel[1..].to_vec(),
@@ -192,7 +192,7 @@ impl WheelWord {
     }
 }
 
-/// A difference of counts that begin anew after `turn`.
+/// A difference of counts that start again at zero after `turn`.
 fn wrapped(difference: f64, turn: f64) -> f64 {
     difference - turn * (difference / turn).round()
 }
@@ -213,7 +213,7 @@ pub fn encoder_sign(tilted: &[f64], turn: f64, counts_per_turn: f64) -> Result<f
     Ok(counts.signum())
 }
 
-/// The signs of wheel and motor by the recordings, each 1 or −1.
+/// The signs of wheel and motor according to the recordings, each 1 or −1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorSigns {
     /// The sign of the wheel's word over its speed.
@@ -296,7 +296,7 @@ pub fn motor_signs(
     (signs, doubts)
 }
 
-/// One count as a speed in words: of an angle in one sample.
+/// One count as a speed in words. For an angle, it is one count in one sample.
 fn count_of(word: WheelWord, recording: &Recording) -> f64 {
     match word {
         WheelWord::Speed => 1.0,

@@ -24,8 +24,8 @@ use crate::sensor_calibration::SensorCalibration;
 use attitude::{SensorLine, WORD_CLIP, is_saturated};
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
-/// Half of the smoothing window, s: a fifth of a radian of a pendulum at 10 rad/s, for which the error of a
-/// cubic is below 1e-5.
+/// Half of the smoothing window, s. A pendulum at 10 rad/s moves by a fifth of a radian of its oscillation in this
+/// time, and the error of a cubic is then below 1e-5.
 const WINDOW_S: f64 = 0.02;
 
 /// Number of stretches for the standard errors.

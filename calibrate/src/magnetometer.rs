@@ -78,8 +78,8 @@ pub fn usable_readings(samples: &[[i16; 3]], clip: [i32; 3]) -> UsableReadings {
 /// With half a sphere, only the curvature at its rim separates bias and scale along its axis.
 pub const COVERAGE_MIN: f64 = 0.75;
 
-/// Largest share by which lengths may still vary after calibration: noise is 1 % of the earth's field
-/// for the sensors in use; more is another field, from a motor or iron that moved.
+/// Largest variation of the length after calibration, as a share of the length. The noise of the sensors in use is 1 %
+/// of the earth's field. A larger variation comes from another field, that of a motor or of iron that moved.
 pub const SPREAD_MAX: f64 = 0.03;
 
 /// Directions of the coverage figure.
@@ -90,8 +90,7 @@ const DIRECTIONS: usize = 100;
 pub struct MagnetometerCalibration {
     /// Line in µT per count.
     pub sensor: SensorCalibration,
-    /// Standard deviation of the length before (about the mean, bias not removed), as a share
-    /// of it.
+    /// Standard deviation of the length before the calibration, as a share of the mean length. The bias is not removed.
     pub spread_before: f64,
     /// The same after.
     pub spread_after: f64,

@@ -15,8 +15,8 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 /// The orientation of the sensor on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
-    /// Pivot axis in the sensor's frame, a unit vector. Of the two opposite ones, it is the one nearer to the direction
-    /// that the caller expects, since neither a swing nor gravity distinguishes them.
+    /// Pivot axis in the sensor's frame, a unit vector. Neither a swing nor gravity distinguishes the two opposite
+    /// directions; this is the one nearer to the direction that the caller expects.
     pub axis: Vector3<f64>,
     /// Standard error of its direction, rad.
     pub axis_std_rad: f64,
@@ -37,7 +37,7 @@ pub fn alignment(axis: &Vector3<f64>) -> Rotation3<f64> {
         |axis: &Vector3<f64>| Rotation3::rotation_between(axis, &Vector3::z()).unwrap_or_default();
     if axis.z < 0.0 {
         let half_turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        // Rounded, so that the matrix is exact: no sine of π.
+        // Rounding makes the matrix exact: in floating point, sin π is not zero.
         let half_turn = half_turn.matrix().map(f64::round);
         let half_turn = Rotation3::from_matrix_unchecked(half_turn);
         smallest(&(half_turn * axis)) * half_turn
@@ -91,7 +91,8 @@ pub fn mounting(
         });
     }
     let alignment = alignment(&axis);
-    // Two directions across, swing.len() − 1 degrees of freedom each; each tilts by σ²/λ₁.
+    // Noise tilts the axis in two directions across it. Each direction has swing.len() − 1 degrees of freedom, and the
+    // variance of its tilt is σ²/λ₁.
     let variance = across / (2.0 * (swing.len() - 1) as f64);
     let axis_std_rad = (2.0 * variance / along).sqrt();
 

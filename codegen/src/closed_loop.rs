@@ -5,13 +5,14 @@
 //! found, so ordinary floating point is sufficient. Every bound is rounded up by more than the floating-point
 //! error.
 //!
-//! **Ellipsoid.** For F = Ad − Bd K and a γ between the spectral radius of F and 1, the solution of
-//! Fᵀ P F − γ² P = −(Kᵀ K + ε S), with a diagonal S that makes the states comparable, gives a set
-//! that F maps into γ times itself. The weight Kᵀ K shapes it along the strip |K x| ≤ limit. The set is
-//! scaled until a command or a state reaches its limit. The limit of the angle is the one at which the largest
-//! current just holds the body against gravity, |B₂| L/A₂₁, because no loop returns from beyond it.
-//! With a voltage drive the loop is that of the held voltage ([`crate::held_voltage`]), and the set also stays where the
-//! supply does not clip. With an encoder on the wheel the shown speed is half a window old, which is one perturbation more. γ and ε are chosen for the largest volume that the perturbations cannot leave.
+//! **Ellipsoid.** For F = Ad − Bd K and a γ between the spectral radius of F and 1, the solution of Fᵀ P F − γ² P =
+//! −(Kᵀ K + ε S), with a diagonal S that makes the states comparable, gives a set that F maps into γ times itself. The
+//! weight Kᵀ K shapes it along the strip |K x| ≤ limit. The set is scaled until a command or a state reaches its limit.
+//! The limit of the angle is the one at which the largest current just holds the body against gravity, |B₂| L/A₂₁,
+//! because no loop returns from beyond it. With a voltage drive the loop is that of the held voltage
+//! ([`crate::held_voltage`]), and the set also stays where the supply does not clip. An encoder on the wheel shows the
+//! mean speed over its window, which is half a window late; this is a further perturbation. γ and ε are chosen for the
+//! largest volume that the perturbations cannot leave.
 
 use nalgebra::{DMatrix, DVector, Matrix3, RowVector3, Vector3};
 use num_traits::ToPrimitive;
@@ -26,7 +27,7 @@ use crate::spec::ModuleSpec;
 /// Rounding up by this share covers the floating-point error.
 const MARGIN: f64 = 1e-10;
 
-/// Rounds in which bounds that depend on each other settle.
+/// Number of rounds in which bounds that depend on each other converge.
 const ROUNDS: usize = 40;
 
 /// Significant digits of a bound.
@@ -87,18 +88,20 @@ struct Loop {
 }
 
 impl Loop {
-    /// Largest perturbation of what the drive holds, for errors `steps` of the states.
+    /// Largest perturbation of the held command, if the states are wrong by at most `steps`.
     fn noise(&self, steps: &Vector3<f64>) -> f64 {
         ((self.emitted + self.back_emf).abs() * steps)[0] + self.half_unit
     }
 
-    /// How far the speed over the window of an encoder may be off while the wheel accelerates so (rad/s).
+    /// Largest error (rad/s) of the speed over the encoder's window, if the wheel accelerates by at most `acceleration`
+    /// (rad/s²).
     fn lag(&self, acceleration: f64) -> Vector3<f64> {
         Vector3::new(0.0, 0.0, self.half_window_s * acceleration)
     }
 
-    /// A bound of the wheel's acceleration in the set, for perturbations by it and by `steps` (rad/s²); `None` where there
-    /// is none. Zero without an encoder, where it is not asked for. The checker's `window_lag` says why.
+    /// A bound of the wheel's acceleration (rad/s²) in the set, if the states are wrong by at most `steps` and by the
+    /// lag that this acceleration causes. `None` if there is no bound. Without an encoder on the wheel the result is
+    /// zero, because no lag depends on it. The checker's `window_lag` explains why the bound holds.
     fn wheel_acceleration(&self, p: &Matrix3<f64>, steps: &Vector3<f64>) -> Option<f64> {
         if self.half_window_s == 0.0 {
             return Some(0.0);
@@ -131,8 +134,8 @@ impl Loop {
         None
     }
 
-    /// The factor by which the set xᵀ P x ≤ 1 may be enlarged until a command or the supply is at its limit, for errors
-    /// `steps` of the states.
+    /// The factor by which the set xᵀ P x ≤ 1 may be enlarged until a command or the supply reaches its limit, if the
+    /// states are wrong by at most `steps`.
     fn room(&self, p: &Matrix3<f64>, steps: &Vector3<f64>) -> f64 {
         let reach = |row: RowVector3<f64>| dual_norm(p, &row);
         let of_current = (self.emitted.abs() * steps)[0] + self.half_unit;
@@ -155,7 +158,7 @@ pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value>
         WheelSensor::Encoder(encoder) => Some(encoder),
         _ => None,
     };
-    // An encoder's turn is the difference of two counts.
+    // One turn of an encoder's count is the difference of two counts.
     let shares = Vector3::new(0.5, 0.5, if encoder.is_some() { 1.0 } else { 0.5 });
     let input = Vector3::from_column_slice(&held.bd);
     let ad = Matrix3::from_fn(|i, j| held.ad[i][j]);
@@ -212,8 +215,8 @@ fn holdable_angle(spec: &ModuleSpec) -> f64 {
     }
 }
 
-/// The size of one count: of the accelerometer as an angle against gravity, of the gyroscope about the pivot
-/// axis, of the converter.
+/// The size of one count: for the accelerometer as an angle against gravity, for the gyroscope as a rate about the
+/// pivot axis, for the converter as a speed.
 fn sensor_steps(spec: &ModuleSpec) -> Option<[f64; 3]> {
     let attitude = spec.hardware.attitude()?;
     let rows = |matrix: &nalgebra::Matrix3<f64>, row: usize| {
@@ -236,7 +239,7 @@ fn largest_ellipsoid(problem: &Loop) -> Option<(Matrix3<f64>, f64)> {
         .map(|value| value.norm())
         .fold(0.0, f64::max);
     let mut best: Option<(Matrix3<f64>, f64, f64)> = None;
-    // The nearer γ is to 1, the more terms a bound needs; γ goes at most half of the way to 1.
+    // A γ nearer to 1 needs more terms in a bound. The search takes γ at most half of the way to 1.
     for step in 1..=20 {
         let gamma = radius + (1.0 - radius) * f64::from(step) / 40.0;
         for exponent in -16..=4 {
@@ -255,8 +258,8 @@ fn largest_ellipsoid(problem: &Loop) -> Option<(Matrix3<f64>, f64)> {
 
 /// The scaled solution of the Lyapunov equation, if the perturbations cannot leave it.
 fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
-    // A state's share of the command at the end of its reach; wheel and rate rarely come near
-    // their ranges, so gains make the states comparable.
+    // The share of the command that a state causes at the end of its range. Wheel and rate rarely come near their
+    // ranges, so the gains make the states comparable.
     let scale = problem.gains.transpose().map(|gain| gain * gain);
     let weight =
         problem.gains.transpose() * problem.gains + Matrix3::from_diagonal(&scale) * epsilon;
@@ -274,7 +277,7 @@ fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
     let mut steps = problem.half_sensors;
     let mut found = growth(&steps);
     if problem.half_window_s > 0.0 {
-        // The larger the set, the more the wheel accelerates in it, and the more room its shown speed needs.
+        // In a larger set the wheel accelerates more, and the error of its shown speed takes more of the room.
         for _ in 0..ROUNDS {
             let scaled = p / (found * found);
             let acceleration = problem.wheel_acceleration(&scaled, &problem.half_sensors)?;
@@ -323,7 +326,7 @@ fn stated(
     };
     let rows = [unit(0), unit(1), unit(2), problem.gains];
     let input_norm = (problem.input.transpose() * p * problem.input)[0].sqrt();
-    // Enough terms that the rest is below the rounding of the bounds.
+    // So many terms that the remainder is below the rounding of the bounds.
     let terms = (1e-14_f64.ln() / gamma.ln()).ceil().max(1.0) as u32;
     let power = gamma.powf(f64::from(terms));
     let geometric = input_norm * power / (1.0 - gamma);

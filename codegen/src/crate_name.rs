@@ -5,13 +5,13 @@ use std::str::FromStr;
 
 /// The name where no other is asked for.
 const USUAL: &str = "generated";
-/// Longest name that crates.io and Arduino's library index both take, characters.
+/// Longest name, in characters, that both crates.io and Arduino's library index accept.
 const LENGTH_MAX: usize = 63;
-/// Names of other crates that the emitted one or its tests see, and a word of Rust that `syn` does not know yet.
+/// Names of other crates that the emitted crate or its tests use, and a keyword of Rust that `syn` does not know yet.
 const TAKEN: [&str; 7] = ["alloc", "core", "fixed", "gen", "proc_macro", "std", "test"];
 
-/// A name that Cargo, Rust source and Arduino's library index take: lower-case ASCII letters, digits, `-` and
-/// `_`, a letter first.
+/// A name that Cargo, Rust source and Arduino's library index accept: lower-case ASCII letters, digits, `-` and `_`,
+/// with a letter first.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CrateName(String);
 
@@ -39,7 +39,8 @@ impl CrateName {
         self.0.replace('-', "_")
     }
 
-    /// As a list of libraries shows it: nobody looks there for the name that a crate has without being asked.
+    /// The name for a list of libraries. The default name of the crate says nothing in such a list, so `Flywheel`
+    /// replaces it.
     pub fn of_library(&self) -> &str {
         if self.0 == USUAL { "Flywheel" } else { &self.0 }
     }

@@ -45,7 +45,7 @@ pub struct BodyEncoder {
     pub encoder: EncoderSpec,
     /// Its count with the body upright.
     pub zero: u32,
-    /// Largest rate that it is to show; a higher one reads as this (rad/s).
+    /// Largest rate that the word shows (rad/s). A higher rate reads as this one.
     pub largest_rate_rad_s: f64,
 }
 
@@ -67,21 +67,21 @@ pub struct EncoderSpec {
     pub counts_per_turn: f64,
     /// The count begins again at zero after 2^`bits`.
     pub bits: u32,
-    /// Steps over which the turn is taken; the speed is half of them old.
+    /// Number of steps over which the turn is taken. The speed is late by half of them.
     pub window: u32,
 }
 
 /// The largest window of an encoder, in steps.
 pub const WINDOW_MAX: u32 = 16;
 
-/// Share of the largest current by which one count of the rate may change the command: what is coarser is a current
-/// that jumps to and fro, what is finer makes the rate late for nothing.
+/// Share of the largest current by which one count of the rate may change the command. With a larger share the current
+/// jumps to and fro; with a smaller one the rate is late without need.
 const COUNT_SHARE: f64 = 0.125;
 
 /// Share of the loop's delay margin that the rate's delay may take.
 const DELAY_SHARE: f64 = 0.25;
 
-/// What the loop asks of the rate that an encoder on the pivot shows.
+/// The loop's requirements for the rate that an encoder on the pivot shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateNeeds {
     /// Time between two samples (s).
@@ -90,12 +90,12 @@ pub struct RateNeeds {
     pub rate_gain: f64,
     /// Largest current (A).
     pub current_limit_a: f64,
-    /// Time by which everything may be late before the loop becomes unstable (s).
+    /// Delay of the whole loop at which it becomes unstable (s).
     pub delay_margin_s: f64,
 }
 
 impl RateNeeds {
-    /// The steps over which an encoder with this angle of a count is to take its turn.
+    /// The number of steps over which an encoder with this angle per count takes its turn.
     ///
     /// A count of the rate, δ/(N T), changes the command by K₂ δ/(N T), and the rate is N T/2 late. The window is the
     /// shortest one with which a count is at most [`COUNT_SHARE`] of the largest current; but its delay is at most
@@ -120,12 +120,12 @@ impl EncoderSpec {
         self.rad_per_count() / (f64::from(self.window) * sample_time_s)
     }
 
-    /// The count after which it begins again at zero.
+    /// The number of counts after which the count starts again at zero.
     pub fn wrap(&self) -> i32 {
         1 << self.bits
     }
 
-    /// Counts over the window that it shows at most, either way: half of a wrap in each step less one count.
+    /// Largest number of counts over the window in either direction: half of a wrap in each step, minus one count.
     pub fn most_counts(&self) -> i32 {
         (self.wrap() / 2 - 1) * self.window as i32
     }

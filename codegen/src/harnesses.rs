@@ -38,15 +38,15 @@ const HARNESSES: [(&str, &str); 11] = [
     harness!("properties/supervisor.rs"),
 ];
 
-/// Whether a module for `spec` has a harness crate. The harnesses know inertial sensors, a converter's counts
-/// and a current drive.
+/// Whether a module for `spec` has a harness crate. The harnesses support inertial sensors, a converter's counts and a
+/// current drive only.
 pub fn exist_for(spec: &ModuleSpec) -> bool {
     let parts = spec.parts();
     !parts.has_body_encoder && parts.wheel == WheelPart::Converter && !parts.has_voltage_drive
 }
 
-/// The harness crate for `spec`, whose loop has these modes: its manifest and its sources; nothing if there is none for
-/// its sensors or its drive.
+/// The harness crate for `spec` and the modes of its loop: manifest and sources. The list is empty if no harness
+/// supports the sensors or the drive.
 pub fn files(spec: &ModuleSpec, name: &CrateName, modes: Option<&Modes>) -> Vec<EmittedFile> {
     if !exist_for(spec) {
         return Vec::new();

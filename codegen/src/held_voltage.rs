@@ -1,7 +1,7 @@
 //! The linear model with a voltage held over a step, for a voltage drive.
 //!
 //! The current that flows is w − κ φ̇ with w = V/R and κ = k_e/R, so that ẋ = (A − κ B e₃ᵀ) x + B w. The checker's
-//! `held_loop` says what is neglected, and checks the sampled numbers with its own series.
+//! `held_loop` names what this model neglects, and checks the sampled numbers with its own series.
 
 use nalgebra::Matrix4;
 

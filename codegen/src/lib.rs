@@ -57,8 +57,8 @@ pub use spec::ModuleSpec;
 pub struct EmissionOptions {
     /// Name of the crate, or of the library in C.
     pub name: CrateName,
-    /// The noise that a monitor must stay silent at; `None`: no monitor. A monitor is a function that says whether the
-    /// measured motion is one that the model allows.
+    /// The noise at which the monitor must stay silent; `None` for a module without a monitor. A monitor is a function
+    /// that says whether the model allows the measured motion.
     pub monitor: Option<MonitorSpec>,
 }
 
@@ -104,8 +104,8 @@ pub fn generate_with(
     }
     let closed_loop = match &spec.closed_loop {
         Some(given) => Some(given.clone()),
-        // The bound holds for `control` on the measured states. An observer that changes the angle, and an encoder on the
-        // pivot whose window has states of its own, make other loops, for which it is not claimed.
+        // The bound holds for `control` on the measured states. An observer that changes the angle makes another loop,
+        // and so does an encoder on the pivot, whose window has states of its own. The bound is not claimed for them.
         None if spec.hardware.bias_observer.is_some() || spec.hardware.body_encoder().is_some() => {
             None
         }
@@ -122,8 +122,8 @@ pub fn generate_with(
         closed_loop,
     };
     let certificate = emit::certificate::file(spec, &law, found, &files);
-    // Of these the certificate lists none: the README states nothing, the harnesses are compared with audited texts, and
-    // `closed-loop-agreement` reads the words of the modes.
+    // The certificate lists none of the following files. The README states nothing, the harnesses are compared with
+    // audited texts, and the claim `closed-loop-agreement` reads the words of the modes.
     files.extend(harnesses::files(spec, name, modes.as_ref()));
     files.extend([emit::readme::file(spec, name), certificate]);
     Ok(EmittedCrate { files })

@@ -1,7 +1,7 @@
 //! The closed loop in coordinates in which each mode decays by itself, for the harness crate.
 //!
 //! The loop with the emitted law and the loop with the same gains in real numbers differ by e. In a step e becomes
-//! F e + Bd w: F = Ad + Bd N is the loop's matrix, w what the emitted command differs from N x. With the
+//! F e + Bd w: F = Ad + Bd N is the loop's matrix, and w the difference between the emitted command and N x. With the
 //! left eigenvectors of F as the rows of T, the coordinates z = T e of a loop with three real modes satisfy
 //! |z⁺| ≤ λ |z| + |T Bd| |w|, each for itself. The rows are scaled so that |z| ≤ 1 follows for all time.
 //!
@@ -24,17 +24,17 @@ const PART_BITS: i32 = 4;
 /// Share of a step that is left for rounding outward.
 const MARGIN: f64 = 1e-3;
 
-/// What double precision may add to an entry of T F T⁻¹, whose entries are at most about one.
+/// Error that double precision may add to an entry of T F T⁻¹, whose entries are at most about one.
 const ROUNDING: f64 = 1e-12;
 
 /// One mode in the units of the harness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ModeWords {
-    /// By what the coordinate is multiplied in a step, in Q30, rounded up.
+    /// Factor of the coordinate in a step, in Q30, rounded up.
     pub decay: i64,
-    /// What the other coordinates may add in a step.
+    /// Largest amount that the other coordinates add in a step.
     pub rest: i64,
-    /// What one unit of the command's difference adds in a step.
+    /// Amount that one unit of the command's difference adds in a step.
     pub input: i64,
 }
 
@@ -69,7 +69,7 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let worst = half + 2f64.powi(PART_BITS - 1) * raw.sum::<f64>();
     let count_a = unit(law.current.fraction_bits) * 2f64.powi(-shift - PART_BITS);
 
-    // A row with the push that each step may give it, for a mode of which so much of a coordinate remains.
+    // A row, and the amount that the command's difference may add in each step if this share of the coordinate remains.
     let scaled = |row: RowVector3<f64>, remains: f64, push: f64| {
         row * ((1.0 - remains) * (1.0 - MARGIN) / (push * count_a * worst))
     };
@@ -95,7 +95,8 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
             return None;
         }
         let row = left_eigenvector(&f.map(Complex::from), *of_pair);
-        // The phase of an eigenvector is free: the command's difference is to push both parts alike.
+        // The phase of an eigenvector is free. It is chosen so that the command's difference adds the same amount to
+        // both parts.
         let pushed = (row * input.map(Complex::from))[0];
         let turn = Complex::from_polar(1.0, std::f64::consts::FRAC_PI_4 - pushed.arg());
         let row = row * turn;

@@ -1,19 +1,21 @@
-//! The numbers of the monitor: what the model predicts of a step's motion, and how far a sound bench may be from it.
+//! The numbers of the monitor: the model's prediction of the motion in one step, and the largest deviation of a sound
+//! bench from it.
 //!
 //! The prediction is that of the sampled linear model. With λ = 1 − 2^−leak, a difference d that every step repeats
-//! adds up to at most d 2^leak, and the difference of an error between two steps, which is what an error of a sensor
-//! leaves, to at most twice its largest value. So the limits are
+//! adds up to at most d 2^leak. A sensor's error enters as the difference of its values in two steps, and adds up to at
+//! most twice its largest value. So the limits are
 //!
-//! - twice the largest errors of the sensors, and what errors of the states do to the prediction;
+//! - twice the largest errors of the sensors, and the effect of state errors on the prediction;
 //! - a current that acts up to [`LATE_STEPS`] later than predicted;
 //! - torques of friction, cogging, dead zone and offset, of any course up to their size;
 //! - for the body: one push, of the size from which the pendulum can just come back.
 //!
-//! **Encoder on the wheel.** It shows the mean speed over its window of N steps. While the wheel accelerates with at most Φ
-//! that is off by Φ N T/2, an error of the sensor like others, beside those of two counts. Φ is what the model, its
-//! errors included, allows at the ends of angle, rate, wheel speed and drive. A push changes the wheel's speed relative to
-//! the body at once, and the shown one within the window: for so long the sum is off by the push, one way. If all that
-//! leaves no room for a wheel that does not answer the largest current, a monitor would notice nothing and is refused.
+//! **Encoder on the wheel.** It shows the mean speed over its window of N steps. While the wheel accelerates by at most
+//! Φ, the error of this speed is Φ N T/2; it is treated like other errors of the sensor, in addition to the error of
+//! two counts. Φ is the largest acceleration that the model, with its errors, allows at the ends of angle, rate, wheel
+//! speed and drive. A push changes the wheel's speed relative to the body at once, and the shown speed within the
+//! window; during this time the sum contains the push. If these allowances would hide a wheel that does not respond to
+//! the largest current, a monitor would notice nothing and is refused.
 //!
 //! With a voltage drive the model is that of the held voltage ([`crate::held_voltage`]), and the duty is the voltage over the
 //! winding's resistance, which changes with its temperature: no error of it is stated.
@@ -30,24 +32,25 @@ use crate::ir::IntegerLaw;
 use crate::refusal::Refusal;
 use crate::spec::ModuleSpec;
 
-/// The time over which differences add up, about (s): a body that falls with a time constant of a tenth of a second
-/// then shows what drives it, and noise has little time to add up.
+/// Time over which differences add up, about (s). A body that falls with a time constant of a tenth of a second shows
+/// in this time which torque drives it, and noise has little time to add up.
 const MEMORY_S: f64 = 0.1;
 
-/// Standard deviations of a sensor's noise that count as its largest error: beyond eight lies one reading in 10¹⁵.
+/// Number of standard deviations of a sensor's noise that count as its largest error. One reading in 10¹⁵ lies beyond
+/// eight.
 const NOISE_STDS: f64 = 8.0;
 
-/// How far the attitude filter's angle may be from the true one, beside its noise (rad): a bias of the
-/// accelerometer of 20 mg, or the filter's start.
+/// Largest error of the attitude filter's angle apart from noise (rad): from a bias of the accelerometer of 20 mg, or
+/// from the filter's start.
 const ANGLE_ERROR_RAD: f64 = 0.02;
 
-/// Share by which a parameter without a standard error may be off.
+/// Assumed relative error of a parameter without a standard error.
 const UNSTATED_SHARE: f64 = 0.1;
 
-/// Share of each row that sampling and rounding may be off.
+/// Relative error of each row that sampling and rounding may cause.
 const ROW_SHARE: f64 = 0.01;
 
-/// Steps by which the current may act later, or the sensors show it later, than the model says.
+/// Number of steps by which the current, or the reading of a sensor, may be later than in the model.
 const LATE_STEPS: i32 = 2;
 
 /// Fraction bits of a sum.
@@ -112,9 +115,9 @@ pub fn derive(
         held.bd[1] + held.bd[2],
     );
 
-    // A current that acts late: its share of the sum that is remembered, and what is not there yet.
+    // A late current: its share of the remembered sum, and the share that is still missing.
     let late = (1.0 - 1.0 / memory).powi(-LATE_STEPS) - 1.0;
-    // What the drive holds is at most the limit, or the end of the supply.
+    // The held current is at most the limit, or the supply voltage over the resistance.
     let most_a = match spec.drive.voltage {
         None => spec.current_limit_a,
         Some(_) => held.reach_a,
@@ -145,7 +148,7 @@ pub fn derive(
     let mut errors = errors(spec, attitude, monitor);
     let mut pushed_rad_s = 0.0;
     if let WheelSensor::Encoder(encoder) = &spec.hardware.wheel {
-        // Of the wheel relative to the body: its own speed less the body's rate.
+        // The wheel's speed relative to the body is its own speed minus the body's rate.
         let ends = [
             angle_trip,
             spec.ranges.rate_rad_s,
@@ -172,12 +175,13 @@ pub fn derive(
         + torques.wheel_rad_s2 * steps_s
         + pushed_rad_s
         + ROW_SHARE;
-    // What the largest current of the law does to the wheel within the memory, beside the width that runs with it.
+    // The effect of the law's largest current on the wheel within the memory, and the width that grows with this
+    // current.
     let answer = (wheel[3].abs() - wheel_width[3]) * memory * spec.current_limit_a;
     if pushed_rad_s > 0.0 && wheel_limit_rad_s >= answer {
         return Err(refuse(format!(
-            "over the window of the wheel's encoder its speed may be off by so much ({:.1} rad/s) that a wheel which \
-             does not answer would not be noticed; a shorter window would help",
+            "the speed over the window of the wheel's encoder may be wrong by {:.1} rad/s, and a wheel that \
+             does not respond would not be noticed; use a shorter window",
             errors[2]
         )));
     }
@@ -219,14 +223,14 @@ pub fn derive(
     let units = units(scale);
     if !fits(scale) || units[1] < 1.0 || units[2] < 1.0 {
         return Err(refuse(
-            "a step changes the motion by more than its words can hold".to_owned(),
+            "the motion changes in one step by more than a word can hold".to_owned(),
         ));
     }
     let nearest = |row: &Row| motion_row([0, 1, 2, 3].map(|i| (row[i] * units[i]).round()));
     // One unit more covers the rounding of the row that it stands beside.
     let outward =
         |row: &Row| motion_row([0, 1, 2, 3].map(|i| (row[i] * units[i]).abs().ceil() + 1.0));
-    // What rounding and the leak's rounding leave in a sum.
+    // The rest that rounding, and the rounding of the leak, leave in a sum.
     let limit = |value: f64| (value * 2f64.powi(SUM_BITS)).ceil() + 2.0 * memory;
     let limits = [wheel_limit_rad_s, body_limit_rad_s].map(limit);
     if limits.iter().any(|limit| *limit > 2f64.powi(28)) {
@@ -262,8 +266,8 @@ fn motion_row(weights: [f64; 4]) -> MotionRow {
     }
 }
 
-/// Largest errors of the measured states: noise, half a count (a whole one of an encoder, whose turn is the difference of two),
-/// and what the filter leaves; without what a window is late.
+/// Largest errors of the measured states: noise, half a count (a whole one for an encoder, whose turn is the difference
+/// of two counts), and the error of the filter. The lateness of a window is not included.
 fn errors(spec: &ModuleSpec, attitude: &AttitudeSpec, monitor: &MonitorSpec) -> [f64; 3] {
     let gyro = &attitude.gyro.matrix;
     let count = gyro.row(2).iter().map(|entry| entry.abs()).sum::<f64>();
@@ -285,7 +289,7 @@ fn parameter<'a>(spec: &'a ModuleSpec, name: &str) -> Option<&'a crate::spec::Mo
         .find(|parameter| parameter.name == name)
 }
 
-/// By what share each quantity of the linear model may be off.
+/// Largest relative error of each quantity of the linear model.
 struct Shares {
     torque: f64,
     gravity: f64,
@@ -387,7 +391,7 @@ impl Torques {
         let motor = value("torque_constant") * (value("dead_zone") + value("current_offset"));
         let on_wheel = value("wheel_coulomb_torque") + value("cogging_torque") + motor;
         let on_body = value("body_coulomb_torque").max(value("body_breakaway_torque"));
-        // Inertias may be half of what they are taken for, see `Shares`.
+        // The inertias may be half of the assumed values, see `Shares`.
         Ok(Torques {
             wheel_rad_s2: 2.0 * on_wheel / wheel,
             body_rad_s2: 2.0 * (on_wheel + on_body) / (whole - wheel),

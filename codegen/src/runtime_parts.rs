@@ -1,8 +1,8 @@
 //! Parts of a runtime file that a bench may not have.
 //!
-//! A bench has one sensor of the body's angle, one of the wheel's speed and one kind of drive. What a file of
-//! `codegen/runtime/` says of the others stands there under `#[cfg(…)]` with the names of [`Parts::NAMES`], and is not
-//! emitted: the emitted text has no `cfg`, and a bench pays nothing for what it does not have.
+//! A bench has one sensor of the body's angle, one of the wheel's speed and one kind of drive. In a file of
+//! `codegen/runtime/`, text for other sensors and drives stands under `#[cfg(…)]` with the names of [`Parts::NAMES`]
+//! and is not emitted. The emitted text has no `cfg`, and a bench has no cost from parts that it lacks.
 
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ pub enum WheelPart {
     Encoder,
 }
 
-/// A text whose parts are not marked as they must be.
+/// A text whose conditions are not written as this module requires.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PartsError {
     /// The text does not consist of Rust tokens.
@@ -71,7 +71,7 @@ impl Parts {
         })
     }
 
-    /// Whether the part of this name is there; `None` for a name that is none of [`Parts::NAMES`].
+    /// Whether the bench has the part with this name; `None` if [`Parts::NAMES`] does not contain the name.
     pub fn has(&self, name: &str) -> Option<bool> {
         match name {
             "body_encoder" => Some(self.has_body_encoder),
@@ -84,7 +84,7 @@ impl Parts {
         }
     }
 
-    /// `source` with what these parts have, and without what they do not. Lines are kept or dropped whole.
+    /// The lines of `source` that belong to these parts. Lines are kept or dropped whole.
     ///
     /// # Errors
     /// [`PartsError`] for a text that is no Rust, and for a condition on something else.
@@ -273,7 +273,7 @@ pub fn f(a: i32) -> i32 {
     let c = if a > 0 { a } else { 1 };
     #[cfg(not(voltage_drive))]
     let c = Line { a: 1 }.a;
-    // Why: a comment goes with what it stands above.
+    // A comment is kept or dropped with the node below it.
     #[cfg(voltage_drive)]
     f(c)
     #[cfg(not(voltage_drive))]

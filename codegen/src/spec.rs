@@ -1,4 +1,4 @@
-//! What the generator is told: plain numbers in SI units, from identification and design.
+//! The input of the generator: plain numbers in SI units, from identification and design.
 
 use crate::hardware::{BodySensor, HardwareSpec, WheelSensor};
 use crate::refusal::Refusal;
@@ -25,8 +25,7 @@ pub struct ModuleSpec {
     pub drive: PwmDrive,
     /// The sensors that the states come from.
     pub hardware: HardwareSpec,
-    /// Sentences about the values of sensors and drive that nobody stated and that were taken from
-    /// another bench.
+    /// Sentences about the values of sensors and drive that nobody stated and that another bench supplied.
     pub assumed: Vec<String>,
     /// Identified parameters of the model behind the gains.
     pub parameters: Vec<ModelParameter>,
@@ -44,7 +43,7 @@ pub struct ModuleSpec {
     pub ad: [[f64; 3]; 3],
     /// Sampled linear model, Bd.
     pub bd: [f64; 3],
-    /// Certificate of the closed loop, put into `certificate.json` as it is; where there is none,
+    /// Certificate of the closed loop, which goes into `certificate.json` unchanged. If it is `None`,
     /// [`crate::closed_loop`] finds one.
     pub closed_loop: Option<serde_json::Value>,
 }
@@ -61,8 +60,9 @@ pub struct PhysicalRanges {
 }
 
 impl PhysicalRanges {
-    /// What the sensors can show: any angle up to half a turn, every count of the gyroscope or every rate that an
-    /// encoder is to show, every count of the wheel's sensor between its ends. Rounded up in the fifth digit.
+    /// The ranges that the sensors can show: any angle up to half a turn, every rate within the gyroscope's counts (or
+    /// the stated largest rate of an encoder), and every speed within the range of the wheel's sensor. The fifth digit
+    /// is rounded up.
     pub fn of(hardware: &HardwareSpec) -> Self {
         let rate = match &hardware.body {
             BodySensor::Inertial(attitude) => {
@@ -86,18 +86,19 @@ impl PhysicalRanges {
     }
 }
 
-/// The next number with five digits; what is not positive stays, to be refused by name.
+/// The next larger number with five digits. A number that is not positive stays as it is, so that validation refuses it
+/// by name.
 fn rounded_up(value: f64) -> f64 {
     if !(value.is_finite() && value > 0.0) {
         return value;
     }
     let digits = 4 - value.log10().floor() as i32;
     let scaled = (value * 10f64.powi(digits) * (1.0 - 1e-12)).ceil();
-    // Read back from its decimal, which is the one that documents print.
+    // The value is read back from its decimal, because documents print this decimal.
     format!("{scaled:.0}e{}", -digits).parse().unwrap_or(value)
 }
 
-/// A drive whose current, or voltage, is a straight line of the duty of a timer.
+/// A drive whose current (or voltage) is a straight line over the duty of a timer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwmDrive {
     /// Bits of the timer.
@@ -108,9 +109,9 @@ pub struct PwmDrive {
     pub duty_low: u16,
     /// Largest duty that the drive reads as a current.
     pub duty_high: u16,
-    /// A per count; negative where a larger duty drives backwards. Of a voltage drive: at standstill.
+    /// A per count; negative if a larger duty drives backwards. For a voltage drive, the current at standstill.
     pub amperes_per_count: f64,
-    /// What a voltage drive is besides; `None` for a current drive.
+    /// Further properties of a voltage drive; `None` for a current drive.
     pub voltage: Option<VoltageDrive>,
 }
 
@@ -186,7 +187,7 @@ impl ModuleSpec {
         }
     }
 
-    /// Refuses numbers that are no numbers and quantities that must be positive and are not.
+    /// Refuses numbers that are not finite, and quantities that must be positive and are not.
     ///
     /// # Errors
     /// [`Refusal::NotFinite`] or [`Refusal::NotPositive`] with the name of the quantity.

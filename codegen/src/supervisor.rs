@@ -166,8 +166,9 @@ pub fn frozen_count_s(spec: &ModuleSpec, encoder: &EncoderSpec) -> f64 {
     2.0 * (2.0 * distance / acceleration).sqrt()
 }
 
-/// The wheel's speed at which a count that is stuck upright has [`LEFT_OVER_SHARE`] of the largest current left over, rad/s:
-/// it shows neither angle nor rate, so that the command is −K₃ φ̇. Infinite where the law does not feed the speed back.
+/// The wheel's speed, rad/s, at which a count that is stuck upright leaves [`LEFT_OVER_SHARE`] of the largest current
+/// over. The stuck encoder shows neither angle nor rate, so that the command is −K₃ φ̇. Infinite if the law does not
+/// use the wheel's speed.
 pub fn stuck_upright_rad_s(spec: &ModuleSpec) -> f64 {
     LEFT_OVER_SHARE * spec.current_limit_a / spec.gains[2].abs()
 }
@@ -190,7 +191,7 @@ pub fn derive_for_encoder(
         angle_trip,
         angle_arm,
         rate_arm,
-        // Before its window is full, an encoder shows too small a rate.
+        // Before the window of an encoder is full, its rate is too small.
         still_steps: steps("the time at rest before it is armed", WINDOW_S)?
             .max(encoder.window as i32 + 1),
         wheel_low: spec.hardware.wheel_low,

@@ -171,11 +171,11 @@ mod tests {
 
     #[test]
     fn the_estimate_decays_as_designed() {
-        // Whatever the loop does meanwhile, also at the current limit.
+        // The decay does not depend on the motion of the loop meanwhile, nor on its current limit.
         let bias = 0.02;
         for seconds in [0.5, 1.0, 2.0] {
             let (_, estimate) = run(&thesis::model(), bias, Some(&observer()), seconds);
-            // The last estimate is that of the sample before, from b̂ = ℓᵀy at the start.
+            // The last estimate belongs to the sample before the last state. The first one is b̂ = ℓᵀy.
             let steps = (seconds / SAMPLE_TIME) as i32 - 1;
             let start = observer().direct[0] * bias;
             let left = (bias - start) * observer().decay.powi(steps);

@@ -67,7 +67,7 @@ pub fn solve_dare(
     check_finite("the input matrix B", b)?;
     check_weights(cost)?;
     for mode in eigenvalues(a)? {
-        // Modes inside the unit circle decay without control.
+        // Modes inside the unit circle decay without control, and need no test.
         if mode.norm() >= 1.0 {
             let reach = reach(a, b, mode)?;
             if reach < f64::EPSILON * 10.0 * n as f64 {
@@ -263,8 +263,8 @@ mod tests {
                 prop_assume!(mode.norm() < 0.99 || reach(&a, &b, mode).unwrap() > 0.02);
             }
             let solution = solve_dare(&a, &b, &cost).unwrap();
-            // Every doubling solves with I + G H, which becomes I + G X: its condition number multiplies the
-            // rounding (of 20,000 draws the worst residual was 2.6 times that).
+            // Every doubling solves a system with I + G H, which tends to I + G X. The condition number of this matrix
+            // multiplies the rounding errors; in 20,000 draws the worst residual was 2.6 times this product.
             let weight = cost.input.clone().lu();
             let reach_by_cost = &b * weight.solve(&b.transpose()).unwrap();
             let solved = DMatrix::identity(size, size) + reach_by_cost * &solution.cost_to_go;
@@ -319,7 +319,7 @@ mod tests {
             Err(DesignError::NotStabilisable { re, .. }) => assert!((re - 1.1).abs() < 1e-12),
             other => panic!("{other:?}"),
         }
-        // The same mode inside the circle needs no reach.
+        // Inside the unit circle, the input need not reach the same mode.
         let a = DMatrix::from_row_slice(2, 2, &[0.9, 0.0, 0.0, 0.5]);
         assert!(solve_dare(&a, &b, &cost).is_ok());
     }

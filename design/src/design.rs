@@ -1,17 +1,18 @@
 //! The complete design in one call.
 
+use crate::accepted::{regulator_with_margins, require_that_the_cost_sees, stable_friction_check};
 use crate::angle_bias::sampled_rest_per_angle_bias;
 use crate::bias_observer::BiasObserver;
 use crate::controller::LinearController;
 use crate::dare::DareSolution;
 use crate::error::DesignError;
-use crate::friction::{FrictionCheck, FrictionExtremes, friction_check};
-use crate::lqr::{DiscreteRegulator, Weights, discrete_regulator};
+use crate::friction::{FrictionCheck, FrictionExtremes};
+use crate::lqr::{DiscreteRegulator, Weights};
 use crate::margins::{Margins, margins};
 use crate::matrix::{check_positive, of_model};
-use crate::poles::{Pole, eigenvalues, poles, spectral_radius};
+use crate::poles::{Pole, poles};
 use crate::recovery::recovery_angle_rad;
-use crate::structural::{StructuralRank, controllability, observability, reach};
+use crate::structural::{StructuralRank, controllability, observability};
 use crate::zero_order_hold::Discrete;
 use nalgebra::{Complex, DMatrix, RowVector3, Vector3};
 use plant::LinearModel;
@@ -25,8 +26,8 @@ pub struct Settings {
     pub weights: Weights,
     /// Largest current in A.
     pub current_limit_a: f64,
-    /// The bench with none and with all of its Coulomb friction, if it has any. The design
-    /// must be stable without it.
+    /// The linear models of the bench without and with all of its Coulomb friction, if it has any. The loop must be
+    /// stable without the friction.
     pub friction_extremes: Option<FrictionExtremes>,
 }
 
@@ -36,8 +37,8 @@ const SAMPLE_TIME_OF_THE_THESIS_S: f64 = 0.001;
 const CURRENT_LIMIT_OF_THE_THESIS_A: f64 = 2.0;
 
 impl Settings {
-    /// The usual requirements, if none are stated: weights and sample time of the
-    /// thesis, and its current limit unless that of the bench is known.
+    /// The requirements for a model that states none: weights and sample time of the thesis, and the current limit of
+    /// the bench if it is known, or else that of the thesis.
     pub fn usual(current_limit_a: Option<f64>) -> Settings {
         Settings {
             sample_time_s: SAMPLE_TIME_OF_THE_THESIS_S,
@@ -86,7 +87,7 @@ impl Design {
     /// Designs the controller of `model` for `settings` and checks the loop.
     ///
     /// # Errors
-    /// Those of [`discrete_regulator`]; [`DesignError::CostBlind`] if a mode that does not decay by itself does
+    /// Those of [`crate::discrete_regulator`]; [`DesignError::CostBlind`] if a mode that does not decay by itself does
     /// not enter the cost; [`DesignError::SampleTimeTooLong`] if the loop would become unstable with
     /// the delay of one sample that the computation may take;
     /// [`DesignError::UnstableLoop`] if it is unstable without Coulomb friction;
@@ -179,166 +180,6 @@ impl Design {
     }
 }
 
-/// Longest time constant of the slowest motion of a loop, s. A slower loop does not stabilise a bench in
-/// practice: the wheel would run away while everything else is balanced.
-const SLOWEST_DECAY_S: f64 = 3600.0;
-
-/// Below this relative distance between the cost and one without the mode, rounding decides.
-const SEES_MIN: f64 = 1e-12;
-
-/// Names of the states whose modes may not decay by themselves.
-const STATE_NAMES: [&str; 2] = ["angle", "wheel"];
-
-/// Refuses zero weights on a mode that does not decay by itself.
-///
-/// # Errors
-/// [`DesignError::CostBlind`] with the state that dominates the mode.
-fn require_that_the_cost_sees(model: &LinearModel, weights: &Weights) -> Result<(), DesignError> {
-    let (a, _) = of_model(model)?;
-    let (q, _) = weights.matrices()?;
-    let seen = q.map(f64::sqrt);
-    for mode in eigenvalues(&a)? {
-        if mode.re < -1.0 / SLOWEST_DECAY_S {
-            continue;
-        }
-        if reach(&a.transpose(), &seen.transpose(), mode)? < SEES_MIN {
-            return Err(DesignError::CostBlind {
-                state: state_of(mode),
-                how: "its weight is zero, and without control it does not come to rest".to_owned(),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// The state that dominates a mode of A: the angle for a mode that falls, the wheel for one that stays.
-fn state_of(mode: Complex<f64>) -> &'static str {
-    if mode.re > 1.0 / SLOWEST_DECAY_S {
-        STATE_NAMES[0]
-    } else {
-        STATE_NAMES[1]
-    }
-}
-
-/// The regulator at one sample time, with the margins of its loop.
-fn regulator_at(
-    model: &LinearModel,
-    settings: &Settings,
-    sample_time_s: f64,
-) -> Result<(DiscreteRegulator, Margins), DesignError> {
-    let regulator = discrete_regulator(model, &settings.weights, sample_time_s)?;
-    let controller = LinearController::state_feedback(&regulator.gains);
-    let discrete = &regulator.discrete;
-    let closed = controller.closed_loop(&discrete.state, &discrete.input)?;
-    let slowest = spectral_radius(&closed)?;
-    // ρ^(t/T) = e⁻¹.
-    let decay_s = -sample_time_s / slowest.ln();
-    if !(0.0..=SLOWEST_DECAY_S).contains(&decay_s) {
-        return Err(DesignError::CostBlind {
-            state: STATE_NAMES[1],
-            how: format!(
-                "the loop would take {decay_s:.1e} s to come to rest (largest pole modulus \
-                 {slowest:.12})"
-            ),
-        });
-    }
-    let (a, b) = of_model(model)?;
-    let margins = margins(&a, &b, &controller, sample_time_s)?;
-    Ok((regulator, margins))
-}
-
-/// The regulator at the required sample time, with its margins. If that sample time is too long, the error contains
-/// a shorter one that works.
-fn regulator_with_margins(
-    model: &LinearModel,
-    settings: &Settings,
-) -> Result<(DiscreteRegulator, Margins), DesignError> {
-    let (delay_margin_s, error) = match regulator_at(model, settings, settings.sample_time_s) {
-        Ok((regulator, margins)) if margins.delay_margin_s >= settings.sample_time_s => {
-            return Ok((regulator, margins));
-        }
-        Ok((_, margins)) => (margins.delay_margin_s, None),
-        // Wrong weights are wrong at every sample time.
-        Err(error @ DesignError::CostBlind { .. }) => return Err(error),
-        Err(error) => (0.0, Some(error)),
-    };
-    // If a shorter sample time works, the sample time was the cause. It is rounded to two digits, as it will
-    // be typed, before it is tried.
-    let mut shorter_s = settings.sample_time_s;
-    for _ in 0..60 {
-        shorter_s = two_digits(0.5 * shorter_s);
-        if shorter_s <= 0.0 {
-            break;
-        }
-        if is_accepted(model, settings, shorter_s) {
-            return Err(DesignError::SampleTimeTooLong {
-                sample_time_s: settings.sample_time_s,
-                delay_margin_s,
-                longest_s: shorter_s,
-                current_weight: settings.weights.current,
-                larger_weight: larger_current_weight(model, settings),
-            });
-        }
-    }
-    Err(error.unwrap_or(DesignError::UnstableLoop {
-        loop_name: "with a delay of one sample",
-        spectral_radius: 1.0,
-            cure: "no sample time gives enough delay margin with these weights; raise the current weight",
-    }))
-}
-
-/// A larger current weight of two digits with which the design passes every check at its own sample time: the first that
-/// does while the weight is doubled. `None` if none does.
-fn larger_current_weight(model: &LinearModel, settings: &Settings) -> Option<f64> {
-    let mut slower = settings.clone();
-    (0..80).find_map(|_| {
-        slower.weights.current = two_digits(2.0 * slower.weights.current);
-        is_accepted(model, &slower, settings.sample_time_s).then_some(slower.weights.current)
-    })
-}
-
-/// Whether a design at this sample time passes every check.
-fn is_accepted(model: &LinearModel, settings: &Settings, sample_time_s: f64) -> bool {
-    let Ok((regulator, margins)) = regulator_at(model, settings, sample_time_s) else {
-        return false;
-    };
-    let friction = |extremes: &FrictionExtremes| {
-        stable_friction_check(extremes, &regulator.gains, sample_time_s).is_ok()
-    };
-    margins.delay_margin_s >= sample_time_s
-        && settings.friction_extremes.as_ref().is_none_or(friction)
-}
-
-/// The largest number of two digits that does not exceed a positive one, as read from its decimal form.
-fn two_digits(value: f64) -> f64 {
-    if !(value.is_finite() && value > 0.0) {
-        return 0.0;
-    }
-    let exponent = value.log10().floor() as i32 - 1;
-    let digits = (value / 10f64.powi(exponent) * (1.0 + 1e-12)).floor();
-    format!("{digits:.0}e{exponent}").parse().unwrap_or(0.0)
-}
-
-/// The friction check; an error if the bench would fall without the friction that the design counted
-/// on. Instability with all of it is hunting, which the check reports.
-fn stable_friction_check(
-    extremes: &FrictionExtremes,
-    gains: &RowVector3<f64>,
-    sample_time_s: f64,
-) -> Result<FrictionCheck, DesignError> {
-    let check = friction_check(extremes, gains, sample_time_s)?;
-    if check.none.is_stable() {
-        Ok(check)
-    } else {
-        Err(DesignError::UnstableLoop {
-            loop_name: "without Coulomb friction",
-            spectral_radius: check.none.spectral_radius,
-            cure: "the design relies on friction that is not always there; raise \
-                   friction_linearisation_speed or leave it out",
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -402,8 +243,8 @@ mod tests {
         }
     }
 
-    /// Weights so unequal that only a sample time of nanoseconds would do: what can be built is a larger weight of
-    /// the current.
+    /// These weights are so unequal that only a sample time of nanoseconds would work. A larger current weight is the
+    /// advice that can be followed.
     #[test]
     fn a_sample_time_that_no_controller_has_is_not_advised() {
         let mut settings = settings();
@@ -425,8 +266,8 @@ mod tests {
         assert!(Design::new(&thesis::model(), &settings).is_ok());
     }
 
-    /// The wheel of a bench without wheel friction keeps its speed where no weight asks for rest; a
-    /// weight of 1e-20 asks too little.
+    /// Without wheel friction and without a weight on the wheel speed, the wheel keeps its speed. A weight of 1e-20 is
+    /// too small to change that.
     #[test]
     fn a_cost_that_does_not_see_the_wheel_is_refused() {
         let mut parameters = thesis::PARAMETERS;
@@ -457,20 +298,6 @@ mod tests {
             Design::new(&thesis::model(), &blind),
             Err(DesignError::CostBlind { state: "angle", .. })
         ));
-    }
-
-    #[test]
-    fn two_digits_read_back() {
-        for (value, text) in [
-            (0.15, "0.15"),
-            (0.0119, "0.011"),
-            (4.56e-7, "0.00000045"),
-            (0.1, "0.1"),
-            (99.9, "99"),
-            (2e-3, "0.002"),
-        ] {
-            assert_eq!(two_digits(value).to_string(), text);
-        }
     }
 
     #[test]

@@ -255,7 +255,8 @@ impl Wide {
                     .sum()
             })
             .fold(0.0, f64::max);
-        // 28 terms of a norm of 1/8 leave 2⁻⁸⁴/28! ≈ 2⁻¹⁸², far below the words' 2⁻¹⁰⁴.
+        // After 28 terms of a series for a norm of 1/8, the remainder is 2⁻⁸⁴/28! ≈ 2⁻¹⁸², far below the relative error
+        // 2⁻¹⁰⁴ of one operation.
         let squarings = (norm * 8.0).log2().ceil().max(0.0);
         if squarings.is_nan() || squarings > 60.0 {
             return None;
@@ -290,7 +291,7 @@ mod tests {
         assert_ne!(third.lo, 0.0);
     }
 
-    /// exp of a turn's generator is the turn; its square root twice is itself.
+    /// The exponential of a rotation's generator is orthogonal, and has the entries of the rotation.
     #[test]
     fn the_exponential_of_a_skew_matrix_is_a_turn() {
         let angle = 1.25_f64;

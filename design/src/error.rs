@@ -184,7 +184,7 @@ fn modulus(modulus: f64) -> String {
 }
 
 /// The shortest sample time that is advised, in s: what the 2,400 instructions of the emitted step's longest path
-/// (docs/cost.md) take at 120 MHz.
+/// (docs/guide/cost.md) take at 120 MHz.
 const SHORTEST_ADVISED_S: f64 = 20e-6;
 
 /// What cures a sample time that is too long: a shorter one, where a controller can have it, or a slower loop.
@@ -193,7 +193,7 @@ fn shorter_or_slower(longest_s: f64, current_weight: f64, larger_weight: Option<
         Some(weight) => format!(
             "a current weight of at least {weight} (now {current_weight}), which makes the loop slower"
         ),
-        None => "other weights: a larger one of the current makes the loop slower".to_owned(),
+        None => "other weights: a larger current weight makes the loop slower".to_owned(),
     };
     if longest_s < SHORTEST_ADVISED_S {
         format!("use {slower}")

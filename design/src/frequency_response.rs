@@ -11,7 +11,7 @@ use crate::error::DesignError;
 use crate::late::Lateness;
 use crate::margins::OpenLoop;
 
-/// Decades below half of the sampling frequency at which the curve begins.
+/// The curve begins this many decades below half of the sampling frequency.
 const DECADES: f64 = 4.5;
 
 /// The open loop at one frequency.
@@ -21,12 +21,13 @@ pub struct LoopFrequency {
     pub frequency_rad_s: f64,
     /// L(e^{jωT}).
     pub value: Complex<f64>,
-    /// Its phase in rad, without jumps from one frequency to the next; it begins within −2π and 0, as a loop that lags.
+    /// Its phase in rad, without jumps from one frequency to the next. The first phase lies between −2π and 0, because
+    /// the loop lags.
     pub phase_rad: f64,
 }
 
-/// L at `count` frequencies, evenly over the logarithm, up to half of the sampling frequency: of `controller` around
-/// ẋ = A x + B u (A n×n, B n×1), with the current `delay_s` late.
+/// L at `count` frequencies, evenly spaced over the logarithm, up to half of the sampling frequency. The loop is
+/// `controller` around ẋ = A x + B u (A n×n, B n×1), with a current that is late by `delay_s` (s).
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite, a sample time that is not positive, a negative delay.
@@ -146,7 +147,7 @@ mod tests {
         }
     }
 
-    /// A delay that is there already comes off the delay margin.
+    /// A delay that the loop already has shortens its delay margin by the same time.
     #[test]
     fn a_delay_comes_off_the_delay_margin() {
         let controller = LinearController::state_feedback(&thesis::golden_gains());

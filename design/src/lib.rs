@@ -25,6 +25,7 @@
 
 #![warn(missing_docs)]
 
+mod accepted;
 pub mod angle_bias;
 pub mod bias_observer;
 pub mod care;

@@ -77,8 +77,8 @@ pub fn margins_with_delay(
     late_margins(a, b, controller, sample_time_s, &lateness)
 }
 
-/// As [`margins`], of the loop whose current and sensors are late: the delay margin is what the current may be later
-/// still.
+/// As [`margins`], for a loop with late current and late sensors. The delay margin is the further delay that the
+/// current may have.
 ///
 /// # Errors
 /// As for [`margins`]; a negative delay.
@@ -209,7 +209,7 @@ impl<'a> OpenLoop<'a> {
         self.through_plant(&self.plant, frequency)
     }
 
-    /// −(Cc (zI − Ac)⁻¹ Bc + Dc) times what the sensors of `plant` say of the current.
+    /// −(Cc (zI − Ac)⁻¹ Bc + Dc) times the response of the sensors of `plant` to the current.
     fn through_plant(&self, plant: &LatePlant, frequency: f64) -> Option<Complex<f64>> {
         let z = Complex::from_polar(1.0, frequency * self.sample_time_s);
         let shown = plant.transfer(z)?;
@@ -346,8 +346,8 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(150))]
-        /// Benches and weights of every kind, gains that are optimal and gains that are not: the
-        /// margins are where stability is lost, and not earlier.
+        /// For benches and weights of every kind, and for optimal and other gains, stability is lost exactly at the
+        /// margins.
         #[test]
         fn stability_ends_exactly_at_the_margins(
             scale in prop::array::uniform6(-0.7..0.7_f64),

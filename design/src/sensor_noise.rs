@@ -24,7 +24,7 @@ pub struct SensorNoise {
     pub wheel_speed_rad_s: f64,
 }
 
-/// Standard deviations in the loop that nothing but noise disturbs.
+/// Standard deviations in the loop if noise is the only disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseInLoop {
     /// Of the true angle, rad.
@@ -35,7 +35,7 @@ pub struct NoiseInLoop {
     pub current_a: f64,
 }
 
-/// Doublings: 2⁶⁰ samples are longer than any bench runs.
+/// Largest number of doublings: 2⁶⁰ samples are longer than any bench runs.
 const MOST_DOUBLINGS: usize = 60;
 
 /// The effect of `noise` on the loop of u = −`gains` x around `model`, with the current `delay_s` (s) late.
@@ -54,8 +54,8 @@ pub fn noise_in_loop(
     noise_in_late_loop(model, &controller, sample_time_s, &lateness, noise)
 }
 
-/// As [`noise_in_loop`], of any linear controller, with current and sensors late. The noise is that of the readings,
-/// behind the sensors' filters.
+/// As [`noise_in_loop`], for any linear controller, with delays of current and sensors. The noise is that of the
+/// readings, after the sensors' filters.
 ///
 /// # Errors
 /// As for [`noise_in_loop`].
@@ -85,7 +85,7 @@ pub fn noise_in_late_loop(
         noise.rate_rad_s,
         noise.wheel_speed_rad_s
     ]);
-    // How the noise of a sample enters the plant, by the command, and the controller.
+    // The noise of a sample enters the plant through the command, and enters the controller directly.
     let mut enters = DMatrix::zeros(size, 3);
     enters
         .rows_mut(0, states)
@@ -139,7 +139,8 @@ mod tests {
         wheel_speed_rad_s: 0.6,
     };
 
-    /// The same by simulation of the difference equation, delays of whole samples by a queue of commands.
+    /// The same standard deviations from a simulation of the difference equation. A queue of commands makes delays of
+    /// whole samples.
     #[test]
     fn simulation_agrees() {
         let hold = zero_order_hold(&thesis::a(), &thesis::b(), 1e-3).unwrap();
@@ -165,8 +166,8 @@ mod tests {
                 state = Vector3::new(next[0], next[1], next[2]);
             }
             let std = |sum: f64| (sum / f64::from(samples)).sqrt();
-            // 600 s of a loop whose slowest motion takes 0.22 s: some 1400 independent values, a standard error of
-            // 1/√2800 = 1.9 %; four of them.
+            // The slowest motion of the loop takes 0.22 s, so 600 s contain some 1400 independent values: a standard
+            // error of 1/√2800 = 1.9 %. The tolerance is four standard errors.
             for (simulated, exact) in [
                 (std(angle), found.angle_rad),
                 (std(wheel), found.wheel_speed_rad_s),
@@ -180,7 +181,7 @@ mod tests {
         }
     }
 
-    /// Without noise all is still, and twice the noise is twice the unrest.
+    /// Without noise nothing moves, and twice the noise doubles every standard deviation.
     #[test]
     fn unrest_is_proportional_to_noise() {
         let gains = thesis::golden_gains();
@@ -194,7 +195,7 @@ mod tests {
         };
         assert_eq!(of(0.0).current_a, 0.0);
         assert!((of(2.0).angle_rad / of(1.0).angle_rad - 2.0).abs() < 1e-9);
-        // The law passes the noise of a sample straight on, at least.
+        // The current fluctuates by at least the gains times the noise of the same sample.
         let straight = (24.2672423_f64 * 1e-3)
             .hypot(2.12973867 * 4e-3)
             .hypot(0.0225875821 * 0.6);

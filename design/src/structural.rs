@@ -4,11 +4,11 @@
 //! C = [B, AB, …, Aⁿ⁻¹B],   O = [C; CA; …; CAⁿ⁻¹]
 //! ```
 //!
-//! The ranks must not depend on the units, but the singular values do. The states are therefore first
-//! scaled to comparable size (Parlett and Reinsch's balancing of A), time is measured in units of
-//! 1/‖A‖, and every input and output is scaled to norm one. The rank is the number of singular values
-//! above n·ε·σ₁. In addition, every mode has a relative distance to losing it,
-//! σ_min([A − λI, B])/‖A‖ (Popov, Belevitch, Hautus), which shows *which* mode is hard to reach.
+//! The ranks must not depend on the units, but the singular values do. The states are therefore first scaled to
+//! comparable size (Parlett and Reinsch's balancing of A), time is measured in units of 1/‖A‖, and every input and
+//! output is scaled to norm one. The rank is the number of singular values above n·ε·σ₁. In addition, every mode has a
+//! relative distance to the nearest system in which it is lost, σ_min([A − λI, B])/‖A‖ (Popov, Belevitch, Hautus),
+//! which shows *which* mode is hard to reach.
 
 use crate::error::DesignError;
 use crate::matrix::{check_finite, check_shape};
@@ -97,8 +97,7 @@ pub fn observability(a: &DMatrix<f64>, c: &DMatrix<f64>) -> Result<StructuralRan
     controllability(&a.transpose(), &c.transpose())
 }
 
-/// How well the input reaches the mode λ: σ_min([A − λI, B])/‖A‖ in scaled coordinates; 0 if it does
-/// not reach it.
+/// How well the input reaches the mode λ: σ_min([A − λI, B])/‖A‖ in scaled coordinates; 0 if the mode is out of reach.
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite.
@@ -110,7 +109,7 @@ pub fn reach(a: &DMatrix<f64>, b: &DMatrix<f64>, mode: Complex<f64>) -> Result<f
 struct Scaled {
     /// Balanced, of Frobenius norm one.
     a: DMatrix<f64>,
-    /// In the coordinates of `a`, each column of norm one (or zero).
+    /// B in the coordinates of `a`, with each column scaled to norm one (a zero column stays zero).
     b: DMatrix<f64>,
     /// The factor by which A was divided, in 1/s for a continuous model.
     unit: f64,

@@ -29,7 +29,7 @@ pub(crate) fn weights() -> crate::lqr::Weights {
     crate::lqr::Weights::OF_THE_THESIS
 }
 
-/// Every entry within `relative` of its golden value, given by rows.
+/// Asserts that every entry lies within `relative` of its golden value; the golden values are given by rows.
 pub(crate) fn assert_close(matrix: &DMatrix<f64>, golden: &[f64], relative: f64) {
     assert_eq!(matrix.len(), golden.len());
     for (index, (value, golden)) in matrix.transpose().iter().zip(golden).enumerate() {

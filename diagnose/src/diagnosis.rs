@@ -97,7 +97,7 @@ pub fn diagnose_with(
         ))
     };
     let mut start = begin(&problem, is_fitted)?;
-    // What the starting model shows already need not be found by a search over logs in one piece.
+    // If the starting model already shows that short windows are needed, no search over logs in one piece is made.
     if let Some(cut) = start.in_windows(&start.candidate, &problem) {
         problem = cut;
         start = begin(&problem, false)?;
@@ -114,7 +114,7 @@ pub fn diagnose_with(
     searched.diagnosis(&problem, given, progress)
 }
 
-/// The suspects as this bench has them. A zero for each log is one where there are several logs to differ.
+/// The suspects of this bench. An effect with a zero for each log is a suspect only if several logs can differ.
 pub fn suspects_of(problem: &FitProblem, suspects: &[EffectId]) -> Vec<EffectId> {
     let made = suspects.iter().map(|&effect| problem.made_for_logs(effect));
     made.filter(|effect| effect.info().per_log.is_none() || effect.info().parameters.len() > 1)

@@ -59,7 +59,7 @@ fn finished_evidences(bench: &SearchBench, pool: &mut [Candidate]) -> Result<Vec
     Ok(evidences(bench, pool))
 }
 
-/// As [`crate::pool::simplest`], with the bench's own test of whether its sensors show a difference.
+/// As [`crate::pool::simplest`]; the bench decides whether its sensors would show a difference.
 fn simplest(bench: &SearchBench, pool: &[Candidate], evidence: &[f64], top: usize) -> usize {
     let shows = |smaller: &Candidate, larger: &Candidate| shows(bench, &pool[0], smaller, larger);
     crate::pool::simplest(pool, evidence, top, bench.thresholds.tie, shows)
@@ -258,8 +258,8 @@ fn prune_and_swap(
             break;
         }
         (progress.say)("trying others in the place of each effect");
-        // Sets that the pool has are fitted again, from the larger candidate's parameters: a smaller model that is
-        // stuck far from its minimum would make an effect look necessary.
+        // Sets that are already in the pool are fitted again, starting from the parameters of the larger candidate. A
+        // smaller model that is stuck far from its minimum would make an effect look necessary.
         let known = |set: &[EffectId]| pool.iter().find(|known| known.set() == set).cloned();
         let smaller: Vec<Candidate> = chosen
             .added

@@ -3,7 +3,7 @@
 //! The numbers in `economy.rs` only save time. Three thresholds stand in `identify`, beside the statistics that
 //! they bound, because reports use them without a diagnosis: when a residual is more than noise
 //! ([`identify::SIGNIFICANT`]), what counts as a push, and when two results contradict each other.
-//! `docs/thresholds.md` lists the verdicts that change when a number of this file is moved by a quarter.
+//! `docs/guide/thresholds.md` lists the verdicts that change when a number of this file is moved by a quarter.
 
 /// Declares the numbers once: the struct, the default values, and the list through which a number can be changed
 /// by its name.
@@ -90,7 +90,7 @@ thresholds! {
     /// prevent the verdict "explained". The test of contradictions itself reports from its 1e-3 point on. Here ten is
     /// asked because a standard error covers the noise and its correlation, but not the errors of an
     /// integration rule or a clock; measured in standard errors, those grow with the number of samples.
-    /// Judgement, by the exam: see docs/thresholds.md.
+    /// Judgement, by the exam: see docs/guide/thresholds.md.
     contradiction = 10.0,
     /// The logs are read in short windows if cogging explains at least this share of the misfit there. Half means
     /// that cogging is the larger part. Beside a larger effect, cogging is found once that effect has been added.

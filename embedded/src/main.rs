@@ -1,8 +1,8 @@
 //! Instructions of the emitted controller on a 32-bit core without FPU, counted one call at a
 //! time over readings of every kind: plausible ones, random words, limits and zeros.
 //!
-//! Prints a line a function: its name, the most instructions of a call, and the mean. The count
-//! does not depend on time: equal images give equal numbers.
+//! The program prints one line for each function: its name, the largest number of instructions of a call, and the mean.
+//! The count does not depend on time, so that equal images give equal numbers.
 #![no_std]
 #![no_main]
 #![forbid(unsafe_code)]
@@ -17,7 +17,7 @@ use semihosting::{process::exit, sys::arm_compat::sys_writec};
 /// Calls of each function.
 const CALLS: u32 = 200_000;
 
-/// Marsaglia's xorshift; the seed is fixed, so that the count is.
+/// Marsaglia's xorshift. The seed is fixed, so that the count is reproducible.
 struct Random(u32);
 
 impl Random {
@@ -76,8 +76,8 @@ impl Random {
     }
 }
 
-/// Writes a text to the emulator's console, a byte at a time: `core::fmt` and the slices of `Write`
-/// would bring panics into the image, where none may be.
+/// Writes a text to the emulator's console, one byte at a time. `core::fmt` and the slices of `Write` would bring
+/// panics into the image, where none is allowed.
 fn print(text: &str) {
     for byte in text.bytes() {
         sys_writec(byte);
@@ -99,8 +99,8 @@ fn count<I>(name: &str, mut input: impl FnMut() -> I, mut call: impl FnMut(&I)) 
         let given = black_box(input());
         let before = minstret::read() as u32;
         call(&given);
-        // Less the reading of the counter itself. It counts exactly under `-icount shift=0`, and the
-        // compiler moves nothing across it that touches memory.
+        // The reading of the counter itself is subtracted. The counter is exact under `-icount shift=0`, and the
+        // compiler does not move memory accesses across it.
         let spent = (minstret::read() as u32)
             .wrapping_sub(before)
             .wrapping_sub(1);
@@ -151,7 +151,7 @@ fn main() -> ! {
     let mut random = Random(0x9e37_79b9);
     let mut attitude = Attitude::new();
     let mut controller = Controller::new();
-    // A window of quiet samples sets the attitude; without it nothing is armed.
+    // The controller aligns during a window of quiet samples. Without an attitude it cannot be armed.
     for _ in 0..1000 {
         let sample = random.balancing(false);
         step(&mut controller, &sample);

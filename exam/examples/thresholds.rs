@@ -1,6 +1,6 @@
 //! How much hangs on each number that decides verdicts: every one is moved down and up by a quarter, one at
 //! a time, and the benches of some seeds are diagnosed again. Prints a table in Markdown, as
-//! `docs/thresholds.md` has it.
+//! `docs/guide/thresholds.md` has it.
 //!
 //!     cargo run --release -p exam --example thresholds -- 0..40 [NAME …]
 //!

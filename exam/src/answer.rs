@@ -8,7 +8,7 @@ use crate::draw::ExamBench;
 /// The true answer for a bench.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The hidden effects of the library. With an outsider, those that act beside it.
+    /// The hidden effects of the library. If an outsider acts too, the effects that act beside it.
     pub effects: Vec<EffectId>,
     /// True parameters in SI by name, as far as they are known.
     pub parameters: Vec<(String, f64)>,
@@ -50,7 +50,7 @@ impl Answer {
         }
     }
 
-    /// The answer with its effects as a bench has them ([`FitProblem::made_for_logs`]).
+    /// The answer in which each effect has its parameters for each log of the bench ([`FitProblem::made_for_logs`]).
     #[must_use]
     pub fn made_for(&self, problem: &FitProblem) -> Answer {
         let effects = self

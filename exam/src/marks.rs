@@ -170,13 +170,14 @@ pub struct ReliabilityShare {
 /// The result of an exam.
 #[derive(Clone, Debug)]
 pub struct Marks {
-    /// One hidden effect with a trace of at least [`PLAIN`], no tie: it is the first suspect.
+    /// Benches with one hidden effect, a trace of at least [`PLAIN`] and no tie: the effect is the first suspect.
     pub first: Rate,
-    /// The same cases: it is among the first two suspects.
+    /// The same benches: the effect is among the first two suspects.
     pub first_two: Rate,
     /// One hidden effect, any size: marked right.
     pub one_right: Rate,
-    /// Two hidden effects, both with a trace of at least [`PLAIN`]: both named, alone or in a tie.
+    /// Benches with two hidden effects, both with a trace of at least [`PLAIN`]: the diagnosis names both, alone or in
+    /// a tie.
     pub both: Rate,
     /// Outsiders called unexplained.
     pub outsiders: Rate,
@@ -198,7 +199,7 @@ pub struct Marks {
     pub confusion: Vec<usize>,
 }
 
-/// The answer of a verdict in one word or name, for the confusion matrix.
+/// The verdict's answer in one word or one name, for the confusion matrix.
 fn answered(entry: &Entry) -> String {
     match (entry.paper.verdict, entry.paper.named.as_slice()) {
         (Verdict::Explained, [one]) => one.name().to_owned(),
@@ -262,7 +263,7 @@ impl Marks {
 }
 
 impl Marks {
-    /// How many were marked right in each class; `class` returns the classes of a bench.
+    /// The rate of right answers in each class; `class` returns the classes of a bench.
     pub fn by(entries: &[Entry], class: impl Fn(&Entry) -> Vec<String>) -> Vec<(String, Rate)> {
         let mut names: Vec<String> = entries.iter().flat_map(&class).collect();
         in_order(&mut names);

@@ -10,8 +10,8 @@ use plant::{EffectId, Model};
 
 use crate::answer::Answer;
 
-/// A rival at less than this distance cannot be distinguished from the truth (odds of 4 to one at most); a confident
-/// answer is then luck.
+/// A rival at less than this distance cannot be distinguished from the truth, because the odds are 4 to one at most. A
+/// confident answer is then luck.
 pub const EQUAL: f64 = 3.0;
 /// Up to this distance (odds of 400 to one), "ambiguous" is as right as the truth.
 pub const CLOSE: f64 = 12.0;
@@ -22,11 +22,11 @@ const BAD: f64 = 1.3;
 pub struct Rival {
     /// The set.
     pub set: Vec<EffectId>,
-    /// Difference of χ² from the truth, plus ln n for every parameter that it has more.
+    /// Difference of χ² from the truth, plus ln n for every parameter that the rival has more than the truth.
     pub distance: f64,
-    /// Whether it has fewer parameters than the truth.
+    /// Whether the rival has fewer parameters than the truth.
     pub simpler: bool,
-    /// For a set that the truth contains: the trace of the effects that the set lacks, in units of noise.
+    /// For a set that the truth contains: the trace of the missing effects, in units of noise.
     pub lacks: Option<f64>,
 }
 
@@ -54,8 +54,8 @@ pub fn fitted(
         *value = known.unwrap_or(*value);
     }
     let free = problem.free(&model);
-    // The starts of the logs are taken once from the samples and once from the base fit; the fit of lower
-    // cost counts. If both are bad, the schedule from short windows finds a better one.
+    // The initial states of the logs are taken once from the samples and once from the base fit; the fit of lower cost
+    // counts. If both fits are bad, the schedule from short windows finds a better one.
     let guessed = records
         .iter()
         .map(|record| final_windows(record, &values))
@@ -141,7 +141,7 @@ pub fn rivals(
     let mut rivals: Vec<Rival> = vec![];
     for candidate in candidates {
         let set = candidate.set();
-        // A larger set that contains the truth is no rival: the simpler one is preferred anyway.
+        // A larger set that contains the truth is no rival, because the diagnosis prefers the simpler set anyway.
         if set == answer.effects || candidate.strictly_contains(&truth) {
             continue;
         }

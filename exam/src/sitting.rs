@@ -27,7 +27,7 @@ pub enum SitError {
     #[error("{file}: {error}", file = .0.display(), error = .1)]
     Effect(PathBuf, UnknownEffect),
     /// No bench with a truth.json was found.
-    #[error("{}: there is no bench with a truth.json: neither here nor one folder below", .0.display())]
+    #[error("{}: no folder with a truth.json was found, neither this one nor one below it", .0.display())]
     NoBench(PathBuf),
     /// A bench cannot be read.
     #[error(transparent)]

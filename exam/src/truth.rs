@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use plant::EffectId;
 
-/// A physical term that is not in the library. `p` are its numbers, as [`Outsider::meaning`] lists them.
+/// A physical term that is not in the library. `p` are its parameters, in the order of [`Outsider::meaning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Outsider {
     /// See [`Outsider::meaning`].
@@ -53,7 +53,7 @@ impl Outsider {
         }
     }
 
-    /// Whether the term acts on the wheel or its motor, so that only experiments with a motor show it.
+    /// Whether the term acts on the wheel or its motor. Then only experiments with a motor show it.
     pub fn needs_a_motor(self) -> bool {
         matches!(
             self,
@@ -94,11 +94,11 @@ pub struct TrueInstant {
 /// A torque in N m against the motion, as a function of the parameters and the instant.
 pub type Torque = dyn Fn(&[f64], &TrueInstant) -> f64 + Send + Sync;
 
-/// The torque of an effect that this simulator does not have (a user's effect, or one of a test), stated a second time:
-/// the exam never uses an equation of the plant.
+/// The torque of an effect that this simulator does not have (a user's effect, or one of a test). The equation is
+/// stated here a second time, because the exam never uses an equation of the plant.
 #[derive(Clone)]
 pub struct StatedTorque {
-    /// Whether it acts on the body; otherwise it acts on the wheel.
+    /// Whether the torque acts on the body; otherwise it acts on the wheel.
     pub on_body: bool,
     /// The torque against the motion of the body or the wheel; smooth in the motion.
     pub torque: Arc<Torque>,
@@ -123,7 +123,7 @@ impl PartialEq for StatedTorque {
 pub enum Hidden {
     /// An effect of the library with its parameters in SI, in the order of its description.
     Library(EffectId, Vec<f64>),
-    /// An effect that is not part of this program: parameters as above, and its equation for the exam.
+    /// An effect that is not part of this program: its parameters as for `Library`, and its equation for the exam.
     Stated(EffectId, Vec<f64>, StatedTorque),
     /// A term that is not in the library.
     Outsider(Outsider, [f64; 3]),

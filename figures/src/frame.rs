@@ -18,8 +18,8 @@ pub(crate) struct Frame {
     pub y: Axis,
 }
 
-/// Height of the baseline of a caption above its panel: the label of a tick at
-/// the upper end stays clear of it.
+/// Distance in pixels from a panel up to the baseline of its caption. The label of a tick at the upper end stays clear
+/// of the caption.
 pub(crate) const CAPTION_GAP: f64 = 10.0;
 /// Room above a panel for its caption.
 pub(crate) const CAPTION: f64 = 28.0;
@@ -178,8 +178,7 @@ impl Frame {
         }
     }
 
-    /// Cuts off at the panel, with half a line width of room above and below,
-    /// until `svg.end()`.
+    /// Clips at the panel until `svg.end()`. Half a line width of room remains above and below.
     pub fn begin_clip(&self, svg: &mut Svg) {
         let room = 2.0;
         svg.begin_clip(
@@ -221,8 +220,7 @@ impl Frame {
         reduced
     }
 
-    /// The stretches of a line in pixels that touch the panel: a part of a long
-    /// series does not carry the rest of it.
+    /// The stretches of a line, in pixels, that touch the panel. The rest of a long series is left out of the file.
     fn visible<'a>(&self, run: &'a [(f64, f64)]) -> impl Iterator<Item = &'a [(f64, f64)]> {
         let (left, right) = (self.left - 1.0, self.right() + 1.0);
         let apart = move |a: &(f64, f64), b: &(f64, f64)| {

@@ -39,8 +39,8 @@ const REACH: f64 = 3.0;
 /// Points of a circle.
 const CORNERS: usize = 180;
 
-/// Draws the curves, with their mirror images thinly, the unit circle and the circles around −1 that they touch, in
-/// equal scales.
+/// Draws with equal scales: the curves, their mirror images in thin lines, the unit circle, and for each curve the
+/// circle around −1 that the curve touches.
 ///
 /// # Errors
 /// [`FigureError::Length`] if a curve has not one imaginary part for each real part.
@@ -59,7 +59,7 @@ pub fn nyquist(figure: &Nyquist) -> Result<String, FigureError> {
     let color = style::LIMIT;
     keys.push(Key::new(
         Mark::Dashed { color },
-        "unit circle, and the circles around −1 that are touched",
+        "unit circle, and the circle around −1 that each curve touches",
     ));
     page.legend(&keys);
     let side = 560.0;

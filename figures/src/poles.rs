@@ -109,9 +109,8 @@ pub fn poles(figure: &Poles) -> String {
     page.finish()
 }
 
-/// The poles that a panel of all of them shows as one heap: those before the
-/// outermost gap in distance from the point of the constant state (z = 1, s = 0).
-/// None where the poles are spread well.
+/// The poles that overlap in a panel of all poles: those nearer to the point of the constant state (z = 1, s = 0) than
+/// the largest gap in distance. Empty if the poles are well spread.
 fn crowded(all: &[(f64, f64)], plane: Plane) -> Option<Vec<(f64, f64)>> {
     let (center, whole) = match plane {
         Plane::Discrete => (1.0, 2.0),
@@ -135,7 +134,7 @@ fn crowded(all: &[(f64, f64)], plane: Plane) -> Option<Vec<(f64, f64)>> {
     (gap[0] > 0.0).then(|| near.copied().collect())
 }
 
-/// Whether the crowd holds poles that can be told apart: a single one, enlarged, shows nothing.
+/// Whether the crowd contains poles that can be told apart. Enlarging a single pole would show nothing.
 fn are_several(poles: &[(f64, f64)], crowd: &[(f64, f64)]) -> bool {
     let near: Vec<(f64, f64)> = poles
         .iter()
@@ -235,8 +234,7 @@ fn zoom_panel(
     frame.bottom()
 }
 
-/// Equal scales in the z-plane, so that the circle is one; in the s-plane
-/// each axis takes the range of its data.
+/// Scales are equal in the z-plane, so that the circle is round. In the s-plane each axis takes the range of its data.
 fn axes(plane: Plane, points: &[(f64, f64)], width: f64, height: f64) -> (Axis, Axis) {
     let real = extent(points.iter().map(|p| p.0)).unwrap_or((-1.0, 1.0));
     let imaginary = extent(points.iter().map(|p| p.1)).unwrap_or((-1.0, 1.0));
@@ -305,8 +303,8 @@ fn boundary(page: &mut Page, plane: Plane, frame: &Frame) {
 /// The unit circle in pixels: coarse where it is off the panel, fine within.
 fn unit_circle(frame: &Frame) -> Path {
     let mut path = Path::default();
-    // A part of the circle that fills the panel needs finer steps the more
-    // the panel is enlarged: up to a tenth of a pixel between chord and arc.
+    // The more the panel is enlarged, the finer the steps that a part of the circle needs: chord and arc differ by at
+    // most a tenth of a pixel.
     let radius = frame.width / (frame.x.hi - frame.x.lo);
     let step = (0.8 / radius).sqrt().clamp(1e-3, 0.05);
     let corners = (std::f64::consts::TAU / step).ceil();

@@ -26,7 +26,7 @@ pub struct Reliability<'a> {
 pub struct ReliabilityBin {
     /// Mean stated probability, 0 to 1.
     pub stated: f64,
-    /// How often it came true, 0 to 1; NaN for an empty bin.
+    /// Share of the statements that came true, 0 to 1; NaN for an empty bin.
     pub frequency: f64,
     /// Lower end of the 95 % interval of the frequency.
     pub low: f64,

@@ -1,6 +1,6 @@
 // Puts the panels together: the state from the server, the work under way, the tabs.
 import { byId, el } from "./dom.js";
-import { callOff, download, get, listen, post } from "./server.js";
+import { SILENT, callOff, download, get, listen, post } from "./server.js";
 import * as controller from "./controller.js";
 import * as curves from "./curves.js";
 import * as design from "./design.js";
@@ -15,8 +15,17 @@ const panels = { sliders, why, design, controller };
 let folder = null;
 let choosing = false;
 let shownTab = null;
+// The number of the work that this page has begun; "asked" until the server has said it.
+let own = null;
+// Files of the bench that another program has changed.
+let outside = [];
+// Why the model could not be written, if so.
+let unsaved = null;
+let isGone = false;
 
 function complain(error) {
+  // That nobody answers stands in the notice as long as it is so.
+  if (error?.message === SILENT && isGone) return;
   byId("message").hidden = !error;
   byId("message-text").textContent = error ? error.message : "";
 }
@@ -29,14 +38,26 @@ function working(running) {
 
 async function begin(task) {
   complain(null);
+  own = "asked";
   try {
-    await post("/api/work", task);
+    own = (await post("/api/work", task)).number;
   } catch (error) {
+    own = null;
     complain(error);
   }
 }
 
+/** Panels are built anew after work: who works with the keyboard goes on from the same place, or from its tab. */
+function focusKeeper() {
+  const place = document.activeElement;
+  const ids = [place?.id, place?.closest("[role=tabpanel]")?.getAttribute("aria-labelledby")].filter(Boolean);
+  return () => {
+    for (const id of ids) if (document.activeElement === document.body) byId(id)?.focus({ preventScroll: true });
+  };
+}
+
 async function refresh() {
+  const keepFocus = focusKeeper();
   const state = await get("/api/state");
   working(state.running);
   if (state.failure) complain(new Error(state.failure));
@@ -57,7 +78,9 @@ async function refresh() {
     return;
   }
   opening.hide();
-  notice(bench);
+  outside = state.changed_outside;
+  unsaved = bench.unsaved;
+  notice();
   remarks(bench);
   const fresh = bench.folder !== folder;
   folder = bench.folder;
@@ -68,17 +91,22 @@ async function refresh() {
   sliders.setBench(bench);
   design.setBench(bench);
   await Promise.all([why.setBench(bench), controller.setBench(bench)]);
+  keepFocus();
   document.body.dataset.ready = String(Number(document.body.dataset.ready ?? 0) + 1);
 }
 
-function notice(bench) {
+/** What holds as long as it is so, and no click can close. */
+function notice() {
   const line = byId("notice");
-  line.hidden = !bench.unsaved && !bench.changed_outside;
-  if (bench.changed_outside) {
-    line.replaceChildren(el("span", { class: "grow" }, "model.toml was changed by another program."),
-      el("button", { type: "button", onclick: () => begin({ task: "open", path: bench.folder }) }, "Read it"));
-  } else if (bench.unsaved) {
-    line.replaceChildren(el("span", { class: "grow" }, `The model could not be written: ${bench.unsaved}`));
+  line.hidden = !isGone && !unsaved && !outside.length;
+  if (isGone) {
+    line.replaceChildren(el("span", { class: "grow", id: "gone" }, SILENT));
+  } else if (outside.length) {
+    const anew = "What the lab has found since it was opened (diagnosis, staircase, undo) begins anew with it.";
+    line.replaceChildren(el("span", { class: "grow" }, `${outside.join(", ")} changed outside of the lab. ${anew}`),
+      el("button", { type: "button", id: "read-anew", onclick: () => begin({ task: "open", path: folder }) }, "Read the folder anew"));
+  } else if (unsaved) {
+    line.replaceChildren(el("span", { class: "grow" }, `The model could not be written: ${unsaved}`));
   }
 }
 
@@ -146,9 +174,20 @@ function told(event) {
     working(null);
     choosing = choosing && Boolean(event.failure);
     if (event.failure && !event.cancelled) complain(new Error(event.failure));
-    refresh().then(() => { if (event.name.startsWith("Generating")) tab("controller"); }).catch(complain);
-  } else if (event.event === "connected" || event.event === "lagged") refresh().catch(complain);
-  else if (event.event === "gone") complain(new Error("The lab has stopped, or this browser has lost it. Start `flywheel lab` again."));
+    const isOwn = own === "asked" || own === event.number;
+    refresh().then(() => { if (isOwn && event.name.startsWith("Generating")) tab("controller"); }).catch(complain);
+  } else if (event.event === "outside") {
+    outside = event.files;
+    notice();
+  } else if (event.event === "connected" || event.event === "lagged") {
+    if (isGone) complain(null);
+    isGone = false;
+    refresh().catch(complain);
+  } else if (event.event === "gone") {
+    isGone = true;
+    working(null);
+    notice();
+  }
 }
 
 for (const part of [opening, controller]) part.start(begin, complain);
@@ -156,10 +195,3 @@ sliders.start(begin, () => tab("why"));
 curves.start(complain);
 design.start(begin, complain);
 why.start(begin, () => tab("design")).then(() => listen(told)).catch(complain);
-addEventListener("focus", () => { if (folder && !choosing) checkOutside(); });
-
-/** Another program may have written model.toml while the page was out of sight. */
-async function checkOutside() {
-  const state = await get("/api/state").catch(() => null);
-  if (state?.bench) notice(state.bench);
-}

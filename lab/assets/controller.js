@@ -4,34 +4,74 @@ import { get } from "./server.js";
 
 const panel = byId("panel-controller");
 let begin = () => {};
+let onError = () => {};
 let design = null;
+// The weights that were asked for last, of the bench that is open.
+let asked = null;
+let opened = null;
 let file = "src/control.rs";
-let preset = false;
 let statements = [];
 let rows = [];
 let places = null;
+// Whether the panel is seen, and whether what it shows is of an earlier state.
+let visible = false;
+let isOld = false;
 
-/** Asks for the controller of these weights. */
-export const generate = (wishes) => begin({ task: "generate", wishes, preset: preset ? "thesis-bench" : null });
+/** Asks for the controller of these weights; `preset` gives sensors and drive that the bench does not state. */
+export function generate(wishes, preset = null) {
+  asked = wishes;
+  begin({ task: "generate", wishes, preset });
+}
 
-export function start(work) { begin = work; }
+export function start(work, report) {
+  begin = work;
+  onError = report;
+}
 
 export async function setBench(state) {
+  if (opened !== state.opened || JSON.stringify(design) !== JSON.stringify(state.design)) asked = null;
+  opened = state.opened;
   design = state.design;
-  const found = state.has_controller ? await get("/api/controller") : null;
+  isOld = true;
+  if (visible || state.has_controller) await build();
+}
+
+export function shown() {
+  visible = true;
+  if (isOld) build().catch(onError);
+}
+
+export const hidden = () => { visible = false; };
+
+const wishes = () => asked ?? design;
+
+/** What the panel says before there is a controller: what is missing, and the click that emits one. */
+function before(hardware) {
+  const about = el("p", {}, "The controller is emitted as readable no_std Rust in fixed point. It reads raw sensor counts and writes the duty of the drive. With it comes a certificate; the proof reads the emitted files alone.");
+  if (!hardware) return [about, el("button", { type: "button", class: "main", id: "generate", onclick: () => generate(wishes()) }, "Generate")];
+  return [about, el("section", { class: "card", id: "hardware-missing" },
+    el("h3", {}, "This bench does not state all of its sensors and its drive"),
+    el("ul", { class: "small" }, hardware.missing.map((text) => el("li", {}, text))),
+    el("p", {}, "For a controller of this bench, write them into ", el("code", {}, hardware.bench_path), " (",
+      el("a", { href: "/help/files.md#hardware", target: "_blank", rel: "noopener" }, "every key, and the known parts"), "). The lab notices when the file is saved, and offers to read it."),
+    el("p", {}, "To look at source and proof before that, take what is missing from the bench of the thesis. Such a controller must not drive your motor: it reads other sensors."),
+    el("details", { open: true }, el("summary", { class: "small" }, "What is assumed then"), el("ul", { class: "small" }, hardware.assumed.map((text) => el("li", {}, text)))),
+    el("button", { type: "button", class: "main", id: "generate-assumed", onclick: () => generate(wishes(), "thesis-bench") }, "Generate with the parts of the thesis bench"))];
+}
+
+async function build() {
+  isOld = false;
+  const found = await get("/api/controller");
+  // Another state may have come meanwhile.
+  if (isOld) return;
   places = null;
   if (!found?.files) {
-    panel.replaceChildren(
-      el("p", {}, "The controller is emitted as readable no_std Rust in fixed point. It reads raw sensor counts and writes the duty of the drive. With it comes a certificate; the proof reads the emitted files alone."),
-      el("label", { class: "row small" },
-        el("input", { type: "checkbox", id: "preset", checked: preset, onchange: (event) => { preset = event.target.checked; } }),
-        "Take sensors and drive of the thesis bench where [hardware] of this bench states none (to look at the source, not to run it)"),
-      el("button", { type: "button", class: "main", onclick: () => generate(design) }, "Generate"));
+    panel.replaceChildren(...before(found?.hardware));
     return;
   }
   statements = found.claims;
   rows = found.proof?.claims ?? [];
-  const source = el("pre", { tabindex: 0, id: "source", "aria-label": "Text of the file" });
+  const source = el("pre", { tabindex: 0, id: "source", role: "region", "aria-label": "Text of the file" });
   const show = () => { source.textContent = found.files.find((one) => one.path === file)?.text ?? ""; source.scrollTop = 0; };
   if (!found.files.some((one) => one.path === file)) file = found.files[0].path;
   const choice = el("select", { id: "emitted-file", "aria-label": "Emitted file", onchange: () => { file = choice.value; show(); } },
@@ -44,7 +84,7 @@ export async function setBench(state) {
       el("div", { class: "row" },
         el("button", { type: "button", id: "prove", class: found.proof ? null : "main", onclick: () => { rows = []; fill(true); begin({ task: "prove" }); } }, found.proof ? "Prove again" : "Prove"),
         el("button", { type: "button", id: "write-controller", onclick: () => begin({ task: "write-controller" }) }, "Write into the bench folder"),
-        el("button", { type: "button", id: "generate-again", onclick: () => generate(design) }, "Generate again")),
+        el("button", { type: "button", id: "generate-again", onclick: () => generate(wishes(), found.assumed.length ? "thesis-bench" : null) }, "Generate again")),
       el("p", { class: "quiet small" }, `"Write into the bench folder" puts the files into ${found.folder}.`),
       el("ul", { class: "small" }, found.warnings.map((text) => el("li", { class: "bad" }, text)), found.assumed.map((text) => el("li", {}, `Taken from the thesis bench: ${text}`))),
       places.verdict, el("div", { class: "scroll" }, claimsTable())),

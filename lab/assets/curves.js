@@ -17,6 +17,8 @@ let shown = null;
 // One question at a time; the latest wish waits.
 let busy = false;
 let wish = null;
+// The errors with moved sliders, of the experiments that were simulated so far.
+let moved = { changes, rows: [] };
 let drawing = false;
 // The hand rests when nothing has moved for this long, ms.
 const RESTS = 250;
@@ -32,7 +34,7 @@ export function resize() {
   if (shown && plot.data) Plotly.Plots.resize(plot);
 }
 
-/** The bench as it is now; `fresh` where another one was opened. */
+/** The bench as it is now; `fresh` where another one was opened. Moved sliders are told afterwards. */
 export function setBench(state, fresh) {
   const name = bench?.experiments[chosen]?.name;
   bench = state;
@@ -45,6 +47,7 @@ export function setBench(state, fresh) {
     chosen = Math.max(0, state.experiments.findIndex((one) => one.name === name));
   }
   changes = [];
+  moved = { changes, rows: [] };
   ghost = null;
   buttons();
   request(true);
@@ -68,7 +71,8 @@ function choose(name) {
 
 function buttons() {
   const worst = (name) => bench.errors.filter((row) => row.experiment === name).reduce((most, row) => (row.over_noise > most.over_noise ? row : most), { over_noise: 0, fails: false });
-  byId("experiments").replaceChildren(...bench.experiments.map((one, index) => {
+  const list = byId("experiments");
+  list.replaceChildren(...bench.experiments.map((one, index) => {
     const row = worst(one.name);
     const over = row.over_noise;
     return el("button", {
@@ -77,41 +81,48 @@ function buttons() {
       onclick: () => choose(one.name),
     }, `${one.name} `, el("span", { class: row.fails ? "bad" : "good" }, `×${over < 10 ? over.toPrecision(2) : Math.round(over)}`));
   }));
+  // Many experiments scroll in their own list, which shows the chosen one.
+  const own = list.children[chosen];
+  if (own && (own.offsetTop < list.scrollTop || own.offsetTop + own.offsetHeight > list.scrollTop + list.clientHeight)) list.scrollTop = own.offsetTop;
 }
 
 /**
- * Asks for the curves, and shows them. `anew`: other axes or marks; `whole`: of every experiment and by the library, as
- * when the hand has come to rest. Else a moved curve follows the hand: this experiment alone, on a canvas.
+ * Asks for the curves, and shows them. `anew`: other axes or marks; `rested`: the library draws, and the other experiments
+ * follow, as when the hand has come to rest. Else a moved curve follows the hand on a canvas.
  */
-async function request(anew, whole = anew) {
-  wish = { anew: anew || (wish?.anew ?? false), whole: whole || (wish?.whole ?? false) };
+async function request(anew, rested = anew) {
+  wish = { anew: anew || (wish?.anew ?? false), rested: rested || (wish?.rested ?? false) };
   if (busy) return;
   busy = true;
   try {
     while (wish) {
-      const { anew: all, whole: resting } = wish;
+      const { anew: all, rested: rests } = wish;
       wish = null;
       // The library knows its width; asking the page for it would lay the page out anew at every move.
       const width = plot._fullLayout?.width ?? plot.clientWidth;
       const question = { experiment: chosen, ...view, pixels: Math.max(200, width - 90) };
       if (!ghost) ghost = await ask({ ...question, changes: [] });
       if (wish?.anew) continue;
-      const moved = changes.length > 0;
-      const alone = moved && !all && !resting && Boolean(shown);
-      const now = moved ? await ask({ ...question, changes, alone }) : ghost;
+      const asked = changes;
+      const isMoved = asked.length > 0;
+      const now = isMoved ? await ask({ ...question, changes: asked, model_only: true }) : ghost;
       if (wish && (wish.anew || !ghost)) {
-        wish.whole ||= resting;
+        wish.rested ||= rests;
         continue;
       }
       const first = !shown || all;
-      if (alone) now.channels.forEach((channel, index) => { channel.measured = ghost.channels[index].measured; });
+      const follows = isMoved && !all && !rests && Boolean(shown);
+      if (isMoved) now.channels.forEach((channel, index) => { channel.measured = ghost.channels[index].measured; });
       shown = now;
       clearTimeout(rest);
-      if (alone && paint(plot, now, ghost)) rest = setTimeout(() => request(false, true).catch(onError), RESTS);
-      else if (!wish) await settle(first);
-      else wish.anew ||= first;
-      showErrors(now.errors, moved ? ghost.errors : null, bench.experiments[chosen].name, choose);
+      if (!(follows && paint(plot, now, ghost))) {
+        if (!wish) await settle(first);
+        else wish.anew ||= first;
+      }
+      if (follows) rest = setTimeout(() => request(false, true).catch(onError), RESTS);
+      rate(asked, now.errors);
       document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
+      if (isMoved && !follows) await others(asked);
     }
   } catch (error) {
     onError(error);
@@ -120,11 +131,29 @@ async function request(anew, whole = anew) {
   }
 }
 
+/** Shows the errors: all of the fitted model, or those with moved sliders that are known so far. */
+function rate(asked, errors) {
+  if (moved.changes !== asked) moved = { changes: asked, rows: [] };
+  const fresh = new Set(errors.map((row) => row.experiment));
+  moved.rows = [...moved.rows.filter((row) => !fresh.has(row.experiment)), ...errors];
+  if (ghost) showErrors(moved.rows, asked.length ? ghost.errors : null, bench.experiments[chosen].name, choose);
+}
+
+/** The errors of the other experiments, one after another: they make way as soon as the hand moves again. */
+async function others(asked) {
+  for (const [experiment, { name }] of bench.experiments.entries()) {
+    if (wish) return;
+    if (moved.rows.some((row) => row.experiment === name)) continue;
+    const found = await ask({ experiment, from_s: null, to_s: null, pixels: 1, changes: asked, model_only: true });
+    if (!wish) rate(asked, found.errors);
+  }
+}
+
 function curvesOf(index) {
   const channel = shown.channels[index];
   const empty = { x: [], y: [] };
-  const moved = changes.length > 0 && ghost;
-  return [channel.measured, moved ? ghost.channels[index].simulated : empty, channel.simulated, channel.residual];
+  const isMoved = changes.length > 0 && ghost;
+  return [channel.measured, isMoved ? ghost.channels[index].simulated : empty, channel.simulated, channel.residual];
 }
 
 /** The library draws what the canvas has shown. */
@@ -213,7 +242,7 @@ function stepped(event) {
   const around = (at, wide) => ({ "xaxis.range[0]": at - wide / 2, "xaxis.range[1]": at + wide / 2 });
   const next = {
     ArrowLeft: () => around(middle - width / 4, width), ArrowRight: () => around(middle + width / 4, width),
-    "+": () => around(middle, width / 2), "-": () => around(middle, width * 2), 0: () => ({ "xaxis.autorange": true }),
+    "+": () => around(middle, width / 2), "=": () => around(middle, width / 2), "-": () => around(middle, width * 2), 0: () => ({ "xaxis.autorange": true }),
   }[event.key];
   if (!next || event.target !== plot || event.ctrlKey || event.metaKey || event.altKey) return;
   event.preventDefault();

@@ -10,6 +10,8 @@ const MOST_ASIDE = 4;
 let begin = () => {};
 let onError = () => {};
 let stored = null;
+// The model whose designs are shown, as text.
+let model = null;
 // What the sliders say: wishes as model.toml has them, the excursions that they allow, and a delay.
 let wishes = null;
 let excursions = null;
@@ -51,10 +53,17 @@ export function start(work, report) {
   onTheme(() => { if (result) redraw(); });
 }
 
+/** Moved weights and the designs aside stay as long as the model is the same. */
 export function setBench(state) {
+  const of = JSON.stringify([state.opened, state.effects, state.sliders]);
+  const isSame = of === model;
+  const hasKept = JSON.stringify(state.design) === JSON.stringify(wishes);
+  const wasStored = JSON.stringify(state.design) === JSON.stringify(stored);
+  model = of;
   stored = state.design;
+  if (isSame && (hasKept || wasStored)) return;
   wishes = structuredClone(stored);
-  aside = [];
+  if (!isSame) aside = [];
   delay_s = 0;
   result = null;
   panel.replaceChildren(el("p", { class: "quiet" }, "computing the design …"));

@@ -1,6 +1,6 @@
 // Dropped CSV files become a bench: preview, proposal with its reasons, correction by clicking, and the folder on a click.
 import { el, table } from "./dom.js";
-import { get, post } from "./server.js";
+import { get, post, send } from "./server.js";
 import { axis, colour, draw, layout, onTheme } from "./plots.js";
 import { CONSTANTS, sketch } from "./sketch.js";
 
@@ -47,8 +47,7 @@ async function take(files) {
   if (!holder.firstChild) holder.replaceChildren(el("p", { role: "status", class: "row" }, el("span", { class: "spinner", "aria-hidden": "true" }), `Reading ${files.length === 1 ? files[0].name : `${files.length} files`} …`));
   try {
     for (const file of files) {
-      const response = await fetch(`/api/drop?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
-      if (!response.ok) throw new Error((await response.json().catch(() => null))?.message ?? `${file.name}: too large, or refused`);
+      await send(`/api/drop?name=${encodeURIComponent(file.name)}`, file);
     }
   } catch (error) {
     complain(error);
@@ -69,8 +68,12 @@ async function correct() {
 async function forget() {
   corrections = { known: {}, files: {} };
   decided = new Set();
-  await fetch("/api/drop", { method: "DELETE" });
-  show(await get("/api/drop"));
+  try {
+    await send("/api/drop");
+    show(await get("/api/drop"));
+  } catch (error) {
+    complain(error);
+  }
 }
 
 function show(found) {

@@ -3,7 +3,7 @@ import { el } from "./dom.js";
 import { post } from "./server.js";
 import { axis, colour, draw, layout } from "./plots.js";
 
-/** What an editor begins with, and what was typed last. */
+/** What an editor begins with. */
 const TEMPLATE = `role = "ROLE"          # the torque as it acts, in N m
 torque = "a*z*exp(-z^2)"
 z = "(COORDINATE - centre)/width"
@@ -22,10 +22,12 @@ unit = "UNIT"
 start = WIDTH
 bounds = [LEAST, MOST]
 `;
-const typed = { name: "mine", text: null };
+/** What was typed for the bench that is open, and whether the editor is unfolded. */
+let typed = { name: "mine", text: null, opened: null, isUnfolded: false };
 
 /** The curve of the missing torque with its band, and what can be done with it. */
-export function remainder(missing, begin, redraw, present) {
+export function remainder(missing, begin, redraw, present, opened) {
+  if (typed.opened !== opened) typed = { name: "mine", text: null, opened, isUnfolded: false };
   const spoken = missing.coordinate.replace("_", " ");
   const holder = el("div", { class: "plot", id: "missing-torque", role: "img", "aria-label": `missing torque over ${spoken}, with two standard errors` });
   redraw.push(() => {
@@ -42,8 +44,9 @@ export function remainder(missing, begin, redraw, present) {
     el("div", { class: "row" },
       el("button", { type: "button", id: "add-learned", onclick: () => begin({ task: "add-learned", coordinate: missing.coordinate }) },
         present ? "Learn the curve anew" : "Add as learned curve"),
-      el("button", { type: "button", id: "write-own", "aria-expanded": "false", onclick: (event) => {
+      el("button", { type: "button", id: "write-own", "aria-expanded": String(typed.isUnfolded), onclick: (event) => {
         editor.hidden = !editor.hidden;
+        typed.isUnfolded = !editor.hidden;
         event.currentTarget.setAttribute("aria-expanded", String(!editor.hidden));
       } }, "Write an effect of my own")),
     el("p", { class: "small quiet" }, "A learned curve follows what is missing and explains nothing: the verdict stays."), editor);
@@ -79,7 +82,7 @@ function ownEffect(missing, begin) {
     says.dataset.checked = String(own);
   }
   check();
-  return el("div", { hidden: true, id: "own-editor" },
+  return el("div", { hidden: !typed.isUnfolded, id: "own-editor" },
     el("p", { class: "small quiet" }, "Written to effects/NAME.toml in the bench folder. Names: angle rate wheel_speed wheel_angle current pi; + − * / ^ sin cos tan exp ln sqrt tanh abs sign."),
     el("div", { class: "row" }, el("label", { for: "own-name" }, "Name"), name), text, says, el("div", { class: "row" }, keep));
 }

@@ -8,27 +8,43 @@ async function answer(response) {
   return body;
 }
 
-export const get = async (path) => answer(await fetch(path));
+/** A request; what a browser says where nobody answers is no sentence for people. */
+async function reach(path, options) {
+  try {
+    return await fetch(path, options);
+  } catch {
+    throw new Error(SILENT);
+  }
+}
 
-export const post = async (path, body) => answer(await fetch(path, {
+/** The message where nobody answers. */
+export const SILENT = "The lab does not answer: its program has ended, or this browser cannot reach it. Start `flywheel lab` again; everything that was kept is in the bench folder.";
+
+export const get = async (path) => answer(await reach(path));
+
+export const post = async (path, body) => answer(await reach(path, {
   method: "POST",
   headers: { "content-type": "application/json" },
   body: JSON.stringify(body),
 }));
 
+/** Sends a file, or, without one, forgets what was sent. */
+export const send = async (path, body) => answer(await reach(path, body ? { method: "POST", body } : { method: "DELETE" }));
+
 /** A file that the server makes. */
 export async function download(path) {
-  const response = await fetch(path);
+  const response = await reach(path);
   return response.ok ? response.blob() : answer(response);
 }
 
-export const callOff = () => fetch("/api/work", { method: "DELETE" });
+export const callOff = () => send("/api/work");
 
 let socket = null;
 let opened = null;
 let count = 0;
 const waiting = new Map();
 let onEvent = () => {};
+let isGone = false;
 
 /** Opens the socket; `listener` is given every event, and "connected" and "gone". */
 export function listen(listener) {
@@ -40,7 +56,7 @@ function connect() {
   socket = new WebSocket(`ws://${location.host}/socket`);
   socket.binaryType = "arraybuffer";
   opened = new Promise((resolve) => {
-    socket.onopen = () => { resolve(); onEvent({ event: "connected" }); };
+    socket.onopen = () => { isGone = false; resolve(); onEvent({ event: "connected" }); };
   });
   socket.onmessage = ({ data }) => {
     if (typeof data === "string") {
@@ -54,8 +70,10 @@ function connect() {
     waiting.delete(curves.id);
   };
   socket.onclose = () => {
-    settleAll(new Error("the connection to the lab is gone"));
-    onEvent({ event: "gone" });
+    settleAll(new Error(SILENT));
+    // It is tried again and again, and told once.
+    if (!isGone) onEvent({ event: "gone" });
+    isGone = true;
     setTimeout(connect, 1000);
   };
 }

@@ -20,12 +20,17 @@ export function start(work, why) {
   askWhy = () => { why(); begin({ task: "diagnose" }); };
 }
 
+/** Moved sliders stay where they are as long as the model is the same. */
 export function setBench(state) {
+  const isSame = bench?.opened === state.opened && JSON.stringify(bench.sliders) === JSON.stringify(state.sliders);
   bench = state;
   sliders = state.sliders;
-  values = new Map(sliders.map((one) => [one.name, one.value]));
-  past = [];
+  if (!isSame) {
+    values = new Map(sliders.map((one) => [one.name, one.value]));
+    past = [];
+  }
   build();
+  if (moved().length) setChanges(moved());
 }
 
 const moved = () => sliders.filter((one) => values.get(one.name) !== one.value)

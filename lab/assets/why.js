@@ -42,7 +42,7 @@ function build() {
     el("div", { class: "row" }, button(found ? "Diagnose again" : "Diagnose", { task: "diagnose" }, !found),
       found?.can_apply && (found.added.length || found.taken_out.length) ? button(applyText(), { task: "apply" }, true) : null),
     found ? verdict() : el("p", { class: "quiet" }, "The diagnosis looks for physical effects that the model lacks. It gives the probability of each, and names the experiment that would decide between those that fit equally well."),
-    found?.missing_torque ? remainder(found.missing_torque, begin, redrawPlots, bench.effects.includes(`learned-${found.missing_torque.coordinate.replace("_", "-")}`)) : "",
+    found?.missing_torque ? remainder(found.missing_torque, begin, redrawPlots, bench.effects.includes(`learned-${found.missing_torque.coordinate.replace("_", "-")}`), bench.opened) : "",
     tie(), found ? suspects() : "", found ? reasons() : "", model(), staircase(), others(),
   );
   redrawPlots.forEach((call) => call());
@@ -102,6 +102,9 @@ function model() {
   return el("div", {}, el("h2", {}, "Effects of the model"), el("ul", { id: "model-effects" }, rows));
 }
 
+/** A long name without its middle: its end is the channel. */
+const cut = (name) => (name.length > 44 ? `${name.slice(0, 26)}…${name.slice(-16)}` : name);
+
 function staircase() {
   const { labels, rows } = bench.staircase;
   const holder = el("div", { class: "plot stairs", id: "staircase", role: "img", "aria-label": "RMSE over the sensor's noise after each change; the numbers are in the table below" });
@@ -111,7 +114,7 @@ function staircase() {
   const tone = (row) => colour(["model", "ghost", "push"][worst.indexOf(row)] ?? "measured");
   redrawPlots.push(() => draw(holder,
     [...rows.map((row) => ({
-      x: labels.map((_, index) => index), y: row.cells.map((cell) => cell.over_noise), name: row.series, showlegend: worst.includes(row),
+      x: labels.map((_, index) => index), y: row.cells.map((cell) => cell.over_noise), name: cut(row.series), showlegend: worst.includes(row),
       mode: "lines+markers", line: { shape: "hv", width: worst.includes(row) ? 2 : 1, color: tone(row) }, hovertemplate: "%{y:.3g} × noise<extra>%{fullData.name}</extra>",
     }))],
     layout({
@@ -123,7 +126,7 @@ function staircase() {
   const lines = rows.map((row) => el("tr", {}, el("td", {}, row.series),
     row.cells.map((cell) => el("td", { class: cell.fails ? "bad" : "good" }, cell.text)), el("td", {}, row.noise_text)));
   return el("div", {}, el("h2", {}, "The error after each change of the model"), holder,
-    el("details", {}, el("summary", {}, "Numbers"), el("div", { class: "scroll" }, table(["RMSE", ...labels, "sensor noise"], lines))));
+    el("details", {}, el("summary", {}, "Numbers"), el("div", { class: "scroll stairs-numbers" }, table(["RMSE", ...labels, "sensor noise"], lines))));
 }
 
 const points = (all, name, tone, symbol, list = all.filter((p) => p[1] !== null)) => ({

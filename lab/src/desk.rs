@@ -10,6 +10,7 @@ use workbench::{
 };
 
 use crate::dropped::Dropped;
+use crate::outside::KnownFiles;
 use crate::running::Running;
 
 /// Number of events by which a slow page may lag before it misses some.
@@ -62,6 +63,16 @@ impl Desk {
         self.state().bench.clone()
     }
 
+    /// The names of the files of the open bench that another program has changed. While work is under way there are
+    /// none: it may be the work that writes.
+    pub fn changed_outside(&self) -> Vec<String> {
+        let bench = {
+            let state = self.state();
+            state.bench.clone().filter(|_| state.running.is_none())
+        };
+        bench.map_or_else(Vec::new, |bench| bench.changed_outside())
+    }
+
     /// Sends an event to every page.
     pub fn tell(&self, event: &serde_json::Value) {
         // Without a listening page, the event is dropped.
@@ -77,6 +88,8 @@ impl Desk {
 /// A bench, its model compared with the measurements, and the results since it was opened.
 #[derive(Clone)]
 pub struct OpenBench {
+    /// A number that differs each time a folder is read.
+    pub opened: u32,
     /// The bench's folder, without symlinks.
     pub folder: PathBuf,
     /// The session.
@@ -99,8 +112,8 @@ pub struct OpenBench {
     pub proof: Option<Proof>,
     /// The reason why the model could not be written, if so.
     pub unsaved: Option<String>,
-    /// The text of model.toml when it was last read or written.
-    known_text: Option<String>,
+    /// Its files when they were last read or written.
+    known: KnownFiles,
 }
 
 /// A diagnosis, with the comparison of the model from which it started.
@@ -136,7 +149,10 @@ impl OpenBench {
         let folder = crate::folder::of_bench(path)?;
         (progress.say)("reading the files");
         let mut session = Session::open(&folder).map_err(said)?;
-        crate::folder::holds_logs(&folder, session.bench())?;
+        crate::folder::holds_its_files(&folder, session.bench())?;
+        let logs = session.bench().experiments.iter();
+        let logs = logs.map(|experiment| folder.join(&experiment.file));
+        let known = KnownFiles::now(&folder, session.model_path(), logs);
         let (comparison, label) = match session.model() {
             Some(_) if refit => (session.identify(progress), "refitted"),
             Some(_) => (session.compare(progress), "as it was"),
@@ -154,6 +170,7 @@ impl OpenBench {
             rmse: comparison.rmse.clone(),
         }];
         let mut bench = OpenBench {
+            opened: rand::random(),
             folder,
             session,
             comparison,
@@ -165,22 +182,18 @@ impl OpenBench {
             generated: None,
             proof: None,
             unsaved: None,
-            known_text: None,
+            known,
         };
-        bench.known_text = bench.text_on_disk();
         if label != "as it was" {
             bench.save();
         }
         Ok(bench)
     }
 
-    /// Whether another program has written the model since.
-    pub fn changed_outside(&self) -> bool {
-        self.unsaved.is_none() && self.text_on_disk() != self.known_text
-    }
-
-    fn text_on_disk(&self) -> Option<String> {
-        std::fs::read_to_string(self.session.model_path()).ok()
+    /// The names of the files that another program has changed since. A model that could not be written differs from
+    /// its file in any case.
+    pub fn changed_outside(&self) -> Vec<String> {
+        self.known.changed(self.unsaved.is_none())
     }
 
     /// Stores the present model for undo.
@@ -240,7 +253,7 @@ impl OpenBench {
         let written = crate::folder::within(&self.folder, &path)
             .and_then(|()| self.session.save_model().map_err(said));
         self.unsaved = written.err();
-        self.known_text = self.text_on_disk();
+        self.known.model_written();
     }
 
     /// Discards the controller, which belongs to an earlier model.

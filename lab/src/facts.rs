@@ -3,7 +3,10 @@
 use plant::{EffectId, Model, ParameterInfo};
 use serde_json::{Value, json};
 use workbench::numbers::{fit_percent, significant, with_prefix, with_uncertainty};
-use workbench::{ComparisonReport, FAILS_OVER_NOISE, FailurePlace, PerSeries, words};
+use workbench::{
+    ComparisonReport, Error, FAILS_OVER_NOISE, FailurePlace, HardwareError, PerSeries, Preset,
+    words,
+};
 
 use crate::desk::{Desk, OpenBench};
 use crate::picture::lost;
@@ -29,6 +32,7 @@ pub fn state(desk: &Desk) -> Value {
     json!({
         "running": running,
         "failure": failure,
+        "changed_outside": desk.changed_outside(),
         "bench": bench.map(|bench| open_bench(&bench)),
     })
 }
@@ -41,6 +45,7 @@ fn open_bench(bench: &OpenBench) -> Value {
     let wishes = model.and_then(|model| model.design);
     json!({
         "name": found.bench,
+        "opened": bench.opened,
         "folder": bench.folder,
         "model_path": bench.session.model_path(),
         "experiments": experiments(found),
@@ -56,7 +61,6 @@ fn open_bench(bench: &OpenBench) -> Value {
         "staircase": staircase(bench),
         "undo": bench.undo.len(),
         "unsaved": bench.unsaved,
-        "changed_outside": bench.changed_outside(),
         "has_diagnosis": bench.diagnosis.is_some(),
         "design": wishes.unwrap_or_else(|| bench.session.usual_design()),
         "has_controller": bench.generated.is_some(),
@@ -311,7 +315,30 @@ fn takes_away(shares: &PerSeries) -> Vec<Value> {
         .collect()
 }
 
-/// The emitted controller and its proof.
+/// What the generator needs to know of sensors and drive and the bench does not state, each with an example; and what is
+/// assumed if that is taken from the bench of the thesis. Empty where nothing is missing, or something else stands against
+/// a controller: the generator says that.
+fn hardware(bench: &OpenBench) -> Value {
+    let Ok(designed) = bench.session.design() else {
+        return Value::Null;
+    };
+    match designed.module_spec(None) {
+        Err(Error::Hardware {
+            source: HardwareError::Missing { missing },
+            ..
+        }) => {
+            let assumed = designed.module_spec(Some(Preset::ThesisBench));
+            json!({
+                "missing": missing,
+                "bench_path": bench.folder.join("bench.toml"),
+                "assumed": assumed.map(|spec| spec.assumed).unwrap_or_default(),
+            })
+        }
+        _ => Value::Null,
+    }
+}
+
+/// The emitted controller and its proof; where there is none, the sensors and the drive that it lacks.
 pub fn controller(bench: &OpenBench) -> Value {
     let files = bench.generated.as_ref().map(|generated| {
         let files = generated.files();
@@ -322,6 +349,7 @@ pub fn controller(bench: &OpenBench) -> Value {
     json!({
         "folder": bench.folder.join(CONTROLLER),
         "files": files,
+        "hardware": if bench.generated.is_some() { Value::Null } else { hardware(bench) },
         "assumed": bench.generated.as_ref().map(|generated| &generated.assumed),
         "warnings": bench.generated.as_ref().map(|generated| &generated.warnings),
         "claims": workbench::CLAIMS.iter().map(|claim| json!({

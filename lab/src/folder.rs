@@ -36,15 +36,17 @@ pub fn of_bench(path: &Path) -> Result<PathBuf, String> {
     Ok(folder)
 }
 
-/// Checks that the logs of a bench lie in its folder.
+/// Checks that the logs of a bench and the effects of its user lie in its folder.
 ///
 /// # Errors
 /// A sentence that names the file.
-pub fn holds_logs(folder: &Path, bench: &Bench) -> Result<(), String> {
-    bench
-        .experiments
-        .iter()
-        .try_for_each(|experiment| within(folder, &bench.folder.join(&experiment.file)))
+pub fn holds_its_files(folder: &Path, bench: &Bench) -> Result<(), String> {
+    let logs = bench.experiments.iter();
+    let logs = logs.map(|experiment| bench.folder.join(&experiment.file));
+    let effects = fs::read_dir(folder.join("effects"));
+    let effects = effects.into_iter().flatten().flatten();
+    logs.chain(effects.map(|entry| entry.path()))
+        .try_for_each(|file| within(folder, &file))
 }
 
 /// Checks that a file, which may not exist yet, lies in a folder; symlinks are followed.

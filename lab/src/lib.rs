@@ -10,6 +10,7 @@
 //! | `door` | how a browser gets the cookie without a secret on a command line |
 //! | `folder` | which folder is a bench, and whether its files lie inside it |
 //! | `desk` | the open bench: session, diagnosis, staircase, undo |
+//! | `outside` | whether another program has changed a file of the bench |
 //! | `dropped`, `preview` | CSV files on their way to a bench |
 //! | `work`, `running` | one long computation at a time, with progress and cancel |
 //! | `picture` | curves as a screen can show them: least and largest value a pixel |
@@ -30,6 +31,7 @@ mod folder;
 mod guard;
 mod help;
 mod html;
+mod outside;
 mod picture;
 mod preview;
 mod report;

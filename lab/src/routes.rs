@@ -213,8 +213,11 @@ async fn design(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Respo
 }
 
 async fn controller(State(shared): State<Shared>) -> Response {
-    let bench = shared.desk.bench();
-    Json(bench.map_or(Value::Null, |bench| facts::controller(&bench))).into_response()
+    computed(move || {
+        let bench = shared.desk.bench();
+        Ok(bench.map_or(Value::Null, |bench| facts::controller(&bench)))
+    })
+    .await
 }
 
 /// Parameters and matrices for another program.

@@ -1,6 +1,9 @@
 //! The socket of a page: it requests curves, also with other parameter values, and receives the progress of tasks.
 
+use std::borrow::Borrow;
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -20,6 +23,10 @@ const LARGEST_MESSAGE: usize = 64 * 1024;
 /// Largest width in pixels for which curves are computed.
 const MOST_PIXELS: usize = 8000;
 
+/// Interval of the checks whether another program has changed a file of the bench. A judgement: a person who has saved a
+/// file and turns to the page finds it noticed.
+const LOOK_OUTSIDE_EVERY: Duration = Duration::from_secs(2);
+
 /// A request from a page.
 #[derive(Clone, Debug, Deserialize)]
 struct Question {
@@ -35,16 +42,17 @@ struct Question {
     pixels: usize,
     /// Parameters with other values than in the model.
     changes: Vec<(String, f64)>,
-    /// Only what the model says of this experiment: for a curve that follows a hand.
+    /// Without the measurements, which the page has.
     #[serde(default)]
-    alone: bool,
+    model_only: bool,
 }
 
-/// Curves of all experiments, with the model and the changes to which they belong.
+/// The curves of the experiments that were asked for, with the model and the changes to which they belong.
 struct Simulated {
     bench: Arc<OpenBench>,
     changes: Vec<(String, f64)>,
-    curves: Vec<ExperimentCurves>,
+    /// By the place of the experiment in the list.
+    curves: BTreeMap<usize, Arc<ExperimentCurves>>,
 }
 
 /// Opens the socket.
@@ -56,7 +64,9 @@ pub async fn upgrade(State(shared): State<Shared>, upgrade: WebSocketUpgrade) ->
 
 async fn talk(shared: Shared, mut socket: WebSocket) {
     let mut events = shared.desk.listen();
-    let mut last: Option<Arc<Simulated>> = None;
+    let mut last: Option<Simulated> = None;
+    let mut look = tokio::time::interval(LOOK_OUTSIDE_EVERY);
+    let mut told: Vec<String> = Vec::new();
     loop {
         let answer = tokio::select! {
             event = events.recv() => match event {
@@ -75,6 +85,17 @@ async fn talk(shared: Shared, mut socket: WebSocket) {
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return,
                 Some(Ok(_)) => continue,
             },
+            _ = look.tick() => {
+                let desk = shared.desk.clone();
+                let changed = tokio::task::spawn_blocking(move || desk.changed_outside()).await;
+                match changed {
+                    Ok(changed) if changed != told => {
+                        told = changed;
+                        Message::text(json!({"event": "outside", "files": told}).to_string())
+                    }
+                    _ => continue,
+                }
+            },
         };
         if socket.send(answer).await.is_err() {
             return;
@@ -85,78 +106,70 @@ async fn talk(shared: Shared, mut socket: WebSocket) {
 async fn answer_to(
     shared: &Shared,
     text: &str,
-    last: &mut Option<Arc<Simulated>>,
+    last: &mut Option<Simulated>,
 ) -> Result<Vec<u8>, String> {
     let question: Question = serde_json::from_str(text).map_err(|error| error.to_string())?;
     let bench = shared.desk.bench().ok_or("no bench is open")?;
+    let index = question.experiment;
     // A zoom requests the same curves again.
-    let known = last
-        .clone()
-        .filter(|known| Arc::ptr_eq(&known.bench, &bench) && known.changes == question.changes);
-    let computing = tokio::task::spawn_blocking(move || {
-        let simulated = match known {
-            Some(known) => known,
-            None if question.alone => {
-                let curves = simulate_one(&bench, &question)?;
-                return Ok((None, answer(&curves, &[], &question)?));
-            }
-            None => Arc::new(simulate(bench, &question)?),
-        };
-        let curves = simulated.curves.get(question.experiment);
-        let curves = curves.ok_or(NO_EXPERIMENT)?;
-        let answer = answer(curves, &simulated.curves, &question)?;
-        Ok::<_, String>((Some(simulated), answer))
+    let same = last
+        .take()
+        .filter(|last| Arc::ptr_eq(&last.bench, &bench))
+        .filter(|last| question.changes.is_empty() || last.changes == question.changes);
+    let mut simulations = same.unwrap_or_else(|| Simulated {
+        bench: bench.clone(),
+        changes: question.changes.clone(),
+        curves: BTreeMap::new(),
     });
-    let (simulated, answer) = computing
+    let known = simulations.curves.get(&index).cloned();
+    let computing = tokio::task::spawn_blocking(move || {
+        if question.changes.is_empty() {
+            // The model as it is was simulated when it was compared.
+            let found = bench.comparison.curves.as_slice();
+            let curves = found.get(index).ok_or(NO_EXPERIMENT)?;
+            return Ok((None, answer(curves, found, &question)?));
+        }
+        let curves = match known {
+            Some(known) => known,
+            None => Arc::new(simulated(&bench, &question)?),
+        };
+        let answer = answer(&curves, std::slice::from_ref(&curves), &question)?;
+        Ok::<_, String>((Some(curves), answer))
+    });
+    let (curves, answer) = computing
         .await
         .map_err(|_| "internal error: this is a bug in flywheel, please report it")??;
-    *last = simulated.or(last.take());
+    if let Some(curves) = curves {
+        simulations.curves.insert(index, curves);
+    }
+    *last = Some(simulations);
     Ok(answer)
 }
 
 /// The message to a page whose list of experiments is an old one.
 const NO_EXPERIMENT: &str = "there is no such experiment";
 
-fn changes_of(question: &Question) -> Vec<(&str, f64)> {
+/// The experiment that is asked for, simulated with the changed parameters.
+fn simulated(bench: &OpenBench, question: &Question) -> Result<ExperimentCurves, String> {
     let changes = question.changes.iter();
-    changes
+    let changes: Vec<(&str, f64)> = changes
         .map(|(name, value)| (name.as_str(), *value))
-        .collect()
-}
-
-fn simulate_one(bench: &OpenBench, question: &Question) -> Result<ExperimentCurves, String> {
+        .collect();
     let curves = bench
         .predictor
-        .curves_of(question.experiment, &changes_of(question))
+        .curves_of(question.experiment, &changes)
         .map_err(|error| error.to_string())?;
     curves.ok_or_else(|| NO_EXPERIMENT.to_owned())
 }
 
-fn simulate(bench: Arc<OpenBench>, question: &Question) -> Result<Simulated, String> {
-    let curves = bench
-        .predictor
-        .curves(&changes_of(question))
-        .map_err(|error| error.to_string())?;
-    Ok(Simulated {
-        bench,
-        changes: question.changes.clone(),
-        curves,
-    })
-}
-
 /// The format of an answer: the length of the header in bytes (u32, little-endian), the header as JSON, zeros up to
 /// a multiple of eight, then numbers as f64, little-endian. The header describes the numbers, and has the errors of
-/// `all` experiments, or of this one where there are no others. For a curve that follows a hand the measurements are left
-/// out: the page has them.
-fn answer(
+/// the experiments `rated`. Where the page has the measurements they are left out.
+fn answer<C: Borrow<ExperimentCurves>>(
     curves: &ExperimentCurves,
-    all: &[ExperimentCurves],
+    rated: &[C],
     question: &Question,
 ) -> Result<Vec<u8>, String> {
-    let all = match all {
-        [] => std::slice::from_ref(curves),
-        all => all,
-    };
     let time_s = &curves.time_s;
     let (Some(&first), Some(&last)) = (time_s.first(), time_s.last()) else {
         return Err("the experiment has no samples".to_owned());
@@ -188,7 +201,7 @@ fn answer(
                 .collect();
             let pairs = channel.measured.iter().zip(&model);
             let residual: Vec<f64> = pairs.map(|(measured, model)| measured - model).collect();
-            let measured = match question.alone {
+            let measured = match question.model_only {
                 true => Curve::default(),
                 false => thinned(time_s, &channel.measured, &view),
             };
@@ -200,7 +213,8 @@ fn answer(
             })
         })
         .collect();
-    let errors = all.iter().flat_map(|curves| {
+    let errors = rated.iter().flat_map(|curves| {
+        let curves: &ExperimentCurves = curves.borrow();
         let name = &curves.experiment;
         let channels = curves.channels.iter();
         channels.map(move |channel| error_row(name, channel))

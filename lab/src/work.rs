@@ -147,10 +147,14 @@ pub fn start(desk: &Arc<Desk>, task: LabTask) -> Result<u64, String> {
         );
         match &state.bench {
             None if !opens => return Err("no bench is open".to_owned()),
-            Some(bench) if !opens && bench.changed_outside() => {
-                return Err(
-                    "model.toml was changed by another program: read it anew first".to_owned(),
-                );
+            Some(bench) if !opens => {
+                let changed = bench.changed_outside();
+                if !changed.is_empty() {
+                    return Err(format!(
+                        "{} changed outside of the lab: read the folder anew first",
+                        changed.join(", ")
+                    ));
+                }
             }
             _ => {}
         }

@@ -21,15 +21,15 @@ pub struct Instant<S> {
     pub wheel_angle_rad: S,
     /// Wheel speed φ̇ relative to the body, in rad/s.
     pub wheel_speed_rad_s: S,
-    /// Current in A that makes the motor's torque, behind delay, lag and all stages of the motor; 0 for these stages
-    /// themselves, and where the wheel is locked.
+    /// The current in A that makes the motor's torque: the command after delay, lag and all stages of the motor. It is
+    /// 0 while such a stage is evaluated itself, and where the wheel is locked.
     pub current_a: S,
-    /// Memory of the effect that is evaluated (its friction torque in N m); 0 for all others.
+    /// Memory of the evaluated effect, its friction torque in N m; an effect without memory receives 0.
     pub memory: S,
 }
 
-/// The numerical smoothing of sign(v) as tanh(v/v₀). It is not physics. It is small and fixed in simulation, and
-/// chosen separately when the model is linearised.
+/// The numerical smoothing of sign(v) as tanh(v/v₀). The speed v₀ describes no physics. Simulation uses a small, fixed
+/// v₀; the linearisation of a model has a v₀ of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
     /// v₀ on the body, rad/s.
@@ -64,12 +64,12 @@ pub enum Role {
 pub enum Linearised {
     /// By its exact derivative.
     Exactly,
-    /// As dry friction of the body: with the slope μ/ι, for a smoothing speed ι that the designer chooses, or not at
-    /// all. A smaller ι assumes more damping near standstill, where a real joint sticks. An effect that replaces a
-    /// simpler one is represented by the simpler one.
+    /// As dry friction of the body: the Coulomb torque μ enters as a viscous friction μ/ι, for a smoothing speed ι that
+    /// the designer chooses. Without such a speed the term is left out. A smaller ι assumes more damping near
+    /// standstill, where a real joint sticks. An effect that replaces a simpler one is linearised as the simpler one.
     AsDryFriction,
-    /// Not at all: its slope at rest does not describe the motion under control (a dead zone
-    /// has slope zero there), or it needs states that the controller does not have (lag, delay).
+    /// The term is left out, for one of two reasons: its slope at rest does not describe the motion under control (a
+    /// dead zone has slope zero there), or it needs states that the controller does not have (lag, delay).
     LeftOut,
 }
 
@@ -92,7 +92,8 @@ pub struct ParameterInfo {
     pub is_torque: bool,
     /// Whether the fit adjusts the logarithm of the value, because its scale spans decades.
     pub logarithmic: bool,
-    /// Whether the value is a whole number by its nature. It is then chosen, and not adjusted by a fit.
+    /// Whether only whole numbers have a meaning (such as the number of teeth of a motor). The fit then tries whole
+    /// numbers instead of adjusting the value.
     pub is_whole: bool,
 }
 
@@ -118,8 +119,8 @@ pub struct Ripple {
     pub phase: usize,
 }
 
-/// A torque that depends on the path of the body: a spring that yields at a certain level. Each member is the index of
-/// a parameter of the effect.
+/// A torque on the body that depends on the path: like that of a spring that yields, it grows with the displacement up
+/// to a level and then stays there. Each member is the index of a parameter of the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// Index of the torque in N m at which the spring yields.
@@ -142,7 +143,8 @@ pub enum RateFault {
 pub struct Unbalance<S> {
     /// c in kg m²: the body's equation gains c (2α̈ + φ̈), the wheel's c α̈.
     pub coupling: S,
-    /// Torque on the body against its motion that no acceleration makes, N m.
+    /// The part of the unbalance's torque on the body that no acceleration causes, in N m, positive against the body's
+    /// motion.
     pub body_torque: S,
     /// The same of the wheel.
     pub wheel_torque: S,
@@ -162,13 +164,13 @@ pub enum Given {
 pub enum StartFrom {
     /// None: a fit starts from [`EffectInfo::starts`].
     Stated,
-    /// The damping of the measured motion: the only parameter is the viscous friction of body or wheel.
+    /// The damping of the measured motion. The effect has one parameter, the viscous friction of body or wheel.
     Damping,
-    /// The angle around which free swings come to rest: the only parameter is that angle, in rad.
+    /// The angle around which free swings come to rest. The effect has one parameter, this angle in rad.
     AngleZero,
     /// The ripple whose trace is largest in the measured wheel speed ([`Ripple`]).
     Ripple,
-    /// The currents and speeds at which the motor drove the wheel: they give further starts.
+    /// The samples in which the motor drove the wheel. The function makes further starts from them.
     Driving(fn(&Driving) -> Vec<Vec<f64>>),
 }
 
@@ -233,20 +235,20 @@ pub struct EffectInfo {
     /// Whether the reading of the sensor [`EffectInfo::senses`] has a lag ([`Effect::lag_s`]) or a delay
     /// ([`Effect::delay_s`]); `None` for neither.
     pub sensor_timing: Option<Timing>,
-    /// Whether it acts between the command and the current. It is left out for a log with measured current, which
-    /// already contains it.
+    /// Whether the effect acts between the command and the current. Where a log has the measured current, the effect is
+    /// left out, because the measured current already contains it.
     pub is_electrical: bool,
     /// Whether it is a limit: it changes nothing unless the limit is reached ([`crate::EffectId::is_reached`]).
     pub is_limit: bool,
-    /// The power of the angle to which its torque is proportional, to lowest order. Terms of the powers 0, 1 and 3 together
-    /// fit any smooth torque over the angle, and so explain none.
+    /// The lowest power of the angle in the effect's torque. Terms of the powers 0, 1 and 3 together fit any smooth
+    /// torque over the angle, and so explain none.
     pub angle_power: Option<u32>,
     /// Whether it depends on the angle of the wheel ([`Instant::wheel_angle_rad`]).
     pub uses_wheel_angle: bool,
-    /// p[i] is an amplitude and p[j] its phase, for this (i, j): together they are a vector, in which the term is
-    /// linear to first order.
+    /// For (i, j): p[i] is an amplitude and p[j] its phase. Together they are the components of a vector, and to first
+    /// order the term is linear in this vector.
     pub polar: Option<(usize, usize)>,
-    /// It moves the centre of mass of the wheel ([`Effect::unbalance`]).
+    /// Whether the effect moves the centre of mass of the wheel ([`Effect::unbalance`]).
     pub is_unbalance: bool,
     /// Which of its parameters are measured and not fitted.
     pub given: &'static [(usize, Given)],
@@ -256,13 +258,15 @@ pub struct EffectInfo {
     pub memory: Option<Memory>,
     /// The source of start values for its parameters, before any fit.
     pub start_from: StartFrom,
-    /// The curve, for a torque that was learned from the logs and explains nothing.
+    /// The curve of a torque that was learned from the logs. Such a torque explains nothing; `None` for an effect with
+    /// an equation.
     pub learned: Option<&'static LearnedCurve>,
-    /// Name of the parameter of the replaced effect that this effect has once for each log
-    /// ([`crate::EffectId::for_logs`]); `None` for an effect whose parameters are common to all logs.
+    /// For an effect with one value for each log ([`crate::EffectId::for_logs`]): the name of this parameter in the
+    /// effect that is replaced. `None` for an effect whose parameters are common to all logs.
     pub per_log: Option<&'static str>,
-    /// The number of the exam's list in which the effect first appears. A seed that is drawn with an earlier list never
-    /// hides it, so that old seeds keep their benches. An effect that depends on the bench is in none (`u32::MAX`).
+    /// The number of the first list of the exam that contains the effect. A seed that is drawn with an earlier list
+    /// never hides the effect, so that old seeds keep their benches. An effect that depends on the bench is in no list
+    /// (`u32::MAX`).
     pub drawn_since: u32,
     /// How the exam draws its parameters; `None` for the general way ([`EffectInfo::hidden`]).
     pub hiding: Option<Hiding>,
@@ -335,7 +339,8 @@ pub trait Effect {
         }
     }
 
-    /// Memory after the body has moved by `displacement_rad` from the place where it was `memory` (role `Body`).
+    /// Memory after a displacement of the body by `displacement_rad`; `memory` is the value before the displacement
+    /// (role `Body`).
     #[inline(always)]
     fn remember<S: Scalar>(_p: &[S], memory: S, _displacement_rad: S) -> S {
         memory

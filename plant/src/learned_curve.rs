@@ -1,4 +1,4 @@
-//! A curve over one coordinate of the motion, as data: what a description of an effect holds of it.
+//! A learned curve over one coordinate of the motion, as plain data for the description of its effect.
 
 use nalgebra::DMatrix;
 
@@ -97,8 +97,8 @@ pub struct LearnedCurve {
     pub coordinate: LearnedCoordinate,
     /// The spline whose values are the parameters.
     pub spline: Spline,
-    /// A quadratic form of the parameters, 1/(N m)², that a fit adds to its cost: it keeps the curve smooth, and
-    /// apart from the model's own terms. `None` for a curve that is only simulated.
+    /// Quadratic form of the parameters, in 1/(N m)², that a fit adds to its cost. It keeps the curve smooth and apart
+    /// from the model's own terms. `None` for a curve that is only simulated.
     pub penalty: Option<DMatrix<f64>>,
 }
 

@@ -58,8 +58,8 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
     },
 ];
 
-/// The period of small oscillations about the hanging equilibrium in s, 2π √(Θ/G), from a parameter vector. It is
-/// bounded for parameters that are not physical.
+/// The period of small oscillations about the hanging equilibrium in s, 2π √(Θ/G), from a parameter vector. The result
+/// is finite even for parameters that are not physical.
 pub fn period_s(values: &[f64]) -> f64 {
     let square = (values[GRAVITY_TORQUE] / values[TOTAL_INERTIA]).abs();
     std::f64::consts::TAU / square.sqrt().max(1e-3)

@@ -13,17 +13,16 @@ pub enum Refusal {
     Unknown,
 }
 
-/// Gathers the bytes of the line, one at a time, into frames.
+/// Joins the bytes of the line, one at a time, to frames.
 #[derive(Clone, Debug)]
 pub struct Receiver {
     bytes: [u8; FRAME_BYTES_MAX],
-    /// More than the buffer holds: the frame is too long.
+    /// Number of bytes received; larger than the buffer if the frame is too long.
     length: usize,
 }
 
 impl Receiver {
-    /// Nothing received yet. The first bytes may be the rest of a frame, which is then refused as
-    /// damaged.
+    /// A receiver before the first byte. The first bytes may be the end of a frame, which is then refused as damaged.
     pub const fn new() -> Receiver {
         Receiver {
             bytes: [0; FRAME_BYTES_MAX],
@@ -51,7 +50,7 @@ impl Receiver {
             if let Some(place) = self.bytes.get_mut(self.length) {
                 *place = byte;
             }
-            // One beyond the buffer says that there were more.
+            // A length of one beyond the buffer records that more bytes came.
             self.length = (self.length + 1).min(FRAME_BYTES_MAX + 1);
             return None;
         }
@@ -72,9 +71,9 @@ impl Default for Receiver {
     }
 }
 
-/// Undoes COBS and compares the CRC; `read` gets the whole message.
+/// Undoes COBS and compares the CRC. `read` receives the whole message.
 fn unstuffed<T>(stuffed: &[u8], read: impl FnOnce(&[u8]) -> Option<T>) -> Result<T, Refusal> {
-    // One byte more than the longest message, which a damaged frame may have.
+    // The buffer has one byte more than the longest message, because a damaged frame may be that long.
     let mut message = [0; MESSAGE_BYTES_MAX + 2];
     let report = cobs::decode(stuffed, &mut message).map_err(|_| Refusal::Damaged)?;
     let message = message.get(..report.frame_size()).ok_or(Refusal::Damaged)?;

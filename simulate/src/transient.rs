@@ -21,8 +21,8 @@ pub struct Transient {
     pub overshoot_rad: f64,
     /// Time in s at which the body was last beyond the threshold.
     pub settling_s: f64,
-    /// Root mean square of the angle over the last quarter of the run in rad, which comes from dry friction,
-    /// noise and quantisation.
+    /// Root mean square of the angle over the last quarter of the run in rad. Dry friction, noise and quantisation
+    /// cause it.
     pub residual_rad: f64,
     /// Largest wheel speed in rad/s.
     pub wheel_speed_rad_s: f64,

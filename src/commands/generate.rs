@@ -140,8 +140,8 @@ fn law(controller: &GeneratedController) -> String {
     );
     if let Some(time) = controller.bias_time_constant_s {
         law.push_str(&format!(
-            "A constant bias of the angle is found and taken out within about {} s;\n\
-             the certificate's bound for all time is that of the loop without this observer and is left out\n",
+            "An observer finds a constant bias of the angle within about {} s and subtracts it;\nthe \
+             certificate states no bounds for all time, because these hold only without the observer\n",
             significant(time, 3)
         ));
     }

@@ -49,7 +49,7 @@ pub fn has_design(session: &Session) -> bool {
 pub fn written(session: &Session, had_design: bool) -> String {
     let mut text = format!("\nWritten: {}\n", session.model_path().display());
     if !had_design {
-        text.push_str("  with the weights of the thesis under [design], where others can be set\n");
+        text.push_str("  [design] has the weights of the thesis; change them there\n");
     }
     text
 }

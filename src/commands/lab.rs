@@ -33,7 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let opened = !arguments.no_open && lab.open_in_browser().is_ok();
     let how = if opened {
         format!(
-            "The lab is open in the browser; if none came up, open {}",
+            "The lab is open in the browser. If no browser appeared, open {}",
             lab.door().display()
         )
     } else {

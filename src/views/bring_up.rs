@@ -50,7 +50,7 @@ pub fn text(report: &BringUpReport) -> String {
     }
     if let Some(off) = report.off_axes_rad {
         text.push_str(&format!(
-            "  the accelerometer sits {}° away from these\n",
+            "  the accelerometer is turned by {}° from these axes\n",
             significant(off.to_degrees(), 2)
         ));
     }

@@ -16,9 +16,7 @@ pub fn text(report: &SimulationReport) -> String {
         report.model
     );
     if !report.assumed.is_empty() {
-        text.push_str(
-            "Assumed, since the model does not state it, from the bench of the thesis:\n",
-        );
+        text.push_str("Taken from the bench of the thesis, because the model does not state it:\n");
         for sentence in &report.assumed {
             text.push_str(&format!("  {sentence}\n"));
         }
@@ -76,7 +74,8 @@ fn runs(runs: &[LoopRun]) -> String {
 fn raw_counts(report: &SimulationReport) -> String {
     let run = &report.raw_counts;
     format!(
-        "\nThe half minute from raw counts to duty, through the emitted controller\n  {}, at most {}, wheel {} rad/s, {} A; the measured angle is off by {} RMS\n",
+        "\nThe half minute from raw counts to duty, through the emitted controller\n  {}, at most {}, wheel \
+         {} rad/s, {} A; the measured angle is off by {} RMS\n",
         if run.fell { "FELL" } else { "stays up" },
         degrees(run.largest_angle_rad),
         significant(run.largest_wheel_speed_rad_s, 3),
@@ -88,7 +87,8 @@ fn raw_counts(report: &SimulationReport) -> String {
 fn recovery(report: &SimulationReport) -> String {
     let found = &report.recovery;
     format!(
-        "\nLargest angle recovered from rest, without sensor noise\n  emitted law {}, exact law {}, asin(τ u_max/G) = {}\n",
+        "\nLargest angle recovered from rest, without sensor noise\n  emitted law {}, exact law {}, asin(τ \
+         u_max/G) = {}\n",
         degrees(found.emitted_law_rad),
         degrees(found.exact_law_rad),
         degrees(found.limit_rad),
@@ -102,7 +102,9 @@ fn attraction(report: &SimulationReport) -> String {
     let [angle, rate, speed] = found.extents;
     let lost = found.lost;
     format!(
-        "\nRegion of attraction, {} starts all over the boundary, with the sensors' noise\n  all return from {:.2} of the certificate's ellipsoid (up to {:.1}°, {} rad/s, wheel {} rad/s)\n  one is lost from {:.2} of it: {:.1}°, {} rad/s, wheel {} rad/s\n",
+        "\nRegion of attraction, {} starts all over the boundary, with the sensors' noise\n  all return at \
+         {:.2} times the certificate's ellipsoid (up to {:.1}°, {} rad/s, wheel {} rad/s)\n  a start is lost \
+         at {:.2} times the ellipsoid: {:.1}°, {} rad/s, wheel {} rad/s\n",
         found.starts,
         found.size,
         angle.to_degrees(),
@@ -156,7 +158,8 @@ fn linear_model(linear: &LinearRangeReport) -> String {
         })
         .collect();
     format!(
-        "\nThe linear model\n  ten periods of a free swing within {} of the nonlinear one up to {:.1}° (same terms)\n  error over the first period: {}\n  spin-up with {} A within {}: {spin_up}\n",
+        "\nThe linear model\n  ten periods of a free swing within {} of the nonlinear one up to {:.1}° \
+         (same terms)\n  error over the first period: {}\n  spin-up with {} A within {}: {spin_up}\n",
         percent(linear.share),
         linear.good_up_to_amplitude_rad.to_degrees(),
         swings.join(", "),

@@ -11,6 +11,9 @@ use crate::report::table::{Align, Table};
 pub fn text(report: &DiagnosisReport) -> String {
     let last = &report.last;
     let mut text = format!("{}\n{}\n", comparison::head(last), report.sentence);
+    if let Some(missing) = &report.missing_torque {
+        text.push_str(&format!("Add the curve with: {}\n", missing.command));
+    }
     // If there is a contradiction, the residual itself may be only noise.
     let shown = report.remains.as_ref();
     if let Some(remains) = shown.filter(|remains| remains.over_noise > 1.0) {

@@ -15,8 +15,8 @@ pub fn list(library: &[EffectDescription]) -> String {
         text.push_str(&format!("On the {role}\n{}\n", table.text()));
     }
     text.push_str(
-        "Learned from the logs by flywheel add --learned COORDINATE: a smooth torque that follows what is\n\
-         missing and explains nothing\n  \
+        "Learned from the logs by flywheel add --learned COORDINATE: a smooth torque that follows \
+         the\nmissing torque and explains nothing\n  \
          learned-angle, learned-rate              on the body\n  \
          learned-wheel-speed, learned-wheel-angle  on the wheel\n\n",
     );

@@ -1,5 +1,6 @@
-//! Some tests need what not every machine has: a solver, recordings that are no part of the project.
-//! Such a test carries the condition, so that cargo's own summary counts it as ignored, and why:
+//! Some tests need a tool or data that not every machine has, such as a solver, or recordings that are no part of the
+//! project. The attribute of such a test names the condition, so that cargo's own summary counts the test as ignored
+//! and gives the reason:
 //!
 //! ```text
 //! #[test]
@@ -68,8 +69,8 @@ impl Condition {
 
 /// Tells cargo which of these conditions hold, and when to look again. To be called by build scripts.
 ///
-/// Where the recordings are absent, only a change of [`RECORDINGS`] makes cargo look again: it would
-/// build a crate anew every time that waits for a file that is not there.
+/// Where the recordings are absent, only a change of [`RECORDINGS`] makes cargo look again. If cargo waited for the
+/// missing folder, it would build the crate anew every time.
 pub fn declare(conditions: &[Condition]) {
     for &condition in conditions {
         let flag = condition.flag();
@@ -77,7 +78,7 @@ pub fn declare(conditions: &[Condition]) {
         let holds = match condition {
             Condition::Z3 => watch_program("z3"),
             Condition::Rustfmt => watch_program("rustfmt"),
-            // Both are looked for, also where the first is missing: cargo must look again when either comes.
+            // Both programs are always looked for, because cargo must look again when either of them appears.
             Condition::Chromium => ["chromium", "chromedriver"].map(watch_program) == [true, true],
             Condition::Recordings => watch_recordings(),
             Condition::Gcc => watch_program("gcc"),
@@ -89,8 +90,8 @@ pub fn declare(conditions: &[Condition]) {
     }
 }
 
-/// Whether there is such a program. Cargo looks again when it changes, or, where there is none, when
-/// something is installed.
+/// Whether the program exists. Cargo looks again when the program changes or, if it does not exist, when something is
+/// installed.
 fn watch_program(name: &str) -> bool {
     println!("cargo::rerun-if-env-changed=PATH");
     let path = env::var_os("PATH").unwrap_or_default();
@@ -116,7 +117,7 @@ fn program(name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
     files.into_iter().find(|file| file.is_file())
 }
 
-/// Whether the recordings are there; gives their folder to the tests.
+/// Whether the recordings exist. Tests receive their folder in an environment variable.
 fn watch_recordings() -> bool {
     println!("cargo::rerun-if-env-changed={RECORDINGS}");
     let folder = env::var_os(RECORDINGS).map_or_else(

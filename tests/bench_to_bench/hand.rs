@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use plant::{EffectId, Kind, Model, Plant, State};
 
-/// Steps of the integration in a sample time of 1 ms: the fit has rules of its own.
+/// Integration steps in a sample time of 1 ms. The fit has its own rules for its steps, so that both differ.
 const SUBSTEPS: usize = 4;
 
 /// What the bench truly is.
@@ -20,8 +20,8 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// A neighbour of the thesis' bench: near enough that its controller balances it, far enough that
-    /// the difference is measured.
+    /// A bench similar to that of the thesis: so near that the thesis' controller balances it, so far that the
+    /// measurements show the difference.
     pub fn with_dry_friction() -> Truth {
         Truth {
             total_inertia: 2.42e-3,
@@ -54,16 +54,16 @@ impl Truth {
     }
 }
 
-/// What the person at the bench does.
+/// The action of the person at the bench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scene {
-    /// Wheel locked, hanging for a second, lifted to an angle, let go.
+    /// The wheel is locked. The body hangs for a second, is lifted to an angle and let go.
     Swing { from_rad: f64 },
     /// Body clamped upright.
     Clamped,
-    /// Body held at an angle from upright until the motor is driven, then let go.
+    /// The hand holds the body at an angle from upright until the motor is driven, and then lets go.
     Upright { from_rad: f64 },
-    /// Clamped; the bus of the sensors fails after so long under current.
+    /// The body is clamped, and the bus of the sensors fails after this time under current.
     BusFailsAfter { seconds: f64 },
 }
 
@@ -73,19 +73,19 @@ pub struct Pendulum {
     plant: Plant<f64>,
     scene: Scene,
     pub state: State<f64>,
-    /// Where the body was when the scene was called for, rad.
+    /// Angle of the body when the scene was requested, rad.
     came_from_rad: f64,
-    /// Since the scene began, s; below zero the body is being turned to where it begins.
+    /// Time since the scene began, s. While it is negative, the hand turns the body to the first angle of the scene.
     time_s: f64,
     /// Since the motor was first driven, s.
     driven_s: f64,
 }
 
-/// So long the hand takes to turn the body to where a scene begins, s: the gyroscope must see it.
+/// Time in s in which the hand turns the body to the first angle of a scene. The turn is slow enough for the gyroscope.
 const TURN_S: f64 = 2.0;
 
 impl Pendulum {
-    /// The next scene: from where the body is, with the wheel at rest.
+    /// The next scene, which starts from the present angle of the body, with the wheel at rest.
     pub fn next(&self, scene: Scene) -> Pendulum {
         let mut next = Pendulum::new(&self.truth, scene);
         next.came_from_rad = self.state.angle_rad;
@@ -115,7 +115,7 @@ impl Pendulum {
         }
     }
 
-    /// Whether the hand is still turning the body to where the scene begins.
+    /// Whether the hand is still turning the body to the first angle of the scene.
     pub fn is_turned(&self) -> bool {
         self.time_s < 0.0
     }
@@ -136,7 +136,7 @@ impl Pendulum {
         }
     }
 
-    /// Where the hand holds the body, angle and rate; `None`: nowhere.
+    /// Angle and rate of the body while the hand holds it; `None` if the body is free.
     fn held(&self) -> Option<(f64, f64)> {
         if self.time_s < 0.0 {
             let way_rad = begin_rad(self.scene) - self.came_from_rad;
@@ -207,7 +207,7 @@ impl Pendulum {
     }
 }
 
-/// Where the body is at the beginning of a scene, rad.
+/// Angle of the body at the beginning of a scene, rad.
 fn begin_rad(scene: Scene) -> f64 {
     match scene {
         Scene::Swing { .. } => 0.0,

@@ -16,8 +16,8 @@ use super::hand::{Pendulum, Scene, Truth};
 
 /// The module's sample time, µs.
 const SAMPLE_TIME_US: u32 = 1_000;
-/// The simulation runs ahead of the program's last command by so much and then waits: a program that the
-/// machine keeps from running must not lose its lease.
+/// The simulation waits when it is this much ahead of the program's last command. A program that the machine delays
+/// must not lose its lease.
 const AHEAD: u32 = 400;
 
 /// What the line does to frames, shares of them.
@@ -42,7 +42,7 @@ pub struct SimulatedBench {
     scenes: Option<Sender<Scene>>,
     is_turned: Receiver<()>,
     thread: Option<JoinHandle<()>>,
-    /// Kept open, so that the line is there between two records.
+    /// This end is kept open, so that the line exists between two records.
     _slave: TTYPort,
 }
 
@@ -94,7 +94,7 @@ impl SimulatedBench {
         self.port.clone()
     }
 
-    /// From now on the person at the bench does this; returns when the body is where that begins.
+    /// Begins a scene, and returns when the body has its first angle.
     pub fn scene(&self, scene: Scene) {
         if let Some(scenes) = &self.scenes {
             scenes.send(scene).expect("the bench runs");

@@ -13,7 +13,7 @@ use std::process::{Command, Output};
 use hand::{Scene, Truth};
 use line::{Faults, SimulatedBench};
 
-/// What a person knows of the bench before anything is recorded: data sheets and a balance.
+/// The knowledge of a person before anything is recorded: data sheets and a balance.
 const BENCH: &str = r#"# A bench on the table.
 [bench]
 name = "on the table"
@@ -258,8 +258,8 @@ fn what_is_recorded_becomes_the_controller_that_balances() {
     let log = &balance["logs"][0];
     assert_eq!(log["end"], "complete", "{balance}");
     assert_eq!(log["lost_frames"], 0, "{balance}");
-    // It stands where it should: the last second within 2°, which dry friction and the accelerometer's
-    // noise explain, the wheel far from its end.
+    // The body stands upright: in the last second within 2°, which dry friction and the accelerometer's noise explain,
+    // and with a wheel speed far from the end of its range.
     let text = fs::read_to_string(log["file"].as_str().expect("a file")).expect("the log");
     let last: Vec<[f64; 2]> = text
         .lines()
@@ -285,7 +285,7 @@ fn a_controller_that_trips_ends_the_record_and_what_was_recorded_stays() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let module = firmware::compiled(&root.join("generated"), "tripping");
     let on = SimulatedBench::start(&module, &Truth::with_dry_friction(), Faults::NONE);
-    // Clamped, the body does not answer: the law's current stays at its limit or the wheel runs away.
+    // The clamped body does not move, so the law's current stays at its limit, or the wheel runs away.
     on.scene(Scene::BusFailsAfter { seconds: 2.0 });
     let record = recorded(
         folder.path(),

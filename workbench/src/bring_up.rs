@@ -1,5 +1,5 @@
-//! Which way is positive: sign and axis of every sensor and of the motor from four recordings, and what of
-//! bench.toml contradicts them.
+//! Which way is positive: sign and axis of every sensor and of the motor from four recordings, and the entries of
+//! bench.toml that contradict them.
 
 use ::calibrate::{
     Doubt, MotorSigns, Recording, TiltShows, WheelWord, encoder_sign, motor_signs, tilt,
@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::numbers::significant;
 
-/// Stated and found axes that are further apart are others: 20°. An accelerometer that is not calibrated points
-/// 6° aside, a sensor that is soldered aslant some more.
+/// Angle in rad from which on a stated and a found axis count as different: 20°. An accelerometer that is not
+/// calibrated points 6° aside, and a sensor that is soldered askew somewhat more.
 const APART_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 /// Allowed readings of gravity, m/s², as for an emitted controller.
 const GRAVITY_READS: [f64; 2] = [8.0, 11.5];
 
-/// Scales that differ by more are of another part or setting.
+/// Ratio from which on two scales belong to different parts or settings.
 const DIFFER: f64 = 1.2;
 
 /// The result of [`bring_up`]: signs and axes by the recordings of `[bring_up]`.
@@ -30,9 +30,10 @@ pub struct BringUpReport {
     /// Axes as bench.toml names them; null where the recordings do not show them, or they are not along the
     /// body's.
     pub axes: BringUpAxes,
-    /// From the accelerometer's axes to the body's, row by row; for `rotation` where the sensor sits aslant.
+    /// Rotation from the accelerometer's axes to the body's, row by row, for the key `rotation` if the sensor sits
+    /// askew.
     pub rotation: Option<[[f64; 3]; 3]>,
-    /// How far the accelerometer's axes are from the named ones, rad.
+    /// Angle between the accelerometer's axes and the named ones, rad.
     pub off_axes_rad: Option<f64>,
     /// From hanging to tilted, rad.
     pub tilt_rad: Option<f64>,
@@ -60,8 +61,8 @@ pub struct BringUpSigns {
 pub struct BringUpAxes {
     /// Of the accelerometer.
     pub accelerometer: Option<[String; 3]>,
-    /// Of the gyroscope. A tilt shows its pivot axis alone; the others are those of the accelerometer, or as
-    /// stated.
+    /// Axes of the gyroscope. A tilt shows only its pivot axis; the others are those of the accelerometer, or the
+    /// stated ones.
     pub gyroscope: Option<[String; 3]>,
 }
 
@@ -370,8 +371,8 @@ fn apart(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
         .acos()
 }
 
-/// The right-handed assignment of axes, among those that are `allowed`, that is nearest to a rotation, and the angle
-/// between the two in rad.
+/// The right-handed assignment of axes that is nearest to a rotation, among the assignments that `allowed` permits, and
+/// the angle between the two in rad.
 fn nearest(
     rotation: &Matrix3<f64>,
     allowed: impl Fn(&Matrix3<f64>) -> bool,

@@ -48,7 +48,7 @@ pub struct ComparisonReport {
     /// too.
     #[serde(default)]
     pub contradictions: Vec<String>,
-    /// What the logs do not determine, and contradictions, as sentences.
+    /// Sentences about parameters that the logs do not determine, and about contradictions.
     pub statements: Vec<String>,
     /// Notes on the files, as sentences.
     pub notes: Vec<BenchNote>,
@@ -64,7 +64,7 @@ pub struct ComparisonReport {
     pub breakdowns: Vec<ResidualBreakdown>,
 }
 
-/// A place where a model fails: a range of a coordinate, in one residual.
+/// A place where a model fails: a range of a coordinate in one series of residuals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailurePlace {
     /// The experiment.
@@ -82,7 +82,7 @@ pub struct FailurePlace {
     /// order. The JSON does not contain them.
     #[serde(skip)]
     pub stretches_s: Vec<[f64; 2]>,
-    /// Share of the residual's error that lies in it.
+    /// Share of the residual's squared error that lies in the range.
     pub share_of_error: f64,
     /// The residual in which it was found.
     #[serde(with = "named")]

@@ -1,5 +1,5 @@
-//! What a session concludes from its measurements: whether they agree, the model that is fitted to them, and how that
-//! model compares with them.
+//! The conclusions of a session from its measurements: whether they agree, the model that is fitted to them, and the
+//! comparison of the model with them.
 
 use ::data_check::Finding;
 use identify::{Contradiction, Progress, PushModel};

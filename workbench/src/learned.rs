@@ -72,7 +72,7 @@ impl Session {
         let names = names.join(" and ");
         if report.verdict != Verdict::Unexplained {
             report.statements.push(format!(
-                "{names}: what the curve followed is accounted for without it; --apply takes it out"
+                "{names}: the model now accounts for this torque without the curve; applying the diagnosis removes the curve"
             ));
             return Ok(());
         }

@@ -28,9 +28,9 @@ const SEED: u64 = 1;
 const POINTS: usize = 300;
 /// Frequencies of the open loop.
 const FREQUENCIES: usize = 400;
-/// Torque of the step, as a share of the motor's largest: a tenth leaves nine for everything else.
+/// Torque of the step, as a share of the motor's largest torque. A tenth leaves nine tenths for everything else.
 const STEP_SHARE: f64 = 0.1;
-/// A response is shown for this many time constants of the loop's slowest motion: e⁻⁶ is a quarter of a per cent.
+/// A response is shown over this many time constants of the loop's slowest motion: e⁻⁶ is a quarter of a per cent.
 const TIME_CONSTANTS: f64 = 6.0;
 /// But for no less, and no longer, s.
 const DURATION_S: (f64, f64) = (0.5, 20.0);
@@ -42,7 +42,7 @@ const ANGLE_RESOLUTION_RAD: f64 = 3.5e-4;
 pub struct ExpectationSettings {
     /// How late the current reaches the motor, s, on top of the model's own delay.
     pub delay_s: f64,
-    /// The noise of the bench's sensors; what is not known is that of the thesis bench.
+    /// The noise of the bench's sensors. For a sensor without a known noise, that of the thesis bench is used.
     pub noise: BenchNoise,
 }
 
@@ -93,13 +93,15 @@ pub struct AllowedExcursions {
 /// The linear loop's answer to a torque on the body.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TorqueAnswer {
-    /// Size of the torque, N m; of a push its impulse, N m s. Both per kg m² where the bench gives torques only so.
+    /// Size of the torque in N m; for a push, its impulse in N m s. Both are per kg m² on a bench whose torques are
+    /// known only per unit of inertia.
     pub size: f64,
     /// Its unit.
     pub unit: String,
     /// Largest angle.
     pub largest_angle_rad: f64,
-    /// The same at the ends of what 95 % of the parameter sets give; `None` without errors of the parameters.
+    /// The band of the largest angle: the ends between which 95 % of the parameter sets lie. `None` if the parameters
+    /// have no errors.
     pub largest_angle_band_rad: Option<[f64; 2]>,
     /// Largest wheel speed.
     pub largest_wheel_speed_rad_s: f64,
@@ -233,7 +235,7 @@ impl ControlDesign {
         };
         let values = self.values();
         let torque = STEP_SHARE * values[TORQUE_CONSTANT] * self.wishes().current_limit_a;
-        // The impulse of the step's torque over the time in which a fall grows by a factor e.
+        // The push has the impulse of the step's torque over the time in which a fall grows by a factor e.
         let inertia = values[TOTAL_INERTIA] - values[WHEEL_INERTIA];
         let impulse = torque * (inertia / values[GRAVITY_TORQUE]).sqrt();
         let of = |disturbance| {

@@ -68,16 +68,15 @@ impl MissingTorque {
         }
     }
 
-    /// The coordinate that describes the missing torque best, and the command that adds the curve, in two sentences.
+    /// The coordinate that describes the missing torque best, and what adding the curve does, in two sentences.
     pub fn sentence(&self) -> String {
         let coordinate = LearnedCoordinate::from_name(&self.coordinate);
         let words = coordinate.map_or("the coordinate", LearnedCoordinate::words);
         format!(
             "The missing torque is described best as a torque on the {} over {words}: a curve predicts {:.0} % of \
-             it. `add --learned {}` adds this curve to the model; the error falls, but a curve explains nothing.",
+             it. This learned curve can be added to the model; the error falls, but a curve explains nothing.",
             self.acts_on,
-            100.0 * self.share,
-            self.coordinate
+            100.0 * self.share
         )
     }
 }

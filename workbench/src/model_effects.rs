@@ -1,4 +1,4 @@
-//! Effects into the model of a session, and out of it.
+//! Adding effects to the model of a session, and removing them.
 
 use bench_files::{ModelFile, Tie};
 use identify::Progress;
@@ -52,7 +52,8 @@ impl Session {
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
         let before = self.required_model()?.model();
-        // By its name: the zeros of a model may be those of other logs than the bench has now.
+        // The effect is found by its name, because the zeros of a model may belong to other logs than the bench has
+        // now.
         let mut effects = before.effects().iter();
         match effects.find(|effect| effect.name() == name) {
             Some(&effect) => self.change(&before, &before.without(effect), progress),

@@ -188,7 +188,7 @@ impl Syntax {
         }
     }
 
-    /// A text in quotes: what could end it is doubled or escaped.
+    /// A text in quotes. Characters that could end it are doubled or escaped.
     fn quoted(&self, text: &str) -> String {
         let text = one_line(text);
         if self.is_python() {

@@ -34,7 +34,7 @@ impl ControlDesign {
         })
     }
 
-    /// What the loop asks of an encoder on the pivot.
+    /// The loop's requirements for an encoder on the pivot.
     pub(crate) fn rate_needs(&self) -> RateNeeds {
         let (design, wishes) = (self.design(), self.wishes());
         RateNeeds {
@@ -76,8 +76,9 @@ impl ControlDesign {
             return Err(Error::Hardware {
                 model: self.path(),
                 source: HardwareError::Contradiction(
-                    "bias_time_constant of [design] is for inertial sensors, whose angle drifts; that of an encoder does \
-                     not: leave it out, and state the count upright as zero under [hardware.angle]"
+                    "bias_time_constant of [design] is for inertial sensors, whose angle drifts; the angle \
+                     of an encoder does not: leave bias_time_constant out, and state the count upright as \
+                     zero under [hardware.angle]"
                         .to_owned(),
                 ),
             });

@@ -100,8 +100,8 @@ impl Predictor {
             .collect())
     }
 
-    /// As [`Predictor::curves`], of the experiment at this place in the list alone; `None` where there is no such
-    /// experiment. It is for a curve that follows a hand.
+    /// As [`Predictor::curves`], for the experiment at this place in the list alone; `None` if there is no such
+    /// experiment. This is fast enough for a curve that follows the hand on a slider.
     ///
     /// # Errors
     /// [`Error::UnknownParameter`].

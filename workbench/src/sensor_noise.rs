@@ -1,4 +1,4 @@
-//! The noise of a bench's sensors, for what it does in the loop.
+//! The noise of a bench's sensors, for the computation of its effect in the loop.
 
 use identify::{Output, Record};
 use plant::Kind;
@@ -6,8 +6,8 @@ use simulate::Sensors;
 
 use crate::session::Session;
 
-/// Standard deviations of a single sample, with the experiment that showed each: rad, rad/s, rad/s. `None`: no log of
-/// the bench has that sensor.
+/// Standard deviations of a single sample (rad, rad/s, rad/s), each with the name of the experiment that showed it.
+/// `None` if no log of the bench has the sensor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BenchNoise {
     /// Of the angle.
@@ -19,8 +19,8 @@ pub struct BenchNoise {
 }
 
 impl Session {
-    /// The noise of the bench's sensors by its logs: of the balance logs where there are any, since the sensors then
-    /// see what they see in the loop; else of all. Of several logs the median.
+    /// The noise of the bench's sensors according to its logs. Balance logs are preferred, because the sensors then
+    /// measure the same motion as in the loop; if there are none, all logs count. Of several logs the median is taken.
     pub fn sensor_noise(&self) -> BenchNoise {
         let of = |output: Output| noise_of(self.records(), output);
         BenchNoise {
@@ -48,7 +48,8 @@ fn noise_of(records: &[Record], output: Output) -> Option<(f64, String)> {
 }
 
 impl BenchNoise {
-    /// Every sensor with its source; what is not known is assumed as on the thesis bench, and said.
+    /// Every sensor with its source. Where the noise is unknown, that of the thesis bench is used, and the source says
+    /// so.
     pub(crate) fn or_assumed(&self) -> ([f64; 3], [String; 3]) {
         let usual = Sensors::of_the_thesis();
         let of = |known: &Option<(f64, String)>, usual: f64| match known {

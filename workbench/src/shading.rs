@@ -9,10 +9,10 @@ use crate::words;
 /// A model fails in a channel if its root mean square error exceeds the noise of the sensor by this factor: then the
 /// noise makes up less than half of the squared error (1/1.5² = 0.44).
 pub const FAILS_OVER_NOISE: f64 = 1.5;
-/// Largest share of an experiment's time that a place may cover and still be shaded: what is shaded must stand out.
+/// Largest share of an experiment's time that a shaded place may cover. Otherwise the shading would not stand out.
 const MOST_SHADED: f64 = 0.5;
-/// Share of the squared error that the shaded time holds: at least this of its residual for a place, just this where no
-/// place can be shaded.
+/// Share of the squared error in the shaded time. A place must hold at least this share of its residual; without such a
+/// place, the shaded time holds just this share.
 const SHADED_ERROR: f64 = 0.5;
 
 /// The shaded part of an experiment.
@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(found.text, text);
     }
 
-    /// All logs share a region of a missing torque; in some of them it holds only a small part of their error.
+    /// All logs share a region of a missing torque; in some logs the region holds only a small part of their error.
     #[test]
     fn a_place_with_little_of_the_error_is_not_shaded() {
         let mut little = place(Coordinate::Rate, vec![[6.0, 9.0]]);

@@ -1,4 +1,4 @@
-//! The sensors and the drive of the simulation, from what an emitted module is told of them.
+//! The sensors and the drive of the simulation, made from the constants of an emitted module.
 
 use attitude::AttitudeSpec;
 use codegen::ModuleSpec;
@@ -9,7 +9,7 @@ use simulate::{EncoderOutput, RawSensors, SimulateError, VoltageOutput, WheelOut
 /// calibration.
 pub(crate) fn sensors_of(spec: &ModuleSpec) -> Result<RawSensors, SimulateError> {
     let hardware = &spec.hardware;
-    // Behind an encoder on the pivot no inertial sensor is read.
+    // With an encoder on the pivot, no inertial sensor is read.
     let thesis = AttitudeSpec::thesis();
     let attitude = hardware.attitude().unwrap_or(&thesis);
     let body = hardware.body_encoder().map(|body| EncoderOutput {

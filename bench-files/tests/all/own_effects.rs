@@ -102,7 +102,7 @@ fn what_is_wrong_is_said_with_its_place() {
         (
             "(angle - centre)/width",
             "z + 1",
-            &["magnet.toml:3:6", "leads back to itself"],
+            &["magnet.toml:3:6", "depends on itself"],
         ),
         (
             "role = \"body\"",

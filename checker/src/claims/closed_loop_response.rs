@@ -78,8 +78,7 @@ impl Scaled {
 }
 
 impl Response<'_> {
-    /// The largest of V S_k + G_k over all k, for each V; and the bound of what S has beyond the
-    /// terms that are added up.
+    /// For each V, the largest value of V S_k + G_k over all k, and a bound of the terms of S that are not added up.
     pub fn worst(
         &self,
         row: &Vector,
@@ -97,7 +96,7 @@ impl Response<'_> {
             |value: &BigRational| root_above(value).ok_or_else(|| "a negative square".to_owned());
         let scaled_unit = |value: &BigRational| (value / &unit).ceil().to_integer();
 
-        // ‖·‖* of what rounding has done to a row, at any time.
+        // ‖·‖* of the rounding errors of a row, at any time.
         let entries: BigRational = self.inverse.iter().flatten().map(Signed::abs).sum();
         let row_error = &unit * root(&entries)? * (&one + &one / (&one - self.gamma));
         let sum_error = scaled_unit(&(&row_error * &self.input_norm)) + 1;

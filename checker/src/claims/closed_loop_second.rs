@@ -33,7 +33,7 @@ fn run(text: &str, emitted: &Emitted) -> ClaimOutcome {
         let certificate = folder.path().join("certificate.json");
         fs::write(&program, text).map_err(of_files)?;
         fs::write(&certificate, &emitted.certificate).map_err(of_files)?;
-        // -I: no module of the user's takes the place of one of Python's.
+        // `-I`: Python loads no module of the user in place of its own.
         let mut command = Command::new("python3");
         command.arg("-I").arg(&program).arg(&certificate);
         command

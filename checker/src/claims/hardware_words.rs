@@ -21,11 +21,11 @@ use crate::language::module::Module;
 
 type Check = Result<(), String>;
 
-/// The smallest power of two of the duty's plane: half a unit of a slope is then 2⁻⁸ counts for the largest word.
+/// Smallest power of two of the duty's plane. With it, half a unit of a slope is 2⁻⁸ counts for the largest word.
 const PLANE_SHIFT_MIN: i32 = 38;
 
-/// The smallest power of two of a line's slope: with it the slope is off by 2⁻²⁴ of itself, a
-/// hundredth of a count over a duty of 16 bits.
+/// Smallest power of two of a line's slope. With it, the relative error of the slope is 2⁻²⁴: a hundredth of a count
+/// over a duty of 16 bits.
 const SLOPE_BITS_MIN: i32 = 23;
 
 /// Checks all words.
@@ -61,7 +61,7 @@ pub fn check(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Ch
     drive(certificate, module, law)
 }
 
-/// The words between the encoder on the pivot and the body's angle and rate.
+/// Checks the words between the encoder on the pivot and the body's angle and rate.
 fn check_encoder(
     certificate: &Certificate,
     module: &Module,
@@ -71,7 +71,7 @@ fn check_encoder(
     takes(module, "sample.body_count", "an encoder on the pivot")?;
     let sizes = (4..=16).contains(&encoder.bits) && (1..=16).contains(&encoder.window);
     let per_turn = &encoder.counts_per_turn.value;
-    // With fewer counts until it begins again than in a turn, one count would stand for several angles.
+    // If the count began again after less than a turn, one count would stand for several angles.
     if !sizes || per_turn.is_zero() || per_turn.abs() > integer(1 << encoder.bits) {
         return Err("the encoder on the pivot shows no angle like that".to_owned());
     }
@@ -175,7 +175,7 @@ fn check_inertial(
     let accel_unit = sensor(&filter, &hardware.accelerometer, "accel", None)?;
     let mag_unit = sensor(&filter, &hardware.magnetometer, "mag", None)?;
 
-    // Units per m/s² and per uT, the matrices' Q17 taken off; squares in units of 2³².
+    // Units per m/s² and per uT, without the Q17 of the matrices; squares in units of 2³².
     let per_m_s2 = accel_unit * power_of_two(-17);
     let shortest = gravity * integer(1) / integer(8) * &per_m_s2;
     squared(&filter, "FILTER.gravity_squared_min", &shortest)?;
@@ -288,7 +288,8 @@ fn drive(certificate: &Certificate, module: &Module, law: &EmittedLaw) -> Check 
     )
 }
 
-/// The plane of a voltage drive: slopes and offset over one power of two, as large as they leave room for.
+/// The plane of a voltage drive: slopes and offset have one power of two in common, the largest for which all three
+/// fit.
 fn plane(
     certificate: &Certificate,
     module: &Module,
@@ -319,7 +320,7 @@ fn plane(
         nearest(&name, &words.get(&name)?, &(slope * &scale))?;
     }
     let ends = [("low", drive.duty_low), ("high", drive.duty_high)];
-    // Half of 2^shift more than a whole number of counts: a whole number itself.
+    // The offset is a whole number of counts plus 2^shift/2, which is a whole number itself.
     if field("offset")? != real {
         return Err("DUTY_PLANE.offset is not half a count above the duty at 0 V".to_owned());
     }
@@ -331,7 +332,7 @@ fn plane(
     Ok(())
 }
 
-/// The counts that the closed loop's certificate speaks of are those of the stated sensors.
+/// The certificate of the closed loop must use the counts of the stated sensors.
 fn check_sensor_steps(
     hardware: &CertifiedInertial,
     wheel: &CertifiedWheelSpeed,
@@ -359,7 +360,7 @@ fn check_sensor_steps(
     Ok(())
 }
 
-/// How the drift is followed: as stated, with as many bits as leave room for the largest.
+/// The tracking of the drift: as stated, with the largest number of bits that leaves room for the largest drift.
 fn drift(filter: &NamedWords, hardware: &CertifiedInertial, period: &BigRational) -> Check {
     let time = &hardware.drift_time_s.value;
     let limit = &hardware.drift_limit_rad_s.value;
@@ -410,7 +411,7 @@ fn sensor(
         }
     };
     let shift = words.small(&format!("FILTER.{name}.shift"))?;
-    // Half a unit of the output, and one for what the three products round down on average.
+    // The tolerance is half a unit of the output, and one unit for the three products, which are rounded down.
     let half_unit = words.get(&format!("FILTER.{name}.half_unit"))?;
     if half_unit != (power_of_two(shift) * half()).floor() + integer(1) {
         return Err(format!("FILTER.{name}.half_unit is {half_unit}"));
@@ -478,8 +479,8 @@ fn check_angle(
     )
 }
 
-/// A line: slope to 30 bits, or fewer where the offset would not stay within 2⁶¹, offset with the
-/// half that rounds, and its ends.
+/// A line: its slope has 30 bits, or fewer if the offset would otherwise exceed 2⁶¹; its offset includes the half that
+/// rounds; its ends follow.
 fn line(
     module: &Module,
     name: &str,
@@ -493,14 +494,14 @@ fn line(
     let scale = power_of_two(words.small(&format!("{name}.shift"))?);
     let word = field("scale")?;
     let real = (at_zero + half()) * &scale;
-    // With one bit more the slope would have 31, or the offset be too large.
+    // With one more bit, the slope would have 31 bits, or the offset would be too large.
     let is_finest = word.abs() >= power_of_two(29) || real.abs() * integer(2) > power_of_two(61);
     if !is_finest || word.abs() < power_of_two(SLOPE_BITS_MIN) || word.abs() > power_of_two(30) {
         return Err(format!("{name}.scale has not the bits that fit"));
     }
     nearest(&format!("{name}.scale"), &word, &(slope * &scale))?;
     let offset = field("offset")?;
-    // The offset is rounded in double precision, some 2⁻⁵² of itself, where it has more bits than that.
+    // An offset with more bits is rounded in double precision, by 2⁻⁵² of its value.
     let is_exact = real
         .to_f64()
         .and_then(BigRational::from_float)

@@ -84,7 +84,7 @@ pub fn check(certificate: &Certificate, module: &Module) -> Check {
     restoring(certificate, module, inertial, &gyro, &accel)
 }
 
-/// Counts of a body that leans, or turns by a rate, through every word to the current.
+/// The current after a lean or a rate of the body: its counts pass through every word.
 fn of_encoder(certificate: &Certificate, module: &Module, encoder: &CertifiedBodyEncoder) -> Check {
     let f = Functions(module);
     let per_rad = real(&encoder.counts_per_turn.value)? / TAU;
@@ -141,7 +141,8 @@ impl<'a> Current<'a> {
         })
     }
 
-    /// A, for the words of angle and rate. At rest the duty of a voltage drive is that of the winding alone.
+    /// The current in A for the words of angle and rate. At rest, the duty of a voltage drive acts on the resistance of
+    /// the winding alone.
     fn of(&self, angle: i128, rate: i128) -> Result<f64, String> {
         let drive = &self.certificate.drive;
         let zero = integer(drive.duty_zero.into());
@@ -308,7 +309,8 @@ fn duty(
 }
 
 /// At a wheel that turns, a voltage drive holds against the back-EMF: the voltage without a current has the sign of the
-/// speed. With the wrong one, the back-EMF would drive twice the current that it can.
+/// speed. With the wrong sign, the voltage would add to the back-EMF instead of cancelling it, and the current would be
+/// twice that of the back-EMF alone.
 fn back_emf(certificate: &Certificate, f: &Functions) -> Check {
     let wheel = &certificate.hardware.wheel_speed;
     let zero = integer(certificate.drive.duty_zero.into());

@@ -45,11 +45,12 @@ const TERMS: i128 = 24;
 pub struct ProvedRegion {
     /// r₁: size of the region, E having 1.
     pub outer: BigRational,
-    /// r₀: size of the set to which everything comes.
+    /// r₀: size of the set that every motion reaches.
     pub inner: BigRational,
-    /// Largest angle, rate and wheel speed of the region (rad, rad/s, rad/s), each with others to match.
+    /// Largest angle, rate and wheel speed of the region (rad, rad/s, rad/s). Each largest value occurs together with
+    /// suitable values of the others.
     pub extents: Vector,
-    /// Largest angle from which a body at rest, with a wheel at rest, is in the region (rad): not above it.
+    /// Largest angle from which a body at rest, with a wheel at rest, is in the region (rad), rounded down.
     pub from_rest: BigRational,
 }
 
@@ -97,10 +98,10 @@ pub fn by_exact_arithmetic(
 /// Why no region is shown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoRegion {
-    /// The stated numbers are those of no pendulum, or contradict each other.
+    /// The stated numbers do not describe a pendulum, or contradict each other.
     #[error("{0}")]
     Unphysical(String),
-    /// The argument does not reach; there may be a region all the same.
+    /// The argument fails. A region may exist all the same.
     #[error("{0}")]
     NotShown(String),
 }
@@ -146,7 +147,7 @@ pub fn check(
     let t = certificate.sample_time_s.value.clone();
     let held = HeldLoop::of(certificate);
     let a = held.a.clone();
-    // The sine and the linear model have one gravity; a spring would need another argument.
+    // The sine and the linear model have the same gravity. A spring would need another argument.
     if !is_gravity_of(&a[1][0], &gravity) {
         let why = format!(
             "A[1][0] is {}, gravity makes it {}",
@@ -223,7 +224,7 @@ impl Loop {
             if reached.iter().zip(&bounds).all(|(new, old)| new < old) {
                 return Some(bounds[0].clone());
             }
-            // A little more than was reached, in few digits.
+            // A little more than the value that was reached, in few digits.
             bounds = reached.map(|value| {
                 let scaled = value * power(10, 9) * (integer(1) + power(10, -6));
                 scaled.ceil() / power(10, 9)
@@ -234,7 +235,7 @@ impl Loop {
 
     /// The largest change of angle, rate and wheel speed within one sample while they stay within `bounds`.
     fn reached(&self, bounds: &Vector, current: &BigRational) -> Vector {
-        // sin α − α adds to the angle's share at most g α²/6 times α.
+        // The term sin α − α adds to the angle's share at most g α²/6 times α.
         let sine = &self.gravity * &bounds[0] * &bounds[0] / integer(6);
         [0, 1, 2].map(|i| {
             let row = self.a[i].clone().map(|entry| entry.abs());

@@ -39,7 +39,7 @@ impl Upright {
                 continue;
             };
             let is_usable = result[0] != 0;
-            // A method that does not give its receiver back has another signature than an emitted one.
+            // A method that does not return its receiver has another signature than an emitted one.
             let at = result.len().checked_sub(start.len())?;
             let state = result[at..].to_vec();
             let Ok(found) = angle.call(&state) else {

@@ -1,11 +1,11 @@
-//! How far the speed that an encoder shows over its window is from the wheel's speed of the moment.
+//! Largest difference between the speed that an encoder shows over its window and the wheel's present speed.
 //!
-//! The shown speed is the mean of φ̇ over the last N steps. With |φ̈| ≤ Φ in that time it is off by at most
-//! ∫ (age) Φ/(N T) = Φ N T/2, beside what rounding of the two counts adds. Φ is bounded in the invariant set: at a sample
-//! φ̈ = (A₃ + B₃ N) x + B₃ v, and until the next sample the states change by no more than the model's rows allow.
-//! The stated Φ enters the perturbation v, and what follows from that must not be above the stated Φ: then no step
-//! is the first that passes it. Gravity counts as a sine, so that the bound serves `region-of-attraction` too. The window before the start must have been
-//! a motion within the set.
+//! The shown speed is the mean of φ̇ over the last N steps. If |φ̈| ≤ Φ in that time, the difference is at most ∫ (age)
+//! Φ/(N T) = Φ N T/2, plus the rounding of the two counts. Φ is bounded in the invariant set: at a sample φ̈ = (A₃ + B₃
+//! N) x + B₃ v, and until the next sample the states change by no more than the model's rows allow. The stated Φ enters
+//! the perturbation v. The acceleration that follows must not exceed the stated Φ; then no step can be the first to
+//! exceed it. Gravity counts as a sine, so that the bound serves `region-of-attraction` too. The window before the
+//! start must have been a motion within the set.
 
 use num_rational::BigRational;
 use num_traits::Signed;
@@ -108,7 +108,7 @@ impl WindowLag {
                     ))
                 };
             }
-            // A little more than was reached, in few digits.
+            // A little more than the value that was reached, in few digits.
             b = reached.map(|value| {
                 let scaled = value * power(10, 12) * (integer(1) + power(10, -9));
                 scaled.ceil() / power(10, 12)

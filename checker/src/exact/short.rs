@@ -1,5 +1,6 @@
-//! Numbers in units of 2⁻⁹⁶ and below 2³¹ in magnitude, for long sums that must be fast. A product is off by less than a
-//! unit; who uses them says what that adds up to. What does not fit is an error, never another number.
+//! Numbers in units of 2⁻⁹⁶ and below 2³¹ in magnitude, for long sums that must be fast. The error of a product is less
+//! than a unit; the user of this module bounds the sum of these errors. A result that does not fit is an error, never a
+//! wrong number.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -33,7 +34,7 @@ impl Short {
     }
 
     fn checked(units: i128) -> Result<Short, TooLarge> {
-        // The magnitude of the least number is no number.
+        // The least i128 has no magnitude of the same type.
         if units == i128::MIN {
             Err(TooLarge)
         } else {

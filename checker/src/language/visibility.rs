@@ -1,6 +1,6 @@
-//! Who sees what. `rustc` refuses a private item that another file names; the reader, which puts calls in place, would not
-//! notice. So that both read one crate: an item is `pub` or private, and nothing between; what another file
-//! imports is `pub`; the fields of a struct are all public or all private.
+//! Visibility of items. `rustc` refuses a private item that another file names. The reader inlines calls and would not
+//! notice. Three rules make sure that both read the same crate: an item is either `pub` or private; an item that
+//! another file imports is `pub`; the fields of a struct are all public or all private.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ impl<'ast> Visit<'ast> for Between {
 /// Checks one file by itself.
 ///
 /// # Errors
-/// The first place where something is half public.
+/// The first place that breaks one of these rules.
 pub(crate) fn check_file(path: &Arc<str>, file: &syn::File) -> Read<()> {
     let mut between = Between(None);
     between.visit_file(file);
@@ -49,7 +49,7 @@ pub(crate) fn is_public(visibility: &syn::Visibility) -> bool {
     matches!(visibility, syn::Visibility::Public(_))
 }
 
-/// Whether `name` of this file may be imported by another; names that it only passes on may.
+/// Whether another file may import `name` from this file. A name that this file only passes on may be imported.
 pub(crate) fn is_shown(file: &syn::File, name: &str) -> bool {
     let own = file.items.iter().find_map(|item| {
         let (ident, visibility) = match item {

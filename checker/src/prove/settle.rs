@@ -99,7 +99,7 @@ pub fn settle_telling(
         compiled_agrees::by_running(emitted, &module, cases, settings.seed)
     });
     if !is_understood {
-        // What is proved of a source that is read wrongly says nothing of the program.
+        // If the reader misunderstands the source, a proof says nothing about the program.
         return complete(table.0, "the source is not understood");
     }
 

@@ -162,7 +162,7 @@ impl Scope<'_> {
         texts.extend(targets.iter().map(CPlace::argument));
         Ok(format!(
             "{}({})",
-            super::files::function_name(&call.key),
+            super::names::function_name(&call.key),
             texts.join(", ")
         ))
     }

@@ -24,7 +24,7 @@ pub fn lines(attributes: &[Attribute]) -> Vec<String> {
     lines
 }
 
-/// A line without links of Rust's documentation, and without characters that would end a comment.
+/// A line of documentation without Rust's links and without characters that would end a C comment.
 fn plain(line: &str) -> String {
     line.replace("[`", "`")
         .replace("`]", "`")

@@ -14,7 +14,7 @@ pub struct CScalar {
     pub text: String,
     /// Its type.
     pub ty: Type,
-    /// Binding strength: 0 for a text that never needs parentheses.
+    /// Binding strength of the outermost operator: 0 for a text that never needs parentheses.
     pub strength: u8,
 }
 
@@ -47,7 +47,7 @@ impl CScalar {
     }
 }
 
-/// An expression without parentheses and references around it.
+/// The expression without its outer parentheses and references.
 pub fn bare(expression: &Expr) -> &Expr {
     match expression {
         Expr::Paren(inner) => bare(&inner.expr),
@@ -57,7 +57,7 @@ pub fn bare(expression: &Expr) -> &Expr {
     }
 }
 
-/// Whether it is a number whose type follows from the context.
+/// Whether the expression is a number whose type follows from the context.
 fn is_untyped(expression: &Expr) -> bool {
     match bare(expression) {
         Expr::Lit(value) => literal(&value.lit).is_some() && suffix(&value.lit).is_none(),
@@ -67,12 +67,12 @@ fn is_untyped(expression: &Expr) -> bool {
 }
 
 impl Scope<'_> {
-    /// A scalar; `wanted` is the type that the context requires, if it does.
+    /// Translates a scalar. `wanted` is the type that the context requires, if it requires one.
     pub fn scalar(&mut self, expression: &Expr, wanted: Option<&Type>) -> Result<CScalar> {
         self.scalar_beside(expression, wanted, true)
     }
 
-    /// `is_beside_wide`: another operand, or the target, gives the number its width.
+    /// `is_beside_wide`: another operand, or the target, determines the width of a number.
     fn scalar_beside(
         &mut self,
         expression: &Expr,
@@ -147,7 +147,7 @@ impl Scope<'_> {
                     && let Some((0x8000_0000, _)) = literal(&value.lit)
                     && !matches!(wanted, Some(Type::Int(Int::I64)))
                 {
-                    // C has no negative numbers, and 2^31 does not fit.
+                    // C has no negative literals, and 2^31 does not fit into an `int32_t`.
                     let text = "-INT32_C(2147483647) - 1";
                     return Ok(CScalar::new(text, Type::Int(Int::I32), SUM));
                 }
@@ -223,7 +223,7 @@ impl Scope<'_> {
         if !is_comparison && (is_narrow || !matches!(left.ty, Type::Int(_))) {
             return self.refuse("arithmetic of words narrower than `int`");
         }
-        // The left operand of a chain of sums needs no parentheses; a product in a sum neither.
+        // The left operand of a chain of sums needs no parentheses, and a product within a sum needs none.
         let own = if strength == BITS { UNARY } else { strength };
         let left_text = left.within(if is_comparison { SUM } else { own });
         let right_text = right.within(if is_comparison { SUM } else { own - 1 });
@@ -240,10 +240,10 @@ impl Scope<'_> {
         let lines = self.lines.len();
         let right = self.scalar(&binary.right, Some(&Type::Bool))?;
         if self.lines.len() != lines {
-            // C would compute these steps even if the left side decides the result.
+            // C would execute these steps even if the left side already decides the result.
             return self.refuse(format!("steps on the right of `{sign}`"));
         }
-        // Parentheses where the two signs meet, as compilers advise.
+        // Where two signs meet, parentheses keep them apart, as compilers advise.
         let text = |side: &CScalar| {
             if side.strength == strength {
                 side.text.clone()
@@ -255,7 +255,7 @@ impl Scope<'_> {
         Ok(CScalar::new(text, Type::Bool, strength))
     }
 
-    /// A left shift, only of a number that is not negative: C leaves the others undefined.
+    /// A left shift. Only a number that is not negative may be shifted: for others, C leaves the result undefined.
     fn shift_left(&mut self, binary: &syn::ExprBinary, wanted: Option<&Type>) -> Result<CScalar> {
         let Expr::Lit(_) = bare(&binary.left) else {
             return self.refuse("a shift to the left of something that may be negative");

@@ -2,84 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
+use super::definitions::{collect, type_definitions};
 use super::items::{Function, FunctionKey, Items, Passing};
+use super::names::{PUBLIC, PUBLIC_CONSTANTS, function_name, is_public};
 use super::scope::{CPlace, Scope};
 use super::statement::Target;
 use super::types::{ItemKey, Type, type_name};
-use super::{Result, Untranslatable, comments, constants, library, place, sketch};
+use super::{Result, Untranslatable, comments, constants, library, sketch};
 use crate::file::{EmittedCrate, EmittedFile};
-
-/// The functions that a firmware calls: module, structure, name in Rust, name in C.
-const PUBLIC: [(&str, Option<&str>, &str, &str); 15] = [
-    ("controller", Some("Controller"), "new", "flywheel_init"),
-    ("controller", Some("Controller"), "arm", "flywheel_arm"),
-    (
-        "controller",
-        Some("Controller"),
-        "disarm",
-        "flywheel_disarm",
-    ),
-    ("controller", Some("Controller"), "step", "flywheel_step"),
-    (
-        "controller",
-        Some("Controller"),
-        "step_with_current",
-        "flywheel_step_with_current",
-    ),
-    (
-        "controller",
-        Some("Controller"),
-        "status",
-        "flywheel_status",
-    ),
-    ("controller", Some("Controller"), "fault", "flywheel_fault"),
-    ("control", None, "control", "flywheel_control"),
-    ("controller", Some("Controller"), "angle", "flywheel_angle"),
-    ("controller", Some("Controller"), "rate", "flywheel_rate"),
-    ("attitude", Some("Attitude"), "angle", "flywheel_angle"),
-    ("attitude", Some("Attitude"), "rate", "flywheel_rate"),
-    (
-        "attitude",
-        Some("Attitude"),
-        "quaternion",
-        "flywheel_quaternion",
-    ),
-    ("monitor", Some("Monitor"), "new", "flywheel_monitor_init"),
-    (
-        "monitor",
-        Some("Monitor"),
-        "allows",
-        "flywheel_monitor_allows",
-    ),
-];
-/// Constants that a firmware uses.
-const PUBLIC_CONSTANTS: [(&str, &str); 3] = [
-    ("constants", "SAMPLE_TIME_US"),
-    ("constants", "ZERO_CURRENT"),
-    ("control", "CURRENT_LIMIT"),
-];
-
-/// The name of a function in C.
-pub fn function_name((module, owner, name): &FunctionKey) -> String {
-    let is = |own: &&(&str, Option<&str>, &str, &str)| {
-        own.0 == module && own.1 == owner.as_deref() && own.2 == name
-    };
-    if let Some((_, _, _, public)) = PUBLIC.iter().find(is) {
-        return (*public).to_string();
-    }
-    match owner {
-        Some(owner) => format!("{}_{name}", super::types::snake(owner)),
-        None if name.starts_with(module.as_str()) => name.clone(),
-        None => format!("{module}_{name}"),
-    }
-}
-
-fn is_public(key: &FunctionKey) -> bool {
-    let (module, owner, name) = key;
-    PUBLIC
-        .iter()
-        .any(|one| one.0 == module && one.1 == owner.as_deref() && one.2 == name)
-}
 
 /// A translated function.
 struct Translated {
@@ -202,31 +132,6 @@ fn certificate(emitted: &EmittedCrate) -> Result<String> {
     Ok(format!("{before}\n  \"language\": \"c\",{after}"))
 }
 
-/// A type and all types that it contains.
-fn collect(items: &Items, ty: &Type, found: &mut BTreeSet<ItemKey>) {
-    match ty {
-        Type::Array(element, _) => collect(items, element, found),
-        Type::Tuple(parts) => {
-            for part in parts {
-                collect(items, part, found);
-            }
-        }
-        Type::Struct(key) => {
-            if found.insert(key.clone())
-                && let Some(own) = items.structs.get(key)
-            {
-                for (_, ty, _) in &own.fields {
-                    collect(items, ty, found);
-                }
-            }
-        }
-        Type::Enum(key) => {
-            found.insert(key.clone());
-        }
-        _ => {}
-    }
-}
-
 fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::scope::Needs)> {
     let Some(function) = items.functions.get(key) else {
         return Err(Untranslatable {
@@ -294,69 +199,6 @@ fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::sco
         body.insert(0, "    (void)self;".to_string());
     }
     Ok((Translated { prototype, body }, scope.needs))
-}
-
-/// Declares structures and enumerations, each after the types that it contains.
-fn type_definitions(items: &Items, keys: &BTreeSet<ItemKey>) -> String {
-    let mut text = String::new();
-    let mut done: BTreeSet<ItemKey> = BTreeSet::new();
-    let mut left: Vec<&ItemKey> = keys.iter().collect();
-    while !left.is_empty() {
-        let ready = |key: &&ItemKey| {
-            let mut needed = BTreeSet::new();
-            if let Some(own) = items.structs.get(*key) {
-                for (_, ty, _) in &own.fields {
-                    collect(items, ty, &mut needed);
-                }
-            }
-            needed
-                .iter()
-                .all(|one| done.contains(one) || !keys.contains(one))
-        };
-        let (now, later): (Vec<&ItemKey>, Vec<&ItemKey>) = left.into_iter().partition(ready);
-        if now.is_empty() {
-            break;
-        }
-        for key in now {
-            text.push_str(&type_definition(items, key));
-            text.push('\n');
-            done.insert(key.clone());
-        }
-        left = later;
-    }
-    text
-}
-
-fn type_definition(items: &Items, key: &ItemKey) -> String {
-    let name = type_name(&key.1);
-    if let Some(own) = items.enums.get(key) {
-        let mut text = comments::before(&comments::lines(&own.attributes), "");
-        text.push_str("typedef enum {\n");
-        for (variant, value, attributes) in &own.variants {
-            text.push_str(&comments::before(&comments::lines(attributes), "    "));
-            text.push_str(&format!("    {} = {value},\n", place::enumerator(variant)));
-        }
-        // A comma before the end is not for every compiler's strictest mode.
-        let text = text.trim_end().trim_end_matches(',').to_string();
-        return format!("{text}\n}} {name};\n");
-    }
-    let Some(own) = items.structs.get(key) else {
-        return String::new();
-    };
-    let mut lines = comments::lines(&own.attributes);
-    if !own.optional.is_empty() {
-        lines.push(format!(
-            "What the Rust module may be given besides, and does not use, is left out: {}.",
-            own.optional.join(", ")
-        ));
-    }
-    let mut text = comments::before(&lines, "");
-    text.push_str("typedef struct {\n");
-    for (field, ty, attributes) in &own.fields {
-        text.push_str(&comments::before(&comments::lines(attributes), "    "));
-        text.push_str(&format!("    {};\n", ty.declare(field)));
-    }
-    format!("{text}}} {name};\n")
 }
 
 fn header(

@@ -9,7 +9,7 @@ use super::scope::Scope;
 use super::types::{Int, Type};
 
 impl Scope<'_> {
-    /// The type of an expression; `None` where it takes that from where it stands.
+    /// The type of an expression; `None` where the type follows from the context.
     pub fn infer(&mut self, expression: &Expr) -> Result<Option<Type>> {
         Ok(match bare(expression) {
             Expr::Lit(value) => match &value.lit {
@@ -81,7 +81,7 @@ impl Scope<'_> {
         })
     }
 
-    /// The type of a block's last expression, where its names are not needed to tell.
+    /// The type of a block's last expression; `None` where the names of the block would be needed.
     fn infer_block(&mut self, block: &syn::Block) -> Result<Option<Type>> {
         match block.stmts.last() {
             Some(syn::Stmt::Expr(last, None)) if block.stmts.len() == 1 => self.infer(last),

@@ -1,4 +1,4 @@
-//! What makes header and source a library: its README, and the descriptions that Arduino and PlatformIO read.
+//! The files that make a library of header and source: README, and the descriptions for Arduino and PlatformIO.
 
 use crate::crate_name::CrateName;
 use crate::file::{EmittedFile, MARK};

@@ -20,6 +20,8 @@
 //! | `statement` | blocks, structures and arrays |
 //! | `constants` | constants and their initialisers |
 //! | `comments` | documentation |
+//! | `names` | names in C, and what a firmware calls |
+//! | `definitions` | structures and enumerations of the header |
 //! | `files` | header and source, and the order of all files |
 //! | `library` | README, and the descriptions that Arduino and PlatformIO read |
 //! | `sketch` | the example for Arduino, with the reading of the bench's sensors |
@@ -27,11 +29,13 @@
 mod call;
 mod comments;
 mod constants;
+mod definitions;
 mod expression;
 mod files;
 mod infer;
 mod items;
 mod library;
+mod names;
 mod place;
 mod scope;
 mod sketch;
@@ -40,7 +44,7 @@ mod types;
 
 pub use files::emit;
 
-/// A construct of the emitted Rust that has no translation: a fault of this program.
+/// A construct of the emitted Rust without a translation. This is a fault of this program.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: no translation to C for {what}")]
 pub struct Untranslatable {

@@ -1,6 +1,6 @@
 //! The example sketch for Arduino: a frame, and the reading of the sensors for which the crate was emitted. The crate's
-//! documentation names them. What it does not name, or what is read in a way that this program cannot know, is a place
-//! marked YOUR READING, which fails until it is filled: nothing is driven.
+//! documentation names them. If the documentation does not name a sensor, or if this program cannot know how to read
+//! it, the sketch has a place marked YOUR READING. This place fails until it is filled in, and the motor is not driven.
 
 use crate::file::{EmittedCrate, EmittedFile, MARK};
 
@@ -15,7 +15,7 @@ const AS5600: &str = include_str!("sketch/as5600.ino");
 const ADS1015: &str = include_str!("sketch/wheel_ads1015.ino");
 const WHEEL_YOURS: &str = include_str!("sketch/wheel_yours.ino");
 
-/// Bits of the timer where the documentation of the crate does not say.
+/// Number of bits of the timer, if the documentation of the crate does not state it.
 const DUTY_BITS: &str = "16";
 
 /// The sketch for an emitted crate.
@@ -63,7 +63,7 @@ pub fn file(emitted: &EmittedCrate) -> EmittedFile {
     }
 }
 
-/// The functions that begin and read a sensor, and what it is.
+/// The functions that start and read a sensor, and the name of the sensor.
 struct Reading {
     words: &'static str,
     text: String,
@@ -75,7 +75,7 @@ impl Reading {
     }
 }
 
-/// What the documentation of the crate says of the hardware: `src/lib.rs`.
+/// The documentation of the hardware in the emitted crate: `src/lib.rs`.
 struct Documented<'a>(&'a str);
 
 impl Documented<'_> {
@@ -122,7 +122,7 @@ fn body(has_pivot: bool, documented: &Documented) -> Reading {
     }
 }
 
-/// An encoder at the wheel; all AS5600 have one address, so that only one of them is on the bus.
+/// An encoder at the wheel. Every AS5600 has the same address, so that only one of them can be on the bus.
 fn wheel_encoder(body: &Reading, documented: &Documented) -> Reading {
     if !documented.says("wheel speed: encoder counts 0 to 4095,") {
         return yours("the encoder of the wheel", "wheel_count", "its count");

@@ -20,7 +20,7 @@ pub enum Target {
 }
 
 impl Scope<'_> {
-    /// The statements of a block; the value of the last goes to `target`.
+    /// Translates the statements of a block. The value of the last one goes to `target`.
     pub fn block(&mut self, block: &syn::Block, target: &Target) -> Result<()> {
         for (index, statement) in block.stmts.iter().enumerate() {
             let is_last = index + 1 == block.stmts.len();
@@ -353,7 +353,7 @@ impl Scope<'_> {
                 Ok(text + &"    ".repeat(self.depth) + "}")
             }
             (_, ty) if !ty.is_aggregate() => Ok(self.scalar(expression, Some(ty))?.text),
-            // A constant that is another one: its own initialiser.
+            // The constant is a copy of another one, whose initialiser is used.
             (Expr::Path(path), ty) => {
                 let key = self.items.resolve(self.module, &last(&path.path));
                 match self.items.constants.get(&key) {

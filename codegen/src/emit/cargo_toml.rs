@@ -1,6 +1,6 @@
 //! `Cargo.toml` of the emitted crate, and that of its harness crate.
 //!
-//! They inherit nothing, so that the crates build inside a workspace and alone.
+//! The two manifests inherit nothing from a workspace, so that the crates build inside a workspace and alone.
 
 use crate::crate_name::CrateName;
 use crate::emit::header;
@@ -38,8 +38,8 @@ unexpected_cfgs = {{ level = "warn", check-cfg = ['cfg(kani)'] }}
 
 /// Emits `verify/Cargo.toml`.
 ///
-/// The harness crate is a workspace of its own: Cargo then looks for none above it, to which the crate would have to
-/// belong. The harnesses call the emitted crate `generated`, under whatever name it was emitted.
+/// The harness crate is a workspace of its own. Otherwise Cargo would look for a workspace in the folders above and
+/// require the crate to be its member. The harnesses call the emitted crate `generated`, whatever its name is.
 pub fn harness_file(spec: &ModuleSpec, name: &CrateName) -> EmittedFile {
     let header = header(spec);
     let dependency = if *name == CrateName::default() {

@@ -1,8 +1,8 @@
 //! `certificate.json` of the emitted crate: what is claimed, with everything needed to recheck it
 //! from the emitted source alone.
 //!
-//! Real numbers are decimal strings and mean exactly what they say. Bounds are exact where they
-//! have at most [`BOUND_DIGITS`] digits and otherwise rounded up in the last of them.
+//! Real numbers are decimal strings, and the decimal is the exact value. Bounds are exact where they have at most
+//! [`BOUND_DIGITS`] digits and otherwise rounded up in the last of them.
 
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ use crate::modes::Modes;
 use crate::monitor::{MonitorNumbers, MonitorSpec};
 use crate::spec::ModuleSpec;
 
-/// Version of the layout below; raised when a field changes its meaning.
+/// Version of the layout below. It is raised when a field changes its meaning.
 pub const FORMAT_VERSION: u32 = 5;
 
 /// Significant digits of a bound.
@@ -33,7 +33,7 @@ struct Certificate<'a> {
     files: Vec<&'a str>,
     sample_time_s: String,
     parameters: Vec<Parameter<'a>>,
-    /// Correlations of their errors, where they are known.
+    /// Correlations of the parameters' errors, if they are known.
     correlation: Option<Correlation<'a>>,
     weights: Weights,
     plant: Plant,
@@ -41,11 +41,11 @@ struct Certificate<'a> {
     gains: [String; 3],
     drive: Drive,
     hardware: Hardware,
-    /// By the part or as stated, apart from the calibration.
+    /// Unit per count according to the part or the statement, without the calibration.
     accelerometer_m_s2_per_count: Option<String>,
     /// Fresh samples of the gyroscope a second.
     gyro_rate_hz: Option<String>,
-    /// What of sensors and drive nobody stated; sentences.
+    /// Sentences about the properties of sensors and drive that nobody stated.
     assumed: Vec<String>,
     inputs: Vec<Input<'a>>,
     output: Output,
@@ -56,7 +56,8 @@ struct Certificate<'a> {
     bias_observer: Option<Observer>,
     /// Bounds of the closed loop for all time, where they have been computed.
     closed_loop: Option<serde_json::Value>,
-    /// Rows of the coordinates in which each mode of the loop decays by itself, where there are such.
+    /// For each mode of the loop, the row of the coordinate that decays by itself; `None` if the loop has no such
+    /// modes.
     modes: Option<[[String; 3]; 3]>,
     /// The monitor, where the module has one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -183,7 +184,7 @@ struct Observer {
     limit_rad: String,
 }
 
-/// What the monitor's words were made of, beside the model.
+/// The numbers behind the monitor's words, apart from the model.
 #[derive(Debug, Serialize)]
 struct Monitor {
     /// rad, rad/s, rad/s.

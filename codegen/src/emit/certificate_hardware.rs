@@ -1,5 +1,5 @@
-//! Sensors, mounting, filter and converter as `certificate.json` states them: the real numbers of which
-//! `src/constants.rs` holds the words.
+//! Sensors, mounting, filter and converter in `certificate.json`: the real numbers whose words are in
+//! `src/constants.rs`.
 
 use attitude::AttitudeSpec;
 use serde::Serialize;
@@ -41,7 +41,7 @@ struct Inertial {
     magnetometer: Sensor,
     /// β of the filter.
     beta_rad_s: String,
-    /// Time in which the gyroscope's drift is followed.
+    /// Time constant with which the filter follows the gyroscope's drift.
     drift_time_s: String,
     /// Largest drift that is followed.
     drift_limit_rad_s: String,
@@ -54,13 +54,13 @@ struct Inertial {
     mounting_angle_rad: String,
 }
 
-/// unit · matrix (counts − bias), in rad/s, m/s², µT.
+/// Reading = unit · matrix (counts − bias), in rad/s, m/s² or µT.
 #[derive(Debug, Serialize)]
 struct Sensor {
     bias_counts: [String; 3],
     /// Row by row, units per count.
     matrix: [[String; 3]; 3],
-    /// Counts at and beyond which a value is not known.
+    /// Magnitude in counts, per axis, at and beyond which the true value is unknown.
     clip_counts: [i32; 3],
 }
 
@@ -71,7 +71,7 @@ struct WheelSpeed {
     kind: &'static str,
     rad_s_per_count: String,
     rad_s_at_zero: String,
-    /// Ends of the sensor's range; of an encoder, over its window.
+    /// Lower end of the sensor's range. For an encoder, the range of the difference over its window.
     low_counts: i32,
     high_counts: i32,
     /// The encoder, where it is one.

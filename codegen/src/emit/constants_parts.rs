@@ -1,4 +1,5 @@
-//! What the constants of every bench have, whatever shows the body: the wheel's sensor, the drive, lines and words.
+//! The constants that every bench has, whichever sensor measures the body: the wheel's sensor, the drive, lines and
+//! words.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -13,7 +14,7 @@ use crate::helpers::plane::Plane;
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
-/// The constants of the wheel's sensor and of the drive, and before them the types that they need of the drive.
+/// The constants of the wheel's sensor and of the drive, after the types of the drive that they need.
 pub(super) fn wheel_and_drive(
     spec: &ModuleSpec,
     law: &IntegerLaw,
@@ -75,7 +76,7 @@ fn wheel_encoder(spec: &ModuleSpec, words: &HardwareWords) -> Option<TokenStream
     })
 }
 
-/// The duty's words, and the import of their type where it is another than that of other lines.
+/// The duty's words. Its type is imported if the other lines use another one.
 fn duty(
     spec: &ModuleSpec,
     law: &IntegerLaw,

@@ -8,8 +8,8 @@ use crate::file::EmittedFile;
 use crate::runtime;
 use crate::spec::ModuleSpec;
 
-/// What a firmware with a monitor adds after each step; `CRATE` is the name of the crate, `WHEEL` the
-/// field of the wheel's sensor.
+/// The lines that a firmware with a monitor adds after each step; `CRATE` stands for the name of the crate, `WHEEL` for
+/// the field of the wheel's sensor.
 const MONITOR_EXAMPLE: [&str; 19] = [
     "",
     "# Monitor",

@@ -8,7 +8,7 @@ use crate::file::EmittedFile;
 use crate::modes::{ModeWords, Modes};
 use crate::spec::ModuleSpec;
 
-/// Emits `verify/src/modes.rs`; all nothing for a loop that has no such modes.
+/// Emits `verify/src/modes.rs`. All values are `None` for a loop without such modes.
 pub fn file(spec: &ModuleSpec, modes: Option<&Modes>) -> EmittedFile {
     let docs = inner_docs(&[
         match modes {

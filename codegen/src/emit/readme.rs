@@ -1,4 +1,4 @@
-//! `README.md` of the emitted crate: what it is, and how a firmware takes it in.
+//! `README.md` of the emitted crate: a description, and the use of the crate in a firmware.
 
 use crate::crate_name::CrateName;
 use crate::emit::{example, header, single_line};

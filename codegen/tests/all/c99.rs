@@ -366,16 +366,21 @@ fn answers(program: &mut Command, seed: u64, calls: usize) -> Vec<[i32; 8]> {
     let mut answers = vec![];
     let mut bytes = [0; 32];
     while output.read_exact(&mut bytes).is_ok() {
-        answers.push(std::array::from_fn(|word| {
-            let word = &bytes[4 * word..4 * word + 4];
-            i32::from_le_bytes(word.try_into().expect("four bytes"))
-        }));
+        answers.push(answer(&bytes));
     }
     drop(output);
     let _ = child.kill();
     let _ = child.wait();
     writer.join().expect("the writer");
     answers
+}
+
+/// The words of an answer.
+fn answer(bytes: &[u8; 32]) -> [i32; 8] {
+    std::array::from_fn(|word| {
+        let word = &bytes[4 * word..4 * word + 4];
+        i32::from_le_bytes(word.try_into().expect("four bytes"))
+    })
 }
 
 /// Where two programs first differ.

@@ -95,7 +95,7 @@ const RATE: [&str; 10] = [
 const ANGLE: [&str; 9] = [
     "angle", "pend", "theta", "alpha", "pitch", "winkel", "tilt", "deg", "pos",
 ];
-/// What the wheel's angle is called, beside the words for the wheel.
+/// Words for the wheel's angle in a column's name, in addition to the words for the wheel.
 const TURNED: [&str; 6] = ["angle", "pos", "winkel", "turn", "encoder", "count"];
 const CURRENT: [&str; 5] = ["current", "curr", "strom", "amp", "i_mot"];
 const TIME: [&str; 5] = ["time", "zeit", "millis", "stamp", "t_"];

@@ -10,7 +10,7 @@ use crate::regression::least_squares;
 use crate::slips::short;
 use crate::view::{median, range};
 
-/// Asked where a wheel turns and no column is its current.
+/// The question for a log in which a wheel turns and no column is its current.
 pub(super) const HELD_AT_WHAT: &str = "the current was not logged: constants = { current = … } says at what it was \
                                        held (0.0 for a coast-down)";
 
@@ -31,7 +31,7 @@ const REST: f64 = 0.1;
 const LOCKED: f64 = 0.1;
 /// Share by which the motion of a free wheel may differ from its own: friction and noise.
 const FREE: f64 = 0.1;
-/// A command was held if this share of its samples has its usual value.
+/// A command counts as held if this share of its samples has the most frequent value.
 const HELD: f64 = 0.98;
 
 pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {

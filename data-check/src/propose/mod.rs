@@ -73,7 +73,7 @@ struct Draft {
     questions: Vec<String>,
     unused: Vec<String>,
     column_names: Vec<String>,
-    /// Its user has decided: what the check finds is said and not mended.
+    /// Whether the user has decided about this experiment. A finding is then reported and not corrected.
     decided: bool,
 }
 
@@ -254,7 +254,8 @@ fn draft(name: String, file: String, table: &Table) -> Draft {
 /// Fewest jumps by a turn that show its unit.
 const JUMPS: usize = 2;
 
-/// The unit of an angle without a stated one that starts again after 360: nothing else jumps by 360, time and again.
+/// The unit of an angle that has no stated unit and starts again after 360. No other quantity jumps by 360 several
+/// times.
 fn turn_of_360(angle: &mut Mapped, values: &[f64]) {
     if angle.unit.is_some() {
         return;

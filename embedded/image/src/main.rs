@@ -37,11 +37,11 @@ pub extern "C" fn nine_axes(attitude: &mut Attitude, sample: &Sample) -> i32 {
     attitude.angle().to_bits()
 }
 
-/// How many bytes the controller's state takes; read from the image's symbol table.
+/// Size of the controller's state in bytes. The analysis reads it from the image's symbol table.
 #[unsafe(no_mangle)]
 pub static STATE_BYTES: [u8; size_of::<Controller>()] = [0; size_of::<Controller>()];
 
-/// Nothing in the module panics: where this is in the image, `../count` fails.
+/// Nothing in the module panics. If this handler is in the image, `../count` fails.
 #[panic_handler]
 fn never(_: &PanicInfo) -> ! {
     loop {}

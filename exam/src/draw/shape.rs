@@ -23,7 +23,7 @@ pub fn pivot_to_wheel_m(total_inertia: f64) -> f64 {
     0.085 * (total_inertia / 2.3e-3).powf(0.2)
 }
 
-/// The properties of the bench that effects use to hide in it. Their shape is drawn separately.
+/// The bench as an effect sees it when the exam draws its parameters. The fields for the shape are drawn later.
 pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) -> HidingPlace {
     let [
         total_inertia,
@@ -45,7 +45,7 @@ pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) 
     }
 }
 
-/// An effect with a drawn shape; an effect that is not part of this program comes with its equation.
+/// A library effect with a drawn shape. An effect that is not part of this program brings its equation.
 pub fn shape_of_effect(
     rng: &mut ChaCha8Rng,
     effect: EffectId,
@@ -108,7 +108,7 @@ pub fn is_plausible(hidden: &Hidden) -> bool {
     !info.hides_within_plausible()
         || info.parameters.iter().zip(p).all(|(info, value)| {
             let (low, high) = info.plausible;
-            // The lower limit is not checked: the drawn size determines how small an amplitude is.
+            // Only the upper limit is checked: the drawn size determines how small an amplitude is.
             value.abs() <= high.abs().max(low.abs())
         })
 }

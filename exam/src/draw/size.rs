@@ -1,4 +1,4 @@
-//! The logs of a bench, and the amplitude with which a hidden term has the drawn size.
+//! The logs of a bench, and the amplitude at which a hidden term has the drawn size.
 
 use identify::{
     Effort, FitProblem, Minimum, PredictedSeries, Record, final_windows, refit, traces,
@@ -10,11 +10,11 @@ use super::shape::TermShape;
 use crate::bench_plan::{ChannelNoise, ExamLog, is_usable, record};
 use crate::truth::{Hidden, Truth};
 
-/// The logs of a seed as the fit uses them, with and without noise. Their noise level is the true one.
+/// The logs of a seed as the fit uses them, with and without noise. The stated noise level is the true one.
 pub struct Made {
     /// The bench that the exam gives to the diagnosis.
     pub noisy: FitProblem,
-    /// The same without noise; the channels keep the noise level as their scale.
+    /// The same bench without noise. The channels keep the noise level as their scale.
     pub clean: FitProblem,
 }
 
@@ -126,7 +126,7 @@ pub fn base_fit(clean: &FitProblem, truth: &Truth) -> Option<BaseFit> {
     Some(BaseFit { minimum, traces })
 }
 
-/// The amplitude with which a term has the drawn size: a secant method in the logarithms.
+/// The amplitude at which a term has the drawn size. The secant method in logarithms finds it.
 pub fn sized(
     truth: &Truth,
     choice: &Choice,
@@ -136,7 +136,7 @@ pub fn sized(
     wanted: f64,
 ) -> Option<(Hidden, f64)> {
     const ROUNDS: usize = 8;
-    // Farther from the first guess, no real bench is meant, and a lag of nanoseconds would make the
+    // Largest factor from the first guess. No real bench lies beyond it, and a lag of nanoseconds would make the
     // simulation take hours.
     const FARTHEST: f64 = 1e4;
     let mut s = shape.guess;

@@ -74,7 +74,7 @@ impl TrueMotion {
             .map_or(0.0, |p| p[0])
     }
 
-    /// The torques without dry friction: of the motor, and against body and wheel.
+    /// The torques without dry friction: the motor's torque, and the torques against body and wheel.
     fn stage(&self, time_s: f64, y: &Motion, push: &[HiddenPush]) -> Stage {
         let [angle, rate, wheel_angle, speed, presliding, current] = *y;
         let torque_constant = self.truth.base[3];
@@ -162,7 +162,8 @@ impl TrueMotion {
         Stage { motor, body, wheel }
     }
 
-    /// The torque on each joint without its own dry friction, N m: sticking must hold it.
+    /// The torque in N m on each joint without its own dry friction: a joint sticks if its dry friction can hold this
+    /// torque.
     pub(super) fn drive(&self, time_s: f64, y: &Motion, push: &[HiddenPush]) -> (f64, f64) {
         let at = self.stage(time_s, y, push);
         let [total, wheel_inertia, _, _] = self.truth.base;

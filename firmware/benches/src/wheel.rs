@@ -18,7 +18,7 @@ pub trait WheelPart: Sized {
     fn read<B: I2c>(&mut self, bus: &mut B) -> Result<u16, Error<B::Error>>;
 }
 
-/// On the drive's output of the speed, `kind = "converter"`.
+/// A converter on the drive's speed output: `kind = "converter"`.
 impl WheelPart for Ads1015 {
     fn begin<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>> {
         Ads1015::new(bus)
@@ -29,7 +29,8 @@ impl WheelPart for Ads1015 {
     }
 }
 
-/// On the wheel's shaft, `kind = "encoder"`. All AS5600 have one address: not beside another on the same bus.
+/// An encoder on the wheel's shaft: `kind = "encoder"`. Every AS5600 has the same address, so that two of them cannot
+/// share a bus.
 impl WheelPart for As5600 {
     fn begin<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>> {
         As5600::new(bus)
@@ -40,8 +41,8 @@ impl WheelPart for As5600 {
     }
 }
 
-/// Your own reading, such as the speed that the motor's driver sends (`kind = "driver"`): write it here. Until
-/// then it fails, and nothing is driven.
+/// Your own sensor, such as a driver of the motor that sends its speed (`kind = "driver"`). Write its reading here.
+/// Until then the reading fails, and the motor is not driven.
 #[derive(Debug)]
 pub struct YourWheel;
 

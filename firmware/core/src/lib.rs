@@ -1,5 +1,5 @@
-//! The control loop around the emitted module, free of any chip: a board gives it time, sensors, a timer
-//! and the bytes of the serial line, and calls [`LoopCore::tick`] once every sample time.
+//! The control loop around the emitted module, independent of any chip. A board supplies time, sensors, a timer and the
+//! bytes of the serial line, and calls [`LoopCore::tick`] once in every sample time.
 //!
 //! ```text
 //! bytes ──> LoopCore::received ──> orders ─┐
@@ -27,14 +27,14 @@ use serial_frame::{Frame, Receiver, Task, Telemetry};
 pub use orders::Orders;
 pub use reading::{Reading, Sensors};
 
-/// Bits of the timer that the emitted module's duties are for (`bits` of `[hardware.drive]`). A timer with
-/// another range gets the same share of it.
+/// Number of bits of the timer for which the emitted module's duties are made (`bits` of `[hardware.drive]`). A timer
+/// with another range gets the same share of its range.
 pub const DUTY_BITS: u32 = 16;
 
 /// Why a tick was no good.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// It came more than half a sample time late: the law's sample time does not hold.
+    /// The tick came more than half a sample time late, so that the law's sample time does not hold.
     Late,
     /// A sensor gave no reading.
     Sensor,
@@ -45,8 +45,8 @@ pub enum Fault {
 /// The result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tick {
-    /// The frame for the serial line, if one is due. A frame for which the line has no room is dropped whole; the
-    /// receiver counts it by the gap in the sequence.
+    /// The frame for the serial line, if one is due. If the line has no room, the whole frame is dropped; the receiver
+    /// notices the gap in the sequence.
     pub frame: Option<Frame>,
     /// The controller was told of it.
     pub fault: Option<Fault>,
@@ -60,13 +60,13 @@ pub struct LoopCore {
     receiver: Receiver,
     sequence: u16,
     last_tick_us: Option<u32>,
-    /// The last readings of the sensors; sent again while a sensor fails.
+    /// The last readings of the sensors. They are sent again while a sensor fails.
     last: Reading,
     wheel_speed: shape::WheelSpeed,
 }
 
 impl LoopCore {
-    /// At rest: nothing is driven before an order comes.
+    /// The state at rest: the motor is not driven before a command comes.
     pub const fn new() -> LoopCore {
         LoopCore {
             controller: Controller::new(),
@@ -84,7 +84,7 @@ impl LoopCore {
         self.controller.status()
     }
 
-    /// Takes a byte of the serial line. Bytes that are no order are left out.
+    /// Takes a byte of the serial line. Bytes that are not part of a command are ignored.
     pub fn received(&mut self, byte: u8, now_us: u32) {
         if let Some(Ok(command)) = self.receiver.command(byte) {
             self.orders.take(command, now_us);
@@ -109,7 +109,7 @@ impl LoopCore {
         if fault.is_some() {
             self.controller.fault();
         }
-        // Without a reading there is nothing to step with; after a fault there is no current anyway.
+        // Without a reading the controller cannot step. After a fault no current flows anyway.
         let duty = match fault {
             Some(Fault::Sensor) => Duty(ZERO_CURRENT),
             _ => self.step(),

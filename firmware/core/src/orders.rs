@@ -7,13 +7,13 @@ use serial_frame::{Command, Task};
 #[derive(Clone, Debug)]
 pub struct Orders {
     command: Command,
-    /// When it came, µs.
+    /// When the command came, µs.
     came_us: u32,
-    /// Its number was seen for the first time and nothing has been made of that yet.
+    /// The command has a new number, and nobody has asked for it yet.
     is_new: bool,
-    /// The controller was armed for it: not again.
+    /// The controller was armed for this command and must not be armed again.
     was_armed: bool,
-    /// Word of the current that it asks for.
+    /// Word of the current that the command asks for.
     current_word: i32,
     /// Steps since the last frame.
     since_frame: u8,
@@ -50,7 +50,8 @@ impl Orders {
         self.came_us = now_us;
     }
 
-    /// Ends an order whose lease is over: nothing is driven, and its number is used up.
+    /// Ends a command whose lease is over: the motor is not driven any more, and the controller cannot be armed again
+    /// for the same number.
     pub fn expire(&mut self, now_us: u32) {
         let age_us = now_us.wrapping_sub(self.came_us);
         if self.command.task != Task::Watch && age_us > u32::from(self.command.lease_ms) * 1000 {
@@ -64,12 +65,12 @@ impl Orders {
         self.command.task
     }
 
-    /// Whether an order with a new number has come since this was asked.
+    /// Whether a command with a new number has come since the last call.
     pub fn takes_new(&mut self) -> bool {
         core::mem::take(&mut self.is_new)
     }
 
-    /// Whether the controller may be armed for the order: once.
+    /// Whether the controller may be armed for this command: only once.
     pub fn may_arm(&self) -> bool {
         !self.was_armed
     }
@@ -101,7 +102,8 @@ impl Default for Orders {
     }
 }
 
-/// A current in µA as the module's word; beyond the word's range its end, which the module limits.
+/// The module's word for a current in µA. Beyond the range of the word it is the end of the range, which the module
+/// limits further.
 fn word_of(current_ua: i32) -> i32 {
     let word = (i64::from(current_ua) << Current::FRAC_NBITS) / 1_000_000;
     word.clamp(i64::from(i32::MIN + 1), i64::from(i32::MAX)) as i32

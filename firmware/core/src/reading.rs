@@ -1,7 +1,7 @@
 //! The readings of the sensors.
 
-/// Raw counts of one instant. A bench fills what its sensors give; `shape.rs` takes from it what the emitted module
-/// is made for.
+/// Raw counts of one instant. A bench fills in the readings of its sensors; `shape.rs` selects those that the emitted
+/// module needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
     /// Gyroscope x y z.

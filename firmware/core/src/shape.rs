@@ -1,5 +1,5 @@
-//! All that depends on the sensors for which the emitted module was made. Features of this crate name them; without
-//! a feature they are gyroscope, accelerometer and a converter. `esp32c3/link` finds the features by the module.
+//! All code that depends on the sensors of the emitted module. Features of this crate name the sensors; without a
+//! feature they are gyroscope, accelerometer and a converter. `esp32c3/link` derives the features from the module.
 
 use generated::{Controller, Sample, wheel_speed};
 #[cfg(feature = "wheel-encoder")]
@@ -41,7 +41,7 @@ pub(crate) fn body_words(controller: &Controller) -> [i32; 2] {
     [body.angle().to_bits(), body.rate().to_bits()]
 }
 
-/// What a frame says in the place of the gyroscope, and of the accelerometer.
+/// The words of a frame in the fields of the gyroscope and of the accelerometer.
 pub(crate) fn inertial_words(reading: &Reading) -> [[i16; 3]; 2] {
     #[cfg(feature = "pivot-encoder")]
     {
@@ -52,8 +52,8 @@ pub(crate) fn inertial_words(reading: &Reading) -> [[i16; 3]; 2] {
     [reading.gyro, reading.accel]
 }
 
-/// The wheel's speed for the frames. The controller keeps the turns of an encoder to itself, so that they are
-/// followed here once more.
+/// The wheel's speed for the frames. The controller does not publish the turns of an encoder, so they are counted here
+/// once more.
 #[derive(Clone, Debug)]
 pub(crate) struct WheelSpeed {
     #[cfg(feature = "wheel-encoder")]

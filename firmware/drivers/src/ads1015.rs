@@ -10,10 +10,10 @@ const CONVERSION: u8 = 0x00;
 const CONFIG: u8 = 0x01;
 /// Input 0 against ground, ±4.096 V (2 mV per count), continuous, 3300 a second, no comparator.
 const SETTING: u16 = 0x42c3;
-/// OS of CONFIG says whether a conversion runs: it is no part of the setting.
+/// The bit OS of CONFIG says whether a conversion is running. It is not part of the setting.
 const SETTING_MASK: u16 = 0x7fff;
-/// Readings between two comparisons of the setting: a part that was reset by a dip of its supply has
-/// another one and does not convert any more.
+/// Number of readings between two comparisons of the setting. A part that was reset by a dip of its supply has lost the
+/// setting and does not convert any more.
 const CHECK_EVERY: u8 = 64;
 
 /// The converter on its first input.
@@ -23,7 +23,7 @@ pub struct Ads1015 {
 }
 
 impl Ads1015 {
-    /// Starts the part and reads its setting back: it has no identity.
+    /// Starts the part and reads its setting back, because the part has no identity register.
     ///
     /// # Errors
     /// [`Error::Bus`], [`Error::WrongDevice`] where something else is at its address.
@@ -41,7 +41,7 @@ impl Ads1015 {
         }
     }
 
-    /// The latest reading, counts of 2 mV; a voltage below ground reads as none.
+    /// The latest reading in counts of 2 mV. A voltage below ground reads as 0.
     ///
     /// # Errors
     /// [`Error::Bus`]; [`Error::Stuck`] where the part has lost its setting, seen within 64 readings.

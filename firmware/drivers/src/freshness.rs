@@ -2,8 +2,8 @@
 
 use crate::Error;
 
-/// Calls in a row without a new reading after which a part is stuck. The slowest part has a new reading
-/// in two of five calls at 1 kHz: so many misses in a row are no beat of two clocks.
+/// A part is stuck after this many calls in a row without a new reading. The slowest part has a new reading in two of
+/// five calls at 1 kHz, so that the beat of the two clocks cannot cause so many misses in a row.
 pub const STALE_MAX: u8 = 10;
 
 /// Calls since the last new reading.
@@ -11,7 +11,7 @@ pub const STALE_MAX: u8 = 10;
 pub(crate) struct Freshness(u8);
 
 impl Freshness {
-    /// Takes the part's word whether there is a new reading.
+    /// Takes the part's statement whether there is a new reading.
     pub(crate) fn judge<E>(&mut self, is_fresh: bool) -> Result<(), Error<E>> {
         if is_fresh {
             self.0 = 0;

@@ -18,9 +18,9 @@ const INT_STATUS: u8 = 0x3a;
 const PWR_MGMT_1: u8 = 0x6b;
 const WHO_AM_I: u8 = 0x75;
 const IDENTITY: u8 = 0x68;
-/// DATA_RDY_INT of INT_STATUS; reading clears it.
+/// The bit DATA_RDY_INT of INT_STATUS; reading the register clears it.
 const NEW_READING: u8 = 0x01;
-/// After a reset the registers are not heard for so long.
+/// Time in ms after a reset during which the part ignores its registers.
 const RESET_MS: u32 = 100;
 
 /// The gyroscope at ±2000 °/s and the accelerometer at ±8 g, each 1000 readings a second.

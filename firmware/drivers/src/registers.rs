@@ -1,4 +1,4 @@
-//! What the drivers share: registers of one byte, words of two.
+//! Functions for all drivers: registers of one byte, words of two bytes.
 
 use embedded_hal::i2c::I2c;
 

@@ -48,18 +48,19 @@ compile_error!(
      bus, with its `WheelPart` in firmware/benches/src/wheel.rs"
 );
 
-/// Frequency of the duty: the drive's input takes 10 Hz to 5 kHz; the higher, the sooner it knows.
+/// Frequency of the duty. The drive's input accepts 10 Hz to 5 kHz; a higher frequency delays the command less.
 const DUTY_KHZ: u32 = 4;
 /// The sensors' fastest common clock.
 const BUS_KHZ: u32 = 400;
-/// A part that failed is begun again after so long, ms: the controller has tripped by then.
+/// Time in ms after which a failed part is started again. The controller has tripped by then.
 const RETRY_MS: u32 = 500;
 
 #[esp_hal::main]
 fn main() -> ! {
     let peripherals = esp_hal::init(esp_hal::Config::default().with_cpu_clock(CpuClock::max()));
 
-    // First of all the drive: no current. The zero of the emitted module lies at half of the duty.
+    // The drive comes first, with no current: the duty that the emitted module uses for zero current is half of the
+    // range.
     let mut ledc = Ledc::new(peripherals.LEDC);
     ledc.set_global_slow_clock(LSGlobalClkSource::APBClk);
     let mut clock = ledc.timer::<LowSpeed>(timer::Number::Timer0);
@@ -81,7 +82,7 @@ fn main() -> ! {
         I2cConfig::default().with_frequency(Rate::from_khz(BUS_KHZ)),
     );
     let mut usb = UsbSerialJtag::new(peripherals.USB_DEVICE);
-    // Numbers that the chip cannot do are slips in this file: without duty or bus nothing is to run.
+    // A frequency that the chip cannot make is a mistake in this file. Without duty or bus nothing may run.
     let (Ok(()), Ok(()), Ok(bus)) = (clock_runs, duty_runs, bus) else {
         panic!("frequency of duty or bus out of the chip's range");
     };
@@ -96,7 +97,7 @@ fn main() -> ! {
     let mut next_us = now_us().wrapping_add(SAMPLE_TIME_US);
     let mut retry_us = now_us();
     loop {
-        // Between two ticks the line is served, a byte at a time.
+        // Between two ticks the loop serves the serial line, one byte at a time.
         while !has_come(next_us) {
             if let Ok(byte) = usb.read_byte() {
                 core.received(byte, now_us());
@@ -106,7 +107,7 @@ fn main() -> ! {
             {
                 outbox.took_first();
                 if outbox.first().is_none() {
-                    // What waits in the chip goes with the next packet; nobody waits for it.
+                    // Bytes that wait in the chip go with the next packet. The loop does not wait for them.
                     let _ = usb.flush_tx_nb();
                 }
             }
@@ -116,12 +117,12 @@ fn main() -> ! {
             outbox.offer(frame.bytes());
         }
         next_us = next_us.wrapping_add(SAMPLE_TIME_US);
-        // A part that is missing is begun again while nothing is driven; that takes longer than a tick.
+        // A missing part is started again while nothing is driven, because that takes longer than a tick.
         if !bench.is_complete() && has_come(retry_us) {
             bench.begin();
             retry_us = now_us().wrapping_add(1000 * RETRY_MS);
         }
-        // After a delay of whatever kind the ticks go on from now; the loop has been told by its clock.
+        // After any delay the ticks continue from now. The loop notices the delay by its clock.
         if has_come(next_us.wrapping_add(SAMPLE_TIME_US)) {
             next_us = now_us();
         }
@@ -133,13 +134,13 @@ fn now_us() -> u32 {
     Instant::now().duration_since_epoch().as_micros() as u32
 }
 
-/// Whether this time, which lies less than half a turn of the clock away, is over.
+/// Whether this time is over. It must lie less than half a period of the clock away.
 fn has_come(time_us: u32) -> bool {
     now_us().wrapping_sub(time_us) < u32::MAX / 2
 }
 
-/// A bug must not leave the last duty on the pin: the chip begins anew, with the pin without signal, which
-/// the drive takes for no set value.
+/// A bug must not leave the last duty on the pin. The chip restarts, and the pin then has no signal, which the drive
+/// does not accept as a set value.
 #[panic_handler]
 fn begin_anew(_: &PanicInfo) -> ! {
     esp_hal::system::software_reset()

@@ -29,7 +29,7 @@ impl FitProblem {
                     _ if model.effect_at(position).is_some_and(is_of_wheel) => wheel,
                     _ => body,
                 };
-                // The zero of a log that this bench does not have is nobody's.
+                // An `angle_zero` may belong to a log that this bench does not have; the fit then leaves it out.
                 let has_log = model.range_at(position).is_none_or(|(effect, own)| {
                     let mut records = self.records.iter();
                     records.any(|record| effect.is_of_log(position - own.start, &record.name))
@@ -125,7 +125,7 @@ impl FitProblem {
         starts
     }
 
-    /// A stated start, with its torques scaled to the size of the bench.
+    /// A stated start whose torques are scaled to the size of the bench.
     fn scaled(
         &self,
         effect: EffectId,

@@ -20,11 +20,11 @@ pub(super) fn correlated_sum(
         .map(|bin| bin.norm_sqr() / count as f64)
         .collect();
     let bins = power.len();
-    // The mean over all frequencies is the variance. No frequency is assigned less than that: at the frequencies of
-    // its own sensitivities, the fit has removed power from the residual.
+    // The mean over all frequencies is the variance, and no frequency gets a smaller power than this mean. At the
+    // frequencies of its own sensitivities, the fit has removed power from the residual.
     let level = (power.iter().sum::<f64>() * 2.0 - power[0] - power[bins - 1]) / length as f64;
-    // n^(1/3) neighbouring frequencies are averaged (Daniell window); `length` is 2n or more, so
-    // that many more bins.
+    // Averages over n^(1/3) neighbouring frequencies (Daniell window). `length` is 2n or more, and the number of bins
+    // grows with it.
     let half = ((n as f64).cbrt() * length as f64 / n as f64 / 2.0).ceil() as usize;
     let mut sums = vec![0.0; bins + 1];
     for (k, value) in power.iter().enumerate() {

@@ -117,8 +117,8 @@ mod tests {
     use super::*;
     use plant::Kind;
 
-    /// 159 samples make a window of 1.27 s at 8 ms, 635 one of 5.08 s: the longer ones begin where a
-    /// shorter one did, with its start, and lie end to end over the whole log.
+    /// 159 samples make a window of 1.27 s at 8 ms, and 635 samples one of 5.08 s. A longer window begins where a
+    /// shorter one began and takes over its start; the longer windows lie end to end over the whole log.
     #[test]
     fn longer_windows_continue_the_shorter_ones() {
         let time_s: Vec<f64> = (0..2001).map(|k| k as f64 * 0.008).collect();

@@ -39,7 +39,7 @@ impl Part {
 
 /// A part is held out only if the others carry at least this share of its information about each unknown.
 const LEAST_INFORMATION: f64 = 0.01;
-/// Powers of ten over which the penalty is tried, against the data's own information.
+/// Range of the powers of ten over which the penalty is tried, relative to the information of the data.
 const POWERS: (f64, f64) = (-9.0, 5.0);
 /// Steps in a power of ten.
 const STEPS: f64 = 2.0;
@@ -54,7 +54,7 @@ pub(super) fn sum(parts: &[Part]) -> Part {
     all
 }
 
-/// Those parts of which the others tell every unknown.
+/// The parts that can be held out: the other parts determine every unknown.
 pub(super) fn that_can_be_held_out(parts: &[Part]) -> Vec<usize> {
     let all = sum(parts);
     let is_told = |part: &Part| {
@@ -69,7 +69,7 @@ pub(super) fn that_can_be_held_out(parts: &[Part]) -> Vec<usize> {
         .collect()
 }
 
-/// The minimum of a part with a penalty; `None` where it is singular.
+/// The unknowns at which the cost of a part with a penalty is smallest; `None` if the problem is singular.
 pub(super) fn solved(
     part: &Part,
     penalty: &DMatrix<f64>,
@@ -119,8 +119,8 @@ pub(super) fn held_out_cost(
     cost.is_finite().then_some(cost)
 }
 
-/// The factor of the roughness that predicts best, and the held-out cost that remains with it. `fixed` is the rest of
-/// the penalty; both have the size of the parts.
+/// The factor of the roughness that predicts best, and the held-out cost at this factor. `fixed` is the rest of the
+/// penalty. Both matrices have the size of the parts.
 pub(super) fn best_factor(
     parts: &[Part],
     held: &[usize],
@@ -149,7 +149,7 @@ pub(super) fn best_factor(
     best.filter(|(factor, _)| factor.is_finite() && *factor > 0.0)
 }
 
-/// The time over which a series remembers itself, in samples: 1 + 2 Σ ρ up to where ρ is no longer positive.
+/// Correlation time of a series in samples: 1 + 2 Σ ρ, summed until ρ is no longer positive.
 pub(super) fn correlation_time(series: &[f64]) -> f64 {
     let n = series.len();
     let mean = series.iter().sum::<f64>() / n.max(1) as f64;
@@ -175,7 +175,7 @@ pub(super) fn correlation_time(series: &[f64]) -> f64 {
     time
 }
 
-/// Correlation times in a block that is held out of one log.
+/// Number of correlation times in a block that is held out of one log.
 const BLOCK_TIMES: f64 = 10.0;
 /// Fewest and most blocks of a log.
 const BLOCKS: (usize, usize) = (4, 40);
@@ -193,7 +193,7 @@ pub(super) fn block_length(series: &[f64]) -> usize {
 mod tests {
     use super::*;
 
-    /// One unknown, measured as 1 in one part and 3 in the other: each predicts the other by its own mean.
+    /// One unknown, measured as 1 in one part and as 3 in the other. Each part is predicted by the mean of the other.
     #[test]
     fn a_part_is_predicted_by_the_others() {
         let part = |mean: f64| Part {

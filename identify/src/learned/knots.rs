@@ -5,15 +5,15 @@ use plant::{LearnedCoordinate, MOST_KNOTS, Spline};
 
 use crate::records::{Output, Record};
 
-/// Knots of the curve that is looked at before the final one.
+/// Number of knots of the first curve, from which the knots of the final curve follow.
 const FINE: usize = 96;
 /// Fewest distinct samples between two knots.
 const FEWEST_BETWEEN: usize = 8;
-/// Shares of the knots that are spread evenly over the range, and over the samples; the rest goes where the curve
-/// bends.
+/// Shares of the knots that are spread evenly over the range, and evenly over the samples. The other knots go where the
+/// curve bends.
 const EVENLY: (f64, f64) = (0.3, 0.05);
 
-/// The samples of a coordinate in a log that counts, as the sensors say: without what was left out of the fit.
+/// The measured samples of a coordinate in a log that counts. Samples that the fit leaves out are left out here, too.
 pub(super) fn samples_of(record: &Record, coordinate: LearnedCoordinate) -> Vec<f64> {
     let of = |output: Output| {
         record
@@ -63,8 +63,8 @@ fn differences(record: &Record) -> Option<Vec<f64>> {
     )
 }
 
-/// Knots by a density over the range: at equal shares of its integral. `cells` are the edges of the pieces over
-/// which the density is constant.
+/// Knots from a density over the range: between two knots, the integral of the density is always the same. `cells` are
+/// the edges of the pieces over which the density is constant.
 fn by_density(cells: &[f64], density: &[f64], count: usize) -> Vec<f64> {
     let total: f64 = density.iter().sum();
     let mut knots = vec![cells[0]];
@@ -108,7 +108,7 @@ fn cells(samples: &[f64], count: usize) -> Option<(Vec<f64>, Vec<f64>)> {
     Some((edges, seen))
 }
 
-/// Knots for a first look: half of them evenly over what was seen, half where the samples are.
+/// Knots for the first curve: half of them evenly over the range of the samples, half of them where the samples are.
 pub(super) fn fine_knots(samples: &[f64], coordinate: LearnedCoordinate) -> Option<Vec<f64>> {
     let (edges, seen) = cells(samples, 4 * FINE)?;
     let count = FINE.min(samples.len() / FEWEST_BETWEEN).max(4);
@@ -130,8 +130,9 @@ fn evenly_round(period: f64, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The knots of the final curve: most where the curve that was found without simulating (`torque_nm` at the knots of
-/// `spline`) bends, by the root of its curvature (de Boor, *A Practical Guide to Splines*, 2001, ch. XII).
+/// The knots of the final curve. Most of them go where the first curve (`torque_nm` at the knots of `spline`, found
+/// without simulation) bends; the density is the root of the curvature (de Boor, *A Practical Guide to Splines*, 2001,
+/// ch. XII).
 pub(super) fn final_knots(
     samples: &[f64],
     coordinate: LearnedCoordinate,

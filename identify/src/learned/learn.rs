@@ -14,10 +14,10 @@ use crate::progress::Progress;
 
 /// Largest number of times that the penalty is chosen anew, each time at the minimum of the last choice.
 const CHOICES: usize = 3;
-/// A choice that differs from the last by less than this factor is the same: the curve hardly changes.
+/// If a new choice differs from the last one by less than this factor, it counts as the same: the curve hardly changes.
 const SAME_CHOICE: f64 = 4.0;
 
-/// A fit whose mean squared residual is below this follows the logs, and is looked for no further.
+/// A fit whose mean squared residual is below this value follows the logs. No further start is then tried.
 const GOOD: f64 = 1.2;
 
 /// Learns the torque that `model` lacks over a coordinate, and fits it together with everything else. `minimum`
@@ -56,7 +56,7 @@ pub(crate) fn learn(
     let curve = bare.info().learned.ok_or_else(nothing)?;
     let terms = own_terms(model, values, &free, coordinate, &curve.spline, &samples);
 
-    // Where the curve and the parameters may lie, from the missing torque alone.
+    // A first guess of the curve and the parameters, from the missing torque alone.
     let mut shifted = values.clone();
     let infos = model.parameters();
     for &(position, shift) in &missing.shifts {
@@ -77,7 +77,7 @@ pub(crate) fn learn(
         }
         carry_over(model, base, larger, &start)
     };
-    // The penalty of the first fit: the one that the missing torque asks for.
+    // The penalty of the first fit, which follows from the missing torque.
     let with_bare = model.with(bare);
     let unknowns = Unknowns::new(&with_bare, &problem.free(&with_bare));
     let at = starts(&with_bare, bare, values);
@@ -100,7 +100,7 @@ pub(crate) fn learn(
     };
     let mut found: Option<Minimum> = None;
     if coordinate == LearnedCoordinate::WheelAngle {
-        // The wheel has to be at the right place of the curve, turn after turn.
+        // The wheel's angle must match the curve in every turn.
         let start = starts(&larger, effect, &shifted);
         keep_better(
             &mut found,
@@ -131,7 +131,8 @@ pub(crate) fn learn(
         .as_ref()
         .is_none_or(|found| found.cost >= minimum.cost)
     {
-        // No start led below the model without the curve: from there it can only get better.
+        // No start led to a lower cost than the model without the curve. That model is therefore the start, and its
+        // cost can only fall.
         let start = carry_over(model, values, &larger, &vec![0.0; larger.parameter_count()]);
         let windows = windows.clone();
         keep_better(
@@ -177,7 +178,7 @@ pub(crate) fn learn(
     Ok((larger, found))
 }
 
-/// Where the parameters of a curve stand among the unknowns.
+/// The positions of a curve's parameters among the unknowns.
 fn curve_range(
     model: &Model,
     effect: EffectId,

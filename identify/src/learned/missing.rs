@@ -21,14 +21,14 @@ use crate::fit::Window;
 use crate::records::Record;
 use crate::residuals::{MeasuredMotion, SIGNIFICANT, TorqueOn, half_bump, residual_torque};
 
-/// A bump's half-width against the usual one, in which a swing passes nothing: what is narrow must not be smoothed
-/// away. The second figure is for logs whose rate was not measured, where narrow bumps are mostly noise.
+/// Factor by which a bump is narrower than the usual one, so that narrow features of the curve are not smoothed away.
+/// The second value is for logs whose rate was not measured, where narrower bumps are mostly noise.
 const NARROW: (usize, usize) = (3, 2);
-/// Fewest samples on either side of a bump's centre.
+/// Smallest number of samples on either side of a bump's centre.
 const FEWEST_HALF: usize = 4;
 /// Most bumps of a log.
 const MOST_BUMPS: usize = 1500;
-/// Points of a bump at which the spline is evaluated, on either side.
+/// Number of points on either side of a bump at which the spline is evaluated.
 const POINTS: usize = 12;
 /// A coordinate earlier in the list is preferred if its gain reaches this share of the gain of a later one.
 const AS_GOOD: f64 = 0.9;
@@ -44,13 +44,12 @@ pub struct MissingCurve {
     pub on: TorqueOn,
     /// The names of the experiments that show it.
     pub experiments: Vec<String>,
-    /// Share of the missing torque beyond the noise that the curve predicts in experiments that it was not made
-    /// from.
+    /// Share of the missing torque beyond the noise that the curve predicts in experiments from which it was not made.
     pub share: f64,
-    /// The fall of χ² of the missing torque over all experiments that the curve brings, less the fall that its degrees
-    /// of freedom would bring on noise alone.
+    /// The fall of χ² of the missing torque over all experiments by the curve, minus the fall that its degrees of
+    /// freedom would cause on noise alone.
     pub explained: f64,
-    /// By how many standard deviations the gain exceeds the gain that chance would give.
+    /// Number of standard deviations by which the gain exceeds the gain by chance.
     pub significance: f64,
     pub(super) spline: Spline,
     pub(super) torque_nm: DVector<f64>,
@@ -73,7 +72,7 @@ pub struct CurvePoint {
 }
 
 impl MissingCurve {
-    /// The curve with its band, over what the logs have seen.
+    /// The curve with its band, over the range of the logs.
     pub fn points(&self) -> Vec<CurvePoint> {
         let knots = self.spline.knots();
         let n = knots.len();
@@ -106,12 +105,12 @@ struct Rows {
     torque: DVector<f64>,
     /// Of neighbouring bumps.
     correlation: Vec<f64>,
-    /// Which bump, in strides: bumps that touch a gap are missing.
+    /// The number of each bump in strides. Bumps that touch a gap are missing.
     place: Vec<usize>,
 }
 
-/// The curve that is missing over a coordinate; `None` where the logs do not move over it, or nothing of it can be
-/// predicted. `free`: the positions that the fit of the model moves.
+/// The missing curve over a coordinate; `None` if the logs do not move over it, or if the curve predicts nothing.
+/// `free` are the positions of the parameters that the fit of the model adjusts.
 pub fn missing_curve(
     records: &[&Record],
     windows: &[Vec<Window>],
@@ -175,14 +174,14 @@ pub fn missing_curve(
     let bumps: usize = rows.iter().map(|rows| rows.torque.len()).sum();
     let penalty = &roughness * smoothing + &fixed;
     let found = solved(&all, &penalty, &origin)?;
-    // The residual that the curve leaves is the yardstick: if something else is missing too, little is certain.
+    // The residual that the curve leaves is the measure of noise: if something else is missing too, little is certain.
     let scatter = (all.cost(&found) / bumps.max(1) as f64).max(1.0);
     let gain = (without - cost) / scatter;
     let bumps_held: usize = held.iter().map(|&index| ranges[index].1.len()).sum();
     let beyond = (without / scatter - bumps_held as f64).max(gain);
     let in_all = all.cost(&solved(&all, &no_curve, &origin)?) - all.cost(&found);
     let covariance = covariance(&rows, &all, &penalty, count)? * scatter;
-    // Of noise alone, twice the number of the curve's own degrees of freedom is the variance of a χ².
+    // For noise alone, χ² has a variance of twice the number of the curve's own degrees of freedom.
     let freedom = freedom(&all, &penalty, n)?;
     Some(MissingCurve {
         coordinate,
@@ -306,7 +305,7 @@ fn rows(
             matrix[(row, column)] /= total * noise;
         }
         for (column, &position) in free.iter().enumerate() {
-            // A parameter that is larger makes less missing.
+            // A larger parameter of the model makes the missing torque smaller.
             matrix[(row, n + column)] = -of_parameters[row][position] / noise;
         }
     }
@@ -366,7 +365,7 @@ fn covariance(
     Some(&inverse * (middle + penalty) * &inverse)
 }
 
-/// The degrees of freedom that the curve has beside the parameters.
+/// The degrees of freedom of the curve, without those of the parameters.
 fn freedom(all: &Part, penalty: &DMatrix<f64>, knots: usize) -> Option<f64> {
     let inverse = inverse(&(&all.information + penalty))?;
     Some((inverse * &all.information).diagonal().rows(0, knots).sum())

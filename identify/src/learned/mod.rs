@@ -2,8 +2,8 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `held_out` | how strong the penalty on ∫f″² is: what predicts best what a fit has not seen |
-//! | `own_terms` | what of a curve the model's own terms say already |
+//! | `held_out` | the strength of the penalty on ∫f″²: the one that best predicts data that a fit has not seen |
+//! | `own_terms` | the part of a curve that the model's own terms describe already |
 //! | `missing` | the missing torque as a curve, without simulating |
 //! | `knots` | where the curve may bend |
 //! | `smoothing` | the penalty of the final fit |

@@ -10,8 +10,8 @@ use plant::{EffectId, GRAVITY_TORQUE, Instant, LearnedCoordinate, Model, Role, S
 
 /// Weight of the orthogonality rows against the information of the data: about a thousandth of the overlap remains.
 const WEIGHT: f64 = 1e3;
-/// If less than this share of the information about a term is left beside the other parameters, the logs cannot tell
-/// the term from them.
+/// If the other parameters leave less than this share of the information about a term, the logs cannot distinguish the
+/// term from them.
 const TOLD: f64 = 0.01;
 
 /// A term of the model in the coordinate of a curve.
@@ -123,7 +123,8 @@ pub(super) fn apart_from(
         .map(|at| information[(at, at)])
         .fold(0.0, f64::max);
     let mut penalty = DMatrix::zeros(n, n);
-    // Terms may say the same (a cable's rest angle and an offset): an orthonormal set of rows counts each once.
+    // Two terms may be the same function (a cable's rest angle and an offset). An orthonormal set of rows counts each
+    // function once.
     let mut rows: Vec<DVector<f64>> = vec![];
     for term in terms {
         if !term.is_free && is_told(term, information, curve.clone()) {
@@ -143,7 +144,7 @@ pub(super) fn apart_from(
     penalty
 }
 
-/// Whether the logs tell a curve along this term from what the other unknowns do.
+/// Whether the logs distinguish a curve along this term from the effects of the other unknowns.
 fn is_told(term: &OwnTerm, information: &DMatrix<f64>, curve: std::ops::Range<usize>) -> bool {
     let others: Vec<usize> = (0..information.nrows())
         .filter(|at| !curve.contains(at) && information[(*at, *at)] > 0.0)

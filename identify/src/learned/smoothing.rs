@@ -1,4 +1,5 @@
-//! The penalty of the final fit: what predicts the held-out experiments best, by the fit's own derivatives.
+//! The penalty of the final fit: the one that best predicts the held-out experiments, computed with the derivatives of
+//! the fit.
 
 use std::ops::Range;
 
@@ -41,7 +42,7 @@ pub(super) fn smoothed(
         .filter(|part| part.square.is_finite())
         .collect();
     let all = sum(&parts);
-    // Only what shows the curve can say how smooth it is.
+    // Only logs that show the curve can determine how smooth it is.
     let shows_curve = |part: &Part| range.clone().any(|at| part.information[(at, at)] > 0.0);
     let mut held = that_can_be_held_out(&parts);
     held.retain(|&index| shows_curve(&parts[index]));
@@ -90,12 +91,12 @@ pub(super) fn smoothed(
     Some((effect, factor))
 }
 
-/// Most blocks that are made of the windows of one log.
+/// Largest number of blocks that are made from the windows of one log.
 const MOST_BLOCKS: usize = 20;
 
-/// The logs in stretches of ten correlation times of their residual. The stretches of a log that is simulated in one
-/// piece share its start, whose unknowns stand behind the common parameters. Of a log in many windows several windows
-/// make a stretch, each with its own start. Logs that do not show the curve are parts as a whole.
+/// Cuts the logs into stretches of ten correlation times of their residual. If a log is simulated in one piece, its
+/// stretches share its start; the unknowns of that start stand behind the common parameters. If a log has many windows,
+/// several windows make a stretch, each with its own start. A log that does not show the curve is one part.
 fn blocks(
     records: &[&Record],
     windows: &[Vec<Window>],

@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::json;
 
 use crate::bench;
-use crate::browser::{move_slider, settled};
+use crate::browser::{move_slider, settled, work};
 use crate::running::Running;
 use crate::webdriver::Browser;
 
@@ -135,13 +135,26 @@ fn the_other_experiments_follow_when_the_hand_rests() {
     browser.click("#tab-design");
     browser
         .wait_for("document.getElementById('design-generate') && document.body.dataset.designed");
-    let designed = browser.script("return document.body.dataset.designed");
     browser.script("document.getElementById('design-generate').click()");
-    browser.wait_for(&format!(
-        "document.body.dataset.designed !== {designed} && document.body.dataset.working === 'no' \
-         && document.getElementById('tab-controller').ariaSelected === 'true'"
-    ));
+    browser.wait_for(
+        "document.body.dataset.working === 'no' && document.getElementById('tab-controller').ariaSelected === 'true'",
+    );
     let message = browser.text("#message-text");
     assert!(message.contains("hardware is not stated"), "{message}");
+    assert!(
+        !message.contains("--preset"),
+        "no word of the command line: {message}"
+    );
+    // The page offers what it can: to write it, or those of another bench, and it says which they are.
+    browser.wait_for("document.getElementById('generate-assumed')");
+    let offer = browser.text("#hardware-missing");
+    assert!(
+        offer.contains("[hardware.drive]") && offer.contains("ESCON 24/2"),
+        "{offer}"
+    );
+    work(&browser, || browser.click("#generate-assumed"));
+    browser.wait_for("document.getElementById('source').textContent.includes('pub fn control')");
+    let panel = browser.text("#panel-controller");
+    assert!(panel.contains("Taken from the thesis bench"), "{panel}");
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }

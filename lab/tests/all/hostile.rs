@@ -237,7 +237,17 @@ fn files_outside_the_bench_folder_are_refused() {
             model.join("model.toml"),
         )
         .expect("a link");
-        benches.extend([log, model]);
+        let effect = place.path().join("effect-by-link");
+        bench::write(&effect, str::to_owned);
+        fs::create_dir(effect.join("effects")).expect("a folder");
+        let (inside, own) = (
+            effect.join("effects/mine.toml"),
+            place.path().join("mine.toml"),
+        );
+        let text = "role = \"body\"\ntorque = \"-c*sign(rate)\"\n[parameters.c]\nunit = \"N m\"\nstart = 1e-4\n";
+        fs::write(&own, text).expect("an effect");
+        symlink(&own, &inside).expect("a link");
+        benches.extend([log, model, effect]);
     }
     let lab = Running::entered(None);
     for bench in benches {

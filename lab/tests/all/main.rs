@@ -4,6 +4,8 @@ mod bench;
 mod browser;
 mod browser_curves;
 mod browser_design;
+mod browser_latency;
+mod browser_states;
 mod drop;
 mod hostile;
 mod http;

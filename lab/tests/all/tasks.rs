@@ -185,12 +185,25 @@ fn a_model_that_changes_outside_is_noticed() {
     let path = folder.path().join("model.toml");
     let text = fs::read_to_string(&path).expect("a model") + "\n# by hand\n";
     fs::write(&path, &text).expect("written");
-    assert_eq!(lab.settled()["bench"]["changed_outside"], json!(true));
+    assert_eq!(lab.settled()["changed_outside"], json!(["model.toml"]));
     let refused = lab.ask("POST", "/api/work", "{\"task\": \"undo\"}");
     assert_eq!(refused.status, 409);
     assert_eq!(fs::read_to_string(&path).expect("a model"), text);
     let read = lab.work(&json!({"task": "open", "path": folder.path()}));
-    assert_eq!(read["bench"]["changed_outside"], json!(false));
+    assert_eq!(read["changed_outside"], json!([]));
+
+    // So is what is written into bench.toml: the sensors, for instance, that a message asks for.
+    let path = folder.path().join("bench.toml");
+    let text = fs::read_to_string(&path).expect("a bench") + "\n# by hand\n";
+    fs::write(&path, text).expect("written");
+    assert_eq!(lab.settled()["changed_outside"], json!(["bench.toml"]));
+    let refused = lab.ask("POST", "/api/work", "{\"task\": \"diagnose\"}");
+    assert_eq!(refused.status, 409);
+    assert!(
+        refused.body.contains("bench.toml changed"),
+        "{}",
+        refused.body
+    );
 }
 
 /// A second task waits for nobody: it is refused; the first can be called off and leaves everything as it was.

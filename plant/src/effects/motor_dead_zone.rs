@@ -15,7 +15,8 @@ impl Effect for MotorDeadZone {
         equation: "torque = τ sign(i) max(|i| − d, 0)",
         meaning: "dead band of the drive",
         source: "Khalil, Nonlinear Systems (3rd ed. 2002), ch. 1, common nonlinearities: dead zone",
-        fingerprint: "the acceleration is short by the same amount at every current, and a coasting wheel knows nothing of it",
+        fingerprint: "the acceleration is short by the same amount at every current, and a coasting wheel \
+         is not affected",
         prior: Prior { commonness: Commonness::Rare, reason: "a drive whose current loop is closed has none" },
         role: Role::Motor,
         parameters: &[ParameterInfo {

@@ -41,7 +41,7 @@ pub(super) struct Structure {
     /// The static stages of the motor chain.
     pub motor: Vec<Term>,
     pub sensor: Vec<Term>,
-    /// Those with a parameter for each log; they act once it is known which log that is.
+    /// Effects with one parameter for each log. They act as soon as the log is known.
     per_log: Vec<Term>,
     /// The lags and delays of the sensors.
     pub late: Vec<Term>,
@@ -111,7 +111,7 @@ impl Structure {
             }
             if info.is_unbalance {
                 structure.unbalance = Some(term);
-                // It acts once in every turn: steps follow it as they follow a ripple.
+                // An unbalance acts once in every turn: steps resolve it like a ripple of order one.
                 let order = structure.ripple_order.unwrap_or(0.0);
                 structure.ripple_order = Some(order.max(1.0));
                 continue;

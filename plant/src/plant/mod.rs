@@ -10,8 +10,8 @@
 //! An unbalanced wheel couples the accelerations once more ([`Unbalance`]).
 //!
 //! This file holds the one right-hand side. `assembly` puts a plant together and says how long its steps may be,
-//! `motor` is the chain from command to current, `integrator` follows the motion, `late` are the sensors that
-//! need the time.
+//! `motor` is the chain from command to current, `integrator` follows the motion, `late` are the sensors with a lag
+//! or a delay.
 
 mod assembly;
 mod integrator;

@@ -41,13 +41,14 @@ impl LinearSwing {
         Ok(TAU / square.sqrt())
     }
 
-    /// The angle in rad at every time, from angle (rad) and rate (rad/s) at the first.
+    /// The angle in rad at every time of `time_s`; `start` is the angle (rad) and the rate (rad/s) at the first of
+    /// them.
     pub(super) fn run(&self, start: [f64; 2], time_s: &[f64]) -> Result<Vec<f64>, SimulateError> {
         let mut x = DMatrix::from_column_slice(2, 1, &[start[0] - self.rest_rad, start[1]]);
         let mut angles = vec![start[0]];
         let (mut step_s, mut step) = (0.0, DMatrix::identity(2, 2));
         for pair in time_s.windows(2) {
-            // A log has one sampling interval, up to the digits of its clock.
+            // The sampling interval of a log is constant, up to the resolution of its clock.
             if ((pair[1] - pair[0]) - step_s).abs() > 1e-9 * step_s {
                 step_s = pair[1] - pair[0];
                 step = exponential(&(&self.matrix * step_s))?;

@@ -94,7 +94,7 @@ pub struct SpinUpOverMeasurement {
     pub measured_rad_s: Vec<f64>,
     /// The whole model in rad/s.
     pub whole_rad_s: Vec<f64>,
-    /// The linear model in rad/s, from the whole model's start.
+    /// Wheel speed of the linear model in rad/s. Its start is that of the whole model.
     pub linear_rad_s: Vec<f64>,
     /// Largest speed of the whole model in rad/s.
     pub largest_rad_s: f64,

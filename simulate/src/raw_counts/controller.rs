@@ -32,7 +32,7 @@ enum SampleWord {
 }
 
 impl SampleWord {
-    /// By its name among the inputs of `Controller::step`.
+    /// The word with this name among the inputs of `Controller::step`.
     fn of(name: &str) -> Option<SampleWord> {
         let axis = (0..3).find(|axis| name.ends_with(&format!("[{axis}]")));
         match (name, axis) {
@@ -102,8 +102,8 @@ pub struct InterpretedController {
     /// The words of a sample, in the order in which a step takes them.
     sample: Vec<SampleWord>,
     angle: Program,
-    /// For each word that the angle is a function of, of the attitude or of the controller itself: its index among the
-    /// words of the controller.
+    /// For each word from which the angle is computed (a word of the attitude, or of the controller itself): its index
+    /// among the words of the controller.
     attitude: Vec<usize>,
     arm: Program,
     fault: Program,

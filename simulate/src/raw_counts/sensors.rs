@@ -1,4 +1,4 @@
-//! The true sensors in counts, and the true drive.
+//! The simulated bench's sensors, which read counts, and its drive.
 
 use super::controller::RawSample;
 use crate::error::{SimulateError, check_positive};
@@ -108,7 +108,7 @@ impl EncoderOutput {
     fn count(&self, angle_rad: f64, noise_counts: f64) -> u16 {
         let wrap = f64::from(1_u32 << self.bits);
         let counts = angle_rad / TAU * self.counts_per_turn + self.zero_count + noise_counts;
-        // A rounding up to a whole wrap is its beginning.
+        // A count that is rounded up to the whole range is the count zero.
         (counts.round().rem_euclid(wrap)) as u16
     }
 }
@@ -216,14 +216,14 @@ impl RawSensors {
         }
     }
 
-    /// The current that a duty commands, A; of a voltage drive, at standstill.
+    /// The current in A that a duty commands; for a voltage drive, the current at standstill.
     pub fn current_a(&self, duty: u16) -> f64 {
         (f64::from(duty) - f64::from(self.duty_zero)) * self.current_per_count_a
     }
 
-    /// The mean current over a sample of `period_s` that begins with the wheel at `speed_rad_s`, A. A current drive gives
-    /// what the duty commands. Behind a voltage drive the current falls as the wheel speeds up: `acceleration` is the
-    /// wheel's at a current (rad/s² for A), a straight line.
+    /// The mean current in A over a sample of `period_s` that begins with the wheel at `speed_rad_s`. A current drive
+    /// delivers the commanded current. With a voltage drive the current falls while the wheel speeds up; `acceleration`
+    /// gives the wheel's acceleration as a straight line over the current (rad/s² for A).
     pub(super) fn mean_current_a(
         &self,
         duty: u16,
@@ -242,7 +242,7 @@ impl RawSensors {
         left_v / (drive.winding_ohm + drive.back_emf_v_s * half_s * (with_one - without))
     }
 
-    /// The wheel's speed that the sample shows; `None` of an encoder, whose count by itself shows none.
+    /// The wheel speed that a single sample shows; `None` for an encoder, which needs two counts for a speed.
     pub(super) fn wheel_speed_rad_s(&self, wheel: i32) -> Option<f64> {
         match self.wheel {
             WheelOutput::Encoder(_) => None,

@@ -76,6 +76,21 @@ fn links_lead_somewhere() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
+/// The guide is also a book and the lab's help. Neither has the files around it, so no page links to them.
+#[test]
+fn the_guide_links_to_itself_alone() {
+    let guide = super::root().join("docs/guide");
+    for page in pages().iter().filter(|page| page.starts_with(&guide)) {
+        for target in targets(&text(page)) {
+            assert!(
+                !target.starts_with("../"),
+                "{}: {target} leads out of the guide",
+                page.display()
+            );
+        }
+    }
+}
+
 /// Every page of the guide is in its table of contents.
 #[test]
 fn the_table_of_contents_is_complete() {

@@ -42,8 +42,9 @@ impl Work<'_> {
         }
         if wraps.fract() != 0.0 {
             self.warnings.push(format!(
-                "[hardware.angle]: the count begins again after {} turns, which is no whole number: turned that far one way, \
-                 the body is upright at another count; keep it within half of that, or start the controller anew",
+                "[hardware.angle]: the count begins again after {} turns, which is not a whole number: \
+                 after that many turns in one direction, the body is upright at another count; keep the body \
+                 within half of that, or restart the controller",
                 significant(wraps, 6)
             ));
         }
@@ -61,7 +62,8 @@ impl Work<'_> {
         let late_s = 0.5 * f64::from(encoder.window) * self.sample_time_s;
         if share > COARSE_SHARE {
             self.warnings.push(format!(
-                "[hardware.angle]: one count of the rate changes the current by {} of its limit, and the motor will rattle; \
+                "[hardware.angle]: one count of the rate changes the current by {} of its limit, and the \
+                 motor will rattle; \
                  an encoder with more counts a turn, or another sample time, would be better",
                 significant(share, 2)
             ));
@@ -73,8 +75,9 @@ impl Work<'_> {
             significant(encoder.rad_per_count().abs(), 4)
         ));
         self.registers.push(format!(
-            "body rate: its turn over {} samples (at most {WINDOW_MAX}): {} rad/s per count, which changes the current by \
-             {} A; {} s late, of the {} s that the loop bears",
+            "body rate: the encoder's turn over {} samples (at most {WINDOW_MAX}): {} rad/s per count, \
+             which changes the current by \
+             {} A; {} s late, where the loop tolerates {} s",
             encoder.window,
             significant(rate_rad_s, 4),
             significant(share * needs.current_limit_a, 2),

@@ -123,7 +123,7 @@ impl Work<'_> {
     /// The calibrated β, increased if the assumed drift of the gyroscope requires it.
     fn beta(&mut self, otherwise: f64) -> f64 {
         let found = self.calibration.beta_rad_s.unwrap_or(otherwise);
-        // The filter corrects the estimate by at most 2 β.
+        // The filter's correction turns the estimate by at most 2 β.
         let least = 0.5 * DRIFT_MARGIN * GYRO_DRIFT_RAD_S;
         if found < least {
             self.registers.push(format!(

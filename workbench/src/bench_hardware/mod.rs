@@ -1,6 +1,6 @@
-//! From a model's statements about its bench's sensors and drive (`[hardware]`, `[calibration]`) to the inputs of
-//! the generator. Nothing is assumed: what is not stated is either reported as missing, or taken from a preset
-//! that the caller names, and then reported as assumed.
+//! From a model's statements about its bench's sensors and drive (`[hardware]`, `[calibration]`) to the inputs of the
+//! generator. Nothing is assumed silently. A missing statement is reported, or a preset that the caller names supplies
+//! it; the report then lists it as assumed.
 
 mod body_encoder;
 mod inertial;
@@ -39,7 +39,7 @@ pub(crate) struct BenchHardware {
 pub enum HardwareError {
     /// A required property is not stated.
     #[error(
-        "the bench's hardware is not stated: {}; state it in bench.toml or model.toml, or take what is missing from the bench of the thesis with --preset thesis-bench",
+        "the bench's hardware is not stated: {}; state it in bench.toml or model.toml, or take what is missing from the bench of the thesis",
         .missing.join("; ")
     )]
     Missing {

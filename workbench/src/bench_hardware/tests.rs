@@ -78,11 +78,11 @@ fn a_count_that_stands_for_several_angles_is_refused() {
     // A counter of 16 bits behind lines of an incremental encoder.
     assert!(warned(
         "counts_per_turn = 2400\nbits = 16\nzero = 1200",
-        "no whole number"
+        "not a whole number"
     ));
     assert!(!warned(
         "counts_per_turn = 8192\nbits = 16\nzero = 1200",
-        "no whole number"
+        "not a whole number"
     ));
     assert!(warned(
         "counts_per_turn = 256\nbits = 8\nzero = 0",

@@ -32,7 +32,8 @@ impl Work<'_> {
         let is_converter = matches!(stated, Some(WheelSpeedSensor::Converter { .. }) | None);
         if !is_converter && self.calibration.wheel_speed.is_some() {
             self.warnings.push(
-                "[calibration.wheel_speed] is a converter's line, and [hardware.wheel_speed] states another sensor: the \
+                "[calibration.wheel_speed] is a converter's line, and [hardware.wheel_speed] states another \
+                 sensor: the \
                  line is not used"
                     .to_owned(),
             );
@@ -89,7 +90,8 @@ impl Work<'_> {
         let window = encoder.window;
         if window > WINDOW_MAX {
             return Err(HardwareError::NotEmitted(format!(
-                "[hardware.wheel_speed] window = {window}: the emitted module takes an encoder's difference over at most \
+                "[hardware.wheel_speed] window = {window}: the emitted module takes an encoder's difference \
+                 over at most \
                  {WINDOW_MAX} samples; a longer one makes the speed late, by half of it"
             )));
         }
@@ -231,8 +233,8 @@ impl Work<'_> {
             let off = f64::from(drive.duty_zero) - f64::from(thesis.duty_zero);
             if off.abs() > (DIFFER - 1.0) * f64::from(thesis.counts()) {
                 return Err(HardwareError::Contradiction(format!(
-                    "[calibration.current] has no current at a duty of {}, the bench of the thesis at \
-                     {}: that is another timer, whose range the preset does not know; state \
+                    "the duty without current is {} by [calibration.current] and {} on the bench of the \
+                     thesis: this is another timer, whose range the preset does not know; state \
                      [hardware.drive] with bits, duty_zero, duty_low, duty_high",
                     drive.duty_zero, thesis.duty_zero
                 )));
@@ -311,8 +313,8 @@ impl Work<'_> {
                 > (DIFFER - 1.0) * f64::from(high.abs_diff(low)) / 2.0
         {
             self.warnings.push(format!(
-                "[calibration.current] has no current at a duty of {zero}, [hardware.drive] at \
-                 {stated}: the calibrated one is used"
+                "the duty without current is {zero} by [calibration.current] and {stated} by \
+                 [hardware.drive]: the calibrated one is used"
             ));
         }
         if !(low < zero && zero < high) {
@@ -396,7 +398,8 @@ impl Work<'_> {
             }),
         };
         self.registers.push(format!(
-            "drive: voltage, duty {} to {} of {} bits, {} at 0 V, {} V per count; V = {} Ohm u + {} V s/rad w, at most \
+            "drive: voltage, duty {} to {} of {} bits, {} at 0 V, {} V per count; V = {} Ohm u + {} V s/rad \
+             w, at most \
              {} V",
             drive.duty_low,
             drive.duty_high,

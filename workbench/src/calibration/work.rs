@@ -186,9 +186,9 @@ impl Work<'_> {
         let axis = [found.axis.x, found.axis.y, found.axis.z];
         if !is_stated {
             self.report.warnings.push(
-                "which way the pivot axis points, no inertial recording shows (a sensor that is \
-                 turned by half a turn reads a swing alike): the end nearer to the sensor's z is taken; \
-                 state axes under [hardware.accelerometer], or settle it by flywheel bring-up"
+                "no inertial recording shows in which direction the pivot axis points, because a sensor \
+                 that is turned by half a turn reads the same swing: the direction nearer to the sensor's z \
+                 is used; state axes under [hardware.accelerometer], or find the direction with flywheel bring-up"
                     .to_owned(),
             );
         }
@@ -246,7 +246,7 @@ impl Work<'_> {
             let certain = CONTRADICTION * found.gyro_scale_error_std;
             if found.gyro_scale_error.abs() > SCALE_ERROR_MAX.max(certain) {
                 self.report.warnings.push(format!(
-                    "by the swing the rate about the pivot is {} times what gyroscope_scale says; \
+                    "according to the swing, the rate about the pivot is {} times the rate by gyroscope_scale; \
                      look up the sensor's range",
                     significant(1.0 + found.gyro_scale_error, 3)
                 ));
@@ -273,7 +273,7 @@ impl Work<'_> {
                     });
                 }
                 None => self.report.warnings.push(format!(
-                    "the swing leaves the lever arm open by {} mm and it is not used: record a \
+                    "the lever arm from the swing is uncertain by {} mm and is not used: record a \
                      swing from 45° or more, or state lever_arm",
                     significant(1e3 * worst, 2)
                 )),
@@ -331,7 +331,7 @@ impl Work<'_> {
         };
         self.report.warnings.push(format!(
             "{} points of {what} do not lie on the line of the others and were left out (at {} {unit} \
-             by {} {result}): the ends of its range, or a slip; use it between them only",
+             by {} {result}): they are at the ends of its range, or mistakes; use it only between them",
             line.left_out.len(),
             significant(worst.x, 5),
             significant(worst.residual.abs(), 3)
@@ -349,9 +349,9 @@ impl Work<'_> {
         // Less than a twentieth of the range beyond zero is not a rotation in the other direction.
         if least > -0.05 * most || most < -0.05 * least {
             self.report.warnings.push(format!(
-                "the converter was recorded one way only, from {} to {} rad/s, and the wheel turns \
-                 both ways: a converter whose line ends at zero cannot show the other; see to an \
-                 offset of its signal, or record the other way too",
+                "the converter was recorded in one direction only, from {} to {} rad/s, but the wheel turns \
+                 in both: a converter whose line ends at zero cannot show the other direction; give its \
+                 signal an offset, or record the other direction too",
                 significant(least, 3),
                 significant(most, 3)
             ));

@@ -27,7 +27,7 @@ pub struct SimulationReport {
     pub seed: u64,
     /// Transient, disturbance, half a minute with pushes.
     pub runs: Vec<LoopRun>,
-    /// The half minute, simulated from raw counts to duty.
+    /// The half minute with pushes, simulated from raw counts to duty.
     pub raw_counts: RawCountsRun,
     /// The largest angle from which the loop recovers.
     pub recovery: RecoveryAngles,

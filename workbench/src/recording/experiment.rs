@@ -1,5 +1,4 @@
-//! The experiments that can be recorded: what the firmware is asked to do in each, and when the record
-//! begins and ends.
+//! The experiments that can be recorded: for each, the tasks of the firmware, and when the record begins and ends.
 
 use std::fmt;
 use std::str::FromStr;
@@ -79,7 +78,7 @@ impl RecordedExperiment {
         }
     }
 
-    /// The length of a log where none is stated, s: a free swing dies out, a wheel reaches its end.
+    /// Usual length of a log in s: the time in which a free swing dies out, or a wheel reaches its largest speed.
     pub fn usual_seconds(self) -> f64 {
         match self {
             RecordedExperiment::FreeSwing => 40.0,
@@ -93,8 +92,8 @@ impl RecordedExperiment {
         }
     }
 
-    /// The currents where none is stated, as shares of the current limit: both senses, which tell
-    /// friction from an offset of the drive.
+    /// Usual currents, as shares of the current limit. Both signs are driven, because they tell friction from an offset
+    /// of the drive.
     fn usual_shares(self) -> &'static [f64] {
         match self {
             RecordedExperiment::SpinUp => &[0.1, 0.2, -0.2],
@@ -196,14 +195,14 @@ pub(super) struct Part {
     /// Its wished name.
     pub name: String,
     pub kind: Kind,
-    /// Its key under `[bring_up]`, where it is a recording of raw counts.
+    /// The key under `[bring_up]` of a recording of raw counts; `None` for a log.
     pub bring_up: Option<&'static str>,
     pub experiment: RecordedExperiment,
     /// The tasks, one after another.
     pub stretches: Vec<Stretch>,
-    /// The record begins when the controller runs, and ends when it does not any more.
+    /// Whether the record begins when the controller runs, and ends when it stops running.
     pub needs_running: bool,
-    /// The record begins only with an attitude that is known.
+    /// Whether the record begins only when the attitude is known.
     pub needs_attitude: bool,
     /// Before it begins the wheel is nearly at rest.
     pub from_rest: bool,
@@ -213,7 +212,7 @@ pub(super) struct Part {
 /// Time for which the wheel is driven before it coasts, s.
 const DRIVEN_BEFORE_COASTING_S: f64 = 3.0;
 
-/// The logs of an experiment; a sentence where the settings do not fit.
+/// The logs of an experiment. If the settings do not fit, the error is a sentence.
 pub(super) fn parts(settings: &RecordSettings, words: &Words) -> Result<Vec<Part>, String> {
     let experiment = settings.experiment;
     let seconds = settings.seconds.unwrap_or(experiment.usual_seconds());

@@ -10,7 +10,7 @@ use serialport::{ClearBuffer, SerialPort};
 
 use crate::error::Error;
 
-/// So long one reading waits for a byte: short enough that Ctrl-C is heeded at once.
+/// Time for which one reading waits for a byte. It is short, so that Ctrl-C takes effect at once.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// An open serial line.
@@ -19,7 +19,7 @@ pub(super) struct Line {
     path: PathBuf,
     receiver: Receiver,
     arrived: VecDeque<Telemetry>,
-    /// Bytes between two zeros that were no frame, so far.
+    /// Number of damaged frames so far: bytes between two zeros that were no frame.
     pub damaged: u64,
 }
 
@@ -40,8 +40,7 @@ impl Line {
             .timeout(PATIENCE)
             .open()
             .map_err(failed)?;
-        // Bytes that the system had buffered before are discarded. Where that fails, they are read
-        // like any others.
+        // Bytes that the system had buffered before are discarded. If that fails, they are read like any others.
         let _ = port.clear(ClearBuffer::Input);
         Ok(Line {
             port,
@@ -78,7 +77,7 @@ impl Line {
     pub fn send(&mut self, command: &Command) -> Result<(), Error> {
         match self.port.write_all(command.frame().bytes()) {
             Ok(()) => Ok(()),
-            // A firmware that does not read fills the line: the lease sees to it that nothing turns.
+            // If the firmware does not read, the line fills up. The motor is then off, because the lease has ended.
             Err(error) if error.kind() == ErrorKind::TimedOut => Ok(()),
             Err(error) => Err(self.broken(&said(&error.to_string()))),
         }
@@ -93,7 +92,7 @@ impl Line {
     }
 }
 
-/// A system's message without the code that only programmers read.
+/// The system's message without the error code, which only programmers read.
 fn said(text: &str) -> String {
     let end = text.find(" (os error").unwrap_or(text.len());
     text[..end].to_owned()

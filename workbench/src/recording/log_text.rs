@@ -8,8 +8,7 @@ use plant::Kind;
 use super::run::Row;
 use super::words::Words;
 
-/// A log with the standard columns, and beside them what the record knows: frames lost before the row,
-/// and the controller's status.
+/// A log with the standard columns and two more: the number of frames lost before the row, and the controller's status.
 pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
     let mut text = String::from(
         "time_s,angle_rad,rate_rad_s,wheel_speed_rad_s,current_A,lost_frames,status\n",
@@ -17,7 +16,8 @@ pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
     for row in rows {
         let from_upright_rad = words.angle_from_upright_rad(&row.frame);
         let angle_rad = match kind {
-            // Driven bodies stand: the controller arms only there. Hanging, the words would jump by a turn.
+            // While the body is driven it stands upright, because the controller arms only there. While it hangs, the
+            // words jump by a turn.
             Kind::Balance | Kind::SpinUp => PI + from_upright_rad,
             _ => hanging_angle_rad(from_upright_rad),
         };
@@ -36,7 +36,7 @@ pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
     text
 }
 
-/// A recording of raw counts for bring-up, with the columns that `[bring_up]` asks of the bench.
+/// A recording of raw counts for bring-up, with the columns that `[bring_up]` needs on this bench.
 pub(super) fn raw_counts(rows: &[Row], has_pivot_encoder: bool) -> String {
     let of_body = match has_pivot_encoder {
         true => "body",
@@ -84,7 +84,7 @@ mod tests {
         }
     }
 
-    /// The count of an encoder on the pivot stands in the frame as its bits: the largest one is −1 there.
+    /// The frame holds the 16 bits of the count of an encoder on the pivot. Read as an i16, the largest count is −1.
     #[test]
     fn the_count_of_the_pivot_is_the_column_that_bring_up_reads() {
         let none = serial_frame::NO_FIELD;

@@ -13,15 +13,15 @@ use super::line::Line;
 use super::words::Words;
 use crate::error::Error;
 
-/// So long the firmware drives the motor after the last command that it has got.
+/// Time for which the firmware goes on driving the motor after the last command, ms.
 const LEASE_MS: u16 = 1000;
-/// Commands are repeated this often: several are lost before the lease ends.
+/// Interval of the repeated commands. Several in a row must be lost before the lease ends.
 const RENEWAL: Duration = Duration::from_millis(100);
-/// A line without a frame for so long has fallen silent.
+/// The line counts as silent after this time without a frame.
 const SILENCE: Duration = Duration::from_secs(3);
 /// How long the recording waits for a person to hold the body where the controller arms.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// A wheel comes to rest within a minute or two, or is stopped by hand.
+/// Longest wait for a wheel to come to rest. It takes a minute or two, unless a hand stops the wheel.
 const REST_PATIENCE: Duration = Duration::from_secs(180);
 /// A wheel slower than this (rad/s) counts as at rest. The fit of a spin-up estimates the wheel's speed at the first
 /// sample, so the log need not begin at exactly zero.
@@ -38,14 +38,15 @@ const RUNNING: u8 = 2;
 pub(super) fn status_text(status: u8) -> String {
     let text = match status {
         NOT_ALIGNED => {
-            "the attitude is not known: hold the body still for a moment, upright where an encoder on the pivot shows it"
+            "the attitude is not known: hold the body still for a moment, upright where an encoder on the \
+             pivot shows it"
         }
         READY => "ready, but not armed: hold the body upright and still",
         RUNNING => "running",
         3 => "tripped: the body leaned too far",
         4 => "tripped: the gyroscope's words, or the counts of the pivot's encoder, stood still",
-        5 => "tripped: gyroscope or accelerometer at the end of its range",
-        6 => "tripped: the wheel's speed at the ends of its sensor",
+        5 => "tripped: gyroscope or accelerometer was at the end of its range",
+        6 => "tripped: the wheel's speed was unknown, or at the end of its sensor's range",
         7 => "tripped: the accelerometer showed no gravity",
         8 => "tripped: the current stayed at its limit",
         9 => "tripped: a missed tick or a bus error",
@@ -62,9 +63,9 @@ pub enum RecordEnd {
     Complete,
     /// The user ended it.
     CalledOff,
-    /// The controller did not run any more; its status.
+    /// The controller stopped running; its status.
     NotRunning(u8),
-    /// The wheel reached the end of what its sensor shows.
+    /// The wheel reached the largest speed that its sensor shows.
     WheelBeyondSensor,
     /// No frame came any more.
     Silent,
@@ -111,7 +112,7 @@ pub(super) struct Row {
     /// Since the first row, s.
     pub time_s: f64,
     pub frame: Telemetry,
-    /// Frames between the row before and this one that did not arrive.
+    /// Number of frames that were lost between the row before and this one.
     pub lost_before: u32,
 }
 
@@ -141,7 +142,8 @@ impl<'w> Run<'w> {
             line,
             words,
             every,
-            // Another program may have sent a command before. Its number differs from this one in 255 of 256 cases.
+            // Another program may have sent a command before. Its number differs from this one in 255 of 256 cases, and
+            // the firmware then begins the task.
             wish: std::process::id() as u8,
             command: Command {
                 task: Task::Watch,
@@ -178,7 +180,7 @@ impl<'w> Run<'w> {
         Ok(got)
     }
 
-    /// Asks the firmware to let the motor go. Whatever keeps it from hearing, the lease ends.
+    /// Asks the firmware to switch the motor off. If the firmware does not receive this, the lease ends all the same.
     pub fn let_go(&mut self) {
         self.ask(Task::Watch, false);
         for _ in 0..3 {
@@ -186,7 +188,7 @@ impl<'w> Run<'w> {
         }
     }
 
-    /// From now on this task is asked for; `is_new`: it is to be begun, not only changed.
+    /// Sends this task from now on. With `is_new` the firmware begins it anew; otherwise it only changes.
     fn ask(&mut self, task: Task, is_new: bool) {
         if is_new {
             self.wish = self.wish.wrapping_add(1);
@@ -200,7 +202,7 @@ impl<'w> Run<'w> {
         self.sent = None;
     }
 
-    /// The next frame, with the command repeated in time. `None`: nothing came for a moment.
+    /// The next frame; `None` if none came for a moment. The command is repeated in time.
     fn next(&mut self) -> Result<Option<Telemetry>, Error> {
         if self.sent.is_none_or(|sent| sent.elapsed() >= RENEWAL) {
             self.line.send(&self.command)?;
@@ -226,7 +228,7 @@ impl<'w> Run<'w> {
         })
     }
 
-    /// Waits until the wheel is nearly at rest; `false`: called off.
+    /// Waits until the wheel is nearly at rest; `false` if the user cancelled.
     fn until_at_rest(
         &mut self,
         part: &Part,
@@ -261,7 +263,7 @@ impl<'w> Run<'w> {
         ))
     }
 
-    /// Asks for the first task and waits for the first row; `None`: called off.
+    /// Sends the first task and waits for the first row; `None` if the user cancelled.
     fn until_begun(
         &mut self,
         part: &Part,
@@ -283,7 +285,7 @@ impl<'w> Run<'w> {
             };
             sample(&self.in_si(&frame, None));
             status = frame.status;
-            // An encoder on the pivot shows the angle from its first count on, wherever the body is.
+            // An encoder on the pivot shows the angle from its first count on, in every position of the body.
             let is_known = status != NOT_ALIGNED || self.words.has_pivot_encoder;
             let is_begun =
                 (!part.needs_running || status == RUNNING) && (!part.needs_attitude || is_known);
@@ -299,7 +301,7 @@ impl<'w> Run<'w> {
         )))
     }
 
-    /// Gathers rows until the part ends, and says why it did.
+    /// Collects rows until the part ends, and returns the reason for the end.
     fn rows(
         &mut self,
         part: &Part,
@@ -368,7 +370,7 @@ impl<'w> Run<'w> {
             }
             next = match self.next() {
                 Ok(frame) => frame,
-                // A plug that was pulled ends the record; what was recorded stays.
+                // If the plug is pulled, the record ends, and the rows so far are kept.
                 Err(_) => return Ok(RecordEnd::Silent),
             };
         }
@@ -386,7 +388,7 @@ impl<'w> Run<'w> {
     }
 }
 
-/// Frames that were sent between these two, where one is sent every so many steps.
+/// Number of frames that the firmware sent between these two, for one frame every `every` steps.
 fn lost_between(last: &Telemetry, frame: &Telemetry, every: u8) -> u32 {
     let steps = u32::from(frame.sequence.wrapping_sub(last.sequence));
     steps.div_ceil(u32::from(every)).saturating_sub(1)

@@ -19,8 +19,8 @@ pub(super) fn of(part: &Part, rows: &[Row], words: &Words, notes: &mut Vec<Strin
             let start = free_from(&angles);
             if start.is_none() {
                 notes.push(
-                    "no swing was found that the hand had let go of: see where it begins, and state \
-                     from in bench.toml"
+                    "no moment was found at which the hand let go of the body: look in the log for the \
+                     beginning of the swing, and state it as from in bench.toml"
                         .to_owned(),
                 );
             }

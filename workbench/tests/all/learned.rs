@@ -54,7 +54,7 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
     let missing = found.missing_torque.as_ref().expect("a curve");
     assert_eq!(missing.coordinate, "angle");
     assert!(
-        found.sentence.contains("add --learned angle"),
+        found.sentence.contains("This learned curve can be added"),
         "{}",
         found.sentence
     );

@@ -31,7 +31,7 @@ pub fn run(
     Ok(done)
 }
 
-/// The shorter way round, for every difference of two counts.
+/// For every difference of two counts, the turn is the shorter way round.
 fn every_difference(f: &Functions, words: &EncoderWords) -> Result<usize, String> {
     let differences = 1 - words.wrap..words.wrap;
     for difference in differences.clone() {
@@ -47,8 +47,8 @@ fn every_difference(f: &Functions, words: &EncoderWords) -> Result<usize, String
     Ok(differences.count())
 }
 
-/// Axes that turn by any amount below half a wrap in a step: the turn over the window is the difference of two places,
-/// however often the count wraps between them.
+/// Axes that turn by less than half a wrap in a step. The turn over the window is then the difference of the two
+/// positions, however often the count wraps between them.
 fn turning_axes(
     f: &Functions,
     words: &EncoderWords,

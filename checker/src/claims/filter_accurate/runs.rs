@@ -8,11 +8,11 @@ use crate::domains::machine::{Machine, Trap};
 use crate::language::module::Module;
 use crate::program::steps::Program;
 
-/// Largest error of a quaternion's component in one step, but for the normalisation's.
+/// Largest error of a quaternion's component in one step, without the error of the normalisation.
 const COMPONENT_TOLERANCE: f64 = 2e-7;
 
-/// The error of the normalisation of third order after a step by `turn` (half-angles, rad) and a correction by
-/// `correction` (rad): 5 |ε|³/16 with ε = ‖q‖² − 1, the square of both together.
+/// The error of the third-order normalisation after a step by `turn` (half-angles, rad) and a correction by
+/// `correction` (rad): 5 |ε|³/16, where ε = ‖q‖² − 1 is the sum of the squares of both.
 fn left_by_normalisation(turn: [f64; 3], correction: f64) -> f64 {
     let excess = (dot3(turn, turn).sqrt() + correction).powi(2);
     5.0 / 16.0 * excess.powi(3)
@@ -131,7 +131,7 @@ fn one_step(
     let length = squared_length(field);
     let north = in_earth(q, unit(field));
     let horizontal = north[0].hypot(north[1]);
-    // Where the rules meet, rounding may choose either.
+    // At the border between two rules, rounding may choose either.
     let is_known = is_clear(length, field_min)
         && (horizontal - 1.0 / 16.0).abs() > 1e-4
         && north[0].abs() > 1e-6
@@ -174,8 +174,8 @@ fn one_alignment(
         return Err(format!("align: usable is {} for {accel:?}", found[6]));
     }
     let a = unit(reading);
-    // The turn's axis is the less certain the nearer the reading points straight down.
-    // The calibration is good to three units.
+    // The nearer the reading points straight down, the less certain the axis of the turn is. The calibration is
+    // accurate to three units.
     let direction = COMPONENT_TOLERANCE + 3.0 / dot3(reading, reading).sqrt();
     let tolerance = direction / (2.0 * (1.0 + a[2])).sqrt().clamp(0.1, 1.0);
     let wanted = if is_usable && a[2] > -0.99 {

@@ -3,7 +3,7 @@
 use crate::claims::filter_exact::second::{COMPONENT_MAX, ONE, Words};
 use crate::claims::random::Random;
 
-/// Random words that favour the places where pieces meet.
+/// Random words, more of them where the pieces of a function meet.
 pub(crate) struct Draw(pub(crate) Random);
 
 impl Draw {
@@ -12,7 +12,7 @@ impl Draw {
         Draw(Random::new(seed))
     }
 
-    /// As [`Draw::within`], and now and then one of `corners` or a neighbour of it.
+    /// As [`Draw::within`], but sometimes one of `corners` or a neighbour of a corner.
     pub(crate) fn at_corners(&mut self, low: i128, high: i128, corners: &[i128]) -> i128 {
         if corners.is_empty() || self.0.choice(3) > 0 {
             return self.within(low, high);
@@ -21,7 +21,8 @@ impl Draw {
         (corner + self.0.choice(3) as i128 - 1).clamp(low, high)
     }
 
-    /// A word within [low, high]: any, a small one, an end, a power of two or its neighbour.
+    /// A word within [low, high]: an arbitrary one, a small one, an end of the range, a power of two or a neighbour of
+    /// one.
     pub(crate) fn within(&mut self, low: i128, high: i128) -> i128 {
         let any = low + (self.0.unit() * (high - low + 1) as f64) as i128;
         let word = match self.0.choice(8) {
@@ -71,7 +72,7 @@ impl Draw {
         v.iter().map(|x| (x / own * norm).round() as i128).collect()
     }
 
-    /// A quaternion: mostly near unit length, sometimes of any.
+    /// A quaternion: mostly near unit length, sometimes of any length.
     pub(crate) fn quaternion(&mut self) -> Words {
         if self.0.choice(4) == 0 {
             self.vector(4, COMPONENT_MAX)

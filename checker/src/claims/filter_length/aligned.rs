@@ -14,10 +14,11 @@ use crate::exact::rational::{integer, power_of_two, root_above, root_below};
 use crate::language::module::Module;
 use crate::program::steps::{Program, Slot};
 
-/// Share to which `inverse_length` is looked at, 2⁻¹³ of the square; its error is far less.
+/// `inverse_length` is examined in steps of this share of the square, 2⁻¹³. Its error is far smaller.
 const FINE_BITS: i32 = 13;
 
-/// log₂ of the smallest largest component from which `scaled_up3` reaches its least length.
+/// log₂ of the least value of the largest component for which the result of `scaled_up3` has at least the required
+/// length.
 const SCALABLE_BITS: u32 = 14;
 
 /// Proof that `scaled_up3` takes each vector within ±2³⁰ with a component of at least 2¹⁴ to a
@@ -94,7 +95,7 @@ fn unit_vector(module: &Module) -> Result<(BigRational, BigRational), String> {
         i128::try_from(least.to_integer()).map_err(|error| error.to_string())?,
         (3 << 28) + i128::try_from(rest).map_err(|error| error.to_string())?,
     );
-    // Below 2²⁶ the bound counts 2²⁶ for n, which is more by the rounding alone.
+    // Below 2²⁶ the bound uses 2²⁶ for n. The difference is the rounding alone.
     inverse_root(module, "root::inverse_length", domain, FINE_BITS, true)?;
     let share = power_of_two(-FINE_BITS);
     let relative = integer(2) * n.remainder() / least;

@@ -1,4 +1,4 @@
-//! Bounds that keep themselves, and the largest start for which there are any.
+//! Bounds that reproduce themselves from one step to the next, and the largest start for which such bounds exist.
 
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -11,7 +11,7 @@ use crate::claims::loop_as_shipped::plant::{Loop, delay_off};
 use crate::claims::loop_as_shipped::responses::{ACCELERATIONS, ASKED, CHANGE, HELD, Responses};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
-/// Rounds in which bounds are enlarged until they keep themselves.
+/// Number of rounds in which bounds are enlarged until they reproduce themselves.
 const ROUNDS: usize = 200;
 /// Halvings of the start.
 const HALVINGS: usize = 24;
@@ -32,7 +32,7 @@ pub struct Bounds {
 
 /// Why bounds do not close.
 enum Open {
-    /// A command may reach the limit, or a state the end of its range: a smaller start may do.
+    /// A command may reach the limit, or a state the end of its range. A smaller start may still work.
     TooLarge(String),
     /// They grow without end.
     Grows(String),
@@ -46,7 +46,7 @@ impl Open {
     }
 }
 
-/// What a bound grows with, each in few digits and not below the exact number.
+/// The quantities that make a bound grow. Each is rounded up to few digits.
 struct Growth {
     t: BigRational,
     gravity: BigRational,
@@ -55,7 +55,7 @@ struct Growth {
     /// |B|.
     b: [BigRational; 3],
     dry: BigRational,
-    /// What a dry torque on the wheel does to angle, rate and wheel speed: nothing, and at most this.
+    /// The largest change of angle, rate and wheel speed by a dry torque on the wheel; that of the angle is zero.
     lever: [BigRational; 3],
 }
 
@@ -68,7 +68,8 @@ impl Growth {
             a: model.a.each_ref().map(|row| row.each_ref().map(size)),
             b: model.b.each_ref().map(size),
             dry: up(model.dry.clone()),
-            // e_w of the plant: zero, 1/D, Θ/(j_w D); the push of a current over the torque constant.
+            // e_w of the plant: zero, 1/D, Θ/(j_w D), which is the acceleration by a current divided by the torque
+            // constant.
             lever: [0, 1, 2].map(|i| {
                 up(model.wheel_dry.clone() * &model.on_wheel * integer(i128::from(i > 0)))
             }),
@@ -102,7 +103,7 @@ fn between(growth: &Growth, rows: &[BigRational; ROWS], current: &BigRational) -
             &rows[i] + up(&growth.t * rate)
         });
         if reached.iter().zip(&b).all(|(new, old)| new < old) {
-            // The acceleration at the sample, and what angle, rate and wheel speed add until the next.
+            // The acceleration at the sample, and its change by angle, rate and wheel speed until the next sample.
             let mut drift = BigRational::zero();
             for j in 0..3 {
                 drift += &growth.a[1][j] * (&b[j] - &rows[j]);
@@ -128,9 +129,9 @@ fn between(growth: &Growth, rows: &[BigRational; ROWS], current: &BigRational) -
 struct Following {
     rows: [BigRational; ROWS],
     between: Between,
-    /// Errors of what the drive holds, all of them (A).
+    /// All errors of the current that the drive holds (A).
     noise: BigRational,
-    /// The current that the law asks for, errors included (A).
+    /// The current that the law requests, errors included (A).
     asked: BigRational,
 }
 
@@ -139,8 +140,8 @@ fn at_once(model: &Loop, errors: &SensorErrors) -> BigRational {
     up(&model.at_once * &errors.reading)
 }
 
-/// The motion between samples while the drive holds at most `current`, and the error of what it holds apart from that of a
-/// reading, whose course the loop knows.
+/// Bounds of the motion between samples while the drive holds at most `current`. The second value is the error of the
+/// held current, without the error of a reading, whose effect the loop contains itself.
 fn settled(
     model: &Loop,
     growth: &Growth,
@@ -178,8 +179,8 @@ fn following(
     start: &BigRational,
     before: &BigRational,
 ) -> Result<Following, Open> {
-    // The drive holds nothing above its end but what it is off; and by that, nothing above what it is to hold and its
-    // error.
+    // First the held current is bounded by the end of the drive and its errors. This gives a second bound, the
+    // requested current with its error, and the smaller of the two counts.
     let growth = Growth::of(model);
     let end = up(&model.reach + &model.current_off + &errors.rounding);
     let (_, noise) = settled(model, &growth, errors, rows, &end)?;
@@ -316,8 +317,8 @@ pub fn largest_start(
     Ok(low)
 }
 
-/// The bounds within which every motion in `bounds` finally stays: the next bounds, computed again and again without
-/// the influence of the start.
+/// The bounds that every motion in `bounds` finally reaches and does not leave: the next bounds, computed again and
+/// again without the influence of the start.
 ///
 /// # Errors
 /// [`NoBounds::NotShown`].

@@ -1,8 +1,9 @@
-//! Columns carried through the loop step by step, with what they do to each row added up.
+//! Columns carried through the loop step by step; their effects on each row are added up.
 //!
-//! Thousands of steps of every column, so that numbers are short ([`Short`]). The columns are scaled to a largest entry of
-//! about 1, and the sums are scaled back. With M the largest entry that occurs, and u = 2⁻⁹⁶, a sum of n products is off
-//! by n (1 + M) u at most: each product is rounded by u, and an entry of F or of a row is off by u itself.
+//! Every column takes thousands of steps, so the numbers are short ones ([`Short`]). The columns are scaled to a
+//! largest entry of about 1, and the sums are scaled back. With M the largest entry that occurs, and u = 2⁻⁹⁶, the
+//! error of a sum of n products is n (1 + M) u at most: each product is rounded by u, and an entry of F or of a row has
+//! an error of u itself.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -13,28 +14,30 @@ use crate::exact::grid::{BITS, Grid};
 use crate::exact::rational::{integer, power_of_two};
 use crate::exact::short::{SHORT_BITS, Short, TooLarge};
 
-/// The quantities: the three states, what the drive holds, its change since the last step, the body's acceleration with
-/// what was held before and after the command, and the current that the law asks for.
+/// The quantities: the three states, the held current, its change since the last step, the body's acceleration under
+/// the current before and after the command, and the current that the law requests.
 pub const ROWS: usize = 8;
 
-/// Bits that a number of the grid has more than a short one.
+/// Number of bits that a number of the grid has beyond those of a short one.
 const SHORTER: i64 = (BITS - SHORT_BITS) as i64;
 
-/// Bits of a sum's unit: a term is rounded up to it, so that long sums have room.
+/// Bits of the unit of a sum. Every term is rounded up to this unit, so that long sums have room.
 const SUM_BITS: usize = 64;
 
-/// What some columns do to every row, over so many steps. As computed: [`Carried::off`] says how far it may be off.
+/// The effect of some columns on every row over a number of steps. The values are as computed; [`Carried::off`] bounds
+/// their error.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Carried {
     /// The sum over the columns of |C v|, for each row C.
     pub first: [BigRational; ROWS],
-    /// The largest of the same sums in later steps; of so many neighbouring steps together as were asked for.
+    /// The largest of the same sums in later steps. Each value is a sum over the requested number of neighbouring
+    /// steps.
     pub peak: [BigRational; ROWS],
     /// The sums of all steps together.
     pub sum: [BigRational; ROWS],
     /// The columns after the last step.
     pub last: Vec<Vec<BigRational>>,
-    /// What rounding adds to an entry in one step, at most.
+    /// Largest amount that rounding adds to an entry in one step.
     pub off: BigRational,
 }
 
@@ -67,7 +70,7 @@ impl ShortLoop {
         })
     }
 
-    /// Carries the columns on for so many steps; a peak is of `span` neighbouring steps together.
+    /// Carries the columns on for this number of steps. A peak is a sum over `span` neighbouring steps.
     ///
     /// # Errors
     /// [`TooLarge`] where something grows to 2³¹ times the largest entry of the columns.

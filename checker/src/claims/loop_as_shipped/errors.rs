@@ -6,9 +6,10 @@
 //!
 //! Gyroscope and accelerometer show angle and rate by a filter ([`crate::claims::loop_as_shipped::inertial`]).
 //!
-//! **Encoder on the pivot.** It shows the angle y, and (y(k) − y(k − M))/(M T) as the rate. Since the loop has the shown
-//! angles among its states, one error is left: that of the newest reading. What it does at once is kept apart from all
-//! other errors of the command, whose course is not known ([`crate::claims::loop_as_shipped::layout`]).
+//! **Encoder on the pivot.** It shows the angle y, and (y(k) − y(k − M))/(M T) as the rate. Since the loop has the
+//! shown angles among its states, one error is left: that of the newest reading. Its immediate effect is kept apart
+//! from all other errors of the command, whose course over time is not known
+//! ([`crate::claims::loop_as_shipped::layout`]).
 //!
 //! **Ends of the sensors.** If a bound on an angle, a rate, an acceleration or the wheel speed lies beyond the range of its
 //! sensor, the claim is not settled.
@@ -29,19 +30,19 @@ use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 pub struct SensorErrors {
     /// Of what shows the body.
     pub body: BodyErrors,
-    /// Of the newest reading of an encoder on the pivot (rad); zero without one.
+    /// Error of the newest reading of an encoder on the pivot (rad); zero without one.
     pub reading: BigRational,
-    /// Of its readings while the body is at rest, before it is armed: half a count (rad).
+    /// Error of the encoder's readings while the body is at rest, before the controller is armed: half a count (rad).
     pub at_rest: BigRational,
     /// Of the wheel's speed (rad/s).
     pub wheel_speed: BigRational,
-    /// Rounding of words, sum and duty in what the drive holds (A).
+    /// Error of the held current by the rounding of words, sum and duty (A).
     pub rounding: BigRational,
-    /// Rounding of words and sum in the current that the law asks for (A).
+    /// Error of the requested current by the rounding of words and sum (A).
     pub asked_rounding: BigRational,
     /// Half-words of the rate (rad/s).
     pub rate_word: BigRational,
-    /// Largest wheel speed that its sensor shows both ways (rad/s).
+    /// Largest wheel speed that its sensor shows in both directions (rad/s).
     pub wheel_range: BigRational,
     /// Of what the drive holds.
     held: [BigRational; 3],
@@ -61,11 +62,12 @@ pub enum BodyErrors {
 /// The errors of an encoder on the pivot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PivotErrors {
-    /// Of the rate that two readings show, before it becomes a word (rad/s).
+    /// Error of the rate from two readings, before the rate becomes a word (rad/s).
     pub rate: BigRational,
     /// Largest angle that is shown as it is (rad).
     pub angle_range: BigRational,
-    /// Largest rate that is shown as it is: at the end of its word, or half a wrap in a step (rad/s).
+    /// Largest rate that is shown correctly (rad/s). Beyond it lies the end of the rate's word, or half a wrap in a
+    /// step.
     pub rate_range: BigRational,
 }
 
@@ -76,7 +78,7 @@ fn pi() -> [BigRational; 2] {
 }
 
 impl PivotErrors {
-    /// Those of readings that are off by so many counts, and the error of a reading (rad).
+    /// The errors that follow from readings with an error of this number of counts, and the error of one reading (rad).
     fn of(
         certificate: &Certificate,
         encoder: &CertifiedBodyEncoder,
@@ -98,8 +100,8 @@ impl PivotErrors {
 }
 
 impl SensorErrors {
-    /// The errors of the sensors of a certificate: of rounding alone, or, `with_noise`, of rounding, one resolution
-    /// step of noise and a drift.
+    /// The errors of the sensors of a certificate: those of rounding, and with `with_noise` also one resolution step of
+    /// noise and a drift.
     ///
     /// # Errors
     /// [`NoBounds`].
@@ -136,17 +138,17 @@ impl SensorErrors {
         };
         let words = law.half_words();
         let count = certificate.drive.amperes_per_count.value.abs();
-        // Half a count, and a hundredth for the words of the duty's line.
+        // Half a count, and a hundredth of a count for the words of the duty's line.
         let duty = count * BigRational::new(51.into(), 100.into());
         let asked = law.gains.clone();
         let held = held_gains(&asked, &back_emf(certificate));
-        // The words of angle, rate and wheel speed are rounded down or to the nearest: a whole one.
+        // The words of angle, rate and wheel speed are rounded, some of them down: the error is up to a whole unit.
         let in_words = |gains: &[BigRational; 3]| -> BigRational {
             let both = gains.iter().zip(&words);
             both.map(|(gain, word)| gain.abs() * word * integer(2))
                 .sum()
         };
-        // A reading is off by half a count and the noise; an encoder's turn is the difference of two readings.
+        // A reading has an error of half a count and the noise. An encoder's turn is the difference of two readings.
         let readings = integer(if wheel.encoder.is_some() { 2 } else { 1 });
         Ok(SensorErrors {
             body,
@@ -170,7 +172,7 @@ impl SensorErrors {
         }
     }
 
-    /// The angle by which the shown one may be off (rad).
+    /// Largest error of the shown angle (rad).
     ///
     /// # Errors
     /// [`NoBounds::NotShown`] if the correction of the filter is not faster than its disturbances.
@@ -181,8 +183,8 @@ impl SensorErrors {
         }
     }
 
-    /// ν: the error of what the drive holds (A) for such a motion, from all causes except the drive itself, and except what a
-    /// reading of an encoder on the pivot does.
+    /// ν: the error of the held current (A) during such a motion. It contains all causes except the drive itself and
+    /// the immediate effect of a reading of an encoder on the pivot.
     ///
     /// # Errors
     /// As [`SensorErrors::angle`].
@@ -190,7 +192,7 @@ impl SensorErrors {
         Ok(self.weighted(&self.held, motion)? + &self.rounding)
     }
 
-    /// The error of the current that the law asks for (A), with the same exceptions.
+    /// The error of the requested current (A), with the same exceptions.
     ///
     /// # Errors
     /// As [`SensorErrors::angle`].
@@ -221,7 +223,7 @@ impl SensorErrors {
         up(shown + &self.rate_word)
     }
 
-    /// Which sensor of the body such an angle (rad), a rate (rad/s) and a motion bring to the end of its range.
+    /// The sensor of the body that reaches the end of its range at this angle (rad), this rate (rad/s) and this motion.
     pub fn beyond(
         &self,
         angle: &BigRational,

@@ -1,11 +1,11 @@
 //! The errors of gyroscope, accelerometer and filter.
 //!
-//! **Filter.** v̂ is the direction up that the filter believes, v the true one, both seen from the sensor. A step turns v̂
-//! as the gyroscope says, off by at most δ, and then by a turn of c along the great circle towards the direction a that
-//! the accelerometer shows. c is at most C = 2βT, and at least 2/3 of it: the gradient's part along the quaternion itself is no
-//! longer than the part that turns (a factor of 1/√2), and the rest is slack. Let ∠(a, v) ≤ η, E = ∠(v̂, v), and φ the
-//! angle at v̂ between the ways to v and to a, sin φ ≤ η/E. A triangle on a sphere is no longer than in the plane, so
-//! after the turn
+//! **Filter.** v̂ is the direction up that the filter believes, v the true one, both seen from the sensor. A step first
+//! turns v̂ by the gyroscope's reading, with an error of at most δ. Then it turns v̂ by c along the great circle
+//! towards the direction a that the accelerometer shows. c is at most C = 2βT, and at least 2/3 of it: the gradient's
+//! part along the quaternion itself is no longer than the part that turns (a factor of 1/√2), and the rest is slack.
+//! Let ∠(a, v) ≤ η, E = ∠(v̂, v), and φ the angle at v̂ between the ways to v and to a, sin φ ≤ η/E. A triangle on a
+//! sphere is no longer than in the plane, so after the turn
 //!
 //! E' ≤ E − c cos φ + c² sin² φ/(2 (E − c cos φ)),
 //!
@@ -92,7 +92,8 @@ fn step_of(clips: &[i32; 3]) -> i128 {
 }
 
 impl InertialErrors {
-    /// Of readings that are off by so many resolution `steps`; `with_drift`: of a gyroscope that drifts too.
+    /// The errors that follow from reading errors of this number of resolution `steps`; with `with_drift` the gyroscope
+    /// also drifts.
     ///
     /// # Errors
     /// [`NoBounds`].
@@ -182,14 +183,14 @@ impl InertialErrors {
         })
     }
 
-    /// E: the angle by which the filter may be off (rad).
+    /// E: largest error of the filter's direction (rad).
     ///
     /// # Errors
     /// [`NoBounds::NotShown`] if the correction of the filter is not faster than its disturbances.
     pub fn filter(&self, motion: &MotionBounds) -> Result<BigRational, NoBounds> {
         let not_shown = |why: &str| NoBounds::NotShown(why.to_owned());
-        // The correction for the lever arm lags. It is therefore not counted as a reduction, and may add an error of
-        // the same size.
+        // The correction for the lever arm lags. It therefore does not reduce the error in this bound, and may add an
+        // error of the same size.
         let moved = integer(2)
             * &self.lever
             * (&motion.acceleration * integer(2) + &motion.rate * &motion.rate)

@@ -1,6 +1,8 @@
-//! Which states the loop has: those of the plant, what the drive held, and what encoders remember.
+//! The states of the loop: those of the plant, the current that the drive held, and the readings in the windows of
+//! encoders.
 //!
-//! States of z: angle, rate, wheel speed, what the drive held one step before. Then, with
+//! The state vector z begins with angle, rate, wheel speed and the current that the drive held one step before. It
+//! continues with
 //!
 //! - an encoder on the wheel, whose speed is m/(N T): the turn m of the wheel over the last N steps, and its turns in each of
 //!   the last N − 1 steps, the newest first. A step's turn is that of the wheel's angle as a fourth state of the plant.
@@ -19,10 +21,10 @@ use crate::claims::loop_as_shipped::NoBounds;
 use crate::exact::grid::{BITS, Grid, on_grid, times};
 use crate::exact::rational::integer;
 
-/// States without an encoder: angle, rate, wheel speed, and what the drive held one step before.
+/// Number of states without an encoder: angle, rate, wheel speed, and the current that the drive held one step before.
 const PLAIN: usize = 4;
 
-/// Place of what the drive held.
+/// Place of the current that the drive held.
 const HELD: usize = 3;
 
 /// States of the plant: angle, rate, wheel speed, wheel angle.
@@ -42,7 +44,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// That of a certificate.
+    /// The layout for a certificate.
     ///
     /// # Errors
     /// [`NoBounds::Unphysical`] for a window that no encoder has.
@@ -81,7 +83,8 @@ impl Layout {
         first..first + self.pivot.unwrap_or(0)
     }
 
-    /// A row of gains as a row of z: rate and wheel's speed are those of the sample, or what the windows make of them.
+    /// A row of gains as a row of z. Rate and wheel speed are those of the sample, or follow from the windows of the
+    /// encoders.
     pub fn row(&self, gains: &[BigRational; 3], t: &BigRational) -> Vec<BigRational> {
         let [angle, rate, speed] = gains.clone();
         let mut row = vec![BigRational::zero(); self.order()];
@@ -101,7 +104,8 @@ impl Layout {
         row
     }
 
-    /// What a change of the plant's states is as a change of z: the turn of the wheel counts in the window and as the newest.
+    /// The change of z for a change of the plant's states. The turn of the wheel enters the window and is the newest
+    /// single turn.
     pub fn column(&self, plant: &[Grid; PLANT]) -> Vec<Grid> {
         let [angle, rate, speed, turn] = plant.clone();
         let mut found = vec![angle, rate, speed, Grid::zero()];
@@ -113,7 +117,7 @@ impl Layout {
         found
     }
 
-    /// At rest at 1 rad, which the encoder on the pivot has shown all the time.
+    /// The state at rest at 1 rad; the encoder on the pivot has shown this angle all the time.
     pub fn at_rest(&self) -> Vec<Grid> {
         let one = BigInt::from(1) << BITS;
         let mut found = vec![Grid::zero(); self.order()];
@@ -122,8 +126,9 @@ impl Layout {
         found
     }
 
-    /// What an error of 1 rad of one reading of the encoder on the pivot is as a change of z: `at_once` is its share of
-    /// what the drive holds, `new` what that does in the rest of the sample. `None` without such an encoder.
+    /// The change of z for an error of 1 rad of one reading of the encoder on the pivot. `at_once` is the share of the
+    /// error in the held current, `new` the effect of this share in the rest of the sample. `None` without such an
+    /// encoder.
     pub fn reading(&self, new: &[Grid; PLANT], at_once: &BigRational) -> Option<Vec<Grid>> {
         self.pivot?;
         let at_once = on_grid(at_once);
@@ -133,9 +138,9 @@ impl Layout {
         Some(found)
     }
 
-    /// An error of 1 rad of the oldest reading that the window holds. An error of a younger one becomes this later, so that the
-    /// errors of all readings before the start act in [`Layout::angles`]' many steps one after the other. `None` without an
-    /// encoder on the pivot.
+    /// The change of z for an error of 1 rad of the oldest reading in the window. The error of a younger reading
+    /// becomes this one later, so that the errors of all readings before the start act one after another in as many
+    /// steps as [`Layout::angles`] has. `None` without an encoder on the pivot.
     pub fn oldest_reading(&self) -> Option<Vec<Grid>> {
         self.pivot?;
         let mut found = vec![Grid::zero(); self.order()];
@@ -143,7 +148,7 @@ impl Layout {
         Some(found)
     }
 
-    /// F: the plant with the old input until the delay is over, and with `held` of z from then on.
+    /// F: the plant under the old input until the delay is over, and under `held` of z afterwards.
     pub fn closed(
         &self,
         ad: &[[Grid; PLANT]; PLANT],

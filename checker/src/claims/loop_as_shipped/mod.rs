@@ -1,9 +1,9 @@
 //! Claims `loop-as-shipped` and `motion-kept-up`: the loop from raw counts to the motor, with what a bench
 //! adds to the equations, in exact arithmetic.
 //!
-//! **Loop.** x = (angle, rate, wheel speed). At a sample the step sees x + ε and commands N (x + ε) + ρ. The
-//! drive turns the duty of it into a current that is off by half a count, and the current begins to flow after a
-//! delay. With w = N x and all errors in n, |n| ≤ ν, the current is w + n. The motion is
+//! **Loop.** x = (angle, rate, wheel speed). At a sample the step sees x + ε and commands N (x + ε) + ρ. The drive
+//! turns the duty of this command into a current with an error of half a count, which begins to flow after a delay.
+//! With w = N x and all errors in n, |n| ≤ ν, the current is w + n. The motion is
 //!
 //! ẋ = A x + B (w + n) + e f + e_w f_w,   e = (0, 1, −1),   e_w = (0, 1/D, −Θ/(j_w D)),
 //!
@@ -63,7 +63,7 @@ use responses::Responses;
 /// Why the claim is not settled.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoBounds {
-    /// The argument does not cover the module, or does not close for it.
+    /// The argument does not cover the module, or fails for it.
     #[error("{0}")]
     NotShown(String),
     /// The certificate contradicts itself.
@@ -137,7 +137,7 @@ pub fn by_exact_arithmetic(
     }
 }
 
-/// A positive number in steps of 1e-5, not above it.
+/// A positive number, rounded down to steps of 1e-5.
 fn rounded_down(value: &BigRational) -> String {
     let steps = power(10, 5);
     rounded_up(&((value * &steps).floor() / steps), 6)
@@ -165,7 +165,7 @@ pub fn check(certificate: &Certificate, law: &EmittedLaw) -> Result<ShippedLoop,
         };
         all.into_iter().map(join).collect::<Result<Vec<_>, _>>()
     })?;
-    // One start for every delay: the smallest of the four, and the largest of each bound.
+    // All four delays have the same start, the smallest of the four. Of each bound the largest counts.
     let mut start: Option<BigRational> = None;
     for (model, responses) in &loops {
         let own = largest_start(model, responses, &noisy)?;

@@ -20,7 +20,7 @@ pub fn delay_off() -> BigRational {
     BigRational::new(1.into(), 8.into())
 }
 
-/// Terms of the exponential series; |A| T ≤ 8 leaves less than 2⁻¹⁴⁴ after so many.
+/// Number of terms of the exponential series. For |A| T ≤ 8 the remainder after them is less than 2⁻¹⁴⁴.
 const TERMS: i128 = 120;
 
 /// Terms of exp(A σ) v whose responses are added up one by one.
@@ -39,16 +39,16 @@ const OF_THE_MODEL: [&str; 6] = [
     "wheel_viscous_friction",
 ];
 
-/// Dry friction of the body: its torque is nowhere above the larger of them.
+/// Names of the torques that make up the body's dry friction. The friction is never larger than the larger of the two.
 const ON_THE_BODY: [&str; 2] = ["body_coulomb_torque", "body_breakaway_torque"];
 
 /// Torques between body and wheel, which add up.
 const ON_THE_WHEEL: [&str; 2] = ["wheel_coulomb_torque", "cogging_torque"];
 
-/// The largest error of the current, all causes added up (A).
+/// Parameters that make the error of the current (A); the errors are added up.
 const OF_THE_CURRENT: [&str; 2] = ["dead_zone", "current_offset"];
 
-/// Parameters that shape one of these torques without making it larger.
+/// Parameters that change the shape of one of these torques, but not its size.
 const SHAPES: [&str; 4] = [
     "body_stribeck_speed",
     "body_presliding_stiffness",
@@ -56,7 +56,8 @@ const SHAPES: [&str; 4] = [
     "cogging_phase",
 ];
 
-/// What a report computes from other parameters and from masses and lengths; no equation of motion has it.
+/// Quantities that a report derives from other parameters and from masses and lengths. They are in no equation of
+/// motion.
 const DERIVED: [&str; 1] = ["body_inertia"];
 
 /// One loop.
@@ -72,15 +73,15 @@ pub struct Loop {
     pub b: [BigRational; 3],
     /// Which states z has.
     pub layout: Layout,
-    /// What the drive holds for z: N of z, and the back-EMF's share where the drive sets a voltage.
+    /// The row that gives the held current from z: N, plus the back-EMF's share if the drive sets a voltage.
     pub held: Vec<BigRational>,
     /// The current that the law asks for: N of z.
     pub asked: Vec<BigRational>,
     /// Largest command (A).
     pub limit: BigRational,
-    /// Largest input that the drive holds (A): the limit, or the end of the supply over the winding's resistance.
+    /// Largest input that the drive holds (A): the current limit, or the supply voltage over the winding's resistance.
     pub reach: BigRational,
-    /// Whether the end of the supply is a condition of its own.
+    /// Whether the supply voltage is a separate condition.
     pub has_supply: bool,
     /// Largest dry friction of the body over D (rad/s²).
     pub dry: BigRational,
@@ -88,10 +89,11 @@ pub struct Loop {
     pub wheel_dry: BigRational,
     /// The largest error of the current from the drive's dead zone and offset (A).
     pub current_off: BigRational,
-    /// What an error of 1 rad of one reading of an encoder on the pivot adds at once to the current (A), either sign; zero
-    /// without one. It is the same for what the drive holds: the back-EMF's share knows no angle.
+    /// Immediate effect on the current (A) of an error of 1 rad of one reading of an encoder on the pivot, of either
+    /// sign; zero without such an encoder. The effect on the held current is the same, because the back-EMF's share
+    /// does not depend on the angle.
     pub at_once: BigRational,
-    /// The same as a change of z, from the next sample on; `None` without such an encoder.
+    /// The same effect as a change of z, from the next sample on; `None` without such an encoder.
     pub reading: Option<Vec<Grid>>,
     /// F on the grid.
     pub f: SquareGrid,

@@ -36,16 +36,18 @@ const LENGTHS: usize = 16;
 /// Worst responses, for each row, all rounded up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
-    /// Largest |C Fʲ e₁|: the largest value of each quantity after a start at rest at 1 rad. The same for the change of
-    /// what the drive holds, from the second step on.
+    /// Largest |C Fʲ e₁|: the largest value of each quantity after a start at rest at 1 rad. For the change of the held
+    /// current, the largest value from the second step on.
     pub start: [BigRational; ROWS],
-    /// The change of what the drive holds in the first step, for a start at 1 rad.
+    /// The change of the held current in the first step, after a start at 1 rad.
     pub first_change: BigRational,
-    /// Σ of what a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on the wheel do.
+    /// Sums over all time of the responses to a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on
+    /// the wheel.
     pub sums: [[BigRational; ROWS]; 3],
-    /// Σ of what an error of 1 rad of one reading of an encoder on the pivot does; zero without one.
+    /// Sums over all time of the responses to an error of 1 rad of one reading of an encoder on the pivot; zero without
+    /// one.
     pub reading: [BigRational; ROWS],
-    /// The largest of what errors of 1 rad of all readings in the window before the start do.
+    /// Largest response to errors of 1 rad of all readings in the window before the start.
     pub before: [BigRational; ROWS],
     /// The largest of the terms of the current.
     pub kick: [BigRational; ROWS],
@@ -82,7 +84,7 @@ impl Responses {
         let weight = decay.weights.iter().max().cloned().unwrap_or_default();
         let norms: Vec<BigRational> = rows.iter().map(|row| decay.row_norm(row)).collect();
         let count = integer(steps as i128);
-        // `value` as computed for this row, and what it may lack: later steps, and rounding.
+        // The computed `value` of this row, plus a bound of its errors: later steps and rounding.
         let settled = |index: usize, carried: &Carried, value: &BigRational| -> BigRational {
             let norm = &norms[index];
             let drift = &carried.off * &weight * &decay.total;
@@ -94,7 +96,7 @@ impl Responses {
                     + (norm * drift + &carried.off) * &count * columns,
             )
         };
-        // The terms of the exponential that are not kept apart.
+        // The terms of the exponential that are not computed one by one.
         let beyond = |index: usize, input: usize| -> BigRational {
             &model.later[input] * &weight * &norms[index] * &decay.total
         };
@@ -177,7 +179,7 @@ struct Decay {
 
 impl Decay {
     fn of(model: &Loop) -> Result<Decay, NoBounds> {
-        // A state's share of the command makes the states comparable.
+        // The weight of a state is its share of the command, which makes the states comparable.
         let weights = weights(model);
         let ratios: SquareGrid = weights
             .iter()
@@ -244,8 +246,9 @@ impl Decay {
     }
 }
 
-/// A state's share of what the drive holds makes the states comparable. The wheel's speed counts as much as the speed that
-/// an encoder shows, and each turn as the turn over the window; the angles that an encoder on the pivot showed, as the oldest.
+/// The weight of a state is its share of the held current, which makes the states comparable. The wheel's speed has the
+/// weight of the speed that an encoder shows, and each turn has the weight of the turn over the window. The angles that
+/// an encoder on the pivot showed have the weight of the oldest.
 fn weights(model: &Loop) -> Vec<BigRational> {
     let share = |place: usize| model.held.get(place).map(Signed::abs).unwrap_or_default();
     let (turns, angles) = (model.layout.turns(), model.layout.angles());

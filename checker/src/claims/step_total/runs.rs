@@ -149,7 +149,7 @@ impl DriveNumbers {
         })
     }
 
-    /// The duty for a current (A) at a wheel speed (rad/s).
+    /// The duty for a current (A) at a wheel speed (rad/s), according to the law of the drive.
     pub(super) fn duty(&self, current: f64, speed: f64) -> f64 {
         let asked = match self.voltage {
             None => current,
@@ -161,10 +161,10 @@ impl DriveNumbers {
 
 /// The wheel's sensor in random runs.
 pub(super) struct Wheel {
-    /// Largest reading, either way of zero where it has a sign.
+    /// Largest magnitude of a reading.
     most: f64,
     has_sign: bool,
-    /// Of an encoder: its words, and its state by the second statement.
+    /// For an encoder: its words, and its state according to the second statement.
     encoder: Option<(EncoderWords, Vec<i128>)>,
     count: i128,
 }

@@ -45,7 +45,7 @@ pub(crate) fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, Str
         }
         let (is_fixed, is_stuck) = (roll == 1 || roll == 5, roll == 2);
         let sway = if roll == 3 { 12.0 } else { 1.0 };
-        // Long enough to be at rest for the stated time, now and then.
+        // Sometimes long enough to be at rest for the stated time.
         let most = if random.choice(6) == 0 {
             2 * still as u64 + 40
         } else {
@@ -95,7 +95,7 @@ pub(crate) fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, Str
         words = match random.choice(12) {
             0 => second.tripped(&words, TRIPPED_FAULT),
             _ if may => next,
-            // As if the body had stood at rest: random runs rarely let it.
+            // The state of a body that stood at rest, which random runs rarely reach.
             1..=6 => {
                 let mut at_rest = words.clone();
                 at_rest[status + STILL] = still;
@@ -172,7 +172,8 @@ fn methods(f: &Functions, second: &BodySupervisor, words: &[i128]) -> Result<(),
     same("fault", words, &call("Controller::fault")?, &wanted)
 }
 
-/// Each condition alone, from a controller that runs upright: no current after its steps.
+/// Tests each condition alone, starting from a controller that runs upright: no current flows after the stated number
+/// of steps.
 fn each_condition(f: &Functions, second: &BodySupervisor, zero: i128) -> Result<(), String> {
     let status = second.status();
     let (low, high) = (second.limit("wheel_low")?, second.limit("wheel_high")?);
@@ -184,7 +185,7 @@ fn each_condition(f: &Functions, second: &BodySupervisor, zero: i128) -> Result<
     let all = second.current_limit;
     let wrap = second.body.wrap;
     let far = wrap / 2;
-    // The count at a step, the wheel's reading there, the current, and where a count begins.
+    // The count at a step, the wheel's reading at that step, the current, and the word in which the first count starts.
     type At = fn(i128) -> i128;
     let standing: At = |_| 0;
     let swaying: At = |step| step % 2;
@@ -227,7 +228,7 @@ fn each_condition(f: &Functions, second: &BodySupervisor, zero: i128) -> Result<
         let is_wheel = limit == "wheel_steps";
         let mut count = 0;
         if let (Some(encoder), true) = (&second.wheel, is_wheel) {
-            // It turns at the end of its range, and goes on to.
+            // The wheel turns at the end of its range and goes on turning.
             words[19..status].copy_from_slice(&encoder.turning(-low / encoder.window + 1));
         }
         let steps = second.limit(limit)? + 1;
@@ -259,7 +260,7 @@ fn each_condition(f: &Functions, second: &BodySupervisor, zero: i128) -> Result<
             ));
         }
     }
-    // At once: the body beyond its largest angle, and a count that is no motion.
+    // Two conditions end the current at once: a body beyond its largest angle, and a count that no motion can cause.
     for (why, before) in [(TRIPPED_ANGLE, far), (TRIPPED_FAULT, 0)] {
         let mut words = start.clone();
         words[1] = (second.zero + before).rem_euclid(wrap);

@@ -139,8 +139,8 @@ impl Builder<'_> {
         };
         if let Some(operation) = operation {
             if matches!(operation, Arithmetic::ShiftLeft | Arithmetic::ShiftRight) {
-                // Only the shifted operand itself tells its type. The amount of the shift has a
-                // type of its own.
+                // The type of a shift is the type of the shifted operand. The amount of the shift may have another
+                // type.
                 let Some(type_) = self.type_of(scope, &binary.left) else {
                     return self.unclear(scope, &binary.left);
                 };
@@ -202,8 +202,8 @@ impl Builder<'_> {
         })
     }
 
-    /// The two operands of an operator on one type, which one of them states; the other states it
-    /// too or is a literal.
+    /// The two operands of an operator, which have the same type. One of them states the type; the other one states the
+    /// same type or is a literal.
     fn operands(
         &mut self,
         scope: &mut Scope,
@@ -225,7 +225,7 @@ impl Builder<'_> {
         Ok((a, b))
     }
 
-    /// Refuses an expression whose type Rust would find by rules that are not read here.
+    /// Refuses an expression whose type Rust would determine by rules that this reader does not implement.
     fn unclear<T>(&mut self, scope: &mut Scope, expression: &syn::Expr) -> Read<T> {
         // An error inside the expression is more informative.
         if !is_literal(expression) {

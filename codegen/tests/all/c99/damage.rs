@@ -1,12 +1,17 @@
 //! The C, damaged in one place: the answers, the numbers or the compiler notice it.
 
-use std::fs;
-use std::process::Command;
+use std::fs::{self, File};
+use std::io::{BufReader, Read};
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::sync::{Mutex, OnceLock};
+use std::thread;
 
 use codegen::{EmittedCrate, c99};
 
 use super::numbers::Expected;
-use super::{answers, compile, difference, mounted_at, rust_harness, with_everything, written};
+use super::{Calls, answer, answers, compile, mounted_at, rust_harness, with_everything, written};
 
 /// Every number of the C is changed in its last digit, one at a time: the comparison of the numbers notices each.
 #[test]
@@ -55,11 +60,20 @@ enum Damage {
     Numbers,
 }
 
-/// A bench whose C is damaged, in a folder of its own.
+/// A bench whose C is damaged.
 struct Subject {
+    /// Holds the harness in Rust and the calls that it was asked.
     folder: tempfile::TempDir,
     emitted: EmittedCrate,
     translated: EmittedCrate,
+    few: OnceLock<Asked>,
+    many: OnceLock<Asked>,
+}
+
+/// Calls in a file, as the harness reads them, and what the Rust answers.
+struct Asked {
+    calls: PathBuf,
+    rust: Vec<[i32; 8]>,
 }
 
 impl Subject {
@@ -70,6 +84,8 @@ impl Subject {
             folder,
             emitted,
             translated,
+            few: OnceLock::new(),
+            many: OnceLock::new(),
         }
     }
 
@@ -82,12 +98,42 @@ impl Subject {
         kinds.iter().flat_map(of_kind).collect()
     }
 
-    /// What the Rust answers to these calls of a seed.
-    fn rust(&self, (seed, calls): (u64, usize)) -> Vec<[i32; 8]> {
+    /// Calls that notice nearly every damage.
+    fn few(&self) -> &Asked {
+        self.few.get_or_init(|| self.ask(11, 60_000))
+    }
+
+    /// For those that few calls do not notice: a bias that is rounded otherwise changes one duty in a thousand.
+    fn many(&self) -> &Asked {
+        self.many.get_or_init(|| self.ask(12, 1_500_000))
+    }
+
+    fn ask(&self, seed: u64, count: usize) -> Asked {
+        let calls = self.folder.path().join(format!("calls-{seed}"));
+        let mut source = Calls::new(seed);
+        let bytes: Vec<u8> = (0..count).flat_map(|_| source.next().bytes()).collect();
+        fs::write(&calls, bytes).expect("written");
+        // One target folder serves every harness in Rust: another subject must not build its own in between.
+        static BUILDS: Mutex<()> = Mutex::new(());
+        let _alone = BUILDS.lock().expect("no other has failed");
         let mut harness = rust_harness(&self.emitted, self.folder.path());
-        let rust = answers(&mut harness, seed, calls);
-        assert_eq!(rust.len(), calls, "the harness in Rust has ended");
-        rust
+        let rust = answers(&mut harness, seed, count);
+        assert_eq!(rust.len(), count, "the harness in Rust has ended");
+        Asked { calls, rust }
+    }
+}
+
+/// A folder in which one thread compiles damaged texts of a subject.
+struct Bench<'a> {
+    subject: &'a Subject,
+    folder: tempfile::TempDir,
+}
+
+impl<'a> Bench<'a> {
+    fn new(subject: &'a Subject) -> Bench<'a> {
+        let folder = tempfile::tempdir().expect("a folder");
+        written(&subject.emitted, folder.path());
+        Bench { subject, folder }
     }
 
     /// Puts this text in the place of the source; whether it compiles.
@@ -96,25 +142,32 @@ impl Subject {
         compile(self.folder.path(), "-O1").is_ok()
     }
 
-    /// Whether what was compiled last answers otherwise than the Rust.
-    fn differs(&self, (seed, calls): (u64, usize), rust: &[[i32; 8]]) -> bool {
-        let mut harness = Command::new(self.folder.path().join("harness"));
-        difference(&answers(&mut harness, seed, calls), rust).is_some()
+    /// Whether what was compiled last answers otherwise than the Rust. The first difference ends the program.
+    fn differs(&self, asked: impl Fn(&Subject) -> &Asked) -> bool {
+        let asked = asked(self.subject);
+        let mut child = Command::new(self.folder.path().join("harness"))
+            .stdin(File::open(&asked.calls).expect("the calls"))
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the harness runs");
+        let mut output = BufReader::new(child.stdout.take().expect("standard output"));
+        let differs = asked.rust.iter().any(|rust| {
+            let mut bytes = [0; 32];
+            output.read_exact(&mut bytes).is_err() || answer(&bytes) != *rust
+        });
+        drop(output);
+        let _ = child.kill();
+        let _ = child.wait();
+        differs
     }
 }
 
-/// Seed and number of the calls that notice nearly every damage.
-const FEW: (u64, usize) = (11, 60_000);
-/// For those that few calls do not notice: a bias that is rounded otherwise changes one duty in a thousand.
-const MANY: (u64, usize) = (12, 1_500_000);
-
+/// Damages every place of these kinds, or one in so many from the first that is named, on every core.
 /// `FLYWHEEL_DAMAGE=TEXT` damages only lines that contain the text.
 fn damage(every: usize, first: usize, kinds: &[Damage]) {
     let subject = Subject::new(with_everything());
     // Its angles wrap the other way.
     let other = Subject::new(mounted_at(-0.05));
-    let rust = subject.rust(FEW);
-    let (mut rust_many, mut rust_other) = (None, None);
     let header = subject.translated.file("src/flywheel.h");
     let header = header.expect("the header");
     let expected = Expected::of(&subject.emitted);
@@ -123,21 +176,33 @@ fn damage(every: usize, first: usize, kinds: &[Damage]) {
     assert!(mutants.len() > 300, "{}", mutants.len());
     assert_eq!(mutants.len(), of_other.len());
     let only = std::env::var("FLYWHEEL_DAMAGE").unwrap_or_default();
-    let mut unnoticed = vec![];
     let both = mutants.iter().zip(&of_other).skip(first).step_by(every);
-    for ((line, text), (_, text_of_other)) in both.filter(|((line, _), _)| line.contains(&only)) {
-        let is_noticed = expected.difference(header, text).is_some()
-            || !subject.compiles(text)
-            || subject.differs(FEW, &rust)
-            || subject.differs(MANY, rust_many.get_or_insert_with(|| subject.rust(MANY)))
-            || !other.compiles(text_of_other)
-            || other.differs(FEW, rust_other.get_or_insert_with(|| other.rust(FEW)));
-        if !is_noticed {
-            // A run that is broken off has said what it found.
-            println!("unnoticed: {line}");
-            unnoticed.push(line.clone());
+    let places = Mutex::new(both.filter(|((line, _), _)| line.contains(&only)));
+    let unnoticed = Mutex::new(vec![]);
+    let work = || {
+        let (bench, bench_of_other) = (Bench::new(&subject), Bench::new(&other));
+        let next = || places.lock().expect("no thread has failed").next();
+        while let Some(((line, text), (_, text_of_other))) = next() {
+            let is_noticed = expected.difference(header, text).is_some()
+                || !bench.compiles(text)
+                || bench.differs(Subject::few)
+                || bench.differs(Subject::many)
+                || !bench_of_other.compiles(text_of_other)
+                || bench_of_other.differs(Subject::few);
+            if !is_noticed {
+                // A run that is broken off has said what it found.
+                println!("unnoticed: {line}");
+                let mut unnoticed = unnoticed.lock().expect("no thread has failed");
+                unnoticed.push(line.clone());
+            }
         }
-    }
+    };
+    thread::scope(|scope| {
+        for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
+            scope.spawn(work);
+        }
+    });
+    let unnoticed = unnoticed.into_inner().expect("no thread has failed");
     let count = unnoticed.len();
     assert!(
         count == 0,

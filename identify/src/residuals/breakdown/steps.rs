@@ -20,7 +20,7 @@ pub(super) struct StepFit {
     pub(super) std: DVector<f64>,
     /// Sum of squares that the function explains, in units of the squared noise.
     pub(super) explained: f64,
-    /// The sum of squares that it would explain of noise alone, and the variance of that sum.
+    /// The sum of squares that the function would explain of noise alone, and the variance of this sum.
     pub(super) of_noise: (f64, f64),
     /// For each series: explained squares in each bin above those of noise.
     pub(super) energy: Vec<Vec<f64>>,
@@ -47,7 +47,7 @@ pub(super) fn fit_steps(
     let mut right = DVector::<f64>::zeros(columns);
     let mut total = 0.0;
     let mut values = 0usize;
-    // Rows are short lists: a bump passes a few bins only.
+    // Rows are stored as short lists, because a bump passes only a few bins.
     let mut rows: Vec<Vec<Vec<(usize, f64)>>> = vec![];
     for (index, one) in series.iter().enumerate() {
         let scale = 1.0 / one.noise_std;
@@ -101,7 +101,7 @@ pub(super) fn fit_steps(
     }
     let mean_diagonal = square.trace() / columns as f64;
     for index in 0..columns {
-        // Keeps the coefficients of bins that the data do not distinguish from growing without bound.
+        // Without this, the coefficients of bins that the data do not distinguish would grow without bound.
         square[(index, index)] += 1e-6 * mean_diagonal.max(1e-300);
     }
     let inverse = Cholesky::new(square)?.inverse();

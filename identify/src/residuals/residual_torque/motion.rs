@@ -151,7 +151,7 @@ impl MeasuredMotion {
             };
             wheel_angle += step * last_speed;
             if let Some(before) = smoothed_before {
-                // The smoothed path: noise would move the contact to and fro.
+                // The contact follows the smoothed path, because noise would move it to and fro.
                 let now = smooth(k, false);
                 if now.is_finite() && before.is_finite() {
                     friction = plant.remember(friction, now - before);
@@ -176,8 +176,8 @@ impl MeasuredMotion {
     }
 }
 
-/// The wheel's angle at every sample, as the record has it, with `speed`, the true one behind the sensor. A simulated
-/// speed has no place in it: where a model is wrong by little, its error adds up to turns.
+/// The wheel's angle at every sample, from the record or from `speed`, the true speed behind the sensor. A simulated
+/// speed is not used: even a small error of the model would add up to turns.
 fn turned(record: &Record, speed: &[f64]) -> Vec<f64> {
     let said = match record.channel(Output::WheelSpeed) {
         Some(said) if record.wheel_angle_noise_rad().is_none() => said,
@@ -199,9 +199,9 @@ fn turned(record: &Record, speed: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Removes the slow drift of an angle that was integrated from the rate. The drift is the mean over
-/// [`DRIFT_PERIODS`] periods, weighted by a raised cosine; the swing itself averages out. A jump of its phase does
-/// not: near a push the angle is wrong.
+/// Removes the slow drift of an angle that was integrated from the rate. The drift is the mean over [`DRIFT_PERIODS`]
+/// periods, weighted by a raised cosine; the swing itself averages out. A jump of the phase does not average out, so
+/// that the angle is wrong near a push.
 fn remove_drift(angle: &mut [f64], record: &Record, values: &[f64]) {
     let half = half_samples(record, 0.5 * DRIFT_PERIODS * period_s(values));
     let n = angle.len();

@@ -8,10 +8,10 @@ use crate::records::{Record, dot};
 
 /// Step of a difference quotient, as a share of the parameter.
 const DIFFERENCE: f64 = 1e-5;
-/// A change of less than so many roundings is none.
+/// A change of less than this number of rounding errors counts as none.
 const ROUNDED: f64 = 64.0;
 
-/// The size of a parameter that is zero at present, from the range in which it is plausible.
+/// The typical size of a parameter that is zero at present, from its plausible range.
 fn usual_size(info: &ParameterInfo) -> f64 {
     let (low, high) = info.plausible;
     let size = 0.01 * low.abs().max(high.abs());
@@ -32,7 +32,7 @@ impl MeasuredMotion {
         let Some((of_body, of_wheel)) = missing.on.inertias(record.kind, values) else {
             return slopes;
         };
-        // The torque at every instant, and the size of the terms that it is the sum of.
+        // The torque at every instant, and the size of the terms that are added up in it.
         let modelled = |values: &[f64]| -> Vec<(f64, f64)> {
             let plant = Plant::new(model, values, record.kind);
             self.state
@@ -59,8 +59,8 @@ impl MeasuredMotion {
             let there = modelled(&moved);
             let slope = |k: usize| {
                 let change = at[k].0 - there[k].0;
-                // A torque on the wheel does not depend on the body's inertia, but for rounding: as a regressor, that
-                // would have to be moved by any amount.
+                // Apart from rounding, a torque on the wheel does not depend on the body's inertia. As a regressor,
+                // this rounding would move the inertia by any amount.
                 if change.abs() > ROUNDED * f64::EPSILON * at[k].1 {
                     change / step
                 } else {

@@ -370,7 +370,7 @@ mod tests {
         (Kind::Driven, [true, false, false]),
     ];
 
-    /// Of the right model nothing is missing but noise, and its size is the stated one.
+    /// If the model is right, only noise is missing, and its size is the stated one.
     #[test]
     fn the_right_model_leaves_the_stated_noise() {
         let model = Model::base();
@@ -407,7 +407,7 @@ mod tests {
         let model = Model::base();
         let push = |t: f64| 2e-2 * (-((t - 8.0) / 0.1).powi(2)).exp();
         for (kind, outputs) in CASES {
-            // An angle that is integrated from the rate knows no jump of the phase.
+            // An angle that is integrated from the rate does not show a jump of the phase.
             if kind == Kind::SpinUp || outputs == [false, true, false] {
                 continue;
             }
@@ -427,7 +427,7 @@ mod tests {
                     assert!((ratio - 1.0).abs() < 0.02, "{kind:?} {outputs:?} {ratio}");
                     assert!((moment / impulse).abs() < 2e-3, "{kind:?} {outputs:?}");
                 } else {
-                    // The wheel feels the push through the body's motion only, which is measured.
+                    // The push reaches the wheel only through the body's motion, which is measured.
                     assert!(
                         rms(&missing.torque_nm) < 1e-5,
                         "{}",
@@ -438,8 +438,8 @@ mod tests {
         }
     }
 
-    /// Every effect of the library, when the model has it, leaves nothing: sensors are undone, lag
-    /// and delay are carried along, presliding friction remembers the measured path.
+    /// If the model has the effect that acts, no torque is missing. This holds for every effect of the library: sensors
+    /// are undone, lag and delay are carried along, presliding friction remembers the measured path.
     #[test]
     fn a_model_with_the_effect_that_acts_lacks_nothing() {
         for &effect in EffectId::ALL {

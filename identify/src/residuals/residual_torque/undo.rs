@@ -2,7 +2,8 @@
 
 use plant::{Output, Plant, State};
 
-/// Rounds in which a curved characteristic is inverted; each takes an eccentricity's share off the error.
+/// Number of rounds in which a curved characteristic is inverted. Each round multiplies the error by the eccentricity's
+/// share.
 const ROUNDS: usize = 40;
 /// Below this, in the unit of the output, a characteristic is straight and an inversion has ended.
 const STRAIGHT: f64 = 1e-12;

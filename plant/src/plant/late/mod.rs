@@ -1,20 +1,22 @@
 //! Sensors whose reading depends on the past: it follows the measured quantity with a lag, or shows it after a delay.
 //!
-//! The motion does not know of them. They are fed with it piece by piece: over every step of the integration each
-//! of the three outputs is the cubic through its values and slopes at both ends (Hairer, Nørsett, Wanner I, ch. II.6),
-//! as exact as the step itself. Behind a lag T, T ẏ = v − y, a cubic v has the answer
-//! v − T v̇ + T² v̈ − T³ v⃛ + c exp(−t/T) in closed form, so that the lag may be short or long against the step;
-//! a delay reads the cubic at t − δ. Both carry exact derivatives.
+//! These sensors do not act on the motion. They receive the motion piece by piece: over every step of the integration
+//! each of the three outputs is the cubic through its values and slopes at both ends (Hairer, Nørsett, Wanner I, ch.
+//! II.6), as exact as the step itself. Behind a lag T, T ẏ = v − y, a cubic v has the answer v − T v̇ + T² v̈ − T³ v⃛ +
+//! c exp(−t/T) in closed form, so that the lag may be short or long against the step; a delay reads the cubic at t − δ.
+//! Both carry exact derivatives.
 //!
 //! Bias, scale, offset and eccentricity are applied afterwards. The result is that of the stated chain (eccentricity or
 //! scale, offset or bias, lag, delay), because a delay commutes with every stage without memory, and a lag commutes
 //! with scale and bias; the angle has no lag.
 //!
-//! **Before the first sample of a run.** A delay needs v before the log began, where nothing was recorded. Body and
-//! wheel are taken to have stood as they were at the first sample (a swing is released, a step is commanded), or to
-//! have moved already as the model says, or anything between: [`Plant::with_motion_before`]. A run that begins in the
+//! **Before the first sample of a run.** A delay needs v before the log began, where nothing was recorded. The assumed
+//! motion lies between two extremes: body and wheel stood still as at the first sample (a swing is released, a step is
+//! commanded), or they already moved as the model predicts: [`Plant::with_motion_before`]. A run that begins in the
 //! middle of a log has the commands before it: the motion is integrated back from its start, as far as the delays and
 //! the lags reach.
+
+mod piece;
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -23,15 +25,16 @@ use super::{Drive, Plant, State};
 use crate::effect::Instant;
 use crate::plant::integrator::Current;
 use crate::{Kind, Output, Reading, Scalar, Timing};
+use piece::Piece;
 
-/// Time constants after which a lag has forgotten its past (e⁻⁴ of a deviation is left, and the past that is
-/// followed back is off by little itself).
+/// A lag has forgotten its past after this many time constants: e⁻⁴ of a deviation is left by then, and the
+/// reconstructed past itself is only a little off.
 const LAG_MEMORY: f64 = 4.0;
-/// The past is followed back by at most this time, in s: upright, errors grow on the way.
+/// The past is reconstructed over at most this time, in s. Near upright, errors grow on the way back.
 const LONGEST_PAST_S: f64 = 0.5;
 /// Most steps back.
 const MOST_STEPS_BACK: f64 = 2000.0;
-/// The largest of a number of lags or delays must be above this, in s, for the past to matter.
+/// If all lags and delays are shorter than this, in s, the past does not matter.
 const NO_TIME_S: f64 = 1e-9;
 
 /// Lag and delay of one sensor.
@@ -47,70 +50,7 @@ impl<S> Timings<S> {
     }
 }
 
-/// One output over a stretch of time: the cubic with these values and slopes at its ends.
-#[derive(Clone, Copy, Debug)]
-struct Piece<S> {
-    from_s: f64,
-    to_s: f64,
-    from: S,
-    from_slope: S,
-    to: S,
-    to_slope: S,
-}
-
-impl<S: Scalar> Piece<S> {
-    fn span_s(&self) -> f64 {
-        self.to_s - self.from_s
-    }
-
-    /// Its derivatives of order 0 to 3 at the start, divided by no factorial.
-    fn derivatives(&self) -> [S; 4] {
-        let h = self.span_s();
-        let rise = (self.to - self.from) * (1.0 / h);
-        let second = (rise * 3.0 - self.from_slope * 2.0 - self.to_slope) * (2.0 / h);
-        let third = (self.from_slope + self.to_slope - rise * 2.0) * (6.0 / (h * h));
-        [self.from, self.from_slope, second, third]
-    }
-
-    /// The value `after_s` from its start.
-    fn at(&self, after_s: S) -> S {
-        let [zeroth, first, second, third] = self.derivatives();
-        let cubic = second * 0.5 + after_s * third * (1.0 / 6.0);
-        zeroth + after_s * (first + after_s * cubic)
-    }
-
-    /// The answer of a lag to this piece, from `start` on.
-    fn behind(&self, lag_s: S, start: S) -> Piece<S> {
-        let [_, first, second, third] = self.derivatives();
-        let h = self.span_s();
-        // The distance of the lag's answer behind the cubic, at both ends, without the decaying part.
-        let behind_from = lag_s * (first - lag_s * (second - lag_s * third));
-        let second_to = second + third * h;
-        let behind_to = lag_s * (self.to_slope - lag_s * (second_to - lag_s * third));
-        let left = if lag_s.value() > 0.0 {
-            (S::constant(-h) / lag_s).exp()
-        } else {
-            S::zero()
-        };
-        let to = self.to - behind_to + (start - self.from + behind_from) * left;
-        let slope = |value: S, behind: S, own: S| {
-            if lag_s.value() > 0.0 {
-                (value - behind) / lag_s
-            } else {
-                own
-            }
-        };
-        Piece {
-            from: start,
-            from_slope: slope(self.from, start, self.from_slope),
-            to,
-            to_slope: slope(self.to, to, self.to_slope),
-            ..*self
-        }
-    }
-}
-
-/// One sensor that needs the time.
+/// One sensor with a lag or a delay.
 #[derive(Clone, Debug)]
 struct Channel<S> {
     output: Output,
@@ -157,22 +97,22 @@ impl<S: Scalar> Channel<S> {
     }
 }
 
-/// The sensors of a plant that need the time, along one run.
+/// The sensors of a plant that have a lag or a delay, along one run.
 #[derive(Clone, Debug)]
 pub struct Late<S> {
     channels: Vec<Channel<S>>,
-    /// The motion where the last piece ended: values of the outputs and their slopes are needed there.
+    /// Whether a sensor needs the slope of a rate or a speed, and thus the accelerations where a piece ends.
     needs_accelerations: bool,
 }
 
-/// The values of the outputs, and how fast they change.
+/// The values of the outputs and their derivatives with respect to time.
 #[derive(Clone, Copy, Debug)]
 struct Measured<S> {
     values: [S; 3],
     slopes: [S; 3],
 }
 
-/// A step of the motion before a run: its two times in s, and the measured quantities at both.
+/// One step of the motion before a run: its start and end in s, and the measured quantities at both.
 type Past<S> = ((f64, f64), Measured<S>, Measured<S>);
 
 impl<S: Scalar> Plant<S> {
@@ -208,7 +148,7 @@ impl<S: Scalar> Plant<S> {
         all.into_iter().filter(|(_, own)| !own.is_none()).collect()
     }
 
-    /// Whether the model has sensors that need the time.
+    /// Whether the model has sensors with a lag or a delay.
     pub fn has_late_sensors(&self) -> bool {
         !self.structure.late.is_empty()
     }
@@ -221,8 +161,8 @@ impl<S: Scalar> Plant<S> {
         own.map_or((0.0, 0.0), |(_, own)| (of(own.lag_s), of(own.delay_s)))
     }
 
-    /// The sensors that need the time, at the start of a run that nothing came before; `None` where the model has
-    /// none.
+    /// The sensors that have a lag or a delay, at the start of a run without any motion before it; `None` where the
+    /// model has no such sensors.
     pub fn late_sensors(&self, start: &State<S>) -> Option<Late<S>> {
         if !self.has_late_sensors() {
             return None;
@@ -245,7 +185,7 @@ impl<S: Scalar> Plant<S> {
         })
     }
 
-    /// The readings of the sensors in a state, at a time up to which `late` was fed.
+    /// The readings of the sensors in a state. `time_s` must not be later than the motion that `late` has received.
     pub fn read_late(&self, state: &State<S>, late: Option<&Late<S>>, time_s: f64) -> Reading<S> {
         let mut reading = Reading {
             angle_rad: state.angle_rad,
@@ -258,7 +198,7 @@ impl<S: Scalar> Plant<S> {
         self.distorted(reading)
     }
 
-    /// As [`Plant::step`] from one time to another, with the sensors that need the time.
+    /// As [`Plant::step`] from one time to another, with the sensors that have a lag or a delay.
     pub fn step_with(
         &self,
         start: &State<S>,
@@ -269,7 +209,7 @@ impl<S: Scalar> Plant<S> {
         let Some(late) = late else {
             return self.step(start, drive, to_s - from_s);
         };
-        // Cubics as long as a step of the integration, and no longer.
+        // A cubic spans one step of the integration, and no more.
         let parts = self.parts(to_s - from_s);
         let mut state = *start;
         let mut before_s = from_s;
@@ -297,7 +237,8 @@ impl<S: Scalar> Plant<S> {
         state
     }
 
-    /// The sensors that need the time at the start of a run over these samples, fed with the motion before it.
+    /// The sensors with a lag or a delay at the start of a run over these samples. They have received the motion before
+    /// it.
     pub(super) fn late_at_start(
         &self,
         start: &State<S>,
@@ -357,8 +298,7 @@ impl<S: Scalar> Plant<S> {
         Some(late)
     }
 
-    /// The current that flows, behind delay and lag of the motor, over steps back from the start of a run, the
-    /// nearest first.
+    /// The current after delay and lag of the motor, for the steps before the start of a run, the latest step first.
     fn currents_back(
         &self,
         start_s: f64,
@@ -411,8 +351,8 @@ fn outputs<S: Scalar>(state: &State<S>) -> [S; 3] {
 }
 
 impl<S: Scalar> Late<S> {
-    /// Outputs and their slopes in a state, for the current behind the lag of the motor and a push, at an end of a
-    /// step of this length.
+    /// Outputs and their slopes in a state, at an end of a step of length `step_s`. The current is that after the
+    /// motor's lag; `push` is the torque of a push.
     fn measured(
         &self,
         plant: &Plant<S>,
@@ -459,7 +399,7 @@ impl<S: Scalar> Late<S> {
         }
     }
 
-    /// How much of the motion before a run matters, in s.
+    /// How long before the start of a run its motion still matters, in s.
     fn memory_s(&self, begins_with_log: bool) -> f64 {
         let of = |time_s: Option<S>| time_s.map_or(0.0, |time_s| time_s.value().max(0.0));
         let channels = self.channels.iter().map(|channel| {
@@ -474,8 +414,8 @@ impl<S: Scalar> Late<S> {
         channels.fold(0.0, f64::max)
     }
 
-    /// Feeds the past of a run that begins in the middle of a log. Where the past does not reach back to the log's
-    /// start (`is_cut`), a lag starts as if its input had always had the slope that it has there.
+    /// Feeds the past of a run that begins in the middle of a log. Where the past begins later than the log (`is_cut`),
+    /// a lag starts as if the slope of its input had always been the first slope of that past.
     fn follow(&mut self, pieces: &[Past<S>], is_cut: bool) {
         let Some((_, oldest, _)) = pieces.first() else {
             return;
@@ -492,8 +432,8 @@ impl<S: Scalar> Late<S> {
         }
     }
 
-    /// Fills the pieces that a delay reads before the first sample of a log: `share` times the motion of the model,
-    /// about its values at that sample.
+    /// Fills the pieces that a delay reads before the first sample of a log. The deviation from the values at that
+    /// sample is `share` times the deviation that the model predicts.
     fn had_moved(&mut self, pieces: &[Past<S>], share: S) {
         for channel in &mut self.channels {
             if channel.timings.delay_s.is_none() {
