@@ -199,7 +199,7 @@ fn late(
             .with_fix(match late {
                 "rate" => {
                     "add the effect rate-delay to the model, or rate-lag where a filter makes the rate \
-                     late; `flywheel diagnose` tells which"
+                     late; a diagnosis tells which"
                 }
                 _ => "add the effect angle-delay to the model",
             }),

@@ -1,13 +1,13 @@
 //! The checks that a regulator must pass, and settings that pass them where the stated ones do not.
 
 use crate::controller::LinearController;
-use crate::design::Settings;
 use crate::error::DesignError;
 use crate::friction::{FrictionCheck, FrictionExtremes, friction_check};
 use crate::lqr::{DiscreteRegulator, Weights, discrete_regulator};
 use crate::margins::{Margins, margins};
 use crate::matrix::of_model;
 use crate::poles::{eigenvalues, spectral_radius};
+use crate::settings::Settings;
 use crate::structural::reach;
 use nalgebra::{Complex, RowVector3};
 use plant::LinearModel;

@@ -6,48 +6,17 @@ use crate::bias_observer::BiasObserver;
 use crate::controller::LinearController;
 use crate::dare::DareSolution;
 use crate::error::DesignError;
-use crate::friction::{FrictionCheck, FrictionExtremes};
-use crate::lqr::{DiscreteRegulator, Weights};
+use crate::friction::FrictionCheck;
+use crate::lqr::DiscreteRegulator;
 use crate::margins::{Margins, margins};
 use crate::matrix::{check_positive, of_model};
 use crate::poles::{Pole, poles};
 use crate::recovery::recovery_angle_rad;
+use crate::settings::Settings;
 use crate::structural::{StructuralRank, controllability, observability};
 use crate::zero_order_hold::Discrete;
 use nalgebra::{Complex, DMatrix, RowVector3, Vector3};
 use plant::LinearModel;
-
-/// The requirements for a design; the section `[design]` of model.toml.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Sample time in s.
-    pub sample_time_s: f64,
-    /// Weights of the cost.
-    pub weights: Weights,
-    /// Largest current in A.
-    pub current_limit_a: f64,
-    /// The linear models of the bench without and with all of its Coulomb friction, if it has any. The loop must be
-    /// stable without the friction.
-    pub friction_extremes: Option<FrictionExtremes>,
-}
-
-/// Sample time of the thesis' loop, s.
-const SAMPLE_TIME_OF_THE_THESIS_S: f64 = 0.001;
-/// Largest current of the thesis' drive, A.
-const CURRENT_LIMIT_OF_THE_THESIS_A: f64 = 2.0;
-
-impl Settings {
-    /// The requirements for a model that states none: weights and sample time of the thesis, and the current limit of
-    /// the bench if it is known, or else that of the thesis.
-    pub fn usual(current_limit_a: Option<f64>) -> Settings {
-        Settings {
-            sample_time_s: SAMPLE_TIME_OF_THE_THESIS_S,
-            weights: Weights::OF_THE_THESIS,
-            current_limit_a: current_limit_a.unwrap_or(CURRENT_LIMIT_OF_THE_THESIS_A),
-            friction_extremes: None,
-        }
-    }
-}
 
 /// A controller, with the properties of its loop. The states are (angle from upright in rad, rate in
 /// rad/s, wheel speed in rad/s), the law is u = −K x.
@@ -183,6 +152,7 @@ impl Design {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::FrictionExtremes;
     use crate::thesis;
 
     fn settings() -> Settings {

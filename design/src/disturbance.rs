@@ -70,7 +70,7 @@ pub fn torque_response(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::Settings;
+    use crate::settings::Settings;
     use crate::thesis::model;
 
     /// The mean square of the angle under a torque of any one frequency stays below the bound, and a torque of the

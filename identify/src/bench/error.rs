@@ -39,7 +39,7 @@ pub enum IdentifyError {
         "the fit has failed: {}. No parameter of this fit is usable. Check units, signs and kind of {} in \
          bench.toml. The log must also show its motion: a spin-up needs a change of speed well above the noise, a \
          swing a good part of a period, both with several samples per period. If all of that is right, \
-         `flywheel diagnose` looks for an effect that the model lacks",
+         a diagnosis looks for an effect that the model lacks",
         no_better(series),
         if series.len() == 1 { "the experiment" } else { "these experiments" }
     )]

@@ -18,7 +18,7 @@ pub fn absent(module: &Module, certificate: &Certificate) -> Option<ClaimOutcome
     match (is_there, &certificate.monitor) {
         (true, Some(_)) => None,
         (false, None) => Some(ClaimOutcome::NotApplicable(
-            "the module has no monitor (flywheel generate --monitor)".to_owned(),
+            "the module has no monitor; one is emitted where a monitor is asked for".to_owned(),
         )),
         (true, None) => Some(ClaimOutcome::Failed(
             "the source has a monitor, of which the certificate states nothing".to_owned(),
