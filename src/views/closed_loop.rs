@@ -16,7 +16,9 @@ pub fn text(report: &SimulationReport) -> String {
         report.model
     );
     if !report.assumed.is_empty() {
-        text.push_str("Taken from the bench of the thesis, because the model does not state it:\n");
+        text.push_str(
+            "Assumed, from the bench of the thesis, because the model does not state it:\n",
+        );
         for sentence in &report.assumed {
             text.push_str(&format!("  {sentence}\n"));
         }

@@ -87,7 +87,11 @@ fn nothing_is_assumed_unasked() {
     let file = folder.path().join("bench.toml").display().to_string();
     let out = folder.path().join("figures").display().to_string();
     let simulated = flywheel(&["simulate", &file, "--out", &out]);
-    assert!(text(&simulated.stdout).contains("Assumed"));
+    let said = text(&simulated.stdout);
+    assert!(
+        said.contains("Assumed") && said.contains("ESCON 24/2"),
+        "{said}"
+    );
 }
 
 /// A line of the drive that belongs to a timer of 12 bits is not squeezed into one of 16.
