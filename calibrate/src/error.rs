@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// Not enough data.
-    #[error("{what}: {found} given, at least {needed} needed")]
+    #[error("{what}: there are {found}, and at least {needed} are needed")]
     TooFew {
         /// The kind of data that is missing.
         what: &'static str,

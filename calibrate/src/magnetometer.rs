@@ -92,7 +92,7 @@ pub struct MagnetometerCalibration {
     pub sensor: SensorCalibration,
     /// Standard deviation of the length before the calibration, as a share of the mean length. The bias is not removed.
     pub spread_before: f64,
-    /// The same after.
+    /// Standard deviation of the length after the calibration, as a share of the mean length.
     pub spread_after: f64,
     /// Share of the sphere's directions with a reading within 15°.
     pub coverage: f64,

@@ -132,7 +132,7 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
         period / drift_time,
         f64::from(i32::MAX) / 2f64.powf(28.0 + drift_shift),
         "of it",
-        "follow it more slowly",
+        "choose a longer time constant for the drift",
     )? * 2f64.powf(28.0 + drift_shift);
     let drift_word = (drift_limit * 2f64.powf(32.0 + drift_shift)).min(2f64.powi(30));
 

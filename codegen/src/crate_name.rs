@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The name where no other is asked for.
+/// The default name.
 const USUAL: &str = "generated";
 /// Longest name, in characters, that both crates.io and Arduino's library index accept.
 const LENGTH_MAX: usize = 63;

@@ -1,7 +1,8 @@
-//! The words of the hardware around the control law, and of its straight lines.
+//! The words of the hardware around the control law: constants of the sensors, and straight lines from one word to
+//! another.
 //!
-//! The inputs are raw counts (inertial sensor or encoder, the wheel's sensor), the output is a duty. Every
-//! line is rounded once, to a slope of 30 bits.
+//! The inputs are raw counts (inertial sensor or encoder, the wheel's sensor), the output is a duty. The slope of a
+//! line is rounded once, to 30 bits.
 
 use attitude::AttitudeSpec;
 
@@ -96,11 +97,11 @@ pub struct InertialWords {
 /// All words of the emitted constants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardwareWords {
-    /// Between the sensors of the body and its states.
+    /// The words between the counts of the body's sensors and its angle and rate.
     pub body: BodyWords,
     /// From counts to the word of the wheel speed.
     pub wheel_speed: Line,
-    /// Of the wheel's encoder, where there is one.
+    /// The words of the wheel's encoder; `None` for another sensor.
     pub wheel_encoder: Option<EncoderNumbers>,
     /// From the word of the current to the duty.
     pub duty: DutyWords,

@@ -21,7 +21,7 @@ pub struct HeldInput {
 }
 
 impl HeldInput {
-    /// That of `spec`.
+    /// The held input of the module `spec`.
     pub fn of(spec: &ModuleSpec) -> HeldInput {
         let Some(voltage) = &spec.drive.voltage else {
             return HeldInput {

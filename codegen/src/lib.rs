@@ -72,7 +72,7 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
 
 /// Emits the crate for `spec`, or refuses with the claim that could not be kept.
 ///
-/// The result depends on `spec` and `options` alone: the same numbers give the same bytes.
+/// The result depends only on `spec` and `options`: the same numbers give the same bytes.
 ///
 /// # Errors
 /// A [`Refusal`] that names what is wrong and what would cure it; [`Refusal::Monitor`] if no bound of the model's motion

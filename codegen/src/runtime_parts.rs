@@ -196,14 +196,15 @@ fn is_mark(tree: &TokenTree, mark: char) -> bool {
     matches!(tree, TokenTree::Punct(found) if found.as_char() == mark)
 }
 
-/// One past the attribute that begins at `at`, if one does: `#[…]`, which `///` is too.
+/// The index after the attribute `#[…]` that begins at `at`; `None` if none begins there. A `///` comment is an
+/// attribute, too.
 fn attribute_end(trees: &[TokenTree], at: usize) -> Option<usize> {
     let is_attribute = is_mark(trees.get(at)?, '#')
         && matches!(trees.get(at + 1)?, TokenTree::Group(group) if group.delimiter() == Delimiter::Bracket);
     is_attribute.then_some(at + 2)
 }
 
-/// What stands between the parentheses of `[cfg(…)]`.
+/// The condition between the parentheses of `[cfg(…)]`.
 fn condition_of(tree: &TokenTree) -> Option<TokenStream> {
     let TokenTree::Group(group) = tree else {
         return None;
@@ -217,8 +218,8 @@ fn condition_of(tree: &TokenTree) -> Option<TokenStream> {
     }
 }
 
-/// One past the node that begins at `at`: an item, a statement, a field or an argument. It ends with a comma or a
-/// semicolon, with a block after which nothing goes on, or with the group that it stands in.
+/// The index after the node that begins at `at`: an item, a statement, a field or an argument. A node ends with a comma
+/// or a semicolon, with a block that nothing continues (such as `else` or `.`), or with the group that contains it.
 fn node_end(trees: &[TokenTree], mut at: usize) -> usize {
     while let Some(tree) = trees.get(at) {
         at += 1;

@@ -1,7 +1,7 @@
 //! The effect of a bias of the measured angle: a wheel that never stops.
 //!
-//! With measured = true + b, the law responds with K₁ b to an angle that is not there. The loop comes to rest
-//! where the body leans just enough to keep the wheel turning against its friction:
+//! If the measured angle is the true one plus b, the law adds the current −K₁ b. The loop comes to rest where the body
+//! leans just enough to keep the wheel turning against its friction:
 //!
 //! ```text
 //! (A − B K) x = B K₁ b   (continuous),   (I − Ad + Bd K) x = −Bd K₁ b   (sampled)

@@ -9,7 +9,7 @@ use crate::error::DesignError;
 use crate::lqr::Weights;
 use crate::matrix::check_positive;
 
-/// How far each quantity may leave its rest. Infinite: it costs nothing.
+/// How far each quantity may leave its value at rest. A state whose excursion is infinite has no weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excursions {
     /// Angle from upright, rad.
@@ -23,7 +23,7 @@ pub struct Excursions {
 }
 
 impl Excursions {
-    /// The weights that make each of these excursions cost the same, 1 per second.
+    /// The weights with which each of these excursions costs the same: 1 per second.
     ///
     /// # Errors
     /// [`DesignError::NotPositive`] or [`DesignError::NotFinite`] for an excursion that is not a positive number; that

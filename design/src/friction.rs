@@ -28,7 +28,7 @@ pub struct FrictionExtremes {
     pub none: LinearModel,
     /// All of it, as the viscous term μ/ι.
     pub all: LinearModel,
-    /// That ι, in rad/s.
+    /// The smoothing speed ι of that term, in rad/s.
     pub smoothing_speed_rad_s: f64,
 }
 
@@ -197,8 +197,8 @@ mod tests {
         thesis::model_of(parameters)
     }
 
-    /// The less ι, the more damping the design believes in, and the worse it balances a bench
-    /// whose friction is only viscous. Figures computed independently, printed to two digits.
+    /// The smaller ι, the more damping the design assumes, and the worse its loop balances a bench whose friction is
+    /// only viscous. The expected numbers were computed independently and have two digits.
     #[test]
     fn believing_in_friction_costs_damping() {
         for (speed, gains, pole) in [

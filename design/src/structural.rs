@@ -107,7 +107,7 @@ pub fn reach(a: &DMatrix<f64>, b: &DMatrix<f64>, mode: Complex<f64>) -> Result<f
 
 /// A and B in dimensionless coordinates.
 struct Scaled {
-    /// Balanced, of Frobenius norm one.
+    /// A after balancing, divided by its Frobenius norm.
     a: DMatrix<f64>,
     /// B in the coordinates of `a`, with each column scaled to norm one (a zero column stays zero).
     b: DMatrix<f64>,

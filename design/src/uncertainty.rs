@@ -423,7 +423,7 @@ mod tests {
         parameters.covariance = &scale * scale.transpose();
         let study = study(&parameters, 500);
         for pole in &study.open_loop {
-            // The square root of a matrix of rank one keeps half the digits.
+            // The square root of a matrix of rank one has only half the digits of a double.
             let alone: f64 = pole.per_parameter.iter().map(|(_, by)| by.norm()).sum();
             assert!(pole.std_re < 1e-6 * alone && pole.sampled_std_re < 1e-6 * alone);
             assert!(alone > 1e-4 * pole.value.norm());

@@ -146,7 +146,8 @@ pub struct Unbalance<S> {
     /// The part of the unbalance's torque on the body that no acceleration causes, in N m, positive against the body's
     /// motion.
     pub body_torque: S,
-    /// The same of the wheel.
+    /// The part of the unbalance's torque on the wheel that no acceleration causes, in N m, positive against the
+    /// wheel's motion.
     pub wheel_torque: S,
 }
 

@@ -204,7 +204,7 @@ impl ClosedLoop<'_> {
         .map(|(trace, _)| trace)
     }
 
-    /// As [`ClosedLoop::run`], until `over` returns `true`; also returns the last state.
+    /// Runs the loop like [`ClosedLoop::run`], but ends as soon as `over` returns `true`; also returns the last state.
     pub(crate) fn run_until(
         &self,
         start: &State<f64>,

@@ -116,7 +116,7 @@ impl Scenario {
         }
     }
 
-    /// All of them.
+    /// The three scenarios.
     pub fn all(scale: &Scale) -> [Scenario; 3] {
         [
             Scenario::transient(scale),

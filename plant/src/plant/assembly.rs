@@ -192,7 +192,7 @@ impl Structure {
                 term.effect.torque(p, &instant, &self.smoothing)
             };
             stiffness += match term.effect.info().learned {
-                // A curve may be flat here and steep elsewhere.
+                // A learned curve may be flat at the hanging position and steep elsewhere: its steepest slope counts.
                 Some(curve) if curve.coordinate == LearnedCoordinate::Angle => {
                     curve.spline.steepest(&values[term.own()])
                 }

@@ -33,7 +33,7 @@ impl<S: Scalar> Drive<S> {
 /// The current during a run, commanded or measured.
 #[derive(Clone, Copy, Debug)]
 pub enum Current<'a, S> {
-    /// As recorded.
+    /// The current that the log records.
     Recorded(&'a Input),
     /// Constant at this value in A; for logs whose current was not recorded.
     Held(S),
@@ -142,18 +142,19 @@ impl<S: Scalar> Plant<S> {
         state
     }
 
-    /// The equal parts that a step of this length asks for, cogging apart.
+    /// The number of equal steps into which accuracy and stability divide an interval of `step_s` seconds, without
+    /// regard to cogging.
     pub(super) fn parts(&self, step_s: f64) -> usize {
         let parts = step_s / self.structure.longest_step_s;
         parts.ceil().clamp(1.0, MOST_PARTS) as usize
     }
 
-    /// One step as it is, forwards or backwards.
+    /// One Runge–Kutta step over the whole of `step_s` seconds, backwards in time if `step_s` is negative.
     pub(super) fn single_step(&self, start: &State<S>, drive: &Drive<S>, step_s: f64) -> State<S> {
         self.rk4(start, drive, step_s, self.has_ripple(start, step_s))
     }
 
-    /// Whether cogging acts in a step of this length from here.
+    /// Whether cogging acts in a step of `step_s` seconds from `start`, or is too fast to be resolved there.
     pub(super) fn has_ripple(&self, start: &State<S>, step_s: f64) -> bool {
         let ripple = self.ripples(start.wheel_speed_rad_s.value(), step_s);
         self.structure.ripple_order.is_none() || ripple.is_some()
