@@ -179,7 +179,7 @@ pub(crate) struct Compared<'a> {
     pub pushes: &'a [Vec<FoundPush>],
 }
 
-/// The sentences beside the numbers.
+/// The sentences of a report, in addition to its numbers.
 pub(crate) struct Said {
     pub findings: Vec<Finding>,
     pub contradictions: Vec<String>,

@@ -1,4 +1,4 @@
-//! What an effect looks like: the same experiment with and without it.
+//! The picture of an effect: the same experiment simulated with and without the effect.
 
 use figures::{Line, LineRole, Panel, Quantity, Series};
 use plant::{Current, EffectId, HidingPlace, Hold, Input, Kind, Model, Plant, State};
@@ -32,7 +32,7 @@ pub(crate) struct Scene {
     duration_s: f64,
 }
 
-/// Ampere of the scenes with current.
+/// Current of the scenes in which the motor is driven, A.
 const CURRENT_A: f64 = 0.5;
 
 /// The experiments in which effects are drawn.
@@ -167,7 +167,7 @@ pub fn effect_portrait(name: &str) -> Option<EffectPortrait> {
         }) else {
             continue;
         };
-        // The experiment in which the smallest effect is seen shows it best.
+        // The experiment in which the smallest amplitude is visible shows the effect best.
         if best.as_ref().is_some_and(|(least, _)| amplitude >= *least) {
             continue;
         }

@@ -33,7 +33,7 @@ pub enum Error {
         refusals: Vec<Finding>,
     },
     /// A bench cannot be created where one exists.
-    #[error("{}: a bench exists already; it is not changed", file.display())]
+    #[error("{}: a bench exists already and is not changed; choose another folder", file.display())]
     BenchExists {
         /// Its bench.toml.
         file: PathBuf,
@@ -99,7 +99,10 @@ pub enum Error {
         present: Vec<String>,
     },
     /// A parameter of the model has another unit than the bench now gives.
-    #[error("{}: {parameter} is in \"{found}\", but the bench now gives \"{unit}\"", model.display())]
+    #[error(
+        "{}: {parameter} is in \"{found}\", but the bench now gives \"{unit}\"; identify the model again",
+        model.display()
+    )]
     ParameterUnit {
         /// The model's file.
         model: PathBuf,
@@ -168,7 +171,7 @@ pub enum Error {
         /// The reason, with a remedy.
         source: Box<Refusal>,
     },
-    /// The controller would drive the motor the wrong way, or contradicts physics otherwise.
+    /// The controller would drive the motor the wrong way, or contradicts physics in another way.
     #[error("{}: {reason}; see [hardware], [calibration] and [parameters]", model.display())]
     Unphysical {
         /// The model's file.

@@ -60,7 +60,7 @@ impl Session {
         self.identify_as(&self.structure(), progress)
     }
 
-    /// As [`Session::identify`], with the base model alone: viscous friction and no other effect.
+    /// Fits the base model alone, with viscous friction and no other effect, to all experiments.
     ///
     /// # Errors
     /// As for [`Session::identify`].

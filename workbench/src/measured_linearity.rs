@@ -31,7 +31,7 @@ pub struct MeasuredSwings {
     pub measured_amplitudes_rad: Option<[f64; 2]>,
     /// Range of amplitudes in which the measured period equals that of the linear model.
     pub period_good_between_rad: Option<[f64; 2]>,
-    /// The next larger measured amplitude, at which it no longer does.
+    /// The next larger measured amplitude, at which the period differs from that of the linear model.
     pub period_off_from_rad: Option<f64>,
 }
 

@@ -79,14 +79,14 @@ impl Predictor {
             .collect()
     }
 
-    /// How the free swings die out, measured and by the model.
+    /// The decay of the free swings, measured and according to the model.
     pub fn decays(&self) -> Vec<SwingDecay> {
         let traces = self.0.traces(&self.0.minimum.values);
         swing_decays(&self.0.problem.records, &traces)
     }
 
-    /// Simulates every experiment from its start, with these parameters changed. With none it gives
-    /// the curves of [`Session::compare`].
+    /// Simulates every experiment from its start, with these parameters changed. Without changes, the curves are those of
+    /// [`Session::compare`].
     ///
     /// # Errors
     /// [`Error::UnknownParameter`].

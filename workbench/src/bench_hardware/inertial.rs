@@ -267,7 +267,7 @@ impl Work<'_> {
             self.warnings.push(format!(
                 "[calibration.mounting] turns the sensor {}° away from the axes that \
                  [hardware.accelerometer] states: the calibrated mounting is used; flywheel bring-up \
-                 settles which is right",
+                 finds the right one",
                 significant(apart.to_degrees(), 2)
             ));
         }

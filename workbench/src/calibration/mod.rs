@@ -35,7 +35,7 @@ pub struct SensorCalibrationReport {
     pub centre_of_mass: Option<PlumbedCentre>,
     /// Warnings about results that are not reliable, with remedies; sentences.
     pub warnings: Vec<String>,
-    /// The magnetometer's samples before and after.
+    /// The magnetometer's samples before and after calibration.
     #[serde(skip)]
     pub magnetometer_points: Option<MagnetometerPoints>,
     /// The results as they are written to model.toml.
@@ -54,7 +54,7 @@ pub struct CalibratedSensor {
     pub bias_std: [f64; 3],
     /// The matrix, row by row.
     pub matrix: [[f64; 3]; 3],
-    /// Standard errors; zero for entries that are not identified.
+    /// Standard errors of the matrix; zero for entries that are not identified.
     pub matrix_std: [[f64; 3]; 3],
     /// Quality of the fit by name: residual, condition, coverage, noise, …
     pub quality: Vec<(String, f64)>,
@@ -78,11 +78,11 @@ pub struct SensorMounting {
 pub struct LeverArmReport {
     /// The position that goes into the model, m, if there is one.
     pub position_m: Option<[f64; 2]>,
-    /// Its standard errors.
+    /// Standard errors of that position, m.
     pub position_std_m: Option<[f64; 2]>,
     /// The position measured with a ruler, m, if it was.
     pub stated_m: Option<[f64; 2]>,
-    /// Its standard errors.
+    /// Standard errors of the position by the ruler, m.
     pub stated_std_m: Option<[f64; 2]>,
     /// The position from the accelerations of the swing.
     pub from_swing: Option<LeverArmOfSwing>,
@@ -129,7 +129,7 @@ pub struct PlumbedCentre {
     pub pivot_to_com_std_m: f64,
     /// Largest angle between two of the lines.
     pub crossing_angle_rad: f64,
-    /// Distance of each line from it, m.
+    /// Distance of each line from the centre of mass, m.
     pub residuals_m: Vec<f64>,
 }
 
