@@ -12,7 +12,7 @@
 //! - for the body: one push, of the size from which the pendulum can just come back.
 //!
 //! **Encoder on the wheel.** It shows the mean speed over its window of N steps. While the wheel accelerates by at most
-//! Φ, the error of this speed is Φ N T/2; it is treated like other errors of the sensor, in addition to the error of
+//! Φ, the error of this speed is Φ N T/2; it is treated like other errors of the sensor, in addition to the rounding of
 //! two counts. Φ is the largest acceleration that the model, with its errors, allows at the ends of angle, rate, wheel
 //! speed and drive. A push changes the wheel's speed relative to the body at once, and the shown speed within the
 //! window; during this time the sum contains the push. If these allowances would hide a wheel that does not respond to
@@ -47,7 +47,8 @@ const ANGLE_ERROR_RAD: f64 = 0.02;
 /// Assumed relative error of a parameter without a standard error.
 const UNSTATED_SHARE: f64 = 0.1;
 
-/// Relative error of each row that sampling and rounding may cause.
+/// Relative error of each entry of a row by sampling and rounding. Each limit has the same number as an allowance in
+/// rad/s.
 const ROW_SHARE: f64 = 0.01;
 
 /// Number of steps by which the current, or the reading of a sensor, may be later than in the model.

@@ -17,7 +17,7 @@ use crate::zero_order_hold::zero_order_hold;
 /// The torque that acts on the body from time zero on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DisturbanceTorque {
-    /// A torque that stays, N m.
+    /// A constant torque, N m.
     Step(f64),
     /// A torque over one sample, with this impulse, N m s.
     Push(f64),

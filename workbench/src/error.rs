@@ -99,10 +99,7 @@ pub enum Error {
         present: Vec<String>,
     },
     /// A parameter of the model has another unit than the bench now gives.
-    #[error(
-        "{}: {parameter} is in \"{found}\", but the bench now gives \"{unit}\"; identify the model again",
-        model.display()
-    )]
+    #[error("{}: {parameter} is in \"{found}\", but the bench now gives \"{unit}\"", model.display())]
     ParameterUnit {
         /// The model's file.
         model: PathBuf,

@@ -37,11 +37,11 @@ impl Sensors for Upright {
     }
 }
 
-/// What the accelerometer of the thesis' bench says upright: 1 g along the body's x.
+/// The accelerometer's reading on the thesis bench upright, counts: 1 g along the body's x.
 const UP: [i16; 3] = [4096, 0, 0];
 /// `zero` of the benches with an encoder on the pivot.
 const UPRIGHT: u16 = 773;
-/// No speed on the thesis' converter, 6594.5/8.53108; an encoder's count that stands still.
+/// The count of a wheel at rest: 6594.5/8.53108 on the converter of the thesis, any constant count of an encoder.
 #[cfg(not(feature = "wheel-driver"))]
 const WHEEL_AT_REST: u16 = 773;
 #[cfg(feature = "wheel-driver")]
@@ -124,7 +124,7 @@ impl Bench {
         self.order(task, 60_000);
     }
 
-    /// Aligned and driven.
+    /// A bench whose controller has found its attitude and drives the motor.
     fn driven() -> Bench {
         let mut bench = Bench::default();
         bench.run(600);

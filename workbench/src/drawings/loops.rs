@@ -58,7 +58,7 @@ pub fn loop_drawings(prefix: &str, loops: &[NamedLoop]) -> Result<Vec<OutputFile
             "A torque of {} on the body, from time zero on",
             with_prefix(one.size, &one.unit)
         );
-        let text = answer_figure(&title("a torque that stays"), &size, &steps)?;
+        let text = answer_figure(&title("a constant torque"), &size, &steps)?;
         files.push(OutputFile::svg(&name("step-response"), text));
     }
     if let Some((_, one, _)) = pushes.first() {
