@@ -29,9 +29,9 @@ pub struct Mounting {
     pub angle_std_rad: f64,
 }
 
-/// The smallest rotation that takes the pivot `axis` (in the sensor's frame) to z. For an axis nearer to −z, the result
-/// is half a turn about the sensor's x axis, followed by the smallest rotation. In both cases, a small change of the axis
-/// changes the rotation little.
+/// The smallest rotation that takes the pivot `axis` (in the sensor's frame) to z. For an axis nearer to −z, the
+/// result is half a turn about the sensor's x axis, followed by the smallest rotation. In both cases, a small change
+/// of the axis changes the rotation little.
 pub fn alignment(axis: &Vector3<f64>) -> Rotation3<f64> {
     let smallest =
         |axis: &Vector3<f64>| Rotation3::rotation_between(axis, &Vector3::z()).unwrap_or_default();

@@ -72,8 +72,8 @@ struct Loop {
     /// N + K.
     gain_error: RowVector3<f64>,
     limit: f64,
-    /// Largest held input |w| that the supply allows, in A ([`crate::held_voltage::HeldInput::reach_a`]); infinite for a
-    /// current drive.
+    /// Largest held input |w| that the supply allows, in A ([`crate::held_voltage::HeldInput::reach_a`]); infinite for
+    /// a current drive.
     reach: f64,
     /// A and B of the loop whose input is the quantity that the drive holds: current, or voltage over resistance.
     a: Matrix3<f64>,
@@ -239,7 +239,8 @@ fn largest_ellipsoid(problem: &Loop) -> Option<(Matrix3<f64>, f64)> {
         .map(|value| value.norm())
         .fold(0.0, f64::max);
     let mut best: Option<(Matrix3<f64>, f64, f64)> = None;
-    // A γ nearer to 1 needs more terms in a bound. The search goes at most half of the way from the spectral radius to 1.
+    // A γ nearer to 1 needs more terms in a bound. The search goes at most half of the way from the spectral radius to
+    // 1.
     for step in 1..=20 {
         let gamma = radius + (1.0 - radius) * f64::from(step) / 40.0;
         for exponent in -16..=4 {

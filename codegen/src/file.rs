@@ -101,7 +101,8 @@ impl EmittedCrate {
     /// a missing permission or a full disk therefore leaves everything unchanged.
     ///
     /// # Errors
-    /// [`FileError::Foreign`] if a file with the same path was not written by this program, [`FileError::Io`] otherwise.
+    /// [`FileError::Foreign`] if a file with the same path was not written by this program, [`FileError::Io`]
+    /// otherwise.
     pub fn write(&self, directory: &Path) -> Result<Vec<PathBuf>, FileError> {
         let mut changes = Vec::new();
         for file in &self.files {

@@ -75,8 +75,8 @@ pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
 /// The result depends only on `spec` and `options`: the same numbers give the same bytes.
 ///
 /// # Errors
-/// A [`Refusal`] that names what is wrong and what would cure it; [`Refusal::Monitor`] if no bound of the model's motion
-/// is known.
+/// A [`Refusal`] that names what is wrong and what would cure it; [`Refusal::Monitor`] if no bound of the model's
+/// motion is known.
 pub fn generate_with(
     spec: &ModuleSpec,
     options: &EmissionOptions,

@@ -60,8 +60,8 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let input = Vector3::from_column_slice(&spec.bd);
     let f = Matrix3::from_fn(|i, j| spec.ad[i][j]) + input * gains;
 
-    // The largest |w|, in 2^−PART_BITS units of the sum of products: half a unit of the command, and half a word of each
-    // state.
+    // The largest |w|, in 2^−PART_BITS units of the sum of products: half a unit of the command, and half a word of
+    // each state.
     let shift = law.shift as i32;
     let half = 2f64.powi(shift - 1 + PART_BITS);
     let raw = law
@@ -71,8 +71,8 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let worst = half + 2f64.powi(PART_BITS - 1) * raw.sum::<f64>();
     let count_a = unit(law.current.fraction_bits) * 2f64.powi(-shift - PART_BITS);
 
-    // The row, scaled such that its coordinate stays within 1 for all time: in a step at most the share `remains` of the
-    // coordinate remains, and each ampere of the command's difference adds at most `push` (before scaling).
+    // The row, scaled such that its coordinate stays within 1 for all time: in a step at most the share `remains` of
+    // the coordinate remains, and each ampere of the command's difference adds at most `push` (before scaling).
     let scaled = |row: RowVector3<f64>, remains: f64, push: f64| {
         row * ((1.0 - remains) * (1.0 - MARGIN) / (push * count_a * worst))
     };

@@ -1,10 +1,10 @@
 //! The numbers of the monitor: the model's prediction of the motion in one step, and the largest deviation of a sound
 //! bench from it.
 //!
-//! The sampled linear model predicts the motion. The monitor sums the differences between measured and predicted motion,
-//! and multiplies the sum by λ = 1 − 2^−leak in each step. A difference d that every step repeats therefore adds up to at
-//! most d 2^leak. A sensor's error enters as the difference of its values in two steps, and adds up to at most twice its
-//! largest value. The limits of the sums cover
+//! The sampled linear model predicts the motion. The monitor sums the differences between measured and predicted
+//! motion, and multiplies the sum by λ = 1 − 2^−leak in each step. A difference d that every step repeats therefore
+//! adds up to at most d 2^leak. A sensor's error enters as the difference of its values in two steps, and adds up to
+//! at most twice its largest value. The limits of the sums cover
 //!
 //! - twice the largest errors of the sensors, and the effect of state errors on the prediction;
 //! - a current that acts up to [`LATE_STEPS`] later than predicted;
@@ -18,8 +18,9 @@
 //! window; during this time the sum contains the push. If these allowances would hide a wheel that does not respond to
 //! the largest current, a monitor would notice nothing and is refused.
 //!
-//! With a voltage drive the model is that of the held voltage ([`crate::held_voltage`]), and the duty is the voltage over the
-//! winding's resistance, which changes with its temperature: no error of it is stated.
+//! With a voltage drive the model is that of the held voltage ([`crate::held_voltage`]), and the duty is the voltage
+//! over the winding's resistance. The resistance changes with its temperature; its relative error is taken to be
+//! [`UNSTATED_SHARE`].
 //!
 //! The widths grow with the states and the current by the shares by which the model's numbers may be off: three
 //! standard errors, or [`UNSTATED_SHARE`] where none is stated.
@@ -37,7 +38,8 @@ use crate::spec::ModuleSpec;
 /// shows in this time which torque drives it, and noise has little time to add up.
 const MEMORY_S: f64 = 0.1;
 
-/// Largest error of a sensor by its noise, in standard deviations. One reading in 10¹⁵ of normal noise lies beyond eight.
+/// Largest error of a sensor by its noise, in standard deviations. One reading in 10¹⁵ of normal noise lies beyond
+/// eight.
 const NOISE_STDS: f64 = 8.0;
 
 /// Largest error of the attitude filter's angle apart from noise (rad): from a bias of the accelerometer of 20 mg, or
@@ -318,8 +320,8 @@ impl Shares {
         let value = |name: &str| parameter(spec, name).map_or(0.0, |found| found.value);
         let (whole, wheel) = (value("total_inertia"), value("wheel_inertia"));
         let off = share("total_inertia") * whole + share("wheel_inertia") * wheel;
-        // With a voltage drive, the current at standstill is the voltage over the winding's resistance R, and the back-EMF
-        // brakes the wheel like a viscous friction τ²/R. R is taken to be known to UNSTATED_SHARE.
+        // With a voltage drive, the current at standstill is the voltage over the winding's resistance R, and the
+        // back-EMF brakes the wheel like a viscous friction τ²/R. R is taken to be known to UNSTATED_SHARE.
         let (torque, friction) = (share("torque_constant"), share("wheel_viscous_friction"));
         let (torque, wheel_friction) = match spec.drive.voltage {
             None => (torque, friction),
@@ -354,8 +356,8 @@ impl Shares {
     }
 }
 
-/// Bounds of the torques that the linear model lacks, as accelerations of wheel and body (rad/s²). Their course over time
-/// is arbitrary.
+/// Bounds of the torques that the linear model lacks, as accelerations of wheel and body (rad/s²). Their course over
+/// time is arbitrary.
 struct Torques {
     wheel_rad_s2: f64,
     body_rad_s2: f64,

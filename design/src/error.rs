@@ -173,8 +173,8 @@ pub enum DesignError {
     },
 }
 
-/// The modulus of a pole as text. Its distance from 1 decides stability, and four digits of the modulus of a slow mode do
-/// not show it; a modulus within 0.01 of 1 is therefore written as 1 plus or minus the distance.
+/// The modulus of a pole as text. Its distance from 1 decides stability, and four digits of the modulus of a slow mode
+/// do not show it; a modulus within 0.01 of 1 is therefore written as 1 plus or minus the distance.
 fn modulus(modulus: f64) -> String {
     let beyond = modulus - 1.0;
     if beyond != 0.0 && beyond.abs() < 0.01 {

@@ -167,8 +167,8 @@ mod tests {
         }
     }
 
-    /// For weights and benches with which double precision loses digits, the returned gains satisfy the Riccati equation
-    /// in extended precision, or the design is refused.
+    /// For weights and benches with which double precision loses digits, the returned gains satisfy the Riccati
+    /// equation in extended precision, or the design is refused.
     #[test]
     fn a_stiff_design_is_right_or_refused() {
         let weights = Weights {

@@ -1,11 +1,11 @@
 //! The bench as the controller meets it: the current reaches the plant late, and the sensors are late and filtered.
 //!
-//! The difference equation is exact. A sensor's low-pass filter, T ẏ = v − y, is a state of the plant. A delay consists
-//! of whole samples and a fraction of a sample. The current at the plant changes once in a sample interval, after the
-//! fraction of its delay, and the hold is split at that time ([`zero_order_hold_delayed`]). A late sensor shows the plant
-//! at an instant between two samples; the same split hold gives the state at that instant from the sample before. Whole
-//! samples of a delay are shift states (Åström and Wittenmark, "Computer-Controlled Systems", 3rd ed., section 2.3). The
-//! result is
+//! The difference equation is exact. A sensor's low-pass filter, T ẏ = v − y, is a state of the plant. A delay
+//! consists of whole samples and a fraction of a sample. The current at the plant changes once in a sample interval,
+//! after the fraction of its delay, and the hold is split at that time ([`zero_order_hold_delayed`]). A late sensor
+//! shows the plant at an instant between two samples; the same split hold gives the state at that instant from the
+//! sample before. Whole samples of a delay are shift states (Åström and Wittenmark, "Computer-Controlled Systems", 3rd
+//! ed., section 2.3). The result is
 //!
 //! ```text
 //! x⁺ = Ad x + Bp u₋₍d₊₁₎ + Bn u₋d,   yᵢ = z^−mᵢ (Cᵢ x + Pᵢ u₋₍d₊₁₎ + Nᵢ u₋d)
@@ -272,7 +272,8 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
-        /// Shift states and powers of z give the same transfer function, and a delay that all sensors share acts like the
+        /// Shift states and powers of z give the same transfer function, and a delay that all sensors share acts like
+        /// the
     /// same delay of the current.
         #[test]
         fn states_and_transfer_agree(

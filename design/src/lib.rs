@@ -7,13 +7,13 @@
 //! |---|---|
 //! | [`zero_order_hold`], [`sampled_cost`] | the discretisation of model and cost |
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
-//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and their conditioning |
+//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability; conditioning |
 //! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
 //! | [`late`] | the sampled plant with delays of the current and delays and filters of the sensors |
 //! | `late_loop` | the loop around that plant; the law that predicts over a delay |
 //! | [`excursions`] | weights from allowed excursions (Bryson's rule), and back |
 //! | [`frequency_response`] | the open loop over frequency: Bode and Nyquist |
-//! | [`linear_response`] | the loop's response to a constant torque and to a push, with bands from the parameters' errors |
+//! | [`linear_response`] | the loop's response to a constant torque and to a push, with bands |
 //! | [`sensor_noise`] | standard deviations of angle, wheel speed and current that the sensors' noise causes |
 //! | [`disturbance`] | largest gains of the loop from a disturbing torque |
 //! | [`friction`], [`uncertainty`] | the loop around benches that differ from the model |

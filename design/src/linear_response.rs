@@ -271,8 +271,8 @@ mod tests {
         .unwrap()
     }
 
-    /// Under a constant torque d the loop rests at the angle −d/G: at rest the motor's torque equals the friction of the
-    /// wheel, and the sum of both equations of motion is G α = −d.
+    /// Under a constant torque d the loop rests at the angle −d/G: at rest the motor's torque equals the friction of
+    /// the wheel, and the sum of both equations of motion is G α = −d.
     #[test]
     fn a_steady_torque_is_held_by_gravity() {
         let plant = plant(thesis::PARAMETERS);
@@ -302,8 +302,8 @@ mod tests {
         assert!((angle / golden - 1.0).abs() < 1e-4, "{angle} {golden}");
     }
 
-    /// A push changes the body's rate by its impulse divided by D at once, and its response is the time derivative of the
-    /// response to a step.
+    /// A push changes the body's rate by its impulse divided by D at once, and its response is the time derivative of
+    /// the response to a step.
     #[test]
     fn a_push_is_the_change_of_a_step() {
         let plant = plant(thesis::PARAMETERS);

@@ -4,7 +4,8 @@ use figures::{Confusion, FigureError, Reliability, ReliabilityBin};
 
 use crate::marks::Marks;
 
-/// Share by which a stated probability may differ from how often it came true.
+/// Half width of the band in the figure: the difference between a stated probability and its frequency that is
+/// accepted.
 const TOLERANCE: f64 = 0.05;
 
 impl Marks {

@@ -1,4 +1,4 @@
-//! Whether stated probabilities come true.
+//! Figure: stated probabilities and the frequencies with which they came true.
 
 use crate::annotation::Quantity;
 use crate::axis::Axis;

@@ -87,8 +87,8 @@ pub struct ParameterInfo {
     pub plausible: (f64, f64),
     /// Physically possible range, in the parameter's unit. The fit stays inside.
     pub bounds: (f64, f64),
-    /// Whether the value is a torque, a torque per something, or an electrical value that is tied to the torque constant
-    /// through the back-EMF. Without a known torque, such a value is identifiable only per unit of inertia.
+    /// Whether the value is a torque, a torque per something, or an electrical value that is tied to the torque
+    /// constant through the back-EMF. Without a known torque, such a value is identifiable only per unit of inertia.
     pub is_torque: bool,
     /// Whether the fit adjusts the logarithm of the value, because its scale spans decades.
     pub logarithmic: bool,
@@ -222,7 +222,8 @@ pub struct EffectInfo {
     pub has_kink: bool,
     /// For (i, j): the torque is linear in p[i] and in the product p[i] p[j], but not in p[j] alone.
     pub product: Option<(usize, usize)>,
-    /// For (i, j): with p[i] = p[j], the term equals the effect that it replaces; `None` if no finite parameters do that.
+    /// For (i, j): with p[i] = p[j], the term equals the effect that it replaces; `None` if no finite parameters do
+    /// that.
     pub limit: Option<(usize, usize)>,
     /// How it enters the linear model.
     pub linearised: Linearised,

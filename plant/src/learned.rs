@@ -1,7 +1,7 @@
 //! A torque that was learned from the logs: a smooth curve over one coordinate of the motion.
 //!
-//! A learned torque stands in for physics that no effect of the library describes; it does not explain this physics. Its
-//! parameters are the torques in N m at the knots of a cubic spline ([`Spline`]).
+//! A learned torque stands in for physics that no effect of the library describes; it does not explain this physics.
+//! Its parameters are the torques in N m at the knots of a cubic spline ([`Spline`]).
 
 use std::sync::{Mutex, PoisonError};
 

@@ -21,8 +21,8 @@ pub enum Task {
     },
 }
 
-/// A command of the program. The program repeats it well within its lease, because the motor must stop if the line falls
-/// silent.
+/// A command of the program. The program repeats it well within its lease, because the motor must stop if the line
+/// falls silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Command {
     /// The task.

@@ -56,7 +56,7 @@ pub struct Arguments {
     pub output: JsonOutput,
 }
 
-/// Everything that the text says.
+/// All results of the command, for the JSON.
 #[derive(Serialize)]
 struct Everything<'a> {
     #[serde(flatten)]
@@ -67,7 +67,7 @@ struct Everything<'a> {
     sweeps: &'a [DesignSweep],
 }
 
-/// A design beside the first.
+/// One of the designs that are compared.
 #[derive(Serialize)]
 struct Compared<'a> {
     name: &'a str,
@@ -160,7 +160,7 @@ fn designed(arguments: &Arguments) -> Result<ControlDesign, Failure> {
     let mut file = ModelFile::read(&arguments.model)?;
     let mut wishes = match file.design {
         Some(wishes) => wishes,
-        // A model of a bench that was identified and not designed for yet.
+        // The model has no [design], as after an identification.
         None if arguments.weights.is_some() || arguments.excursions.is_some() => DesignSection {
             sample_time_s: given(arguments.sample_time, "--sample-time S", &arguments.model)?,
             state_weights: [0.0; 3],

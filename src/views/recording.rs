@@ -5,7 +5,7 @@ use std::path::Path;
 use workbench::RecordReport;
 use workbench::numbers::number;
 
-/// The logs that were written, what was lost, and how to go on.
+/// The logs that were written, lost frames, and the next command.
 pub fn text(bench: &Path, report: &RecordReport) -> String {
     let mut text = String::new();
     for log in &report.logs {

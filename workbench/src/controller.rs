@@ -134,8 +134,8 @@ impl GeneratedController {
     /// the certificate, which states that the language is C. `prove` reads the Rust version.
     ///
     /// # Errors
-    /// [`Error::Emitted`] if the emitted Rust contains something that the translation does not support, which is a fault
-    /// of this program.
+    /// [`Error::Emitted`] if the emitted Rust contains something that the translation does not support, which is a
+    /// fault of this program.
     pub fn in_c(&self) -> Result<GeneratedController, Error> {
         let emitted = codegen::c99::emit(&self.emitted.0).map_err(|error| Error::Emitted {
             model: PathBuf::from(&self.model),

@@ -37,8 +37,8 @@ pub struct EffectConfusion {
 }
 
 /// The effects with which this effect of the library is confused. A rival that imitates the effect in none of the
-/// pictures' experiments is left out. The list is empty for an effect that is confused with none, or that has no picture
-/// ([`effect_portrait`]).
+/// pictures' experiments is left out. The list is empty for an effect that is confused with none, or that has no
+/// picture ([`effect_portrait`]).
 pub fn effect_confusions(name: &str) -> Vec<EffectConfusion> {
     let Some(effect) = EffectId::from_name(name) else {
         return vec![];

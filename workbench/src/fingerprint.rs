@@ -98,9 +98,9 @@ pub struct TorqueFingerprint {
 }
 
 impl EffectFingerprint {
-    /// The missing torque over every coordinate that shows the effect, the clearest first. A coordinate shows the effect
-    /// if two conditions hold in an experiment: the model without the effect significantly lacks a torque, and at some
-    /// place the torques that the two models lack differ by more than three standard errors.
+    /// The missing torque over every coordinate that shows the effect, the clearest first. A coordinate shows the
+    /// effect if two conditions hold in an experiment: the model without the effect significantly lacks a torque, and
+    /// at some place the torques that the two models lack differ by more than three standard errors.
     pub fn torques(&self) -> Vec<TorqueFingerprint> {
         let mut found: Vec<TorqueFingerprint> = COORDINATES
             .into_iter()

@@ -23,8 +23,9 @@ const SAMPLE_TIMES_S: [f64; 19] = [
 /// The shortest sample time that is tried if the sensors' rate is not known, as a share of the design's sample time.
 const SHORTEST_SHARE: f64 = 0.25;
 
-/// Smallest modulus margin, the distance of the open loop from −1, with which a sample time is sensible. Disturbances are
-/// then amplified at most twofold (Åström and Hägglund, "PID Controllers", 2nd ed. 1995, section 4.5: 1.3 to 2 is usual).
+/// Smallest modulus margin, the distance of the open loop from −1, with which a sample time is sensible. Disturbances
+/// are then amplified at most twofold (Åström and Hägglund, "PID Controllers", 2nd ed. 1995, section 4.5: 1.3 to 2 is
+/// usual).
 const LEAST_MODULUS: f64 = 0.5;
 
 /// A pole with a smaller modulus comes from the delay alone and is not reported.
@@ -310,8 +311,8 @@ impl ControlDesign {
     }
 }
 
-/// The time in s over which the law must predict: the delay of the current plus that of the rate, the sensor that matters
-/// most. A filter's time constant counts as a delay.
+/// The time in s over which the law must predict: the delay of the current plus that of the rate, the sensor that
+/// matters most. A filter's time constant counts as a delay.
 fn ahead_s(lateness: &Lateness) -> f64 {
     let rate = lateness.sensors[1];
     lateness.current_s + rate.lag_s + rate.delay_s

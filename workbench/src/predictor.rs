@@ -85,8 +85,8 @@ impl Predictor {
         swing_decays(&self.0.problem.records, &traces)
     }
 
-    /// Simulates every experiment from its start, with these parameters changed. Without changes, the curves are those of
-    /// [`Session::compare`].
+    /// Simulates every experiment from its start, with these parameters changed. Without changes, the curves are those
+    /// of [`Session::compare`].
     ///
     /// # Errors
     /// [`Error::UnknownParameter`].

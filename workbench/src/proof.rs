@@ -109,7 +109,8 @@ impl GeneratedController {
         self.prove_telling(settings, progress, &|_| ())
     }
 
-    /// Decides every claim like [`GeneratedController::prove`], and calls `tell` with each row as soon as it is decided.
+    /// Decides every claim like [`GeneratedController::prove`], and calls `tell` with each row as soon as it is
+    /// decided.
     ///
     /// # Errors
     /// As for [`prove`].

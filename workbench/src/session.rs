@@ -295,8 +295,8 @@ impl Session {
         self.fitted = Some(found);
     }
 
-    /// The users' effects whose torque depends on the body's angle, if no log has the body upright: their torque there is
-    /// a guess.
+    /// The users' effects whose torque depends on the body's angle, if no log has the body upright: their torque there
+    /// is a guess.
     pub(crate) fn unseen_upright(&self, model: &Model, values: &[f64]) -> Vec<EffectId> {
         let is_seen = self.problem.records.iter().any(|record| {
             let angle = record.channel(Output::Angle);

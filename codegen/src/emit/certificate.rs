@@ -107,7 +107,8 @@ struct Drive {
     voltage: Option<Voltage>,
 }
 
-/// A voltage drive: V = R u + k_e w for the current u (A) and the wheel speed w (rad/s), limited to ± the supply voltage.
+/// A voltage drive: V = R u + k_e w for the current u (A) and the wheel speed w (rad/s), limited to ± the supply
+/// voltage.
 #[derive(Debug, Serialize)]
 struct Voltage {
     volts_per_count: String,

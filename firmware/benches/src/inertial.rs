@@ -57,8 +57,8 @@ impl<B: I2c, D: DelayNs, W: WheelPart> InertialBench<B, D, W> {
 impl<B: I2c, D: DelayNs, W: WheelPart> Sensors for InertialBench<B, D, W> {
     type Error = Failed;
 
-    /// Reads gyroscope and wheel in each step, accelerometer and magnetometer in every other step. The latter two have 400
-    /// new readings per second, and their 13 bytes take a third of a step at 400 kHz.
+    /// Reads gyroscope and wheel in each step, accelerometer and magnetometer in every other step. The latter two have
+    /// 400 new readings per second, and their 13 bytes take a third of a step at 400 kHz.
     fn read(&mut self) -> Result<Reading, Failed> {
         let bus = &mut self.bus;
         self.last.gyro = kept(&mut self.gyro, |part| part.read(bus))?;

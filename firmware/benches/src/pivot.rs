@@ -48,8 +48,8 @@ impl<B: I2c, W: WheelPart> PivotBench<B, W> {
 impl<B: I2c, W: WheelPart> Sensors for PivotBench<B, W> {
     type Error = Failed;
 
-    /// Reads both parts in each step: about 120 µs each at 400 kHz. In one of 64 steps, the check of the magnet takes as
-    /// long again.
+    /// Reads both parts in each step: about 120 µs each at 400 kHz. In one of 64 steps, the check of the magnet takes
+    /// as long again.
     fn read(&mut self) -> Result<Reading, Failed> {
         let bus = &mut self.bus;
         Ok(Reading {

@@ -8,12 +8,12 @@
 //! ```
 //!
 //! # What keeps the motor still
-//! - The emitted controller drives the motor only after it was armed: near upright, at rest, with sound sensors. It trips
-//!   by itself.
+//! - The emitted controller drives the motor only after it was armed: near upright, at rest, with sound sensors. It
+//!   trips by itself.
 //! - The loop calls [`Controller::fault`] after a tick that comes too late, and if a sensor or the timer fails.
 //! - An order is valid only for its lease: if the line falls silent, the controller is disarmed.
-//! - A trip stays until an order with a new number comes. The controller is then restarted, finds its attitude again, and
-//!   is armed at most once for that order.
+//! - A trip stays until an order with a new number comes. The controller is then restarted, finds its attitude again,
+//!   and is armed at most once for that order.
 #![no_std]
 
 mod orders;

@@ -58,8 +58,9 @@ const RIPPLE_STEP_RAD: f64 = 1.0;
 const RIPPLE_MOST_PARTS: f64 = 8.0;
 
 impl<S: Scalar> Plant<S> {
-    /// The change of the cogging's phase in a step of `step_s` seconds, rad; `None` if that is too fast to be resolved. A
-    /// faster ripple averages out; its amplitude in speed (below a/(j_w n φ̇)) is far below any sensor's noise.
+    /// The change of the cogging's phase in a step of `step_s` seconds, rad; `None` if that is too fast to be
+    /// resolved. A faster ripple averages out; its amplitude in speed (below a/(j_w n φ̇)) is far below any sensor's
+    /// noise.
     fn ripples(&self, wheel_speed_rad_s: f64, step_s: f64) -> Option<f64> {
         let order = self.structure.ripple_order?;
         let phase = (order * wheel_speed_rad_s * step_s).abs();
@@ -185,10 +186,10 @@ impl<S: Scalar> Plant<S> {
     /// Runs from `start` at `time_s[first]` to `time_s[last]` under the recorded current and calls
     /// `each` with the index, the reading and the state at every sample, both ends included.
     ///
-    /// A run from the first sample takes the current of the start as the command from before the log, for as long as a delay
-    /// or a lag remembers it. Any other run assumes that the first command was already held before the log. `push` gives
-    /// the torque on the body in N m at a time in s. A thinned log has several samples of the current between two of its
-    /// samples; the mean of the motor's response to them drives that interval.
+    /// A run from the first sample takes the current of the start as the command from before the log, for as long as a
+    /// delay or a lag remembers it. Any other run assumes that the first command was already held before the log.
+    /// `push` gives the torque on the body in N m at a time in s. A thinned log has several samples of the current
+    /// between two of its samples; the mean of the motor's response to them drives that interval.
     pub fn run(
         &self,
         start: State<S>,

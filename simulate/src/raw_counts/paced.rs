@@ -1,5 +1,5 @@
-//! Sensors that are not synchronous with the controller: each gives fresh readings at a rate of its own, behind a filter
-//! of its own, and some samples receive late readings.
+//! Sensors that are not synchronous with the controller: each gives fresh readings at a rate of its own, behind a
+//! filter of its own, and some samples receive late readings.
 
 use super::controller::{RawController, RawSample};
 use crate::law::LawFailure;
@@ -32,8 +32,8 @@ impl SensorPace {
     };
 }
 
-/// A controller whose sensors have this pace. A reading that becomes fresh between two samples has the value of the later
-/// sample: it is up to one sample younger than on the bench.
+/// A controller whose sensors have this pace. A reading that becomes fresh between two samples has the value of the
+/// later sample: it is up to one sample younger than on the bench.
 #[derive(Clone, Debug)]
 pub struct Paced<C> {
     /// The controller.
@@ -160,7 +160,8 @@ impl<C: RawController> RawController for Paced<C> {
 mod tests {
     use super::*;
 
-    /// In a loop of 1 kHz, a sensor of 800 Hz gives a fresh reading in four of five samples, one of 400 Hz in two of five.
+    /// In a loop of 1 kHz, a sensor of 800 Hz gives a fresh reading in four of five samples, one of 400 Hz in two of
+    /// five.
     #[test]
     fn registers_are_fresh_at_their_own_rate() {
         for (rate_hz, fresh) in [

@@ -7,7 +7,8 @@ use super::{HardwareError, Work};
 use crate::numbers::significant;
 
 /// Largest rate that the word of the rate holds, rad/s: 2000 °/s, the range of the gyroscopes of other benches. A body
-/// that falls from upright passes the hanging position at the rate 2 √(G/(Θ − j_w)), about 20 rad/s on the thesis bench.
+/// that falls from upright passes the hanging position at the rate 2 √(G/(Θ − j_w)), about 20 rad/s on the thesis
+/// bench.
 const LARGEST_RATE_RAD_S: f64 = 34.906_585;
 
 /// If one count of the rate changes the current by more than this share of the largest current, a warning says so.

@@ -217,7 +217,8 @@ impl Work<'_> {
             let turn = calibrate::alignment(&mounting.axis.into()).into_inner();
             if let Some(stated) = matrix(accelerometer) {
                 self.compare_turns(&stated, &turn, mounting.angle_rad);
-                // The rotation of the magnetometer relative to the housing, and the measured orientation of the housing.
+                // The rotation of the magnetometer relative to the housing, and the measured orientation of the
+                // housing.
                 let against_housing = stated.transpose() * of_compass;
                 return Some(([turn, turn, turn * against_housing], mounting.angle_rad));
             }

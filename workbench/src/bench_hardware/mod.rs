@@ -58,8 +58,8 @@ pub enum HardwareError {
 /// settings: data sheets allow 5 % at most, and ranges of one part differ by factors of two.
 const DIFFER: f64 = 1.2;
 
-/// Evaluates the statements of `file`. `needs` decides the window of an encoder on the pivot. `preset`, if there is one,
-/// supplies what is not stated.
+/// Evaluates the statements of `file`. `needs` decides the window of an encoder on the pivot. `preset`, if there is
+/// one, supplies what is not stated.
 pub(crate) fn bench_hardware(
     file: &ModelFile,
     needs: RateNeeds,

@@ -331,8 +331,8 @@ impl Work<'_> {
         }))
     }
 
-    /// A voltage drive. The firmware passes the duty to the drive as a voltage. If duties are not stated, zero volts lie
-    /// in the middle of the timer's range, and its ends are ± the supply voltage.
+    /// A voltage drive. The firmware passes the duty to the drive as a voltage. If duties are not stated, zero volts
+    /// lie in the middle of the timer's range, and its ends are ± the supply voltage.
     fn voltage_drive(
         &mut self,
         stated: &Drive,
@@ -413,9 +413,9 @@ impl Work<'_> {
     }
 }
 
-/// The count from which on the wheel's speed counts as unknown. It lies at 105 % of the largest speed, but not beyond the
-/// end of the sensor's range. The largest speed is the stated one, or else the speed at which the back-EMF equals the
-/// supply of a voltage drive.
+/// The count from which on the wheel's speed counts as unknown. It lies at 105 % of the largest speed, but not beyond
+/// the end of the sensor's range. The largest speed is the stated one, or else the speed at which the back-EMF equals
+/// the supply of a voltage drive.
 fn ends(
     rad_s_per_count: f64,
     sensor_end: i32,

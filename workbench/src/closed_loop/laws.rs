@@ -303,8 +303,8 @@ impl<'a> Laws<'a> {
 
     /// The methods for the angle on one free swing (thesis figure 3.3).
     fn attitude_filters(&self) -> Result<FilterRun, Error> {
-        // On the pivot, an accelerometer alone would be enough; away from it, it measures the swing's acceleration. If the
-        // model does not state the sensor's position, one away from the pivot is used.
+        // On the pivot, an accelerometer alone would be enough; away from it, it measures the swing's acceleration. If
+        // the model does not state the sensor's position, one away from the pivot is used.
         let thesis = AttitudeSpec::thesis();
         let own = self.spec.hardware.attitude().unwrap_or(&thesis);
         let stated = own.lever_arm_m;

@@ -52,7 +52,8 @@ pub struct DiagnosisReport {
     /// experiment tells the explanations apart. The JSON has only the sentence [`DiagnosisReport::next_experiment`].
     #[serde(skip)]
     pub recipe: Option<Recipe>,
-    /// The size of the unexplained residual and its effect on the controlled pendulum; `None` if nothing is unexplained.
+    /// The size of the unexplained residual and its effect on the controlled pendulum; `None` if nothing is
+    /// unexplained.
     pub remains: Option<RemainsReport>,
     /// Where the model of the last step fails, the most significant place first.
     #[serde(rename = "where")]

@@ -60,8 +60,8 @@ impl Session {
         } else if let Some(known) = identify::describe(self.problem(), &step.fit) {
             known
         } else {
-            // If the diagnosis has left out pushes that it alone found in the logs, its fit does not match the session's
-            // records, and is repeated.
+            // If the diagnosis has left out pushes that it alone found in the logs, its fit does not match the
+            // session's records, and is repeated.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
             identify::fit_until(self.problem(), &step.fit.model, Some(start), progress)
                 .map_err(|source| self.not_identified(source))?

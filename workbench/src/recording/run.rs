@@ -180,8 +180,8 @@ impl<'w> Run<'w> {
         Ok(got)
     }
 
-    /// Asks the firmware to switch the motor off. If the firmware does not receive this command, it switches the motor off
-    /// when the lease ends.
+    /// Asks the firmware to switch the motor off. If the firmware does not receive this command, it switches the motor
+    /// off when the lease ends.
     pub fn let_go(&mut self) {
         self.ask(Task::Watch, false);
         for _ in 0..3 {

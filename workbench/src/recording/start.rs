@@ -36,8 +36,8 @@ pub(super) fn of(part: &Part, rows: &[Row], words: &Words, notes: &mut Vec<Strin
     }
 }
 
-/// The index of the first turning point after the body has swung through from its largest angle. By then the hand has let
-/// go, wherever it did so.
+/// The index of the first turning point after the body has swung through from its largest angle. By then the hand has
+/// let go, wherever it did so.
 fn free_from(angles_rad: &[f64]) -> Option<usize> {
     let largest = (0..angles_rad.len())
         .max_by(|a, b| angles_rad[*a].abs().total_cmp(&angles_rad[*b].abs()))?;

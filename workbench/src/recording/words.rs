@@ -108,8 +108,8 @@ impl Words {
         f64::from(frame.wheel_speed) * self.units[2]
     }
 
-    /// The current that the duty commands, A. For a voltage drive, the current that the voltage drives through the winding
-    /// at the measured wheel speed.
+    /// The current that the duty commands, A. For a voltage drive, the current that the voltage drives through the
+    /// winding at the measured wheel speed.
     pub fn current_a(&self, frame: &Telemetry) -> f64 {
         let counts = f64::from(frame.duty) - f64::from(self.drive.duty_zero);
         let of_back_emf = self.drive.voltage.map_or(0.0, |voltage| {

@@ -1,8 +1,8 @@
 //! The words of `MOTION_LIMITS`, from the certificate's plant, parameters, sensors and drive.
 //!
 //! The monitor keeps two sums: one for the wheel's own speed (body rate plus wheel speed), one for the body's rate. In
-//! each step the residual r (rad/s) is the measured change of the speed minus the change that the sampled model predicts,
-//! and the sum becomes s⁺ = (1 − 2⁻ᵐ) s + r, where m is `MOTION_LIMITS.leak`. A constant r adds up to 2ᵐ r.
+//! each step the residual r (rad/s) is the measured change of the speed minus the change that the sampled model
+//! predicts, and the sum becomes s⁺ = (1 − 2⁻ᵐ) s + r, where m is `MOTION_LIMITS.leak`. A constant r adds up to 2ᵐ r.
 //!
 //! A sound bench stays within the limits, because they are the sum of these bounds:
 //!
@@ -16,10 +16,10 @@
 //! - **Errors of the model's numbers.** An entry of a row with the relative error e is off by e times its product with
 //!   state or current. The width adds up these amounts with the same leak.
 //! - **One push** changes the body's rate once.
-//! - **An encoder on the wheel** shows the mean speed over its window. This speed is off by at most half the window times
-//!   the wheel's largest acceleration, and by the rounding of two counts. The largest acceleration is that of the model
-//!   with all widths and torques at the ends of angle, rate, wheel speed and drive. The encoder shows a push only after
-//!   the window, so that the wheel's sum contains the push once.
+//! - **An encoder on the wheel** shows the mean speed over its window. This speed is off by at most half the window
+//!   times the wheel's largest acceleration, and by the rounding of two counts. The largest acceleration is that of
+//!   the model with all widths and torques at the ends of angle, rate, wheel speed and drive. The encoder shows a push
+//!   only after the window, so that the wheel's sum contains the push once.
 //!
 //! This file derives all numbers independently of the generator.
 
@@ -30,8 +30,8 @@ use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::HeldLoop;
 use crate::language::module::Module;
 
-/// The memory 2ᵐ T of the sums (s), where T is the sample time. The emitted one may differ by a factor of √2, because m is
-/// a whole number.
+/// The memory 2ᵐ T of the sums (s), where T is the sample time. The emitted one may differ by a factor of √2, because
+/// m is a whole number.
 const MEMORY_S: f64 = 0.1;
 /// Largest noise of a sensor, in standard deviations.
 const NOISE_STDS: f64 = 8.0;
@@ -39,7 +39,8 @@ const NOISE_STDS: f64 = 8.0;
 const ANGLE_ERROR_RAD: f64 = 0.02;
 /// Relative error of a parameter whose standard error is not stated.
 const UNSTATED_SHARE: f64 = 0.1;
-/// Relative error of an entry of a row by sampling and rounding. Each limit has the same number as an allowance in rad/s.
+/// Relative error of an entry of a row by sampling and rounding. Each limit has the same number as an allowance in
+/// rad/s.
 const ROW_SHARE: f64 = 0.01;
 /// Largest number of steps by which the current acts later than the model predicts.
 const LATE_STEPS: f64 = 2.0;
@@ -48,7 +49,8 @@ const SUM_BITS: i32 = 16;
 /// Relative tolerance for the rounding of this file's own double precision.
 const TOLERANCE: f64 = 1e-6;
 
-/// The parameters that a module with a monitor may have: those of the linear model, and those of torques of bounded size.
+/// The parameters that a module with a monitor may have: those of the linear model, and those of torques of bounded
+/// size.
 const KNOWN: [&str; 17] = [
     "total_inertia",
     "wheel_inertia",
@@ -255,8 +257,8 @@ impl Wanted {
         let (mut torque, mut friction) =
             (share("torque_constant"), share("wheel_viscous_friction"));
         if certificate.drive.voltage.is_some() {
-            // The winding's resistance R changes with its temperature: it is known to UNSTATED_SHARE. The back-EMF brakes
-            // the wheel like a viscous friction τ²/R.
+            // The winding's resistance R changes with its temperature: it is known to UNSTATED_SHARE. The back-EMF
+            // brakes the wheel like a viscous friction τ²/R.
             let hot = over(0.0, UNSTATED_SHARE);
             friction = friction.max((1.0 + torque) * (1.0 + torque) * (1.0 + hot) - 1.0);
             torque = over(torque, UNSTATED_SHARE);
@@ -359,7 +361,8 @@ impl Wanted {
         let mut errors = self.errors;
         let mut pushed = 0.0;
         if let Some((half_s, ends)) = self.window {
-            // A bound of the wheel's acceleration relative to the body (rad/s²): all states and the drive at their ends.
+            // A bound of the wheel's acceleration relative to the body (rad/s²): all states and the drive at their
+            // ends.
             let mut most = self.torques[0] + self.torques[1];
             let all = [ends[0], ends[1], ends[2], self.most_a];
             for (column, end) in all.into_iter().enumerate() {
