@@ -98,7 +98,7 @@ fn presliding_friction_starts_as_a_spring_and_ends_as_dry_friction() {
     assert!((twice - plant.remember(1e-4, 0.02)).abs() < 1e-15);
 }
 
-/// Where an effect says that it is the one which it replaces, it is.
+/// With the parameters of its stated limit, an effect has the torque of the effect that it replaces.
 #[test]
 fn the_limit_of_a_refinement_is_what_it_refines() {
     let refinements = EffectId::ALL
