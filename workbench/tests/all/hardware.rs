@@ -65,8 +65,8 @@ fn drive(bits: u32, range_a: f64, is_inverted: bool) -> String {
     )
 }
 
-/// Every range of a drive emits, of 16 bits and some of 12 bits inverted. The smallest and the largest range, one that is
-/// just below a power of two, and the inverted ones are proved.
+/// Every range of a drive emits, of 16 bits and some of 12 bits inverted. The smallest and the largest range, one that
+/// is just below a power of two, and the inverted ones are proved.
 #[test]
 fn every_drive_emits() {
     let ranges = [0.4, 2.2, 3.2, 3.5, 3.99, 6.5, 7.9, 13.0, 15.9, 30.0];
@@ -115,8 +115,8 @@ fn without_hardware_a_simulation_assumes_and_a_controller_does_not() {
     }
 }
 
-/// A sensor that hangs upside down, half a turn about its x axis, and is stated so, balances; with
-/// the same sensor and nothing stated the pendulum falls, and the emitted module does not arm.
+/// A sensor is mounted upside down, turned by half a turn about its x axis. If its axes are stated so, the pendulum
+/// balances; if they are not stated, it falls, and the emitted module does not arm.
 #[test]
 fn an_upside_down_sensor_balances() {
     let half_turn = Matrix3::from_diagonal(&nalgebra::Vector3::new(1.0, -1.0, -1.0));
