@@ -32,7 +32,7 @@ pub enum CalibrationError {
         axis: &'static str,
         /// Largest distance of a part's mean from the median, counts.
         wander: f64,
-        /// The same in °/s.
+        /// This distance as a rate, °/s.
         rate_deg_s: f64,
         /// Standard deviation that noise alone gives such a mean, counts.
         noise: f64,

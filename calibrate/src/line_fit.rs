@@ -57,14 +57,14 @@ pub enum Counts {
 /// A residual up to this many counts is accepted in any case: rounding causes up to half a count.
 const ROUNDING_COUNTS: f64 = 2.0;
 
-/// As [`fit_line`], without points that do not lie on the line of the others. Such points occur at
+/// The line through points (x, y), without the points that do not lie on the line of the others. Such points occur at
 /// the ends of a converter's range, where the count stays constant while the speed changes.
 ///
 /// First, the line with the median of all slopes is computed (H. Theil, 1950; P. K. Sen, 1968); up to a
 /// quarter of wrong points hardly changes it. Then follows least squares through the points near that line.
 ///
 /// # Errors
-/// As for [`fit_line`], also if fewer than three points are left.
+/// If fewer than three points are given or left, a number is not finite, or there is only one value of x.
 pub fn fit_line_within_range(
     points: &[(f64, f64)],
     counts: Counts,

@@ -160,7 +160,7 @@ pub fn magnetometer(
 /// counts about the fitted bias.
 ///
 /// # Errors
-/// As for [`magnetometer`]; a scale that is not positive.
+/// Fewer than 50 readings; readings that lie on no ellipsoid; a scale that is not positive.
 pub fn mean_field_ut(samples: &[[i16; 3]], ut_per_count: f64) -> Result<f64, CalibrationError> {
     let scale = positive("the magnetometer's scale", ut_per_count)?;
     let bias = magnetometer(samples, 1.0)?.sensor.line.bias_counts;

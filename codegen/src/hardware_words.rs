@@ -41,18 +41,18 @@ const PLANE_SHIFT_MIN: f64 = 38.0;
 /// The words from the current to the duty.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DutyWords {
-    /// Of a current drive: from the word of the current.
+    /// A current drive: from the word of the current.
     Line(Line),
-    /// Of a voltage drive: from the words of current and wheel speed.
+    /// A voltage drive: from the words of current and wheel speed.
     Plane(Plane),
 }
 
 /// The words between the sensors of the body and its angle and rate, and those that supervise them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BodyWords {
-    /// Of gyroscope and accelerometer.
+    /// The words of gyroscope and accelerometer.
     Inertial(Box<InertialWords>),
-    /// Of an encoder on the pivot.
+    /// The words of an encoder on the pivot.
     Encoder(BodyEncoderWords),
 }
 
@@ -69,14 +69,14 @@ pub struct BodyEncoderWords {
     pub rate: Line,
     /// From the word of the angle to that of the current that holds the body there.
     pub holding: Line,
-    /// Of the supervisor.
+    /// The words of the supervisor.
     pub limits: BodyLimits,
 }
 
 /// The words of gyroscope and accelerometer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InertialWords {
-    /// Of the attitude filter.
+    /// The words of the attitude filter.
     pub filter: FilterConstants,
     /// Mounting angle in Q28 rad.
     pub mounting_angle: i32,
@@ -90,7 +90,7 @@ pub struct InertialWords {
     pub rate: Line,
     /// Observer of the angle's bias.
     pub bias_observer: BiasObserver,
-    /// Of the supervisor.
+    /// The words of the supervisor.
     pub limits: Limits,
 }
 

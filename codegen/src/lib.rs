@@ -65,7 +65,7 @@ pub struct EmissionOptions {
 /// Emits the crate for `spec` under its usual name and without a monitor.
 ///
 /// # Errors
-/// As for [`generate_with`].
+/// A [`Refusal`] that names what is wrong and what would cure it.
 pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
     generate_with(spec, &EmissionOptions::default())
 }

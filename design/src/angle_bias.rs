@@ -27,8 +27,8 @@ pub fn rest_per_angle_bias(
     solve(a - &b * gain, b.column(0) * gains[0])
 }
 
-/// As [`rest_per_angle_bias`], for the loop sampled at `sample_time_s`. It differs from the
-/// continuous loop only through the gains: at rest, a held input is a constant input.
+/// The state (angle, rate, wheel speed) in which the loop sampled at `sample_time_s` comes to rest, per rad of angle
+/// bias. With the same gains it is that of the continuous loop, because a held input is a constant input at rest.
 ///
 /// # Errors
 /// A singular loop; entries that are not finite; a sample time that is not positive.

@@ -87,7 +87,8 @@ mod tests {
         assert!((back.wheel_speed_rad_s - 40.0).abs() < 1e-12);
     }
 
-    /// Twice every excursion is a quarter of every weight, and the gains do not see a common factor.
+    /// Twice every excursion gives a quarter of every weight, and a common factor of the weights does not change the
+    /// gains.
     #[test]
     fn only_the_ratios_count() {
         let once = Excursions::of(&thesis::weights());

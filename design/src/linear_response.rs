@@ -2,8 +2,8 @@
 //! the uncertainty of the parameters.
 //!
 //! The linear loop, x⁺ = M x + Ed d with the torque d held from sample to sample, is exact at the samples. The gains
-//! stay those of the nominal design while the parameters are drawn anew, as in [`crate::uncertainty`]: a bench differs
-//! from its model, and the law does not know.
+//! stay those of the nominal design while the parameters are drawn anew, as in [`crate::uncertainty`], because the law
+//! is not adapted to a bench that differs from its model.
 
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};
 use plant::LinearModel;
@@ -171,7 +171,7 @@ pub struct ResponseSettings {
 /// computed are left out; if none is left, the bands are empty.
 ///
 /// # Errors
-/// As for [`linear_response`] of the nominal plant.
+/// Numbers of the nominal plant or of `settings` that are not finite or not positive.
 pub fn banded_response(
     nominal: &UncertainLoop,
     drawn: &[UncertainLoop],

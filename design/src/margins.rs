@@ -65,7 +65,7 @@ pub fn margins(
 /// addition to `delay_s`.
 ///
 /// # Errors
-/// As for [`margins`]; a negative delay.
+/// [`DesignError::UnstableLoop`] if the loop is unstable; wrong shapes; a negative delay.
 pub fn margins_with_delay(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -80,7 +80,7 @@ pub fn margins_with_delay(
 /// The margins of a loop with late current and late sensors. The delay margin is a further delay of the current.
 ///
 /// # Errors
-/// As for [`margins`]; a negative delay.
+/// [`DesignError::UnstableLoop`] if the loop is unstable; wrong shapes; a negative delay.
 pub fn late_margins(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,

@@ -27,11 +27,11 @@ pub struct SensorNoise {
 /// Standard deviations in the loop if noise is the only disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseInLoop {
-    /// Of the true angle, rad.
+    /// Standard deviation of the true angle, rad.
     pub angle_rad: f64,
-    /// Of the true wheel speed, rad/s.
+    /// Standard deviation of the true wheel speed, rad/s.
     pub wheel_speed_rad_s: f64,
-    /// Of the commanded current, A.
+    /// Standard deviation of the commanded current, A.
     pub current_a: f64,
 }
 
@@ -58,7 +58,7 @@ pub fn noise_in_loop(
 /// of the readings, after the sensors' filters.
 ///
 /// # Errors
-/// As for [`noise_in_loop`].
+/// [`DesignError::UnstableLoop`]; numbers that are not finite.
 pub fn noise_in_late_loop(
     model: &LinearModel,
     controller: &LinearController,

@@ -129,7 +129,7 @@ impl Scenario {
     /// pushes instead of those of `on`.
     ///
     /// # Errors
-    /// Those of [`ClosedLoop::run`].
+    /// Times that are not positive; a law that fails; a motion that is no longer finite.
     pub fn run(
         &self,
         on: &ClosedLoop<'_>,

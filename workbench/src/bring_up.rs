@@ -30,8 +30,8 @@ pub struct BringUpReport {
     /// Axes as bench.toml names them; null where the recordings do not show them, or they are not along the
     /// body's.
     pub axes: BringUpAxes,
-    /// Rotation from the accelerometer's axes to the body's, row by row, for the key `rotation` if the sensor sits
-    /// askew.
+    /// Rotation from the accelerometer's axes to the body's, row by row. It is the value of the key `rotation` for a
+    /// sensor that is not aligned with the body's axes.
     pub rotation: Option<[[f64; 3]; 3]>,
     /// Angle between the accelerometer's axes and the named ones, rad.
     pub off_axes_rad: Option<f64>,
@@ -129,7 +129,7 @@ fn sign(value: f64) -> i8 {
 }
 
 impl BringUpReport {
-    /// Whether nothing contradicts.
+    /// Whether there is no contradiction.
     pub fn is_sound(&self) -> bool {
         self.contradictions.is_empty()
     }

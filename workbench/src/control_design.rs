@@ -38,7 +38,7 @@ impl Session {
     /// Designs the controller for the weights, sample time and current limit in `wishes`.
     ///
     /// # Errors
-    /// As for [`Session::design`].
+    /// [`Error::NoModel`]; a missing parameter; [`Error::Design`] if the weights give no controller.
     pub fn design_for(&self, wishes: DesignSection) -> Result<ControlDesign, Error> {
         let mut file = self.required_model()?.clone().named(self.model_path());
         file.design = Some(wishes);
@@ -63,7 +63,7 @@ impl ControlDesign {
     /// Designs the controller for the `[design]` section of a model.
     ///
     /// # Errors
-    /// As for [`ControlDesign::read`].
+    /// A missing `[design]` or parameter; [`Error::Linearise`]; [`Error::Design`] if the weights give no controller.
     pub fn of(file: ModelFile) -> Result<ControlDesign, Error> {
         let name = name_of(file.path());
         ControlDesign::new(file, name)
@@ -72,7 +72,7 @@ impl ControlDesign {
     /// The design of the same model for other wishes.
     ///
     /// # Errors
-    /// As for [`ControlDesign::read`].
+    /// [`Error::Design`] if the weights give no controller.
     pub fn with_wishes(&self, wishes: DesignSection) -> Result<ControlDesign, Error> {
         let mut file = self.file.clone();
         file.design = Some(wishes);

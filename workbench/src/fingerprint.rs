@@ -176,7 +176,8 @@ impl Session {
     /// The session's model without and with the effect of this name. The session's model is not changed.
     ///
     /// # Errors
-    /// As for [`Session::add_effect`].
+    /// [`Error::UnknownEffect`]; [`Error::EffectPresent`] if the model has an effect that contains it;
+    /// [`Error::Identify`] if no start gives a finite simulation; [`Error::Cancelled`].
     pub fn fingerprint(
         &self,
         effect: &str,

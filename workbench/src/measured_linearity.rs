@@ -44,7 +44,7 @@ pub struct SwingLinearity {
     pub amplitude_rad: f64,
     /// RMS of measurement − nonlinear model over the first periods, relative to the amplitude.
     pub nonlinear_error: f64,
-    /// The same for the linear model.
+    /// RMS of measurement − linear model over the first periods, relative to the amplitude.
     pub linear_error: f64,
     /// The curves.
     #[serde(skip)]
@@ -60,7 +60,7 @@ pub struct SpinUpLinearity {
     pub largest_wheel_speed_rad_s: f64,
     /// RMS of measurement − nonlinear model, relative to the largest speed.
     pub nonlinear_error: f64,
-    /// The same for the linear model.
+    /// RMS of measurement − linear model, relative to the largest speed.
     pub linear_error: f64,
     /// The curves.
     #[serde(skip)]

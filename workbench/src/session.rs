@@ -48,7 +48,8 @@ impl Session {
     /// Opens a bench like [`Session::open`]; `model` is another path for the model.
     ///
     /// # Errors
-    /// As for [`Session::open`].
+    /// The first error in a file; [`Error::Data`] if a model from these data would be wrong; [`Error::Identify`] if no
+    /// experiment can be used.
     pub fn open_with_model(path: &Path, model: Option<&Path>) -> Result<Session, Error> {
         Session::open_reporting(path, model, &Progress::silent())
     }
@@ -56,7 +57,8 @@ impl Session {
     /// Opens a bench like [`Session::open_with_model`], and reports to `progress` how much of each log has been read.
     ///
     /// # Errors
-    /// As for [`Session::open`]; [`Error::Cancelled`].
+    /// The first error in a file; [`Error::Data`] if a model from these data would be wrong; [`Error::Identify`] if no
+    /// experiment can be used; [`Error::Cancelled`].
     pub fn open_reporting(
         path: &Path,
         model: Option<&Path>,
@@ -96,7 +98,8 @@ impl Session {
     /// one, `model.toml`.
     ///
     /// # Errors
-    /// As for [`Session::open`].
+    /// The first error in a file; [`Error::Data`] if a model from these data would be wrong; [`Error::Identify`] if no
+    /// experiment can be used.
     pub fn from_files(files: &FilesInMemory) -> Result<Session, Error> {
         let mut session = Session::from_bench(Bench::from_files(files)?)?;
         if files.contains("model.toml") {

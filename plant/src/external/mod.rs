@@ -65,8 +65,8 @@ pub trait ExternalEffect: Send + Sync {
         current_a
     }
 
-    /// The reading of the sensor that the effect distorts ([`EffectInfo::senses`]), from the undistorted readings of all
-    /// sensors (role `Sensor`).
+    /// The reading of the sensor that the effect distorts ([`EffectInfo::senses`]), from the undistorted readings of
+    /// all sensors (role `Sensor`).
     fn measured(
         &self,
         _p: &[f64],
@@ -206,7 +206,7 @@ impl EffectId {
     /// An external effect from a type that implements the ordinary [`Effect`], in any crate.
     ///
     /// # Errors
-    /// As [`EffectId::external`].
+    /// If the library has an effect with this name, or the description is not valid.
     pub fn of<E: Effect + Send + Sync + 'static>() -> Result<EffectId, ExternalError> {
         EffectId::external(type_name::<E>(), Definition::of::<E>)
     }

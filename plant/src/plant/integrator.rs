@@ -155,7 +155,7 @@ impl<S: Scalar> Plant<S> {
         self.rk4(start, drive, step_s, self.has_ripple(start, step_s))
     }
 
-    /// Whether cogging acts in a step of `step_s` seconds from `start`, or is too fast to be resolved there.
+    /// Whether cogging acts in a step of `step_s` seconds from `start`; false if it is too fast to be resolved there.
     pub(super) fn has_ripple(&self, start: &State<S>, step_s: f64) -> bool {
         let ripple = self.ripples(start.wheel_speed_rad_s.value(), step_s);
         self.structure.ripple_order.is_none() || ripple.is_some()

@@ -129,7 +129,7 @@ impl<'a> RawLoop<'a> {
     /// `resolution_rad`.
     ///
     /// # Errors
-    /// Those of [`RawLoop::run`]; a resolution that is not positive.
+    /// Times or a resolution that are not positive; emitted code that fails; a motion that is no longer finite.
     pub fn largest_recoverable_angle(
         &self,
         scale: &Scale,

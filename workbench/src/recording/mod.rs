@@ -1,7 +1,7 @@
 //! From the firmware's frames on a serial line to a log of the bench.
 //!
-//! The program asks for a task (watch, balance, drive) and keeps asking, since the firmware lets the
-//! motor go when the asking stops. Every frame becomes a row; frames that did not arrive are counted
+//! The program commands a task (watch, balance, drive) and repeats the command, because the firmware switches the
+//! motor off when the commands stop. Every frame becomes a row; frames that did not arrive are counted
 //! by their sequence numbers and marked in the row that follows them.
 
 mod experiment;
