@@ -20,8 +20,7 @@ pub fn text(bench: &Path, report: &RecordReport) -> String {
         ));
         if log.lost_frames > 0 || log.damaged_frames > 0 {
             text.push_str(&format!(
-                "  {} frames lost, {} pieces on the line that were no frame; the column lost_frames \
-                 marks where\n",
+                "  {} frames lost, {} damaged; the column lost_frames shows before which rows\n",
                 log.lost_frames, log.damaged_frames
             ));
         }
