@@ -99,7 +99,7 @@ impl Command {
         }
     }
 
-    /// Where the command's result goes.
+    /// The place to which the command's result is written.
     pub fn output(&self) -> &JsonOutput {
         match self {
             Command::Demo(arguments) => &arguments.output,

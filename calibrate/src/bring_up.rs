@@ -12,15 +12,15 @@ use nalgebra::{Matrix3, Vector3};
 /// Raw counts over time.
 #[derive(Clone, Copy, Debug)]
 pub struct Recording<'a> {
-    /// Instants, s.
+    /// Time of each sample, s.
     pub time_s: &'a [f64],
-    /// Gyroscope.
+    /// Gyroscope x, y, z, counts.
     pub gyro: &'a [[f64; 3]],
-    /// Accelerometer.
+    /// Accelerometer x, y, z, counts.
     pub accel: &'a [[f64; 3]],
     /// Word of the wheel's sensor.
     pub wheel: &'a [f64],
-    /// Duty.
+    /// Duty, counts.
     pub duty: &'a [f64],
 }
 

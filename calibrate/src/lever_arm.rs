@@ -50,7 +50,7 @@ pub struct LeverArmEstimate {
     /// Scale error s of the gyroscope about the pivot axis: the true rate is (1 + s) times
     /// the calibrated one.
     pub gyro_scale_error: f64,
-    /// Its standard error.
+    /// Standard error of the scale error.
     pub gyro_scale_error_std: f64,
     /// Standard deviation of the residual of the reading, m/s².
     pub residual_std_m_s2: f64,

@@ -10,15 +10,15 @@ pub struct LineFit {
     pub left_out: Vec<LeftOut>,
     /// Unit of y per unit of x.
     pub slope: f64,
-    /// Its standard error.
+    /// Standard error of the slope.
     pub slope_std: f64,
-    /// y at x = 0.
+    /// y at x = 0, in the unit of y.
     pub offset: f64,
-    /// Its standard error. It is correlated with that of the slope unless the mean of x is zero.
+    /// Standard error of the offset. The errors of offset and slope are correlated unless the mean of x is zero.
     pub offset_std: f64,
-    /// Correlation of the errors of slope and offset.
+    /// Correlation of the errors of slope and offset, −1 to 1.
     pub correlation: f64,
-    /// y minus the line at each point.
+    /// y minus the line at each point, in the unit of y.
     pub residuals: Vec<f64>,
     /// Standard deviation of the residuals, with n − 2 degrees of freedom.
     pub residual_std: f64,
@@ -34,18 +34,18 @@ impl LineFit {
 /// A point that was left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Count.
+    /// The abscissa of the point.
     pub x: f64,
-    /// Speed.
+    /// The ordinate of the point.
     pub y: f64,
-    /// y minus the line of the others.
+    /// y minus the line of the other points, in the unit of y.
     pub residual: f64,
 }
 
 /// A residual beyond this many robust standard deviations is not noise.
 const NOISE_DEVIATIONS: f64 = 6.0;
 
-/// Which variable of a line is in whole counts.
+/// The variable of a line that is in whole counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counts {
     /// The abscissa: a converter's count.

@@ -65,7 +65,7 @@ const BETA_STEP_MAX: f64 = 1.0 / 256.0;
 /// per count: the range of ±32768 counts becomes ±2²⁸ units.
 const ROW_SUM: f64 = (1u64 << 30) as f64;
 
-/// The largest such sum for the gyroscope.
+/// Largest sum of the magnitudes in a row of the gyroscope's matrix, in the same units.
 const ROW_SUM_MAX: f64 = 1.5 * ROW_SUM;
 
 /// Largest bias, counts.

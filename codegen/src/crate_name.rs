@@ -24,7 +24,7 @@ pub struct CrateName(String);
 pub struct NoCrateName {
     /// The text.
     pub name: String,
-    /// What is wrong with it.
+    /// The rule that it breaks.
     pub reason: &'static str,
 }
 

@@ -10,9 +10,9 @@ use crate::spec::ModuleSpec;
 /// The held input of a module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldInput {
-    /// Sampled model, row by row.
+    /// State matrix Ad of the sampled model, row by row; states in rad, rad/s, rad/s.
     pub ad: [[f64; 3]; 3],
-    /// Sampled input, per ampere.
+    /// Input matrix Bd of the sampled model, change of each state per A.
     pub bd: [f64; 3],
     /// κ = k_e/R (A s/rad); zero for a current drive.
     pub back_emf: f64,

@@ -52,7 +52,7 @@ pub use monitor::MonitorSpec;
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
 
-/// How a module is emitted, apart from its numbers.
+/// The options of an emitted module, in addition to its numbers.
 #[derive(Debug, Clone, Default)]
 pub struct EmissionOptions {
     /// Name of the crate, or of the library in C.

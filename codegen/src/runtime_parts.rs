@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Which parts a module has.
+/// The parts that a module has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parts {
     /// Whether an encoder on the pivot shows the body, not gyroscope and accelerometer.

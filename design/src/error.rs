@@ -39,7 +39,7 @@ pub enum DesignError {
          use state weights of zero or more and a current weight greater than zero"
     )]
     IndefiniteWeights {
-        /// Which weight, and what it must be.
+        /// The weight, and the condition that it must fulfil.
         what: &'static str,
         /// Its smallest eigenvalue.
         smallest_eigenvalue: f64,
@@ -77,7 +77,7 @@ pub enum DesignError {
     CostBlind {
         /// The state that dominates the mode.
         state: &'static str,
-        /// What the mode would do.
+        /// The reason, in words: why the cost does not control the mode.
         how: String,
     },
     /// Double and extended precision give different gains.
@@ -111,7 +111,7 @@ pub enum DesignError {
          of magnitude"
     )]
     InaccurateSolution {
-        /// Which equation.
+        /// The equation, in words.
         equation: &'static str,
         /// Its residual, divided by the size of its terms.
         residual: f64,
@@ -132,7 +132,7 @@ pub enum DesignError {
         modulus(*spectral_radius)
     )]
     UnstableLoop {
-        /// Which loop, in words.
+        /// The loop, in words.
         loop_name: &'static str,
         /// Largest modulus of its poles.
         spectral_radius: f64,

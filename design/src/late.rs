@@ -18,7 +18,7 @@ use crate::matrix::check_shape;
 use crate::zero_order_hold::{DelayedDiscrete, held_for, zero_order_hold_delayed};
 use nalgebra::{Complex, DMatrix};
 
-/// How late one sensor is.
+/// Filter and delay of one sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorLateness {
     /// Time constant of its low-pass filter in s; zero for none.
@@ -27,7 +27,7 @@ pub struct SensorLateness {
     pub delay_s: f64,
 }
 
-/// How late the current and the sensors are.
+/// The delay of the current, and the filters and delays of the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lateness {
     /// Time from a sample to the change of the current at the plant, in s.

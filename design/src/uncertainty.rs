@@ -29,7 +29,7 @@ pub struct UncertainParameters {
     pub names: Vec<String>,
     /// Values in SI units.
     pub values: Vec<f64>,
-    /// Covariance in products of those units.
+    /// Covariance of the values (n×n), in products of their units.
     pub covariance: DMatrix<f64>,
 }
 
@@ -132,7 +132,7 @@ impl UncertainParameters {
     }
 }
 
-/// One pole with its uncertainty. All in 1/s.
+/// One pole with its uncertainty; all numbers are in 1/s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UncertainPole {
     /// The pole of the nominal model.

@@ -163,7 +163,7 @@ impl Rate {
 pub struct ReliabilityShare {
     /// Mean stated probability.
     pub stated: f64,
-    /// How many of them came true.
+    /// The share of these statements that came true.
     pub came_true: Rate,
 }
 

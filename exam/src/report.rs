@@ -12,7 +12,7 @@ use crate::marks::{Entry, Marks, Rate};
 pub struct CalibrationReport {
     /// Mean stated probability.
     pub stated: f64,
-    /// How many of them came true.
+    /// The share of these statements that came true.
     pub came_true: Rate,
 }
 

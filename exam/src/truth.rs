@@ -150,7 +150,7 @@ impl Hidden {
 /// The true pendulum: base parameters in SI, and hidden terms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// Θ, j_w, G, τ.
+    /// Θ (kg m²), j_w (kg m²), G (N m), τ (N m/A).
     pub base: [f64; 4],
     /// r_b in N m s/rad.
     pub body_viscous: f64,

@@ -80,7 +80,7 @@ pub struct ParameterInfo {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// What the parameter is, in words.
+    /// The meaning of the parameter, in words.
     pub meaning: &'static str,
     /// Plausible range for benches of this size (centimetres to decimetres, tenths of
     /// a kilogram), in the parameter's unit. The exam draws from it, and reports mark values outside.
@@ -138,7 +138,7 @@ pub enum RateFault {
     Bias,
 }
 
-/// What an unbalanced wheel adds to the left sides of the equations of motion.
+/// The terms that an unbalanced wheel adds to the left sides of the equations of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Unbalance<S> {
     /// c in kg m²: the body's equation gains c (2α̈ + φ̈), the wheel's c α̈.
@@ -200,9 +200,9 @@ pub struct EffectInfo {
     pub source: &'static str,
     /// What the effect looks like in the measurements.
     pub fingerprint: &'static str,
-    /// How common it is on real benches.
+    /// How common the effect is on real benches.
     pub prior: Prior,
-    /// Where in the model it acts.
+    /// The place in the model where the effect acts.
     pub role: Role,
     /// Its parameters. [`crate::Model`] assigns their positions in a parameter vector.
     pub parameters: &'static [ParameterInfo],
@@ -225,7 +225,7 @@ pub struct EffectInfo {
     /// For (i, j): with p[i] = p[j], the term equals the effect that it replaces; `None` if no finite parameters do
     /// that.
     pub limit: Option<(usize, usize)>,
-    /// How it enters the linear model.
+    /// How the effect enters the linear model.
     pub linearised: Linearised,
     /// The sensor that it distorts (role `Sensor` only).
     pub senses: Option<Output>,
@@ -252,7 +252,7 @@ pub struct EffectInfo {
     pub polar: Option<(usize, usize)>,
     /// Whether the effect moves the centre of mass of the wheel ([`Effect::unbalance`]).
     pub is_unbalance: bool,
-    /// Which of its parameters are measured and not fitted.
+    /// The parameters that are measured and not fitted, by index.
     pub given: &'static [(usize, Given)],
     /// Its ripple over the wheel's angle, if it has one.
     pub ripple: Option<Ripple>,

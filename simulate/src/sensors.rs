@@ -9,14 +9,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{PI, TAU};
 
-/// The noise, quantisation and limit of one channel, in the unit of the channel.
+/// The noise, quantisation and limit of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
-    /// Standard deviation of the noise, Gaussian and independent from sample to sample.
+    /// Standard deviation of the noise in the channel's unit, Gaussian and independent from sample to sample.
     pub noise_std: f64,
-    /// Step of the converter; zero for none.
+    /// Step of the converter in the channel's unit; zero for none.
     pub step: f64,
-    /// Largest magnitude of a reading.
+    /// Largest magnitude of a reading in the channel's unit.
     pub range: f64,
 }
 

@@ -38,31 +38,31 @@ pub struct DesignReport {
     pub parameters: Vec<Parameter>,
     /// Time between two commands, s.
     pub sample_time_s: f64,
-    /// Diagonal of Q.
+    /// Diagonal of Q: weights of angle, rate and wheel speed in 1/s per rad², (rad/s)², (rad/s)².
     pub state_weights: [f64; 3],
-    /// R.
+    /// Weight R of the current in 1/s per A².
     pub current_weight: f64,
     /// Largest current in either direction, A.
     pub current_limit_a: f64,
     /// ι, rad/s: Coulomb friction of the pivot enters the linear model as μ/ι; `None` to leave it out.
     pub friction_linearisation_speed_rad_s: Option<f64>,
-    /// State matrix A of the linear model about upright, row by row.
+    /// State matrix A (3×3) of the linear model about upright, row by row, units of row over column per second.
     #[serde(rename = "A")]
     pub a: [[f64; 3]; 3],
-    /// Input matrix B of the linear model.
+    /// Input matrix B (3×1) of the linear model, units of row per A and second.
     #[serde(rename = "B")]
     pub b: [f64; 3],
-    /// State matrix Ad of the zero-order hold.
+    /// State matrix Ad (3×3) of the zero-order hold, row by row.
     #[serde(rename = "Ad")]
     pub ad: [[f64; 3]; 3],
-    /// Input matrix Bd of the zero-order hold.
+    /// Input matrix Bd (3×1) of the zero-order hold, units of row per A.
     #[serde(rename = "Bd")]
     pub bd: [f64; 3],
     /// K in A/rad, A s/rad, A s/rad.
     pub gains: [f64; 3],
     /// Real and imaginary part of the eigenvalues of A, 1/s.
     pub open_loop_poles: Vec<[f64; 2]>,
-    /// Eigenvalues of Ad − Bd K.
+    /// Real and imaginary part of the eigenvalues of Ad − Bd K, dimensionless.
     pub closed_loop_poles: Vec<[f64; 2]>,
     /// The continuous equivalents ln(λ)/T of these eigenvalues, 1/s.
     pub closed_loop_poles_per_s: Vec<[f64; 2]>,
@@ -106,7 +106,7 @@ pub struct DesignReport {
     pub wheel_curves: Vec<WheelSize>,
 }
 
-/// How well one sensor alone observes the state.
+/// The conditioning of the observability with one sensor alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorCondition {
     /// The sensor.

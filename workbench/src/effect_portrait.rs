@@ -23,7 +23,7 @@ const BISECTIONS: usize = 10;
 pub(crate) struct Scene {
     /// The experiment in words.
     pub words: &'static str,
-    /// What is held still.
+    /// The kind of the experiment: what is held still.
     pub kind: Kind,
     angle_rad: f64,
     wheel_speed_rad_s: f64,
@@ -115,9 +115,9 @@ pub struct EffectPortrait {
     pub parameters: Vec<(String, f64, String)>,
     /// Time of each sample, s.
     pub time_s: Vec<f64>,
-    /// The channel by the base model.
+    /// The channel of the base model at each sample, in `unit`.
     pub without: Vec<f64>,
-    /// The channel with the effect, all other parameters equal.
+    /// The channel with the effect at each sample, in `unit`; all other parameters are equal.
     pub with: Vec<f64>,
 }
 

@@ -43,7 +43,7 @@ pub enum Error {
     NoFolder {
         /// The folder.
         folder: PathBuf,
-        /// What the system said.
+        /// The system's error message.
         reason: String,
     },
     /// The logs cannot be identified.

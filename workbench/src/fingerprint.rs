@@ -28,7 +28,7 @@ pub struct EffectFingerprint {
     pub without: ComparisonReport,
     /// The model with it.
     pub with: ComparisonReport,
-    /// How the free swings die out, measured and by the model without the effect.
+    /// The decay of the free swings, measured and by the model without the effect.
     pub decay_without: Vec<SwingDecay>,
     /// The decay of the free swings, measured and by the model with the effect.
     pub decay_with: Vec<SwingDecay>,

@@ -33,9 +33,9 @@ pub struct MissingTorque {
 pub struct TorquePoint {
     /// The coordinate, SI.
     pub at: f64,
-    /// The torque as it acts, positive towards positive angles.
+    /// The torque in [`MissingTorque::torque_unit`], positive towards positive angles.
     pub torque: f64,
-    /// Its standard error.
+    /// Standard error of the torque, in the same unit.
     pub std: f64,
 }
 

@@ -182,7 +182,7 @@ impl Proof {
 pub struct MutationReport {
     /// The emitted crate; it is not changed.
     pub folder: PathBuf,
-    /// How many mutants were detected, and by which engine.
+    /// The numbers of mutants that were detected, by engine.
     pub summary: Summary,
     /// The verdict on each mutant.
     pub verdicts: Vec<MutantVerdict>,

@@ -7,7 +7,7 @@ use serial_frame::{Command, Task};
 #[derive(Clone, Debug)]
 pub struct Orders {
     command: Command,
-    /// When the command came, µs.
+    /// Time at which the command came, µs.
     came_us: u32,
     /// Whether the command has a new number that [`Orders::takes_new`] has not reported yet.
     is_new: bool,

@@ -111,7 +111,7 @@ pub enum ExternalError {
     Incomplete {
         /// The name.
         name: String,
-        /// What is wrong.
+        /// The mistake, in words.
         what: &'static str,
     },
 }

@@ -24,8 +24,8 @@ pub struct RawLoop<'a> {
     pub drive_limit_a: f64,
     /// Time between samples, s.
     pub sample_time_s: f64,
-    /// How long the body is held at its start before the controller is armed and the body is released,
-    /// s; the filter aligns during that time.
+    /// Time in s for which the body is held at its start, before the controller is armed and the body is released. The
+    /// filter aligns during this time.
     pub held_s: f64,
     /// Whether the firmware asks to arm before every sample after the release, whatever the status. Otherwise it asks
     /// once, at the release.

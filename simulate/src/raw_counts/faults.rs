@@ -3,7 +3,7 @@
 use super::controller::{RawController, RawSample};
 use crate::law::LawFailure;
 
-/// What is wrong with the samples, or with the firmware, while a fault lasts.
+/// A fault of the samples or of the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The gyroscope's registers are no longer updated.

@@ -46,13 +46,13 @@ pub struct SensorCalibrationReport {
 /// A three-axis sensor: value = matrix (counts − bias).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibratedSensor {
-    /// Unit of the value.
+    /// Unit of the calibrated value.
     pub unit_per_count: String,
     /// Bias, counts.
     pub bias_counts: [f64; 3],
     /// Standard errors of the bias, counts.
     pub bias_std: [f64; 3],
-    /// The matrix, row by row.
+    /// The matrix, row by row, in the unit of the value per count.
     pub matrix: [[f64; 3]; 3],
     /// Standard errors of the matrix; zero for entries that are not identified.
     pub matrix_std: [[f64; 3]; 3],
@@ -97,24 +97,24 @@ pub struct LeverArmOfSwing {
     pub position_std_m: [f64; 2],
     /// Scale error s of the gyroscope: the true rate about the pivot axis is (1 + s) times the calibrated one.
     pub gyro_scale_error: f64,
-    /// Its standard error.
+    /// Standard error of the scale error.
     pub gyro_scale_error_std: f64,
     /// Standard deviation of the residual of the acceleration, m/s².
     pub residual_std_m_s2: f64,
 }
 
-/// A straight line with its standard errors.
+/// A straight line with its standard errors; x and y have the units of the calibration that gave it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibratedLine {
-    /// Slope.
+    /// Slope, unit of y per unit of x.
     pub slope: f64,
-    /// Its standard error.
+    /// Standard error of the slope.
     pub slope_std: f64,
-    /// Value at zero.
+    /// y at x = 0, unit of y.
     pub offset: f64,
-    /// Its standard error.
+    /// Standard error of the offset, unit of y.
     pub offset_std: f64,
-    /// Standard deviation of the points about the line.
+    /// Standard deviation of the points about the line, unit of y.
     pub residual_std: f64,
 }
 

@@ -55,7 +55,7 @@ pub struct SimulationReport {
 pub struct LoopRun {
     /// Its name.
     pub scenario: String,
-    /// What happens in it, in one sentence.
+    /// The course of the run, in one sentence.
     pub about: String,
     /// Whether the body fell.
     pub fell: bool,
@@ -198,7 +198,7 @@ pub struct LoopOverlay {
     pub found: Option<LoggedLoop>,
 }
 
-/// A channel of an overlay in numbers; SI units.
+/// A channel of an overlay in numbers, in the SI unit of the channel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OverlayStatistics {
     /// angle, rate, wheel_speed or current.
