@@ -28,7 +28,8 @@ pub fn rest_per_angle_bias(
 }
 
 /// The state (angle, rate, wheel speed) in which the loop sampled at `sample_time_s` comes to rest, per rad of angle
-/// bias. With the same gains it is that of the continuous loop, because a held input is a constant input at rest.
+/// bias. With the same gains, the continuous loop comes to rest in the same state, because a held input is a constant
+/// input at rest.
 ///
 /// # Errors
 /// A singular loop; entries that are not finite; a sample time that is not positive.

@@ -273,8 +273,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
         /// Shift states and powers of z give the same transfer function, and a delay that all sensors share acts like
-        /// the
-    /// same delay of the current.
+        /// the same delay of the current.
         #[test]
         fn states_and_transfer_agree(
             current in 0.0..4.0_f64,

@@ -146,8 +146,7 @@ proptest! {
     }
 
     /// Bytes are lost, changed or inserted at one place. All other frames arrive in order, and no frame arrives that
-    /// was
-    /// not sent. One burst of errors destroys at most the frames that it touches and the frame after them.
+    /// was not sent. One burst of errors destroys at most the frames that it touches and the frame after them.
     #[test]
     fn the_line_is_right_again_after_a_burst(
         sent in prop::collection::vec(telemetry(), 4..12),
