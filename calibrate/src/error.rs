@@ -3,7 +3,7 @@
 /// The reason why a recording gives no calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
-    /// Not enough data.
+    /// Fewer data than the calibration needs.
     #[error("{what}: there are {found}, and at least {needed} are needed")]
     TooFew {
         /// The kind of data that is missing.

@@ -327,7 +327,7 @@ fn stated(
     };
     let rows = [unit(0), unit(1), unit(2), problem.gains];
     let input_norm = (problem.input.transpose() * p * problem.input)[0].sqrt();
-    // So many terms that the remainder is below the rounding of the bounds.
+    // With this number of terms, the remainder of the series is below the rounding of the bounds.
     let terms = (1e-14_f64.ln() / gamma.ln()).ceil().max(1.0) as u32;
     let power = gamma.powf(f64::from(terms));
     let geometric = input_norm * power / (1.0 - gamma);

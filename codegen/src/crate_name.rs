@@ -29,12 +29,12 @@ pub struct NoCrateName {
 }
 
 impl CrateName {
-    /// As `Cargo.toml` writes it.
+    /// The name as it is written in `Cargo.toml`.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// As Rust source writes it.
+    /// The name as it is written in Rust source, with `_` for `-`.
     pub fn in_rust(&self) -> String {
         self.0.replace('-', "_")
     }

@@ -67,7 +67,7 @@ pub struct BodyEncoderWords {
     pub angle: Line,
     /// From counts over the window to the word of the rate.
     pub rate: Line,
-    /// From the word of the angle to that of the current that holds the body there.
+    /// From the word of the body's angle to the word of the current that holds the body at this angle.
     pub holding: Line,
     /// The words of the supervisor.
     pub limits: BodyLimits,
@@ -175,7 +175,7 @@ fn inertial_words(
         None => NO_OBSERVER,
         Some(observer) => observer_words(observer, law)?,
     };
-    // So that angle − bias cannot overflow.
+    // The angle is limited so that angle − bias cannot overflow.
     let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
     let filter = attitude_words::derive(&filter_spec)?;
     Ok(InertialWords {

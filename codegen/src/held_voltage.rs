@@ -16,7 +16,7 @@ pub struct HeldInput {
     pub bd: [f64; 3],
     /// κ = k_e/R (A s/rad); zero for a current drive.
     pub back_emf: f64,
-    /// Largest |w| of the duty, V_max/R (A); infinite for a current drive, whose limit is that of the law.
+    /// Largest |w| of the duty, V_max/R (A); infinite for a current drive, whose current only the law limits.
     pub reach_a: f64,
 }
 

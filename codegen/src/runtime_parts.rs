@@ -57,7 +57,7 @@ impl Parts {
         "test",
     ];
 
-    /// All combinations.
+    /// All combinations of parts.
     pub fn all() -> impl Iterator<Item = Parts> {
         let wheels = [WheelPart::Converter, WheelPart::Driver, WheelPart::Encoder];
         wheels.into_iter().flat_map(|wheel| {

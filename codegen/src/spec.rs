@@ -25,7 +25,7 @@ pub struct ModuleSpec {
     pub drive: PwmDrive,
     /// The sensors that the states come from.
     pub hardware: HardwareSpec,
-    /// Sentences about the values of sensors and drive that nobody stated and that another bench supplied.
+    /// Sentences about the values of sensors and drive that the bench does not state and that come from another bench.
     pub assumed: Vec<String>,
     /// Identified parameters of the model behind the gains.
     pub parameters: Vec<ModelParameter>,

@@ -26,7 +26,7 @@ use plant::LinearModel;
 pub struct FrictionExtremes {
     /// No Coulomb friction at all.
     pub none: LinearModel,
-    /// All of it, as the viscous term μ/ι.
+    /// All Coulomb friction, as the viscous term μ/ι.
     pub all: LinearModel,
     /// The smoothing speed ι of that term, in rad/s.
     pub smoothing_speed_rad_s: f64,
@@ -76,7 +76,7 @@ impl ExtremeCheck {
 pub struct FrictionCheck {
     /// Without Coulomb friction.
     pub none: ExtremeCheck,
-    /// With all of it as damping.
+    /// With all Coulomb friction as damping.
     pub all: ExtremeCheck,
     /// The oscillation that unsmoothed friction maintains; `None` if no amount of damping
     /// makes the loop unstable.

@@ -122,7 +122,7 @@ impl LatePlant {
         let n = a.nrows();
         check_shape("the state matrix A", a, n, n)?;
         check_shape("the input matrix B", b, n, 1)?;
-        // One more state for each filter; it shows in place of what it filters.
+        // One more state for each filter: its output, which is measured in place of the filtered state.
         let filtered: Vec<usize> = (0..lateness.sensors.len().min(n))
             .filter(|sensor| lateness.sensors[*sensor].lag_s > 0.0)
             .collect();

@@ -27,7 +27,7 @@ pub enum Outsider {
 }
 
 impl Outsider {
-    /// All terms.
+    /// All outsiders.
     pub const ALL: [Outsider; 8] = [
         Outsider::MagnetNearAnAngle,
         Outsider::FrictionThatGrows,

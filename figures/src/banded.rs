@@ -16,7 +16,7 @@ use crate::text;
 pub struct Banded<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The shared horizontal axis.
     pub x: Quantity<'a>,

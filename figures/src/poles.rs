@@ -22,7 +22,7 @@ pub enum Plane {
 pub struct Poles<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// z-plane or s-plane.
     pub plane: Plane,

@@ -12,7 +12,7 @@ use crate::svg::{Anchor, Path, Stroke, Text};
 pub struct Reliability<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The bins.
     pub bins: &'a [ReliabilityBin],

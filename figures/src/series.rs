@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub struct Series<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The shared horizontal axis, such as time in s.
     pub x: Quantity<'a>,

@@ -14,7 +14,7 @@ use crate::text;
 pub struct Staircase<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// Names of the steps: "base model", "+ body-coulomb-friction", …
     pub steps: &'a [&'a str],

@@ -163,7 +163,7 @@ pub enum Given {
 /// The source of start values for the parameters of an effect, before any fit.
 #[derive(Clone, Copy, Debug)]
 pub enum StartFrom {
-    /// None: a fit starts from [`EffectInfo::starts`].
+    /// No measurement: a fit starts from [`EffectInfo::starts`].
     Stated,
     /// The damping of the measured motion. The effect has one parameter, the viscous friction of body or wheel.
     Damping,

@@ -216,7 +216,7 @@ fn named<'a>(name: &'a str, found: &'a (DesignReport, LoopExpectations)) -> Name
     }
 }
 
-/// Names by which designs can be told apart: those of the models, or their paths where two have one name.
+/// A different name for each design: the name of its model, or the model's path where two models have the same name.
 fn names_of(
     first: &str,
     model: &Path,

@@ -54,7 +54,7 @@ fn magnetometer_warns_of_poor_coverage() {
 }
 
 /// Readings that overflowed, and an axis that stops at the end of its range, are left out and
-/// counted; what is left gives bias and matrix as if they had not been there.
+/// counted; the fit to the other readings is good, and its bias is within 4 counts.
 #[test]
 fn overflows_and_clipped_axes_are_left_out() {
     for seed in 0..40 {

@@ -45,7 +45,7 @@ struct Certificate<'a> {
     accelerometer_m_s2_per_count: Option<String>,
     /// Fresh samples of the gyroscope a second.
     gyro_rate_hz: Option<String>,
-    /// Sentences about the properties of sensors and drive that nobody stated.
+    /// Sentences about the properties of sensors and drive that the bench does not state.
     assumed: Vec<String>,
     inputs: Vec<Input<'a>>,
     output: Output,

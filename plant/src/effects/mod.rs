@@ -126,8 +126,8 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => $module::$effect::distort(p, reading),)*
                     EffectId::External(external) => external.distort(p, reading),
-                    // Not evaluated itself: in each log the library effect behind it is evaluated with the parameter of
-                    // that log ([`crate::Plant::for_log`]).
+                    // In each log, the library effect behind this one is evaluated with the parameter of that log
+                    // ([`crate::Plant::for_log`]).
                     EffectId::PerLog(_) => {}
                 }
             }

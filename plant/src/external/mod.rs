@@ -22,15 +22,15 @@ use adapted::Adapted;
 /// the effect is called; the effect writes those that are not.
 #[derive(Debug)]
 pub struct Partials<'a> {
-    /// With respect to the members of the instant.
+    /// Derivatives with respect to the members of the instant.
     pub at: Instant<f64>,
-    /// With respect to the current in A.
+    /// Derivative with respect to the current in A.
     pub current_a: f64,
-    /// With respect to the torque constant in N m/A.
+    /// Derivative with respect to the torque constant in N m/A.
     pub torque_constant: f64,
-    /// With respect to the members of the reading.
+    /// Derivatives with respect to the members of the reading.
     pub reading: Reading<f64>,
-    /// With respect to each parameter.
+    /// Derivatives with respect to the parameters.
     pub p: &'a mut [f64],
 }
 

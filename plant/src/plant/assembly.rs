@@ -259,7 +259,7 @@ impl Structure {
                 };
             step = step.min(STEP_TIME_CONSTANTS / (slope * inverse).max(1e-9));
         }
-        // Only parameters that are not physical would require a step below a microsecond.
+        // Only unphysical parameters would require a step below a microsecond.
         step.max(1e-6)
     }
 }

@@ -29,8 +29,8 @@ fn a_swing_without_friction_has_the_period_of_the_elliptic_integral_and_keeps_it
 
 #[test]
 fn a_locked_swing_is_the_free_one_with_an_infinitely_sluggish_wheel() {
-    // With the wheel locked Θ counts; with it free and frictionless the wheel keeps its absolute
-    // speed, so that only Θ − j_w swings.
+    // With a locked wheel, the inertia of the swing is Θ. A free wheel without friction keeps its absolute speed, so
+    // that the inertia of the swing is Θ − j_w.
     let values = [VALUES[0], VALUES[1], VALUES[2], VALUES[3], 0.0, 0.0];
     let free = Plant::new(&Model::base(), &values, Kind::Driven);
     let end = swing(&free, 0.4, 1e-3, 1000)[1000];

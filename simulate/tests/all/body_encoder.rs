@@ -301,7 +301,7 @@ fn a_count_stuck_upright_trips_when_the_wheel_has_spun_itself_up() {
                     tripped = Some(steps);
                     break;
                 }
-                // It is armed with the wheel at rest, which a hand then turns.
+                // The controller is armed with the wheel at rest; after that, a hand turns the wheel.
                 _ => {
                     if controller.arm().unwrap() {
                         wheel = speed;

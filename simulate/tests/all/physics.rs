@@ -160,7 +160,7 @@ fn a_delay_of_the_model_and_of_the_computation_agree() {
     on.computation_s = delay_s;
     let other = on.run(&at_rest(0.1), 2.0, &mut exact_law(), false).unwrap();
     assert!(one.deviation(&other).angle_rad < 1e-12);
-    // Without the delay, the motion is another.
+    // Without the delay, the motion differs.
     on.computation_s = 0.0;
     let without = on.run(&at_rest(0.1), 2.0, &mut exact_law(), false).unwrap();
     assert!(one.deviation(&without).angle_rad > 1e-4);

@@ -65,8 +65,9 @@ fn drive(bits: u32, range_a: f64, is_inverted: bool) -> String {
     )
 }
 
-/// Every range of a drive emits, of 16 bits and some of 12 bits inverted. The smallest and the largest range, one that
-/// is just below a power of two, and the inverted ones are proved.
+/// A module is emitted for every range of a drive of 16 bits, and for some of 12 bits with an inverted duty. The
+/// modules of the smallest and the largest range, of one just below a power of two, and of the inverted ones are
+/// proved.
 #[test]
 fn every_drive_emits() {
     let ranges = [0.4, 2.2, 3.2, 3.5, 3.99, 6.5, 7.9, 13.0, 15.9, 30.0];

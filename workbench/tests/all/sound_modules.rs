@@ -155,7 +155,8 @@ fn none_is_refused(modules: &[Sound], filter_length: bool) {
     assert!(all.is_empty(), "{all:#?}");
 }
 
-/// Without the claim about the filter's length, which takes half of a proof and is proved of other modules elsewhere.
+/// The claim about the filter's length takes half of the time of a proof. It is left out here, because other tests
+/// prove it of other modules.
 #[test]
 fn a_few_sound_modules_are_not_refused() {
     none_is_refused(&MODULES[..FEW], false);
