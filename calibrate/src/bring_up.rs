@@ -32,12 +32,12 @@ pub enum Doubt {
     Moved {
         /// The recording.
         recording: &'static str,
-        /// By how much.
+        /// Angle between the body's mean directions in the first and in the last quarter.
         by_rad: f64,
     },
     /// The body turns too little, or too far, from hanging (rad).
     NotTilted {
-        /// By how much.
+        /// Its turn from hanging.
         by_rad: f64,
     },
     /// The recording of the tilt begins with the body tilted, so that the gyroscope sees no turn.

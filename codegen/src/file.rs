@@ -43,7 +43,7 @@ pub enum FileError {
         /// The system's error.
         source: io::Error,
     },
-    /// A file exists there that this program did not write.
+    /// The file that would be overwritten was not written by this program.
     #[error(
         "{} was not written by flywheel (no `{MARK}` in it) and is left alone; choose another folder or move the file away",
         path.display()

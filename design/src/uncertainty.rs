@@ -456,7 +456,7 @@ mod tests {
             let pole = &study.open_loop[2];
             let first_order = pole.std_re / pole.value.re;
             assert!((first_order / golden - 1.0).abs() < 1e-5, "{rho}: {pole:?}");
-            // Four standard errors of a standard deviation, and a per cent of curvature.
+            // Allowed are four standard errors of a sampled standard deviation, plus 1 % for the curvature.
             let allowed = 4.0 / (2.0 * samples as f64).sqrt() + 0.01;
             let ratio = pole.sampled_std_re / pole.std_re;
             assert!((ratio - 1.0).abs() < allowed, "{rho}: {pole:?}");

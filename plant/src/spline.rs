@@ -20,8 +20,8 @@ pub struct Spline {
 }
 
 impl Spline {
-    /// A spline over increasing knots, at least four; with a period the last knot lies within it of the first.
-    /// `None` for other knots.
+    /// A spline over at least four increasing knots. If it is periodic, first and last knot are less than `period`
+    /// apart. `None` for other knots.
     pub fn new(knots: &[f64], period: Option<f64>) -> Option<Spline> {
         let n = knots.len();
         let span = knots.last()? - knots.first()?;

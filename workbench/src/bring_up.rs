@@ -66,7 +66,7 @@ pub struct BringUpAxes {
     pub gyroscope: Option<[String; 3]>,
 }
 
-/// A recording without the motion that its key asks for, or an entry of bench.toml that contradicts a recording.
+/// A recording that does not show the motion of its key, or an entry of bench.toml that contradicts a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BringUpContradiction {
     /// The recording that shows the contradiction, by its key under `[bring_up]`.

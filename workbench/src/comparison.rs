@@ -136,7 +136,7 @@ pub struct ExperimentCurves {
     pub experiment: String,
     /// Time of the samples, s.
     pub time_s: Vec<f64>,
-    /// Whether the sample counts: `false` around a push that nobody recorded.
+    /// Whether the sample is fitted: `false` around an unrecorded push.
     pub counts: Vec<bool>,
     /// The channels.
     pub channels: Vec<ChannelCurves>,
@@ -175,7 +175,7 @@ pub(crate) struct Compared<'a> {
     pub windows: &'a [Vec<Window>],
     /// For each record and channel: the prediction compared with the measurement.
     pub traces: &'a [Vec<PredictedSeries>],
-    /// For each record: the pushes that nobody recorded.
+    /// The unrecorded pushes of each record.
     pub pushes: &'a [Vec<FoundPush>],
 }
 

@@ -28,8 +28,8 @@ fn line_of_the_converter() {
     assert!(fit_line(&[(1.0, 2.0), (2.0, f64::NAN), (3.0, 4.0)]).is_err());
 }
 
-/// A converter whose count stays constant at both ends of its range: the points there are left out, and the line is
-/// that of the other points.
+/// The count of a converter stays constant at both ends of its range. The points there are left out, and the line is
+/// fitted to the other points.
 #[test]
 fn the_ends_of_a_converter_are_left_out() {
     let (slope, offset) = (0.9_f64, -552.0);

@@ -315,8 +315,9 @@ fn recoveries(runs: usize, seed: u64, fault_shares: Option<Range<f64>>) -> Recov
     found
 }
 
-/// No recovery is lost that perfect sensors make within the limits, but for those so near the motor's end that the
-/// errors of real sensors decide.
+/// The emitted controller recovers wherever perfect sensors recover within the limits. An exception is allowed only
+/// where perfect sensors do not recover from a disturbance larger by [`SENSOR_SHARE`]: there, the errors of real
+/// sensors decide.
 fn no_recovery_is_lost(runs: usize, seed: u64, fault_shares: Option<Range<f64>>) {
     let found = recoveries(runs, seed, fault_shares);
     println!(
@@ -333,7 +334,7 @@ fn real_sensors_lose_no_recovery() {
     no_recovery_is_lost(60, 45, None);
 }
 
-/// A fault that is over before it trips is survived.
+/// No recovery is lost to a fault that ends before the supervisor trips.
 #[test]
 fn a_fault_that_passes_loses_no_recovery() {
     no_recovery_is_lost(60, 46, Some(0.0..1.0));

@@ -85,7 +85,7 @@ fn every_drive_emits() {
     }
 }
 
-/// A range of the duty that is narrow about its middle takes bits from the slope, not the module.
+/// With a narrow range of the duty, the slope has fewer bits; the module is emitted and proved nevertheless.
 #[test]
 fn a_narrow_range_of_the_duty_emits() {
     let narrow = "[hardware.drive]\nkind = \"current\"\nbits = 16\nduty_low = 31000\nduty_zero = 32768\n\
