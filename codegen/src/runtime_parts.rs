@@ -34,7 +34,7 @@ pub enum WheelPart {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PartsError {
     /// The text does not consist of Rust tokens.
-    #[error("no Rust tokens: {0}")]
+    #[error("the text does not consist of Rust tokens: {0}")]
     NoTokens(String),
     /// A condition names something that is no part.
     #[error("line {line}: `{condition}` is no condition on the parts of a bench")]

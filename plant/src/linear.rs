@@ -32,7 +32,10 @@ pub enum LinearisationError {
         wheel: f64,
     },
     /// There is no equilibrium of the body near the requested angle.
-    #[error("the body has no equilibrium near {near_rad} rad with these parameters")]
+    #[error(
+        "the body has no equilibrium near {near_rad} rad; check the parameters of its torques, such as gravity and \
+         springs"
+    )]
     NoEquilibrium {
         /// Where the search started, rad.
         near_rad: f64,

@@ -101,7 +101,7 @@ impl Definition {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ExternalError {
     /// The library has an effect of this name.
-    #[error("the library already has an effect called {name}")]
+    #[error("the library already has an effect called {name}; choose another name")]
     NameTaken {
         /// The name.
         name: String,
